@@ -1,0 +1,84 @@
+# Target contact::sundials: CVODE and serial vectors, static, position independent, without MPI.
+#   CONTACT_SUNDIALS=auto    the installed one when it is fit for an FMU, else upstream's
+#   CONTACT_SUNDIALS=system  the installed one or an error that says why not
+#   CONTACT_SUNDIALS=fetch   upstream at the commit below; -DFETCHCONTENT_SOURCE_DIR_SUNDIALS=<checkout> saves
+#                            the download
+set(CONTACT_SUNDIALS auto CACHE STRING "auto, system or fetch")
+set_property(CACHE CONTACT_SUNDIALS PROPERTY STRINGS auto system fetch)
+
+set(contact_sundials_commit c298f0f56c48eb8ce687d399e981ce09b3d0c36e) # v7.5.0
+
+# Tries the installed SUNDIALS in a build of its own: the targets of a refused one would stand in the
+# fallback's way.
+function(contact_probe_installed_sundials)
+    if(DEFINED CONTACT_SUNDIALS_FIT)
+        return()
+    endif()
+    set(folder "${PROJECT_BINARY_DIR}/sundials_probe")
+    file(REMOVE_RECURSE "${folder}")
+    execute_process(
+        COMMAND "${CMAKE_COMMAND}" -S "${PROJECT_SOURCE_DIR}/cmake/sundials_probe" -B "${folder}"
+            -G "${CMAKE_GENERATOR}"
+            "-DCMAKE_MAKE_PROGRAM=${CMAKE_MAKE_PROGRAM}" "-DCMAKE_C_COMPILER=${CMAKE_C_COMPILER}"
+            "-DCMAKE_C_FLAGS=${CMAKE_C_FLAGS}" "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}"
+            "-DCMAKE_PREFIX_PATH=${CMAKE_PREFIX_PATH}" "-DSUNDIALS_DIR=${SUNDIALS_DIR}"
+            "-DSUNDIALS_ROOT=${SUNDIALS_ROOT}"
+        RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+    if(NOT status)
+        execute_process(COMMAND "${CMAKE_COMMAND}" --build "${folder}"
+            RESULT_VARIABLE status OUTPUT_QUIET ERROR_QUIET)
+    endif()
+    set(why "no installed SUNDIALS with static cvode and nvecserial")
+    if(output MATCHES "probe: ([^\n]*)")
+        set(why "${CMAKE_MATCH_1}")
+    endif()
+    string(COMPARE EQUAL "${status}" 0 fit)
+    set(CONTACT_SUNDIALS_FIT ${fit} CACHE INTERNAL "may the installed SUNDIALS go into an FMU?")
+    set(CONTACT_SUNDIALS_REFUSED "${why}" CACHE INTERNAL "and if not, why")
+endfunction()
+
+# Upstream's sources as a part of this build: CVODE only, and nothing of it installed.
+function(contact_build_sundials)
+    include(FetchContent)
+    FetchContent_Declare(sundials
+        GIT_REPOSITORY https://github.com/LLNL/sundials.git
+        GIT_TAG ${contact_sundials_commit}
+        SOURCE_SUBDIR only-the-files) # no such folder: it is added below, out of `all` and `install`
+    FetchContent_MakeAvailable(sundials)
+    foreach(package ARKODE CVODES IDA IDAS KINSOL)
+        set(BUILD_${package} OFF CACHE INTERNAL "")
+    endforeach()
+    foreach(off BUILD_SHARED_LIBS EXAMPLES_ENABLE_C EXAMPLES_INSTALL ENABLE_MPI ENABLE_OPENMP)
+        set(${off} OFF CACHE INTERNAL "")
+    endforeach()
+    set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+    set(CMAKE_C_VISIBILITY_PRESET hidden)
+    # Its messages name their source file; a path of the build machine has no place in an FMU.
+    add_compile_options("-ffile-prefix-map=${sundials_SOURCE_DIR}/=sundials/"
+        "-ffile-prefix-map=${sundials_BINARY_DIR}/=sundials/" -ffunction-sections -fdata-sections)
+    set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
+    add_subdirectory("${sundials_SOURCE_DIR}" "${sundials_BINARY_DIR}" EXCLUDE_FROM_ALL SYSTEM)
+endfunction()
+
+if(CONTACT_SUNDIALS STREQUAL "fetch")
+    set(contact_use_installed OFF)
+else()
+    contact_probe_installed_sundials()
+    set(contact_use_installed ${CONTACT_SUNDIALS_FIT})
+    if(NOT CONTACT_SUNDIALS_FIT AND CONTACT_SUNDIALS STREQUAL "system")
+        message(FATAL_ERROR "CONTACT_SUNDIALS=system: ${CONTACT_SUNDIALS_REFUSED}")
+    elseif(NOT CONTACT_SUNDIALS_FIT)
+        message(STATUS "SUNDIALS: ${CONTACT_SUNDIALS_REFUSED}")
+    endif()
+endif()
+
+if(contact_use_installed)
+    include("${PROJECT_SOURCE_DIR}/cmake/InstalledSundials.cmake")
+    message(STATUS "SUNDIALS: ${SUNDIALS_VERSION}, installed at ${SUNDIALS_DIR}")
+else()
+    message(STATUS "SUNDIALS: building upstream's")
+    contact_build_sundials()
+    add_library(contact_sundials INTERFACE)
+    target_link_libraries(contact_sundials INTERFACE SUNDIALS::cvode_static SUNDIALS::nvecserial_static)
+endif()
+add_library(contact::sundials ALIAS contact_sundials)

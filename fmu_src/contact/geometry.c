@@ -1,0 +1,72 @@
+#include "contact/geometry.h"
+
+double contact_reach(const struct contact_shape *shape)
+{
+    return shape->side > 0 ? shape->source_radius + shape->other_radius
+                           : shape->other_radius - shape->source_radius;
+}
+
+/* Taken off one at a time, the larger first: the sum r_s + r_d would round once more. */
+static double gap_at(const struct contact_shape *shape, double distance)
+{
+    const double larger = fmax(shape->source_radius, shape->other_radius);
+    const double smaller = fmin(shape->source_radius, shape->other_radius);
+    if (shape->side > 0) {
+        return (distance - larger) - smaller;
+    }
+    return (shape->other_radius - distance) - shape->source_radius;
+}
+
+struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
+                                            struct vec3 fallback)
+{
+    struct contact_geometry at = {.offset = c, .normal = fallback};
+    if (shape->destination == SHAPE_CYLINDER) {
+        at.axial = vec3_dot(c, shape->axis);
+        at.offset = vec3_axpy(c, -at.axial, shape->axis);
+    }
+    at.distance = vec3_norm(at.offset);
+    at.degenerate = !(at.distance > 0.0);
+    if (!at.degenerate) {
+        at.normal = (struct vec3){at.offset.x / at.distance, at.offset.y / at.distance, at.offset.z / at.distance};
+    }
+    at.gap = gap_at(shape, at.distance);
+    at.gap_rate = shape->side * vec3_dot(at.normal, w);
+    return at;
+}
+
+bool contact_within_extents(const struct contact_shape *shape, double axial)
+{
+    return fabs(axial) <= shape->half_length;
+}
+
+struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at)
+{
+    const bool flipped = shape->destination == SHAPE_CYLINDER && shape->side < 0;
+    return flipped ? vec3_scale(-1.0, at->normal) : at->normal;
+}
+
+struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w)
+{
+    struct vec3 across = vec3_axpy(w, -vec3_dot(normal, w), normal);
+    if (shape->destination == SHAPE_CYLINDER) {
+        across = vec3_axpy(across, -vec3_dot(shape->axis, w), shape->axis);
+    }
+    return across;
+}
+
+struct vec3 contact_default_normal(const struct contact_shape *shape)
+{
+    if (shape->destination != SHAPE_CYLINDER) {
+        return vec3_make(0.0, 0.0, -1.0);
+    }
+    const struct vec3 e = shape->axis;
+    struct vec3 start = {0.0, 0.0, -1.0};
+    if (fabs(e.x) < fabs(e.z) && fabs(e.x) <= fabs(e.y)) {
+        start = vec3_make(-1.0, 0.0, 0.0);
+    } else if (fabs(e.y) < fabs(e.z)) {
+        start = vec3_make(0.0, -1.0, 0.0);
+    }
+    const struct vec3 across = vec3_axpy(start, -vec3_dot(start, e), e);
+    return vec3_scale(1.0 / vec3_norm(across), across);
+}

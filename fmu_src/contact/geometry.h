@@ -1,0 +1,59 @@
+/*
+ * Geometry of one contact: where the source sphere is relative to the destination, in the world frame, SI units.
+ *
+ *   c = x_dst - x_src     separation [m], w = v_dst - v_src its rate [m/s]
+ *   sphere:    d = |c|,   n = c / d
+ *   cylinder:  rho = c - (c.e_d) e_d, d = |rho|, n = rho / d
+ *   outside:   g = d - (r_s + r_d)        inside a hollow destination:   g = (r_d - r_s) - d
+ *
+ * Both are g = side (d - reach) with side +1 outside, -1 inside, and reach r_s + r_d or r_d - r_s, so that
+ * g' = side n.w. The gradient of d with respect to c is n for both shapes; n is perpendicular to e_d for a cylinder.
+ */
+#ifndef CONTACT_GEOMETRY_H
+#define CONTACT_GEOMETRY_H
+
+#include <stdbool.h>
+
+#include "contact/choices.h"
+#include "contact/vec3.h"
+
+/* What does not change while a contact exists. */
+struct contact_shape {
+    struct vec3 axis;        /* e_d, unit length; cylinder only */
+    double source_radius;    /* r_s > 0 */
+    double other_radius;     /* r_d > 0, of the destination */
+    double half_length;      /* L / 2 of a finite cylinder; INFINITY otherwise */
+    int side;                /* +1: the source is outside the destination, -1: inside */
+    enum shape destination;
+};
+
+struct contact_geometry {
+    struct vec3 normal;      /* n, unit; towards the destination's centre or axis; the fallback where d = 0 */
+    struct vec3 offset;      /* c of a sphere, rho of a cylinder [m] */
+    double distance;         /* d [m] */
+    double gap, gap_rate;    /* g [m], g' [m/s]; radial, whether or not the source is within a cylinder's extents */
+    double axial;            /* c.e_d [m]; 0 for a sphere */
+    bool degenerate;         /* d = 0: n is the fallback */
+};
+
+/* The distance at which the bodies touch: r_s + r_d outside, r_d - r_s inside [m]. */
+double contact_reach(const struct contact_shape *shape);
+
+/* Geometry for separation c and its rate w; `fallback` is the unit vector to use for n where d = 0. */
+struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
+                                            struct vec3 fallback);
+
+/* Whether the source's centre lies between the end planes of the destination (always, unless it is finite). */
+bool contact_within_extents(const struct contact_shape *shape, double axial);
+
+/* e_c as users see it: towards the destination's centre (sphere) or towards the contact point (cylinder). */
+struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at);
+
+/* The part of w that turns n: without its components along n and along a cylinder's axis [m/s]. */
+struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w);
+
+/* A unit vector to start from where no direction is known: -z for a sphere (the source above the destination);
+ * for a cylinder the coordinate axis least aligned with e_d, made perpendicular to it, negative. */
+struct vec3 contact_default_normal(const struct contact_shape *shape);
+
+#endif

@@ -1,0 +1,121 @@
+#include "contact/polynomial.h"
+
+#include <float.h>
+#include <math.h>
+
+double polynomial_at(const struct polynomial *p, double s)
+{
+    double value = p->a[p->degree];
+    for (int i = p->degree - 1; i >= 0; --i) {
+        value = value * s + p->a[i];
+    }
+    return value;
+}
+
+struct polynomial polynomial_derivative(const struct polynomial *p)
+{
+    struct polynomial d = {{0.0}, p->degree > 0 ? p->degree - 1 : 0};
+    for (int i = 1; i <= p->degree; ++i) {
+        d.a[i - 1] = i * p->a[i];
+    }
+    return d;
+}
+
+struct polynomial polynomial_add(const struct polynomial *a, double factor, const struct polynomial *b)
+{
+    struct polynomial sum = {{0.0}, a->degree > b->degree ? a->degree : b->degree};
+    for (int i = 0; i <= sum.degree; ++i) {
+        sum.a[i] = (i <= a->degree ? a->a[i] : 0.0) + factor * (i <= b->degree ? b->a[i] : 0.0);
+    }
+    return sum;
+}
+
+struct polynomial polynomial_multiply(const struct polynomial *a, const struct polynomial *b)
+{
+    struct polynomial product = {{0.0}, a->degree + b->degree};
+    for (int i = 0; i <= a->degree; ++i) {
+        for (int j = 0; j <= b->degree; ++j) {
+            product.a[i + j] += a->a[i] * b->a[j];
+        }
+    }
+    return product;
+}
+
+/* Newton's method kept inside the bracket [low, high], on which p is monotone and changes sign. */
+static double bracketed_root(const struct polynomial *p, const struct polynomial *derivative, double low, double high)
+{
+    const double rising = polynomial_at(p, low) < 0.0 ? 1.0 : -1.0;
+    double s = 0.5 * (low + high);
+    /* Bisection alone would need about 1100 halvings to reach the smallest double, Newton a handful of steps. */
+    for (int i = 0; i < 1200; ++i) {
+        const double value = polynomial_at(p, s);
+        if (value == 0.0) {
+            return s;
+        }
+        if (rising * value < 0.0) {
+            low = s;
+        } else {
+            high = s;
+        }
+        double next = s - value / polynomial_at(derivative, s);
+        if (!(next > low && next < high)) {
+            next = 0.5 * (low + high);
+        }
+        if (fabs(next - s) <= DBL_EPSILON * next || next <= low || next >= high) {
+            return next;
+        }
+        s = next;
+    }
+    return s;
+}
+
+static int trimmed_degree(const struct polynomial *p)
+{
+    int degree = p->degree;
+    while (degree > 0 && p->a[degree] == 0.0) {
+        --degree;
+    }
+    return degree;
+}
+
+/* Roots between neighbouring `cuts` (the derivative's roots), with the ends of the interval. */
+static int roots_between(const struct polynomial *p, const struct polynomial *derivative, const double *cuts,
+                         int cut_count, double *roots)
+{
+    int count = 0;
+    double low = 0.0;
+    double low_value = p->a[0];
+    for (int i = 0; i <= cut_count; ++i) {
+        const double high = i < cut_count ? cuts[i] : 1.0;
+        const double high_value = polynomial_at(p, high);
+        if ((low_value < 0.0 && high_value > 0.0) || (low_value > 0.0 && high_value < 0.0)) {
+            roots[count++] = bracketed_root(p, derivative, low, high);
+        } else if (high_value == 0.0 && i < cut_count) {
+            /* An exact zero at a cut: keep the sign from the left and let the next piece decide. */
+            continue;
+        }
+        low = high;
+        low_value = high_value;
+    }
+    return count;
+}
+
+int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_MAX_DEGREE])
+{
+    struct polynomial chain[POLYNOMIAL_MAX_DEGREE + 1];
+    const int degree = trimmed_degree(p);
+    chain[degree] = *p;
+    chain[degree].degree = degree;
+    for (int i = degree; i > 0; --i) {
+        chain[i - 1] = polynomial_derivative(&chain[i]);
+    }
+    double cuts[POLYNOMIAL_MAX_DEGREE];
+    int count = 0;
+    for (int i = 1; i <= degree; ++i) {
+        count = roots_between(&chain[i], &chain[i - 1], cuts, count, roots);
+        for (int j = 0; j < count; ++j) {
+            cuts[j] = roots[j];
+        }
+    }
+    return count;
+}

@@ -1,0 +1,30 @@
+/*
+ * When a contact's regime changes, in closed form.
+ *
+ * Without a contact force the separation is a polynomial c(t) of degree four or less (two for constant force), so the
+ * conditions "bodies touch" (|rho|^2 = reach^2), "passes a cylinder's end" (c.e_d = +-L/2), "gap rate changes sign"
+ * (rho.rho' = 0) and "law is zero" (p_n g + p_nv g' = 0, squared) are polynomials too. All their roots are isolated, so
+ * no change is missed however long the interval is. The same holds in every regime when no body is free.
+ *
+ * With a contact force between free bodies only the passage of an end is known in advance: the force is perpendicular to
+ * the axis.
+ */
+#ifndef CONTACT_ENCOUNTER_H
+#define CONTACT_ENCOUNTER_H
+
+#include "dynamics/system.h"
+
+struct encounter {
+    double after;                /* seconds from the present; INFINITY when nothing changes within the horizon */
+    enum contact_regime regime;  /* the regime from then on */
+};
+
+/*
+ * The first change of the regime of `contact` within `horizon` seconds of the present instant `at`, taken at `clock`.
+ * Exact to the rounding of the gap: a change sooner than the gap or the end plane can be resolved (a boundary just
+ * crossed) is taken as the present regime's own beginning.
+ */
+struct encounter encounter_next(const struct scene_values *v, const struct motion *q, const struct system_instant *at,
+                                double clock, int contact, double horizon);
+
+#endif

@@ -1,0 +1,45 @@
+#include "dynamics/energy.h"
+
+double energy_kinetic_of(const struct scene_values *v, const struct system_instant *at)
+{
+    double sum = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            sum += 0.5 * body_mass(v, i) * vec3_dot(at->velocity[i], at->velocity[i]);
+        }
+    }
+    return sum;
+}
+
+double energy_potential_of(const struct scene_values *v, const struct system_instant *at)
+{
+    double sum = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const double centre = vec3_dot(gravity(v), body_center(v, i));
+            sum -= body_mass(v, i) * (centre + vec3_dot(gravity(v), at->displacement[i]));
+        }
+    }
+    return sum;
+}
+
+double energy_stored(const struct scene_values *v, const struct motion *q, const struct system_instant *at)
+{
+    double sum = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_law law = system_law(v, q, j);
+        sum += contact_stored_energy(&law, (enum contact_regime)q->contact[j].regime, at->geometry[j].gap);
+    }
+    return sum;
+}
+
+double energy_dissipated_power(const struct scene_values *v, const struct motion *q, const struct system_instant *at)
+{
+    double sum = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_law law = system_law(v, q, j);
+        sum += contact_dissipated_power(&law, (enum contact_regime)q->contact[j].regime, at->normal_force[j],
+                                        at->geometry[j].gap, at->geometry[j].gap_rate);
+    }
+    return sum;
+}

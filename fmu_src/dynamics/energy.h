@@ -1,0 +1,19 @@
+/* Energies of the scene [J]. kinetic + potential + contact + dissipated - external work stays constant. */
+#ifndef CONTACT_ENERGY_H
+#define CONTACT_ENERGY_H
+
+#include "dynamics/system.h"
+
+/* Sum of m v^2 / 2 over the free bodies. */
+double energy_kinetic_of(const struct scene_values *v, const struct system_instant *at);
+
+/* Minus the sum of m gravity.x over the free bodies; zero at the world's origin. */
+double energy_potential_of(const struct scene_values *v, const struct system_instant *at);
+
+/* Sum of p_n g^2 / 2 over the contacts. */
+double energy_stored(const struct scene_values *v, const struct motion *q, const struct system_instant *at);
+
+/* Sum of -(F_n + p_n g) g' over the contacts [W]. */
+double energy_dissipated_power(const struct scene_values *v, const struct motion *q, const struct system_instant *at);
+
+#endif

@@ -1,0 +1,84 @@
+/*
+ * The state of motion of a scene: flat, without pointers, so that copying it saves it.
+ *
+ * Time is kept as base + base_tail + clock. The clock starts at zero whenever the motion is rebased (an event, a change of
+ * input), so that short contacts keep all their digits at late times; base_tail holds what base rounded away. Input
+ * paths are polynomials in the clock.
+ */
+#ifndef CONTACT_MOTION_H
+#define CONTACT_MOTION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "contact/law.h"
+#include "scene.h"
+
+struct body_state {
+    struct vec3 displacement;    /* u [m] */
+    struct vec3 velocity;        /* v [m/s] */
+};
+
+/* Inputs between communication points: sum of coefficient[i] clock^i. */
+struct body_path {
+    struct vec3 displacement[4]; /* of a prescribed body [m, m/s, ...] */
+    struct vec3 velocity[3];     /* of a prescribed body [m/s, ...] */
+    struct vec3 force[3];        /* external force on a free body [N, N/s, ...] */
+};
+
+struct contact_state {
+    struct vec3 normal;          /* the last valid n, for d = 0 */
+    double stiffness, damping;   /* p_n and p_nv in force [N/m, N s/m] */
+    double diagonal;             /* of the bounding box of both bodies at the start [m] */
+#if SCENE_ANY_FREE
+    struct vec3 impulse;         /* on the source since initialization [N s] */
+    struct vec3 impulse_mark;    /* the impulse at the start of the communication step */
+    double peak_force;           /* over the last communication step [N] */
+    double peak_penetration;     /* likewise, max(-g) >= 0 [m] */
+    double onset_time;           /* when the contact under way, or the last one, began [s] */
+    double last_duration;        /* of the last finished contact [s] */
+    double touch_clock;          /* the clock at that onset (negative once rebased), for exact durations [s] */
+    double change_clock;         /* the regime changes at this clock in closed form; INFINITY: not before the horizon */
+    int32_t change_regime;       /* and becomes this */
+    int32_t onsets;
+#endif
+    int32_t regime;              /* enum contact_regime */
+    int32_t side;                /* +1 outside, -1 inside: the location in force */
+    int32_t warned;              /* whether the warning of an undefined direction has been given */
+};
+
+struct solver_counters {
+    int32_t steps, force_evaluations, events, rejected_steps;
+};
+
+struct motion {
+    double base, base_tail, clock;   /* [s] */
+    struct contact_state contact[SCENE_CONTACTS];
+#if SCENE_ANY_FREE
+    double horizon_clock;            /* how far the change_clocks have looked; at or before `clock`: look again */
+    struct body_state body[SCENE_BODIES];    /* used where the body is free */
+    double dissipated, external_work;        /* since initialization [J] */
+    double window;                   /* length of the last communication step, as far as it got [s] */
+#endif
+    struct body_path path[SCENE_BODIES];
+    struct solver_counters counters;
+    int32_t integrator_fresh;        /* 1: the integrator has no history that matters; it starts from this state */
+};
+
+/* The present time [s]. */
+double motion_time(const struct motion *q);
+
+/* How far `end_time` is away, without the rounding of base + clock [s]. */
+double motion_remaining(const struct motion *q, double end_time);
+
+/* Moves the origin of the clock to the present: paths are shifted, durations kept; nothing else changes. The integrator
+ * starts afresh. */
+void motion_rebase(struct motion *q);
+
+/* A path's value at a clock, of `count` coefficients. */
+struct vec3 path_at(const struct vec3 *coefficients, int count, double clock);
+
+/* The same path with its origin moved to `clock`. */
+void path_shift(struct vec3 *coefficients, int count, double clock);
+
+#endif

@@ -1,0 +1,177 @@
+#include "dynamics/system.h"
+
+bool body_is_free(const struct scene_values *v, int body)
+{
+    return SCENE_ANY_FREE && body_motion(v, body) == MOTION_FREE;
+}
+
+bool body_is_prescribed(const struct scene_values *v, int body)
+{
+    return SCENE_ANY_PRESCRIBED && body_motion(v, body) == MOTION_PRESCRIBED;
+}
+
+bool system_is_force_element(const struct scene_values *v)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+struct contact_shape system_shape(const struct scene_values *v, const struct motion *q, int contact)
+{
+    const int destination = contact_destination(contact);
+    struct contact_shape shape = {.source_radius = body_radius(v, contact_source(contact)),
+                                  .other_radius = body_radius(v, destination),
+                                  .half_length = INFINITY,
+                                  .side = q->contact[contact].side,
+                                  .destination = body_shape(destination)};
+    if (contact_location(v, contact) != LOCATION_AUTOMATIC) {
+        shape.side = contact_location(v, contact) == LOCATION_INSIDE ? -1 : 1;
+    }
+    if (SCENE_ANY_CYLINDER && shape.destination == SHAPE_CYLINDER) {
+        const struct vec3 axis = body_axis(v, destination);
+        shape.axis = vec3_scale(1.0 / vec3_norm(axis), axis);
+        if (body_finite_length(v, destination)) {
+            shape.half_length = 0.5 * body_length(v, destination);
+        }
+    }
+    return shape;
+}
+
+struct contact_law system_law(const struct scene_values *v, const struct motion *q, int contact)
+{
+    struct contact_law law = {.dashpot = (enum dashpot)contact_dashpot(v, contact)};
+    if (contact_penalty_control(v, contact) != PENALTY_CONTROL_VISCOUS_ONLY) {
+        law.stiffness = q->contact[contact].stiffness;
+    }
+    if (contact_method(v, contact) == METHOD_PENALTY_DYNAMIC) {
+        law.damping = q->contact[contact].damping;
+    }
+    return law;
+}
+
+void system_kinematics(const struct scene_values *v, const struct motion *q, double clock,
+                       const struct body_state *bodies, struct system_instant *at)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        at->displacement[i] = vec3_make(0.0, 0.0, 0.0);
+        at->velocity[i] = vec3_make(0.0, 0.0, 0.0);
+        if (body_is_free(v, i)) {
+            at->displacement[i] = bodies[i].displacement;
+            at->velocity[i] = bodies[i].velocity;
+        } else if (body_is_prescribed(v, i)) {
+            at->displacement[i] = path_at(q->path[i].displacement, 4, clock);
+            at->velocity[i] = path_at(q->path[i].velocity, 3, clock);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const int source = contact_source(j);
+        const int destination = contact_destination(j);
+        /* Undeformed locations first: a large common offset cancels before the displacements are added. */
+        const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
+        const struct vec3 moved = vec3_sub(at->displacement[destination], at->displacement[source]);
+        const struct contact_shape shape = system_shape(v, q, j);
+        at->rate[j] = vec3_sub(at->velocity[destination], at->velocity[source]);
+        at->geometry[j] = contact_geometry_at(&shape, vec3_add(apart, moved), at->rate[j], q->contact[j].normal);
+    }
+}
+
+/* Gravity and the external force; contacts are added by system_evaluate. */
+static struct vec3 free_acceleration(const struct scene_values *v, const struct motion *q, double clock, int body)
+{
+    const struct vec3 force = path_at(q->path[body].force, 3, clock);
+    return vec3_axpy(gravity(v), 1.0 / body_mass(v, body), force);
+}
+
+/* d/dt of a prescribed velocity; zero for a fixed body, whose path is zero. */
+static struct vec3 path_rate(const struct motion *q, double clock, int body)
+{
+    return vec3_axpy(q->path[body].velocity[1], 2.0 * clock, q->path[body].velocity[2]);
+}
+
+void system_evaluate(const struct scene_values *v, const struct motion *q, double clock, const struct body_state *bodies,
+                     struct system_instant *at)
+{
+    system_kinematics(v, q, clock, bodies, at);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        at->acceleration[i] = body_is_free(v, i) ? free_acceleration(v, q, clock, i) : path_rate(q, clock, i);
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_law law = system_law(v, q, j);
+        const struct contact_shape shape = system_shape(v, q, j);
+        const struct contact_geometry *g = &at->geometry[j];
+        const struct contact_coefficients by =
+            contact_coefficients_of(&law, (enum contact_regime)q->contact[j].regime);
+        at->normal_force[j] = by.k == 0.0 && by.c == 0.0 ? 0.0 : -(by.k * g->gap + by.c * g->gap_rate);
+        at->source_force[j] = vec3_scale(-shape.side * at->normal_force[j], g->normal);
+        const int source = contact_source(j);
+        const int destination = contact_destination(j);
+        if (body_is_free(v, source)) {
+            at->acceleration[source] =
+                vec3_axpy(at->acceleration[source], 1.0 / body_mass(v, source), at->source_force[j]);
+        }
+        if (body_is_free(v, destination)) {
+            at->acceleration[destination] =
+                vec3_axpy(at->acceleration[destination], -1.0 / body_mass(v, destination), at->source_force[j]);
+        }
+    }
+}
+
+void system_now(const struct scene_values *v, const struct motion *q, struct system_instant *at)
+{
+#if SCENE_ANY_FREE
+    system_evaluate(v, q, q->clock, q->body, at);
+#else
+    system_evaluate(v, q, q->clock, 0, at);
+#endif
+}
+
+enum contact_regime system_regime(const struct scene_values *v, const struct motion *q, const struct system_instant *at,
+                                  int contact)
+{
+    const struct contact_law law = system_law(v, q, contact);
+    const struct contact_shape shape = system_shape(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    return contact_regime_of(&law, g->gap, g->gap_rate, contact_within_extents(&shape, g->axial));
+}
+
+double system_force_rate(const struct scene_values *v, const struct motion *q, const struct system_instant *at,
+                         int contact)
+{
+    const struct contact_law law = system_law(v, q, contact);
+    const struct contact_shape shape = system_shape(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_coefficients by =
+        contact_coefficients_of(&law, (enum contact_regime)q->contact[contact].regime);
+    const struct vec3 across = contact_tangential(&shape, g->normal, at->rate[contact]);
+    const double turning = g->degenerate ? 0.0 : vec3_dot(across, across) / g->distance;
+    const struct vec3 pull = vec3_sub(at->acceleration[contact_destination(contact)],
+                                      at->acceleration[contact_source(contact)]);
+    const double gap_acceleration = shape.side * (vec3_dot(g->normal, pull) + turning);
+    return -(by.k * g->gap_rate + by.c * gap_acceleration);
+}
+
+double system_external_power(const struct scene_values *v, const struct motion *q, double clock,
+                             const struct system_instant *at)
+{
+    double power = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            power += vec3_dot(path_at(q->path[i].force, 3, clock), at->velocity[i]);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const int source = contact_source(j);
+        const int destination = contact_destination(j);
+        if (body_is_prescribed(v, source)) {
+            power -= vec3_dot(at->source_force[j], at->velocity[source]);
+        }
+        if (body_is_prescribed(v, destination)) {
+            power += vec3_dot(at->source_force[j], at->velocity[destination]);
+        }
+    }
+    return power;
+}

@@ -1,0 +1,55 @@
+/*
+ * The scene's bodies and contacts at one instant: positions, geometry, forces, accelerations.
+ * Frame: world; SI units. Newton's law for each free body: m a = m gravity + external force + contact forces.
+ */
+#ifndef CONTACT_SYSTEM_H
+#define CONTACT_SYSTEM_H
+
+#include "contact/geometry.h"
+#include "dynamics/motion.h"
+
+struct system_instant {
+    struct vec3 displacement[SCENE_BODIES];  /* u [m] */
+    struct vec3 velocity[SCENE_BODIES];      /* v [m/s] */
+    struct vec3 acceleration[SCENE_BODIES];  /* zero for a fixed body [m/s^2] */
+    struct contact_geometry geometry[SCENE_CONTACTS];
+    struct vec3 rate[SCENE_CONTACTS];        /* w = v_dst - v_src [m/s] */
+    double normal_force[SCENE_CONTACTS];     /* F_n of the smooth law of the regime [N] */
+    struct vec3 source_force[SCENE_CONTACTS];
+};
+
+/* Whether body i is free, prescribed; constants where the scene pins it. */
+bool body_is_free(const struct scene_values *v, int body);
+bool body_is_prescribed(const struct scene_values *v, int body);
+
+/* Whether no body is free: the scene is a force element and has no states. */
+bool system_is_force_element(const struct scene_values *v);
+
+struct contact_shape system_shape(const struct scene_values *v, const struct motion *q, int contact);
+struct contact_law system_law(const struct scene_values *v, const struct motion *q, int contact);
+
+/* u and v of every body at a clock; `bodies` (SCENE_BODIES of them) holds the free ones' states and may be NULL where
+ * none is free. */
+void system_kinematics(const struct scene_values *v, const struct motion *q, double clock,
+                       const struct body_state *bodies, struct system_instant *at);
+
+/* Everything of the instant, in the regimes of q. */
+void system_evaluate(const struct scene_values *v, const struct motion *q, double clock, const struct body_state *bodies,
+                     struct system_instant *at);
+
+/* The same at the present state of q. */
+void system_now(const struct scene_values *v, const struct motion *q, struct system_instant *at);
+
+/* The regime that the geometry of the instant asks for. */
+enum contact_regime system_regime(const struct scene_values *v, const struct motion *q, const struct system_instant *at,
+                                  int contact);
+
+/* d/dt of F_n within the regime: -(k g' + c g'') [N/s]. */
+double system_force_rate(const struct scene_values *v, const struct motion *q, const struct system_instant *at,
+                         int contact);
+
+/* Power of the external forces on free bodies and of whatever moves the prescribed ones against the contact [W]. */
+double system_external_power(const struct scene_values *v, const struct motion *q, double clock,
+                             const struct system_instant *at);
+
+#endif

@@ -1,0 +1,65 @@
+/* Which function may be called in which phase: one row, one mask a function. */
+#ifndef CONTACT_FMI2_CALL_ORDER_H
+#define CONTACT_FMI2_CALL_ORDER_H
+
+#include "fmi2/instance.h"
+
+#define PHASES_SETTABLE (PHASE_INSTANTIATED | PHASE_INITIALIZATION | PHASE_STEP)
+#define PHASES_STEPPED (PHASE_STEP | PHASE_TERMINATED | PHASE_ERROR)
+#define PHASES_INITIALIZED (PHASE_INITIALIZATION | PHASES_STEPPED)
+#define PHASES_ALL (PHASE_INSTANTIATED | PHASES_INITIALIZED)
+
+/*
+ * After the table "calling sequence of co-simulation functions" of FMI 2.0.5, section 4.2.4. Two harmless
+ * extensions: values may be read while instantiated (values.c: only those that have a start value), and the
+ * status functions answer after a failed step too. fmi2CancelStep needs a step in progress, which never is.
+ */
+#define CALL_TABLE(ROW)                                                                                      \
+    ROW(SetDebugLogging, PHASES_ALL)                                                                         \
+    ROW(SetupExperiment, PHASE_INSTANTIATED)                                                                 \
+    ROW(EnterInitializationMode, PHASE_INSTANTIATED)                                                         \
+    ROW(ExitInitializationMode, PHASE_INITIALIZATION)                                                        \
+    ROW(Terminate, PHASE_STEP)                                                                               \
+    ROW(Reset, PHASES_ALL)                                                                                   \
+    ROW(GetReal, PHASES_ALL)                                                                                 \
+    ROW(GetInteger, PHASES_ALL)                                                                              \
+    ROW(GetBoolean, PHASES_ALL)                                                                              \
+    ROW(GetString, PHASES_ALL)                                                                               \
+    ROW(SetReal, PHASES_SETTABLE)                                                                            \
+    ROW(SetInteger, PHASES_SETTABLE)                                                                         \
+    ROW(SetBoolean, PHASES_SETTABLE)                                                                         \
+    ROW(SetString, PHASES_SETTABLE)                                                                          \
+    ROW(GetFMUstate, PHASES_ALL)                                                                             \
+    ROW(SetFMUstate, PHASES_ALL)                                                                             \
+    ROW(FreeFMUstate, PHASES_ALL)                                                                            \
+    ROW(SerializedFMUstateSize, PHASES_ALL)                                                                  \
+    ROW(SerializeFMUstate, PHASES_ALL)                                                                       \
+    ROW(DeSerializeFMUstate, PHASES_ALL)                                                                     \
+    ROW(GetDirectionalDerivative, PHASES_INITIALIZED)                                                        \
+    ROW(SetRealInputDerivatives, PHASES_SETTABLE)                                                            \
+    ROW(GetRealOutputDerivatives, PHASES_STEPPED)                                                            \
+    ROW(DoStep, PHASE_STEP)                                                                                  \
+    ROW(CancelStep, 0)                                                                                       \
+    ROW(GetStatus, PHASES_STEPPED)                                                                           \
+    ROW(GetRealStatus, PHASES_STEPPED)                                                                       \
+    ROW(GetIntegerStatus, PHASES_STEPPED)                                                                    \
+    ROW(GetBooleanStatus, PHASES_STEPPED)                                                                    \
+    ROW(GetStringStatus, PHASES_STEPPED)
+
+#define CALL_NAME(function, phases) CALL_##function,
+enum call { CALL_TABLE(CALL_NAME) CALL_COUNT };
+#undef CALL_NAME
+
+/* "fmi2DoStep" */
+const char *call_name(enum call call);
+
+/*
+ * Whether the call is in order now; if not, says so through the logger. A null component is never in order.
+ */
+bool call_allowed(struct instance *instance, enum call call);
+
+/* Whether an array of count elements was really given; if not, says which one. */
+bool call_array_given(struct instance *instance, enum call call, const char *argument, const void *array,
+                      size_t count);
+
+#endif

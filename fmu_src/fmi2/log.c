@@ -1,0 +1,144 @@
+#include "fmi2/log.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Longest message; an instance name or a message beyond it is cut, never split inside a UTF-8 character. */
+#define MESSAGE_SIZE 1024
+#define NAME_SHOWN 200
+
+struct log_category_name {
+    const char *name;
+    unsigned bits;
+};
+
+/* The order of the first five is that of the bits. */
+static const struct log_category_name known_categories[] = {
+    {"logEvents", LOG_EVENTS},
+    {"logStatusWarning", LOG_STATUS_WARNING},
+    {"logStatusDiscard", LOG_STATUS_DISCARD},
+    {"logStatusError", LOG_STATUS_ERROR},
+    {"logStatusFatal", LOG_STATUS_FATAL},
+    {"logAll", LOG_ALL},
+};
+
+#define CATEGORY_COUNT (sizeof known_categories / sizeof known_categories[0])
+
+unsigned log_default_categories(bool logging_on)
+{
+    return logging_on ? LOG_ALL : LOG_STATUS_ALL;
+}
+
+bool log_category_bits(const char *name, unsigned *bits)
+{
+    for (size_t i = 0; i < CATEGORY_COUNT; ++i) {
+        if (strcmp(known_categories[i].name, name) == 0) {
+            *bits |= known_categories[i].bits;
+            return true;
+        }
+    }
+    return false;
+}
+
+const char *log_category_names(void)
+{
+    return "logEvents, logStatusWarning, logStatusDiscard, logStatusError, logStatusFatal, logAll";
+}
+
+static const struct log_category_name *category_of_status(fmi2Status status)
+{
+    switch (status) {
+    case fmi2Warning:
+        return &known_categories[1];
+    case fmi2Discard:
+        return &known_categories[2];
+    case fmi2Error:
+        return &known_categories[3];
+    case fmi2Fatal:
+        return &known_categories[4];
+    case fmi2OK:
+    case fmi2Pending:
+        break;
+    }
+    return &known_categories[0];
+}
+
+/* Drops the bytes of a character that the end of the buffer has cut in two. */
+static void trim_cut_character(char *text)
+{
+    size_t length = strlen(text);
+    while (length > 0 && ((unsigned char)text[length - 1] & 0xC0u) == 0x80u) {
+        --length;
+    }
+    if (length > 0 && ((unsigned char)text[length - 1] & 0xC0u) == 0xC0u) {
+        --length;
+    }
+    text[length] = '\0';
+}
+
+/*
+ * The logger takes a printf format in which '#' marks value references (FMI 2.0.5, fmi2CallbackLogger): both
+ * are doubled.
+ */
+static void escape_message(const char *text, char *escaped)
+{
+    for (; *text != '\0'; ++text) {
+        if (*text == '%' || *text == '#') {
+            *escaped++ = *text;
+        }
+        *escaped++ = *text;
+    }
+    *escaped = '\0';
+}
+
+/* "ball at 0.25 s: " followed by the message, then handed over. */
+static void send_message(struct instance *instance, fmi2Status status, const char *category,
+                         const char *message)
+{
+    char text[MESSAGE_SIZE];
+    char escaped[2 * MESSAGE_SIZE];
+    int length;
+    if (instance->model != NULL) {
+        length = snprintf(text, sizeof text, "%.*s at %.12g s: %s", NAME_SHOWN, instance->name,
+                          model_time(instance->model), message);
+    } else {
+        length = snprintf(text, sizeof text, "%.*s: %s", NAME_SHOWN, instance->name, message);
+    }
+    if (length >= (int)sizeof text) {
+        trim_cut_character(text);
+    }
+    escape_message(text, escaped);
+    instance->callbacks.logger(instance->callbacks.componentEnvironment, instance->name, status, category,
+                               escaped);
+}
+
+fmi2Status log_report(struct instance *instance, fmi2Status status, const char *format, ...)
+{
+    const struct log_category_name *category = category_of_status(status);
+    if (instance->callbacks.logger == NULL || (instance->log_categories & category->bits) == 0) {
+        return status;
+    }
+    char message[MESSAGE_SIZE];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    send_message(instance, status, category->name, message);
+    return status;
+}
+
+bool log_wanted_by_importer(void *context, const char *category)
+{
+    const struct instance *instance = context;
+    unsigned bits = 0;
+    return instance->callbacks.logger != NULL && log_category_bits(category, &bits) &&
+           (instance->log_categories & bits) != 0;
+}
+
+void log_from_model(void *context, enum model_status status, const char *category, const char *message)
+{
+    if (log_wanted_by_importer(context, category)) {
+        send_message(context, status_of(status), category, message);
+    }
+}

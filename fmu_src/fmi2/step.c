@@ -1,0 +1,146 @@
+/* Communication steps and what can be asked about the last one. */
+#include <float.h>
+#include <math.h>
+
+#include "fmi2/call_order.h"
+#include "fmi2/log.h"
+
+/*
+ * How far two times that should agree may differ: importers add up step sizes, which rounds. Part of a step
+ * of size h, or a few units in the last place of the time t where steps are that small.
+ */
+static double time_slack(double t, double h)
+{
+    return fmax(1e-6 * h, 4.0 * DBL_EPSILON * fabs(t));
+}
+
+static fmi2Status refuse_step_size(struct instance *instance, double time, double size)
+{
+    return log_report(
+        instance, fmi2Discard,
+        "fmi2DoStep: communicationStepSize = %.17g s, allowed: finite and large enough to change the "
+        "time %.17g s, that is more than %.3g s",
+        size, time, DBL_EPSILON * fabs(time));
+}
+
+static fmi2Status checked_step(struct instance *instance, double point, double size)
+{
+    const double time = model_time(instance->model);
+    if (!(size > 0.0 && size <= DBL_MAX)) {
+        return refuse_step_size(instance, time, size);
+    }
+    /* written so that a NaN is refused */
+    if (!(fabs(point - time) <= time_slack(time, size))) {
+        return log_report(
+            instance, fmi2Error,
+            "fmi2DoStep: currentCommunicationPoint = %.17g s, expected the time reached, %.17g s", point,
+            time);
+    }
+    const double end = point + size;
+    if (!(end > time && end <= DBL_MAX)) {
+        return refuse_step_size(instance, time, size);
+    }
+    const double stop = instance->experiment.stop_time;
+    if (end > stop + time_slack(stop, size)) {
+        return log_report(instance, fmi2Error, "fmi2DoStep: step to %.17g s goes past stopTime = %.17g s",
+                          end, stop);
+    }
+    const fmi2Status status = status_of(model_step(instance->model, end));
+    if (status == fmi2Error) {
+        instance->phase = PHASE_ERROR;
+    } else if (status == fmi2Fatal) {
+        instance->phase = PHASE_FATAL;
+    }
+    return status;
+}
+
+/* Nothing is kept for going back (states are saved on request), so noSetFMUStatePriorToCurrentPoint is idle. */
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
+                      fmi2Boolean noSetFMUStatePriorToCurrentPoint)
+{
+    struct instance *instance = c;
+    (void)noSetFMUStatePriorToCurrentPoint;
+    if (!call_allowed(instance, CALL_DoStep)) {
+        return fmi2Error;
+    }
+    instance->step_status = checked_step(instance, currentCommunicationPoint, communicationStepSize);
+    return instance->step_status;
+}
+
+fmi2Status fmi2CancelStep(fmi2Component c)
+{
+    (void)call_allowed(c, CALL_CancelStep); /* says that nothing runs */
+    return fmi2Error;
+}
+
+static const char *status_kind_name(fmi2StatusKind kind)
+{
+    switch (kind) {
+    case fmi2DoStepStatus:
+        return "fmi2DoStepStatus";
+    case fmi2PendingStatus:
+        return "fmi2PendingStatus";
+    case fmi2LastSuccessfulTime:
+        return "fmi2LastSuccessfulTime";
+    case fmi2Terminated:
+        return "fmi2Terminated";
+    }
+    return "(unknown)";
+}
+
+/* Checks a status question. No call ever answers fmi2Pending, so fmi2PendingStatus has no answer either. */
+static fmi2Status ask_status(struct instance *instance, enum call call, fmi2StatusKind kind,
+                             const char *answered, bool known, const void *value)
+{
+    if (!call_allowed(instance, call) || !call_array_given(instance, call, "value", value, 1)) {
+        return fmi2Error;
+    }
+    if (!known) {
+        return log_report(instance, fmi2Discard, "%s: %s is not available, allowed: %s", call_name(call),
+                          status_kind_name(kind), answered);
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *value)
+{
+    struct instance *instance = c;
+    const fmi2Status asked =
+        ask_status(instance, CALL_GetStatus, s, "fmi2DoStepStatus", s == fmi2DoStepStatus, value);
+    if (asked == fmi2OK) {
+        *value = instance->step_status;
+    }
+    return asked;
+}
+
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
+{
+    struct instance *instance = c;
+    const bool known = s == fmi2LastSuccessfulTime;
+    const fmi2Status asked =
+        ask_status(instance, CALL_GetRealStatus, s, "fmi2LastSuccessfulTime", known, value);
+    if (asked == fmi2OK) {
+        *value = model_time(instance->model);
+    }
+    return asked;
+}
+
+fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value)
+{
+    return ask_status(c, CALL_GetIntegerStatus, s, "none", false, value);
+}
+
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
+{
+    const fmi2Status asked =
+        ask_status(c, CALL_GetBooleanStatus, s, "fmi2Terminated", s == fmi2Terminated, value);
+    if (asked == fmi2OK) {
+        *value = fmi2False; /* the model never ends a run by itself */
+    }
+    return asked;
+}
+
+fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value)
+{
+    return ask_status(c, CALL_GetStringStatus, s, "none", false, value);
+}

@@ -1,0 +1,185 @@
+/*
+ * Inputs between communication points: each goes on from where it was last set, as a polynomial of the derivatives given
+ * with it. A prescribed body goes on with its prescribed velocity unless its displacement has derivatives of its own;
+ * without any free body (a force element) only given derivatives move it.
+ */
+#include <string.h>
+
+#include "dynamics/energy.h"
+#include "model/state.h"
+
+/* Which of a body's nine input signals a variable is; -1 when it is no input. */
+static int signal_of(const struct variable *variable)
+{
+    switch (variable->row) {
+    case ROW_body_prescribed_displacement:
+        return variable->component;
+    case ROW_body_prescribed_velocity:
+        return 3 + variable->component;
+    case ROW_body_external_force:
+        return 6 + variable->component;
+    default:
+        return -1;
+    }
+}
+
+static void note_value(struct model *m, const struct variable *variable)
+{
+    const int index = signal_of(variable);
+    if (index < 0) {
+        return;
+    }
+    uint8_t *marks = &m->state.marks[variable->element][index];
+    struct input_signal *signal = &m->state.signals[variable->element][index];
+    /* A new value without derivatives given at the same communication point ends the old ones. */
+    if (!(*marks & (SIGNAL_RATE | SIGNAL_CURVATURE))) {
+        *signal = (struct input_signal){0.0, 0.0};
+        *marks = 0;
+    }
+    *marks |= SIGNAL_VALUE;
+    m->state.signals_changed = 1;
+}
+
+void model_set_real(struct model *m, const struct variable *variable, double value)
+{
+    memcpy((char *)&m->state.values + variable->offset, &value, sizeof value);
+    note_value(m, variable);
+    m->outputs_current = false;
+}
+
+void model_set_integer(struct model *m, const struct variable *variable, int32_t value)
+{
+    memcpy((char *)&m->state.values + variable->offset, &value, sizeof value);
+    m->outputs_current = false;
+}
+
+enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order, double value)
+{
+    const int index = signal_of(variable);
+    if (index < 0 || order < 1 || order > 2) {
+        return model_report(m, MODEL_ERROR, "Derivative %d of %s cannot be set (allowed: orders 1 and 2 of inputs).",
+                            order, variable->name);
+    }
+    if (!isfinite(value)) {
+        return model_report(m, MODEL_DISCARD, "Derivative %d of %s = %g refused (allowed: finite values).", order,
+                            variable->name, value);
+    }
+    uint8_t *marks = &m->state.marks[variable->element][index];
+    struct input_signal *signal = &m->state.signals[variable->element][index];
+    if (order == 1) {
+        signal->rate = value;
+        signal->curvature = *marks & SIGNAL_CURVATURE ? signal->curvature : 0.0;
+        *marks |= SIGNAL_RATE | SIGNAL_EXPLICIT;
+    } else {
+        signal->curvature = value;
+        *marks |= SIGNAL_CURVATURE | SIGNAL_EXPLICIT;
+    }
+    m->state.signals_changed = 1;
+    m->outputs_current = false;
+    return MODEL_OK;
+}
+
+static double *component(struct vec3 *a, int index)
+{
+    return index == 0 ? &a->x : index == 1 ? &a->y : &a->z;
+}
+
+/* Coefficients 0..2 of one scalar path from a signal that was set at this communication point. */
+static void put_signal(struct vec3 *path, int k, double value, const struct input_signal *signal, uint8_t marks)
+{
+    if (marks & SIGNAL_VALUE) {
+        *component(&path[0], k) = value;
+    }
+    if (marks & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
+        *component(&path[1], k) = signal->rate;
+        *component(&path[2], k) = 0.5 * signal->curvature;
+    }
+}
+
+static void put_displacement(struct body_path *path, int k, double value, const struct input_signal *signal,
+                             uint8_t marks, bool follows_velocity)
+{
+    put_signal(path->displacement, k, value, signal, marks);
+    if (marks & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
+        *component(&path->displacement[3], k) = 0.0;
+    }
+    if (follows_velocity && !(marks & SIGNAL_EXPLICIT)) {
+        *component(&path->displacement[1], k) = vec3_get(path->velocity[0], k);
+        *component(&path->displacement[2], k) = vec3_get(path->velocity[1], k) / 2.0;
+        *component(&path->displacement[3], k) = vec3_get(path->velocity[2], k) / 3.0;
+    }
+}
+
+/* The body's paths from now on; `path` comes with its origin at the present. */
+static void renew_path(const struct model *m, int body, const uint8_t *marks, struct body_path *path)
+{
+    const struct scene_values *v = &m->state.values;
+    const struct input_signal *signals = m->state.signals[body];
+    const struct vec3 displacement = body_prescribed_displacement(v, body);
+    const struct vec3 velocity = body_prescribed_velocity(v, body);
+    const struct vec3 force = body_external_force(v, body);
+    const bool follows_velocity = !system_is_force_element(v);
+    for (int k = 0; k < 3; ++k) {
+        if (body_is_prescribed(v, body)) {
+            put_signal(path->velocity, k, vec3_get(velocity, k), &signals[3 + k], marks[3 + k]);
+            put_displacement(path, k, vec3_get(displacement, k), &signals[k], marks[k], follows_velocity);
+        }
+        if (body_is_free(v, body)) {
+            put_signal(path->force, k, vec3_get(force, k), &signals[6 + k], marks[6 + k]);
+        }
+    }
+}
+
+void model_start_paths(struct model *m)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        uint8_t marks[SIGNALS_EACH];
+        for (int k = 0; k < SIGNALS_EACH; ++k) {
+            marks[k] = m->state.marks[i][k] | SIGNAL_VALUE;
+        }
+        renew_path(m, i, marks, &m->state.motion.path[i]);
+    }
+}
+
+void model_apply_inputs(struct model *m)
+{
+    struct motion *q = &m->state.motion;
+    if (!m->state.signals_changed || !m->state.initialized) {
+        return;
+    }
+    struct body_path next[SCENE_BODIES];
+    bool same = true;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        next[i] = q->path[i];
+        path_shift(next[i].displacement, 4, q->clock);
+        path_shift(next[i].velocity, 3, q->clock);
+        path_shift(next[i].force, 3, q->clock);
+        const struct body_path before = next[i];
+        renew_path(m, i, m->state.marks[i], &next[i]);
+        same = same && memcmp(&before, &next[i], sizeof before) == 0;
+    }
+    m->state.signals_changed = 0;
+    if (same) {
+        return;
+    }
+#if SCENE_ANY_FREE
+    struct system_instant at;
+    system_now(&m->state.values, q, &at);
+    const double stored = energy_stored(&m->state.values, q, &at);
+#endif
+    motion_rebase(q);
+    memcpy(q->path, next, sizeof next);
+#if SCENE_ANY_FREE
+    event_settle_regimes(&m->state.values, q, stored, false);
+#endif
+}
+
+void model_close_inputs(struct model *m)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        for (int k = 0; k < SIGNALS_EACH; ++k) {
+            m->state.marks[i][k] &= SIGNAL_EXPLICIT;
+        }
+    }
+    m->state.signals_changed = 0;
+}

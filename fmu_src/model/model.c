@@ -1,0 +1,160 @@
+#include "model/model.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "model/state.h"
+
+static const char *category_of(enum model_status status)
+{
+    switch (status) {
+    case MODEL_WARNING:
+        return "logStatusWarning";
+    case MODEL_DISCARD:
+        return "logStatusDiscard";
+    case MODEL_ERROR:
+        return "logStatusError";
+    case MODEL_FATAL:
+        return "logStatusFatal";
+    case MODEL_OK:
+    default:
+        return "logEvents";
+    }
+}
+
+enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)
+{
+    const char *category = category_of(status);
+    if (m->host.log && (!m->host.wants || m->host.wants(m->host.context, category))) {
+        char message[512];
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(message, sizeof message, format, arguments);
+        va_end(arguments);
+        m->host.log(m->host.context, status, category, message);
+    }
+    return status;
+}
+
+struct model *model_create(const struct model_host *host)
+{
+    struct model *m = host->allocate(1, sizeof *m);
+    if (m) {
+        m->host = *host;
+        model_reset(m);
+    }
+    return m;
+}
+
+void model_destroy(struct model *m)
+{
+    if (m) {
+#if SCENE_ANY_FREE
+        solver_close(&m->solver);
+#endif
+        m->host.release(m);
+    }
+}
+
+void model_reset(struct model *m)
+{
+    memset(&m->state, 0, sizeof m->state);
+    m->state.magic = MODEL_STATE_MAGIC;
+    m->state.version = MODEL_STATE_VERSION;
+    m->state.scene = SCENE_HASH;
+    m->state.size = (uint32_t)sizeof m->state;
+    scene_start(&m->state.values);
+    m->outputs_current = false;
+}
+
+enum model_status model_setup(struct model *m, bool tolerance_defined, double tolerance, double start_time)
+{
+    enum model_status status = MODEL_OK;
+    if (!isfinite(start_time)) {
+        return model_report(m, MODEL_ERROR, "The start time %g s is not finite.", start_time);
+    }
+    if (tolerance_defined && !(tolerance > 0.0 && isfinite(tolerance))) {
+        return model_report(m, MODEL_ERROR, "The tolerance %g is not a positive finite number.", tolerance);
+    }
+    m->state.importer_tolerance = 0.0;
+    for (int i = 0; tolerance_defined && i < scene_variable_count; ++i) {
+        const struct variable *row = &scene_variables[i];
+        if (row->row == ROW_solver_relative_tolerance) {
+            m->state.importer_tolerance = fmin(fmax(tolerance, row->min), row->max);
+            if (m->state.importer_tolerance != tolerance) {
+                status = model_report(m, MODEL_WARNING, "The tolerance %g is outside the range %g .. %g of %s; %g is used.",
+                                      tolerance, row->min, row->max, row->name, m->state.importer_tolerance);
+            }
+        }
+    }
+    m->state.start_time = start_time;
+    m->outputs_current = false;
+    return status;
+}
+
+enum model_status model_exit_initialization(struct model *m)
+{
+    const enum model_status status = model_check_consistency(m);
+    if (status != MODEL_OK) {
+        return status;
+    }
+    model_prepare(m);
+#if SCENE_ANY_FREE
+    if (!solver_open(&m->solver, &m->state.values)) {
+        return model_report(m, MODEL_ERROR, "Initialization failed: %s.", m->solver.message);
+    }
+#endif
+    m->state.initialized = 1;
+    m->outputs_current = false;
+    return MODEL_OK;
+}
+
+double model_time(const struct model *m)
+{
+    return m->state.initialized ? motion_time(&m->state.motion) : m->state.start_time;
+}
+
+#if SCENE_ANY_FREE
+static enum model_status advance_motion(struct model *m, double end_time)
+{
+    const struct scene_values *v = &m->state.values;
+    const int32_t events = m->state.motion.counters.events;
+    switch (solver_run(&m->solver, v, &m->state.motion, end_time)) {
+    case SOLVER_DONE:
+        break;
+    case SOLVER_STEP_LIMIT:
+        return model_report(m, MODEL_DISCARD,
+                            "The step to %.17g s stopped at %.17g s: solver.max_internal_steps = %d are used up "
+                            "(allowed: 1 .. 2147483647).",
+                            end_time, model_time(m), (int)solver_max_internal_steps(v));
+    case SOLVER_FAILED:
+    default:
+        return model_report(m, MODEL_ERROR, "The step to %.17g s failed at %.17g s: %s", end_time, model_time(m),
+                            m->solver.message);
+    }
+    if (m->state.motion.counters.events != events) {
+        model_report(m, MODEL_OK, "%d changes of contact up to %.17g s; %d since initialization.",
+                     (int)(m->state.motion.counters.events - events), end_time, (int)m->state.motion.counters.events);
+    }
+    return MODEL_OK;
+}
+#else
+static enum model_status advance_motion(struct model *m, double end_time)
+{
+    struct motion *q = &m->state.motion;
+    q->clock += motion_remaining(q, end_time);
+    motion_rebase(q);
+    return MODEL_OK;
+}
+#endif
+
+enum model_status model_step(struct model *m, double end_time)
+{
+    model_apply_inputs(m);
+    const enum model_status status = advance_motion(m, end_time);
+    model_close_inputs(m);
+    m->outputs_current = false;
+    return status;
+}

@@ -1,0 +1,81 @@
+/*
+ * The contact model as an adapter sees it: variables, steps, saved states. It knows nothing of FMI.
+ *
+ * Time in seconds, everything in SI units. No function prints, and none allocates except model_create,
+ * model_exit_initialization and model_restore. Refusals are reported through model_host.log with the variable, the value
+ * and the allowed range, and change nothing.
+ */
+#ifndef CONTACT_MODEL_H
+#define CONTACT_MODEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "model/variable.h"
+
+/* In the order of fmi2Status. */
+enum model_status { MODEL_OK, MODEL_WARNING, MODEL_DISCARD, MODEL_ERROR, MODEL_FATAL };
+
+/* What the model may ask of its owner. */
+struct model_host {
+    void *context;
+    /* category: logEvents, logStatusWarning, logStatusDiscard, logStatusError or logStatusFatal */
+    void (*log)(void *context, enum model_status status, const char *category, const char *message);
+    bool (*wants)(void *context, const char *category); /* messages nobody wants are not formatted */
+    void *(*allocate)(size_t count, size_t size);       /* zeroed, as calloc */
+    void (*release)(void *memory);
+};
+
+struct model;
+
+/* A model with its start values; NULL when out of memory. */
+struct model *model_create(const struct model_host *host);
+
+void model_destroy(struct model *m);
+
+/* Back to what model_create returns. */
+void model_reset(struct model *m);
+
+/* Start time, and the importer's relative tolerance where it has one; a tolerance outside the range of
+ * solver.relative_tolerance is clipped to it with a warning. */
+enum model_status model_setup(struct model *m, bool tolerance_defined, double tolerance, double start_time);
+
+/* Refuses contradictory parameters (naming both) and leaves everything settable; otherwise the model can step. */
+enum model_status model_exit_initialization(struct model *m);
+
+/* Integrates to end_time > model_time. MODEL_DISCARD: solver.max_internal_steps ended it earlier, at model_time; the
+ * values are those of that time and the next step may go on from there. */
+enum model_status model_step(struct model *m, double end_time);
+
+double model_time(const struct model *m);
+
+/* Would this value be refused? Reports it if so. NaN and infinity always are. */
+enum model_status model_check_real(struct model *m, const struct variable *variable, double value);
+enum model_status model_check_integer(struct model *m, const struct variable *variable, int32_t value);
+
+/* Values that have been checked. */
+void model_set_real(struct model *m, const struct variable *variable, double value);
+void model_set_integer(struct model *m, const struct variable *variable, int32_t value);
+
+/* Outputs are brought up to date with the inputs first. */
+double model_get_real(struct model *m, const struct variable *variable);
+int32_t model_get_integer(struct model *m, const struct variable *variable);
+
+/* d^order/dt^order of a real input from the present communication point on; orders 1 and 2. */
+enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order, double value);
+
+/* First derivative of a displacement, position, velocity or gap; others are refused. */
+enum model_status model_get_output_derivative(struct model *m, const struct variable *variable, int order,
+                                              double *value);
+
+size_t model_state_size(void);
+
+/* Writes model_state_size() bytes. The running integrator drops its history, so that the run that goes on and a run
+ * restored from these bytes are the same, bit for bit. */
+void model_save(struct model *m, void *bytes);
+
+/* Takes the bytes over as a whole or refuses them (another version or scene, cut short, altered) and changes nothing. */
+enum model_status model_restore(struct model *m, const void *bytes, size_t size);
+
+#endif

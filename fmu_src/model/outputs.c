@@ -1,0 +1,131 @@
+/* The outputs of the present instant: what the model shows, computed from the motion and nothing else. */
+#include "dynamics/energy.h"
+#include "model/state.h"
+
+static void put_body(struct scene_values *v, int body, const struct system_instant *at)
+{
+    put_body_displacement(v, body, at->displacement[body]);
+    put_body_position(v, body, vec3_add(body_center(v, body), at->displacement[body]));
+    put_body_velocity(v, body, at->velocity[body]);
+}
+
+/* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d n. */
+static struct vec3 contact_point_of(const struct scene_values *v, const struct system_instant *at, int contact)
+{
+    const int source = contact_source(contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct vec3 centre = vec3_add(body_center(v, source), at->displacement[source]);
+    const double reach = g->distance - body_radius(v, contact_destination(contact));
+    return vec3_axpy(centre, reach, g->normal);
+}
+
+static void put_force(struct scene_values *v, int contact, double normal_force, struct vec3 source_force)
+{
+    put_contact_normal_force(v, contact, normal_force);
+    put_contact_source_force(v, contact, source_force);
+    put_contact_destination_force(v, contact, vec3_scale(-1.0, source_force));
+}
+
+static void put_contact(struct scene_values *v, const struct motion *q, const struct system_instant *at, int contact)
+{
+    const struct contact_shape shape = system_shape(v, q, contact);
+    const struct contact_law law = system_law(v, q, contact);
+    const struct contact_state *state = &q->contact[contact];
+    const struct contact_geometry *g = &at->geometry[contact];
+    const enum contact_regime regime = (enum contact_regime)state->regime;
+    const bool within = contact_within_extents(&shape, g->axial);
+    const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
+    put_contact_effective_penalty_factor(v, contact, law.stiffness);
+    put_contact_effective_viscous_penalty_factor(v, contact, law.damping);
+    put_contact_diagonal(v, contact, state->diagonal);
+    put_contact_gap(v, contact, within ? g->gap : contact_gap_beyond_ends(v, contact));
+    put_contact_gap_rate(v, contact, within ? g->gap_rate : 0.0);
+    put_contact_distance(v, contact, g->distance);
+    put_contact_direction(v, contact, contact_direction_of(&shape, g));
+    put_contact_point(v, contact, contact_point_of(v, at, contact));
+    put_contact_active(v, contact, regime != REGIME_APART);
+    put_contact_within_extents(v, contact, within);
+    put_force(v, contact, force, vec3_scale(-shape.side * force, g->normal));
+}
+
+#if SCENE_ANY_FREE
+static void put_history(struct scene_values *v, const struct motion *q, int contact)
+{
+    const struct contact_state *state = &q->contact[contact];
+    const struct vec3 impulse = vec3_sub(state->impulse, state->impulse_mark);
+    const bool touching = state->regime != REGIME_APART;
+    put_contact_mean_force(v, contact,
+                           q->window > 0.0 ? vec3_scale(1.0 / q->window, impulse) : vec3_make(0.0, 0.0, 0.0));
+    put_contact_peak_force(v, contact, state->peak_force);
+    put_contact_peak_penetration(v, contact, state->peak_penetration);
+    put_contact_onsets(v, contact, state->onsets);
+    put_contact_last_onset_time(v, contact, state->onset_time);
+    put_contact_last_duration(v, contact, touching ? q->clock - state->touch_clock : state->last_duration);
+}
+
+static void put_world(struct scene_values *v, const struct motion *q, const struct system_instant *at)
+{
+    const double kinetic = energy_kinetic_of(v, at);
+    const double potential = energy_potential_of(v, at);
+    const double stored = energy_stored(v, q, at);
+    put_energy_kinetic(v, kinetic);
+    put_energy_potential(v, potential);
+    put_energy_contact(v, stored);
+    put_energy_dissipated(v, q->dissipated);
+    put_energy_external_work(v, q->external_work);
+    put_energy_total(v, kinetic + potential + stored + q->dissipated - q->external_work);
+    put_solver_steps(v, q->counters.steps);
+    put_solver_force_evaluations(v, q->counters.force_evaluations);
+    put_solver_events(v, q->counters.events);
+    put_solver_rejected_steps(v, q->counters.rejected_steps);
+}
+#endif
+
+static void warn_of_missing_direction(struct model *m, const struct system_instant *at)
+{
+    struct motion *q = &m->state.motion;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (at->geometry[j].degenerate && q->contact[j].regime != REGIME_APART && !q->contact[j].warned) {
+            q->contact[j].warned = 1;
+            const struct vec3 n = at->geometry[j].normal;
+            model_report(m, MODEL_WARNING,
+                         "%s.distance = 0 at %.17g s: the overlapping bodies have no defined normal; the direction "
+                         "(%g, %g, %g) is used (allowed: distance > 0). Given once.",
+                         scene_contact_name(j), motion_time(q), n.x, n.y, n.z);
+        }
+    }
+}
+
+void model_update_outputs(struct model *m)
+{
+    struct scene_values *v = &m->state.values;
+    if (m->outputs_current) {
+        return;
+    }
+    if (m->state.initialized) {
+        model_apply_inputs(m);
+    } else {
+        model_prepare(m);
+    }
+    struct motion *q = &m->state.motion;
+    struct system_instant at;
+    system_now(v, q, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (system_is_force_element(v)) {
+            q->contact[j].regime = system_regime(v, q, &at, j);
+        }
+        q->contact[j].normal = at.geometry[j].normal;
+        put_contact(v, q, &at, j);
+#if SCENE_ANY_FREE
+        put_history(v, q, j);
+#endif
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        put_body(v, i, &at);
+    }
+#if SCENE_ANY_FREE
+    put_world(v, q, &at);
+#endif
+    warn_of_missing_direction(m, &at);
+    m->outputs_current = true;
+}

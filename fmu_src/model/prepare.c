@@ -1,0 +1,162 @@
+/* The start of a motion from parameters and inputs, and what is refused at the end of initialization. */
+#include <string.h>
+
+#include "contact/bounding_box.h"
+#include "model/state.h"
+
+static struct vec3 start_position(const struct scene_values *v, const struct motion *q, int body)
+{
+    struct vec3 moved = vec3_make(0.0, 0.0, 0.0);
+    if (body_is_free(v, body)) {
+        moved = body_initial_displacement(v, body);
+    } else if (body_is_prescribed(v, body)) {
+        moved = q->path[body].displacement[0];
+    }
+    return vec3_add(body_center(v, body), moved);
+}
+
+static struct bounding_box body_box(const struct scene_values *v, const struct motion *q, int body)
+{
+    const struct vec3 centre = start_position(v, q, body);
+    if (SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER) {
+        const struct vec3 axis = body_axis(v, body);
+        const double half_length = body_finite_length(v, body) ? 0.5 * body_length(v, body) : 0.0;
+        return bounding_box_cylinder(centre, body_radius(v, body), vec3_scale(1.0 / vec3_norm(axis), axis), half_length);
+    }
+    return bounding_box_sphere(centre, body_radius(v, body));
+}
+
+static struct contact_factors factors_of(const struct scene_values *v, int contact)
+{
+    return (struct contact_factors){.method = (enum method)contact_method(v, contact),
+                                    .penalty_control = (enum penalty_control)contact_penalty_control(v, contact),
+                                    .viscous_control = (enum viscous_control)contact_viscous_control(v, contact),
+                                    .multiplier = contact_penalty_multiplier(v, contact),
+                                    .penalty_factor = contact_penalty_factor(v, contact),
+                                    .characteristic_time = contact_characteristic_time(v, contact),
+                                    .viscous_penalty_factor = contact_viscous_penalty_factor(v, contact),
+                                    .reference_modulus = contact_reference_modulus(v, contact)};
+}
+
+/* Inside when the centre (or axis) is closer than r_d and the source fits in, else outside. */
+static int automatic_side(const struct contact_shape *shape, const struct contact_geometry *start)
+{
+    const bool inside = start->distance < shape->other_radius && shape->source_radius < shape->other_radius;
+    return inside ? -1 : 1;
+}
+
+static void prepare_contact(const struct scene_values *v, struct motion *q, int contact)
+{
+    struct contact_state *state = &q->contact[contact];
+    const struct bounding_box source = body_box(v, q, contact_source(contact));
+    const struct bounding_box destination = body_box(v, q, contact_destination(contact));
+    state->diagonal = bounding_box_diagonal(&source, &destination);
+    const struct contact_factors factors = factors_of(v, contact);
+    const struct contact_law law =
+        contact_law_of(&factors, (enum dashpot)contact_dashpot(v, contact), state->diagonal);
+    state->stiffness = law.stiffness;
+    state->damping = law.damping;
+    state->side = 1;
+    state->regime = REGIME_APART;
+    struct contact_shape shape = system_shape(v, q, contact);
+    state->normal = contact_default_normal(&shape);
+    struct system_instant at;
+    system_now(v, q, &at);
+    if (contact_location(v, contact) == LOCATION_AUTOMATIC) {
+        state->side = automatic_side(&shape, &at.geometry[contact]);
+    } else {
+        state->side = shape.side;
+    }
+    state->normal = at.geometry[contact].normal;
+}
+
+void model_prepare(struct model *m)
+{
+    struct motion *q = &m->state.motion;
+    const struct scene_values *v = &m->state.values;
+    memset(q, 0, sizeof *q);
+    if (m->state.importer_tolerance > 0.0) {
+        put_solver_relative_tolerance(&m->state.values, m->state.importer_tolerance);
+    }
+    q->base = m->state.start_time;
+    model_start_paths(m);
+#if SCENE_ANY_FREE
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            q->body[i] = (struct body_state){body_initial_displacement(v, i), body_initial_velocity(v, i)};
+        }
+    }
+#endif
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        q->contact[j].side = 1;
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        prepare_contact(v, q, j);
+    }
+#if SCENE_ANY_FREE
+    event_settle_regimes(v, q, 0.0, true);
+    event_begin_window(v, q);
+#endif
+}
+
+static enum model_status check_contact(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const char *name = scene_contact_name(contact);
+    const char *source = scene_body_name(contact_source(contact));
+    const char *destination = scene_body_name(contact_destination(contact));
+    const double r_s = body_radius(v, contact_source(contact));
+    const double r_d = body_radius(v, contact_destination(contact));
+    if (contact_location(v, contact) == LOCATION_INSIDE && r_s >= r_d) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.location = inside contradicts %s.radius = %.17g m >= %s.radius = %.17g m "
+                            "(allowed: a source smaller than its hollow destination).",
+                            name, source, r_s, destination, r_d);
+    }
+    if (contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY &&
+        contact_method(v, contact) == METHOD_PENALTY) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.penalty_control = viscous_only contradicts %s.method = penalty "
+                            "(allowed: viscous_only with penalty_dynamic).",
+                            name, name);
+    }
+    if (SCENE_ANY_CYLINDER && body_shape(contact_destination(contact)) == SHAPE_CYLINDER &&
+        !(vec3_norm(body_axis(v, contact_destination(contact))) > 0.0)) {
+        return model_report(m, MODEL_ERROR, "%s.axis[1], %s.axis[2], %s.axis[3] = 0, 0, 0 has no direction "
+                            "(allowed: at least one component other than zero).",
+                            destination, destination, destination);
+    }
+    return MODEL_OK;
+}
+
+/* Finite parameters can still multiply to infinity. */
+static enum model_status check_factors(struct model *m, int contact)
+{
+    const struct contact_state *state = &m->state.motion.contact[contact];
+    if (isfinite(state->stiffness) && isfinite(state->damping)) {
+        return MODEL_OK;
+    }
+    const char *name = scene_contact_name(contact);
+    return model_report(m, MODEL_ERROR,
+                        "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N s/m from "
+                        "%s.penalty_multiplier = %g, %s.reference_modulus = %g Pa, diagonal = %g m "
+                        "(allowed: finite products).",
+                        name, state->stiffness, state->damping, name,
+                        contact_penalty_multiplier(&m->state.values, contact), name,
+                        contact_reference_modulus(&m->state.values, contact), state->diagonal);
+}
+
+enum model_status model_check_consistency(struct model *m)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        enum model_status status = check_contact(m, j);
+        if (status == MODEL_OK) {
+            model_prepare(m);
+            status = check_factors(m, j);
+        }
+        if (status != MODEL_OK) {
+            return status;
+        }
+    }
+    return MODEL_OK;
+}

@@ -1,0 +1,67 @@
+/* Checking and reading single variables. */
+#include <math.h>
+#include <string.h>
+
+#include "model/state.h"
+
+enum model_status model_check_real(struct model *m, const struct variable *variable, double value)
+{
+    if (isfinite(value) && value >= variable->min && value <= variable->max) {
+        return MODEL_OK;
+    }
+    return model_report(m, MODEL_DISCARD, "%s = %.17g refused (allowed: %g .. %g); it stays as it was.", variable->name,
+                        value, variable->min, variable->max);
+}
+
+enum model_status model_check_integer(struct model *m, const struct variable *variable, int32_t value)
+{
+    if (value >= variable->min && value <= variable->max) {
+        return MODEL_OK;
+    }
+    return model_report(m, MODEL_DISCARD, "%s = %d refused (allowed: %.0f .. %.0f); it stays as it was.",
+                        variable->name, (int)value, variable->min, variable->max);
+}
+
+double model_get_real(struct model *m, const struct variable *variable)
+{
+    model_update_outputs(m);
+    double value;
+    memcpy(&value, (const char *)&m->state.values + variable->offset, sizeof value);
+    return value;
+}
+
+int32_t model_get_integer(struct model *m, const struct variable *variable)
+{
+    model_update_outputs(m);
+    int32_t value;
+    memcpy(&value, (const char *)&m->state.values + variable->offset, sizeof value);
+    return value;
+}
+
+enum model_status model_get_output_derivative(struct model *m, const struct variable *variable, int order,
+                                              double *value)
+{
+    struct system_instant at;
+    model_update_outputs(m);
+    system_now(&m->state.values, &m->state.motion, &at);
+    if (order == 1) {
+        switch (variable->row) {
+        case ROW_body_displacement:
+        case ROW_body_position:
+            *value = vec3_get(at.velocity[variable->element], variable->component);
+            return MODEL_OK;
+        case ROW_body_velocity:
+            *value = vec3_get(at.acceleration[variable->element], variable->component);
+            return MODEL_OK;
+        case ROW_contact_gap:
+            *value = at.geometry[variable->element].gap_rate;
+            return MODEL_OK;
+        default:
+            break;
+        }
+    }
+    return model_report(m, MODEL_DISCARD,
+                        "Derivative %d of %s is not provided (allowed: order 1 of displacement, position, velocity "
+                        "and gap).",
+                        order, variable->name);
+}

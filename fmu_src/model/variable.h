@@ -1,0 +1,37 @@
+/*
+ * The variables of an FMU as its adapter sees them. The table is generated from modelDescription/variables.toml and
+ * the scene file (scene_variables.c); value references, ranges and order are those of modelDescription.xml.
+ */
+#ifndef MODEL_VARIABLE_H
+#define MODEL_VARIABLE_H
+
+#include <stdint.h>
+
+enum variable_type { VARIABLE_REAL, VARIABLE_INTEGER, VARIABLE_BOOLEAN, VARIABLE_ENUMERATION };
+
+enum variable_causality {
+    VARIABLE_PARAMETER,
+    VARIABLE_CALCULATED_PARAMETER,
+    VARIABLE_INPUT,
+    VARIABLE_OUTPUT
+};
+
+struct variable {
+    const char *name;
+    double min, max;    /* inclusive; of an enumeration the first and last item offered */
+    uint32_t reference; /* FMI value reference */
+    uint16_t offset;    /* bytes into struct scene_values; a double for VARIABLE_REAL, else an int32_t */
+    uint16_t row;       /* enum variable_row of scene.h */
+    uint8_t type;       /* enum variable_type */
+    uint8_t causality;  /* enum variable_causality */
+    uint8_t element;    /* index of the body or contact, 0 for the rest */
+    uint8_t component;  /* 0..2 in a vector, else 0 */
+};
+
+extern const struct variable scene_variables[];
+extern const int scene_variable_count;
+
+/* The variable of a value reference, NULL when the scene has none; takes the same time for every reference. */
+const struct variable *scene_variable(uint32_t reference);
+
+#endif

@@ -1,0 +1,49 @@
+/*
+ * The smooth problem within fixed regimes, as CVODE sees it.
+ *
+ *   y = (u, v of each free body; impulse on the source of each contact; dissipated energy; external work)
+ *
+ * Roots, four for each contact, all of them falling through zero where they matter:
+ *   0  -g                 the bodies part
+ *   1  the regime margin  the law changes (contact_regime_margin)
+ *   2  -g'                the deepest penetration (rising gap rate)
+ *   3  dF_n/dt            the largest force
+ * The first two end the phase, the last two only feed the peaks. Without contact all are held at 1.
+ */
+#ifndef CONTACT_CVODE_PROBLEM_H
+#define CONTACT_CVODE_PROBLEM_H
+
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_matrix.h>
+
+#include "dynamics/events.h"
+
+#if SCENE_ANY_FREE
+
+enum { CVODE_ROOTS_EACH = 4, CVODE_ROOTS = CVODE_ROOTS_EACH * SCENE_CONTACTS };
+
+struct cvode_problem {
+    const struct scene_values *values;
+    const struct motion *motion;     /* regimes, paths; its body states are not read */
+    double relative, absolute;       /* tolerances [1], [m, m/s, ...] */
+    double energy_scale, momentum_scale;  /* of the free bodies at the start of the phase [J], [N s] */
+};
+
+int cvode_problem_size(const struct scene_values *v);
+
+void cvode_pack(const struct cvode_problem *p, N_Vector y);
+
+/* y into the motion's bodies, impulses and energies; the clock is the caller's. */
+void cvode_unpack(const struct scene_values *v, struct motion *q, N_Vector y);
+
+int cvode_rhs(double clock, N_Vector y, N_Vector rate, void *problem);
+int cvode_jacobian(double clock, N_Vector y, N_Vector rate, SUNMatrix jacobian, void *problem, N_Vector, N_Vector,
+                   N_Vector);
+int cvode_roots(double clock, N_Vector y, double *roots, void *problem);
+
+/* Error weights: 1 / (relative size + absolute), where size is the length of the whole vector, so that turning the world
+ * changes nothing; energies and impulses are measured against those of the free bodies. */
+int cvode_weights(N_Vector y, N_Vector weights, void *problem);
+
+#endif
+#endif

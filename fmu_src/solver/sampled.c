@@ -1,0 +1,163 @@
+#include "solver/sampled.h"
+
+#if SCENE_ANY_FREE
+
+#include "dynamics/energy.h"
+
+enum { NODES = 5, TERMS = 3 * SCENE_CONTACTS + 2 };
+
+/* Five-point Gauss-Legendre rule on [-1, 1]: exact to degree nine. Nodes 0, +-sqrt(5 -+ 2 sqrt(10/7))/3. */
+static const double node[NODES] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309,
+                                   0.90617984593866399};
+static const double weight[NODES] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889,
+                                     0.47862867049936647, 0.23692688505618909};
+
+/* Impulses, dissipated energy, external work over a panel, and how large their integrands are. */
+struct panel {
+    double sum[TERMS];
+    double size[TERMS];
+};
+
+static void powers(const struct scene_values *v, const struct motion *q, double clock, double out[TERMS])
+{
+    struct system_instant at;
+    system_evaluate(v, q, clock, q->body, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        out[3 * j] = at.source_force[j].x;
+        out[3 * j + 1] = at.source_force[j].y;
+        out[3 * j + 2] = at.source_force[j].z;
+    }
+    out[TERMS - 2] = energy_dissipated_power(v, q, &at);
+    out[TERMS - 1] = system_external_power(v, q, clock, &at);
+}
+
+static struct panel integrate(const struct scene_values *v, struct motion *q, double from, double to)
+{
+    struct panel result = {{0.0}, {0.0}};
+    const double half = 0.5 * (to - from);
+    for (int i = 0; i < NODES; ++i) {
+        double value[TERMS];
+        powers(v, q, from + half * (1.0 + node[i]), value);
+        for (int k = 0; k < TERMS; ++k) {
+            result.sum[k] += half * weight[i] * value[k];
+            result.size[k] += half * weight[i] * fabs(value[k]);
+        }
+    }
+    q->counters.force_evaluations += NODES;
+    return result;
+}
+
+static bool agree(const struct panel *whole, const struct panel *left, const struct panel *right, double tolerance)
+{
+    for (int k = 0; k < TERMS; ++k) {
+        const double difference = fabs(left->sum[k] + right->sum[k] - whole->sum[k]);
+        if (!(difference <= tolerance * (left->size[k] + right->size[k]))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void add_panel(struct motion *q, const struct panel *panel)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const double *sum = panel->sum + 3 * j;
+        q->contact[j].impulse = vec3_add(q->contact[j].impulse, vec3_make(sum[0], sum[1], sum[2]));
+    }
+    q->dissipated += panel->sum[TERMS - 2];
+    q->external_work += panel->sum[TERMS - 1];
+}
+
+/* A measure of contact j to be maximised: 0 the force, 1 the penetration. */
+static double measure(const struct scene_values *v, const struct motion *q, double clock, int contact, int which)
+{
+    struct system_instant at;
+    system_evaluate(v, q, clock, q->body, &at);
+    return which == 0 ? at.normal_force[contact] : -at.geometry[contact].gap;
+}
+
+/* Golden-section search: the interval shrinks by 0.618 a step, so 40 steps reach the square root of the rounding, which
+ * is where a maximum is exact to rounding. */
+static double largest_between(const struct scene_values *v, struct motion *q, double from, double to, int contact,
+                              int which)
+{
+    const double ratio = 0.5 * (sqrt(5.0) - 1.0);
+    double low = to - ratio * (to - from), high = from + ratio * (to - from);
+    double at_low = measure(v, q, low, contact, which), at_high = measure(v, q, high, contact, which);
+    for (int i = 0; i < 40; ++i) {
+        if (at_low > at_high) {
+            to = high, high = low, at_high = at_low;
+            low = to - ratio * (to - from);
+            at_low = measure(v, q, low, contact, which);
+        } else {
+            from = low, low = high, at_low = at_high;
+            high = from + ratio * (to - from);
+            at_high = measure(v, q, high, contact, which);
+        }
+    }
+    q->counters.force_evaluations += 42;
+    return fmax(at_low, at_high);
+}
+
+/* Peaks inside a panel that the quadrature resolves: there force and penetration have one maximum at most. */
+static void note_peaks_between(const struct scene_values *v, struct motion *q, double from, double to)
+{
+    struct system_instant at;
+    system_evaluate(v, q, to, q->body, &at);
+    event_note_peaks(q, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        struct contact_state *state = &q->contact[j];
+        for (int which = 0; which < 2; ++which) {
+            const double middle = measure(v, q, 0.5 * (from + to), j, which);
+            const double ends = fmax(measure(v, q, from, j, which), measure(v, q, to, j, which));
+            double *peak = which == 0 ? &state->peak_force : &state->peak_penetration;
+            if (fmax(middle, ends) != fmin(middle, ends)) {
+                *peak = fmax(*peak, largest_between(v, q, from, to, j, which));
+            }
+        }
+    }
+}
+
+static bool in_contact(const struct motion *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].regime != REGIME_APART) {
+            return true;
+        }
+    }
+    return false;
+}
+
+enum advance_result sampled_advance(const struct scene_values *v, struct motion *q, struct advance *step)
+{
+    const double tolerance = solver_relative_tolerance(v);
+    double width = step->clock_end - q->clock;
+    if (!in_contact(q)) {
+        q->clock = step->clock_end;
+        return ADVANCE_REACHED;
+    }
+    while (q->clock < step->clock_end) {
+        if (step->budget-- <= 0) {
+            return ADVANCE_STEP_LIMIT;
+        }
+        const double to = q->clock + width < step->clock_end ? q->clock + width : step->clock_end;
+        const double middle = 0.5 * (q->clock + to);
+        const struct panel whole = integrate(v, q, q->clock, to);
+        const struct panel left = integrate(v, q, q->clock, middle);
+        const struct panel right = integrate(v, q, middle, to);
+        if (middle > q->clock && middle < to && !agree(&whole, &left, &right, tolerance)) {
+            q->counters.rejected_steps += 1;
+            width *= 0.5;
+            continue;
+        }
+        add_panel(q, &left);
+        add_panel(q, &right);
+        note_peaks_between(v, q, q->clock, to);
+        q->counters.steps += 1;
+        q->clock = to;
+        width *= 2.0;
+    }
+    return ADVANCE_REACHED;
+}
+
+#endif

@@ -1,0 +1,123 @@
+#include "solver/solver.h"
+
+#if SCENE_ANY_FREE
+
+#include "dynamics/encounter.h"
+#include "solver/cvode.h"
+#include "solver/sampled.h"
+
+bool solver_open(struct solver *s, const struct scene_values *v)
+{
+    s->message[0] = '\0';
+    return system_is_force_element(v) || cvode_open(&s->cvode, v, s->message);
+}
+
+void solver_close(struct solver *s)
+{
+    cvode_close(&s->cvode);
+}
+
+/* A horizon of many communication steps makes the search for the next encounter rare; roots near its beginning keep
+ * their relative accuracy, so its length costs no digits. */
+static const double HORIZON_STEPS = 256.0;
+
+static void look_ahead(const struct scene_values *v, struct motion *q, double remaining)
+{
+    if (q->horizon_clock > q->clock) {
+        return;
+    }
+    const double horizon = HORIZON_STEPS * remaining;
+    struct system_instant at;
+    system_now(v, q, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct encounter next = encounter_next(v, q, &at, q->clock, j, horizon);
+        q->contact[j].change_clock = q->clock + next.after;
+        q->contact[j].change_regime = next.regime;
+    }
+    q->horizon_clock = q->clock + horizon;
+}
+
+/* The contact whose closed-form change comes first. */
+static int contact_changing_first(const struct motion *q)
+{
+    int first = 0;
+    for (int j = 1; j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].change_clock < q->contact[first].change_clock) {
+            first = j;
+        }
+    }
+    return first;
+}
+
+static enum advance_result advance_phase(struct solver *s, const struct scene_values *v, struct motion *q,
+                                         struct advance *step)
+{
+    if (!(step->clock_end > q->clock)) {
+        return ADVANCE_REACHED;
+    }
+    if (system_is_force_element(v)) {
+        return sampled_advance(v, q, step);
+    }
+    return cvode_advance(s->cvode, v, q, step);
+}
+
+static void keep_normals(const struct scene_values *v, struct motion *q)
+{
+    struct system_instant at;
+    system_now(v, q, &at);
+    event_note_peaks(q, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        q->contact[j].normal = at.geometry[j].normal;
+    }
+}
+
+static enum solver_status run_phases(struct solver *s, const struct scene_values *v, struct motion *q, double end_time)
+{
+    struct advance step = {.budget = solver_max_internal_steps(v)};
+    for (;;) {
+        const double remaining = motion_remaining(q, end_time);
+        if (!(remaining > 0.0)) {
+            return SOLVER_DONE;
+        }
+        look_ahead(v, q, remaining);
+        const int next = contact_changing_first(q);
+        const double change = q->contact[next].change_clock;
+        const double end = q->clock + remaining;
+        step.clock_end = fmin(end, fmin(change, q->horizon_clock));
+        switch (advance_phase(s, v, q, &step)) {
+        case ADVANCE_REACHED:
+            if (step.clock_end >= change) {
+                event_change_regime(v, q, next, (enum contact_regime)q->contact[next].change_regime);
+                break;
+            }
+            if (step.clock_end >= end) {
+                return SOLVER_DONE;
+            }
+            break;
+        case ADVANCE_EVENT:
+            event_change_regime(v, q, step.contact, step.regime);
+            break;
+        case ADVANCE_STEP_LIMIT:
+            return SOLVER_STEP_LIMIT;
+        case ADVANCE_FAILED:
+        default:
+            return SOLVER_FAILED;
+        }
+        /* An event costs a step of the budget, so that a storm of events ends too. */
+        if (--step.budget <= 0) {
+            return SOLVER_STEP_LIMIT;
+        }
+    }
+}
+
+enum solver_status solver_run(struct solver *s, const struct scene_values *v, struct motion *q, double end_time)
+{
+    const double start = motion_time(q);
+    event_begin_window(v, q);
+    const enum solver_status status = run_phases(s, v, q, end_time);
+    q->window = motion_time(q) - start;
+    keep_normals(v, q);
+    return status;
+}
+
+#endif

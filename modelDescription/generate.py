@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""Writes the generated files of one FMU from its scene file and variables.toml.
+
+generate.py --scene scenes/BallOnSphere.toml --output DIR   modelDescription.xml, C table, documentation
+generate.py --table                                         JSON: how many variables each scene has
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+
+from generator.catalogue import read_catalogue  # noqa: E402
+from generator.emit import counts, render, write  # noqa: E402
+from generator.errors import InputError  # noqa: E402
+from generator.resolve import Resolved, resolve  # noqa: E402
+from generator.scene import read_scene  # noqa: E402
+
+
+def load(scene: Path) -> Resolved:
+    catalogue = read_catalogue(HERE / "variables.toml")
+    groups = {row.key.partition(".")[0] for row in catalogue.rows.values() if row.owner == "world"}
+    return resolve(read_scene(scene, groups), catalogue)
+
+
+def licence() -> dict[str, str]:
+    """The project's own licence, for documentation/licenses inside the FMU."""
+    file = HERE.parent / "LICENSE"
+    return {"documentation/licenses/license.txt": file.read_text(encoding="utf-8")} if file.exists() else {}
+
+
+def arguments(args: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--scene", type=Path, action="append", help="scene file; with --table more than once or left out"
+    )
+    parser.add_argument("--output", type=Path, help="folder to write to")
+    parser.add_argument(
+        "--table", action="store_true", help="print a JSON table of variable counts instead of writing files"
+    )
+    result = parser.parse_args(args)
+    if not result.table and (result.output is None or len(result.scene or []) != 1):
+        parser.error("one --scene and --output are needed, or --table")
+    return result
+
+
+def main(args: list[str] | None = None) -> int:
+    options = arguments(args)
+    try:
+        if options.table:
+            scenes = [load(path) for path in options.scene or sorted((HERE / "scenes").glob("*.toml"))]
+            print(json.dumps({resolved.scene.name: counts(resolved) for resolved in scenes}, indent=2))
+        else:
+            write(render(load(options.scene[0])) | licence(), options.output)
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"{error.filename}: cannot be written: {error.strerror}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

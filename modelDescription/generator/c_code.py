@@ -1,0 +1,172 @@
+"""The C side of a scene: what the templates scene.h and scene_variables.c need, row by row."""
+
+import re
+from dataclasses import dataclass
+
+from .catalogue import Row
+from .resolve import Cell, Resolved
+
+C_BASE = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "Enumeration": "ENUMERATION"}
+C_CAUSALITY = {
+    "parameter": "PARAMETER",
+    "calculatedParameter": "CALCULATED_PARAMETER",
+    "input": "INPUT",
+    "output": "OUTPUT",
+}
+
+
+@dataclass(frozen=True)
+class Branch:
+    """What an accessor does for some elements; `condition` is empty in the last branch."""
+
+    condition: str
+    statements: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Accessor:
+    name: str
+    owner: str
+    result: str  # C type of the value
+    branches: tuple[Branch, ...]
+    uses_values: bool
+    uses_index: bool
+
+
+@dataclass(frozen=True)
+class Struct:
+    owner: str
+    members: tuple[str, ...]
+    bytes: int
+
+
+def constant(row: Row, value) -> str:
+    """A value as a C expression."""
+    if isinstance(value, tuple):
+        return f"vec3_make({', '.join(map(repr, value))})"
+    if row.type.base == "Enumeration":
+        item = next(item for item in row.type.items if item.value == value)
+        prefix = re.sub(r"(?<!^)(?=[A-Z])", "_", row.type.name)
+        return f"{prefix}_{item.name}".upper()
+    return repr(value)
+
+
+def member(row: Row, index: str) -> str:
+    return f"{row.owner}[{index}].{row.field}" if row.owner != "world" else f"world.{row.field}"
+
+
+def rows_present(resolved: Resolved) -> dict[str, bool]:
+    return {row.key: resolved.has(row.key) for row in resolved.catalogue.rows.values()}
+
+
+def structs(resolved: Resolved) -> list[Struct]:
+    """One struct for each owner, doubles first and filled up to 8 bytes, so that no byte of it is padding."""
+    result = []
+    for owner in ("body", "contact", "world"):
+        rows = [
+            row for row in resolved.catalogue.rows.values() if row.owner == owner and resolved.has(row.key)
+        ]
+        reals = [row for row in rows if row.type.base == "Real"]
+        others = [row for row in rows if row.type.base != "Real"]
+        members = [f"double {row.field}{f'[{row.dim}]' if row.dim > 1 else ''};" for row in reals]
+        members += [f"int32_t {row.field};" for row in others]
+        if len(others) % 2:
+            members.append("int32_t fill;")
+        size = 8 * sum(row.dim for row in reals) + 4 * (len(others) + len(others) % 2)
+        result.append(Struct(owner, tuple(members or ["double none;"]), size or 8))
+    return result
+
+
+def _cells(resolved: Resolved, row: Row) -> list[tuple[int, Cell | None]]:
+    """The row's cell for each element, None where the element is of another shape."""
+    count = {"body": len(resolved.scene.bodies), "contact": len(resolved.scene.contacts), "world": 1}[
+        row.owner
+    ]
+    by_element = {cell.element: cell for cell in resolved.of(row.key)}
+    return [(element, by_element.get(element)) for element in range(count)]
+
+
+def _branches(row: Row, statements: dict[int, tuple[str, ...]]) -> tuple[Branch, ...]:
+    """Elements that do the same share a branch; the largest group comes last and needs no condition."""
+    groups: dict[tuple[str, ...], list[int]] = {}
+    for element, lines in statements.items():
+        groups.setdefault(lines, []).append(element)
+    ordered = sorted(groups.items(), key=lambda group: (len(group[1]), -group[1][0]))
+    branches = []
+    for number, (lines, elements) in enumerate(ordered, 1):
+        condition = " || ".join(f"{row.owner} == {element}" for element in elements)
+        branches.append(Branch("" if number == len(ordered) else condition, lines))
+    return tuple(branches)
+
+
+def _accessor(row: Row, name: str, statements: dict[int, tuple[str, ...]]) -> Accessor:
+    result = "struct vec3" if row.dim > 1 else ("double" if row.type.base == "Real" else "int")
+    branches = _branches(row, statements)
+    uses_values = any("v->" in line for lines in statements.values() for line in lines)
+    indexed = any(f"[{row.owner}]" in line for lines in statements.values() for line in lines)
+    return Accessor(name, row.owner, result, branches, uses_values, indexed or len(branches) > 1)
+
+
+def readers(resolved: Resolved) -> list[Accessor]:
+    """An accessor for each parameter and input: the value, or a constant where it is pinned or not needed."""
+    result = []
+    for row in (row for row in resolved.catalogue.rows.values() if row.has_start):
+        value = f"v->{member(row, row.owner)}"
+        if row.dim > 1:
+            value = f"vec3_make({', '.join(f'{value}[{k}]' for k in range(row.dim))})"
+        lines = {}
+        for element, cell in _cells(resolved, row):
+            fixed = cell.value if cell else _default(row)
+            lines[element] = (
+                f"return {value};" if cell and cell.open else f"return {constant(row, fixed)};",
+            )
+        result.append(_accessor(row, row.c_name, lines))
+    return result
+
+
+def _default(row: Row):
+    if isinstance(row.start, list):
+        return tuple(map(float, row.start))
+    return int(row.start) if row.type.base == "Boolean" else row.start
+
+
+def writers(resolved: Resolved) -> list[Accessor]:
+    """An accessor for each row the FMU computes and for the tolerance; empty where the row is absent."""
+    result = []
+    for row in (row for row in resolved.catalogue.rows.values() if not row.has_start or row.tolerance):
+        target = f"v->{member(row, row.owner)}"
+        if row.dim > 1:
+            store = tuple(f"{target}[{k}] = value.{axis};" for k, axis in enumerate("xyz"))
+        else:
+            store = (f"{target} = value;",)
+        lines = {element: store if cell and cell.open else () for element, cell in _cells(resolved, row)}
+        result.append(_accessor(row, f"put_{row.c_name}", lines))
+    return result
+
+
+def start_statements(resolved: Resolved) -> list[str]:
+    """Assignments of the start values other than zero."""
+    lines = []
+    for variable in resolved.variables:
+        if variable.start:
+            row = variable.cell.row
+            index = f"[{variable.component}]" if row.dim > 1 else ""
+            text = constant(row, variable.start)
+            lines.append(f"v->{member(row, str(variable.cell.element))}{index} = {text};")
+    return lines
+
+
+def table(resolved: Resolved) -> list[str]:
+    """Initializers of struct variable, in the order of modelDescription.xml."""
+    lines = []
+    for variable in resolved.variables:
+        cell, row = variable.cell, variable.cell.row
+        component = f"[{variable.component}]" if row.dim > 1 else ""
+        offset = f"offsetof(struct scene_values, {member(row, str(cell.element))}{component})"
+        low, high = (repr(float(limit)) for limit in row.limits)
+        lines.append(
+            f'{{"{variable.name}", {low}, {high}, {variable.reference}, {offset}, ROW_{row.c_name}, '
+            f"VARIABLE_{C_BASE[row.type.base]}, VARIABLE_{C_CAUSALITY[row.causality]}, {cell.element}, "
+            f"{variable.component}}},"
+        )
+    return lines

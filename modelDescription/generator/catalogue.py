@@ -1,0 +1,211 @@
+"""Reading variables.toml: units, declared types and the row of every variable."""
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+from .errors import InputError, allowed
+
+ROW_KEYS = {
+    "vr", "type", "causality", "start", "start_destination", "min", "max", "dim", "symbol", "description",
+    "shape", "when", "tolerance",
+}  # fmt: skip
+TYPE_KEYS = {"base", "quantity", "unit", "display", "min", "max", "nominal", "description", "items"}
+CAUSALITIES = ("parameter", "calculatedParameter", "input", "output")
+BASES = ("Real", "Integer", "Boolean", "Enumeration")
+
+
+@dataclass(frozen=True)
+class Item:
+    name: str
+    value: int
+    description: str
+    offered: bool
+
+
+@dataclass(frozen=True)
+class Type:
+    """A declared type of FMI."""
+
+    name: str
+    base: str
+    description: str
+    quantity: str | None = None
+    unit: str | None = None
+    display: str | None = None
+    min: float | int | None = None
+    max: float | int | None = None
+    nominal: float | None = None
+    items: tuple[Item, ...] = ()
+
+    @property
+    def offered(self) -> tuple[Item, ...]:
+        return tuple(item for item in self.items if item.offered)
+
+    def item(self, name: str) -> Item | None:
+        return next((item for item in self.offered if item.name == name), None)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row of variables.toml: a scalar or a vector of every body, of every contact or of the world."""
+
+    key: str
+    vr: int
+    type: Type
+    causality: str
+    description: str
+    start: object = None
+    start_destination: object = None
+    min: float | int | None = None
+    max: float | int | None = None
+    dim: int = 1
+    symbol: str | None = None
+    shape: str | None = None
+    when: tuple[dict, ...] = ()
+    tolerance: bool = False
+
+    @property
+    def owner(self) -> str:
+        """'body', 'contact' or 'world'."""
+        group = self.key.partition(".")[0]
+        return group if group in ("body", "contact") else "world"
+
+    @property
+    def field(self) -> str:
+        """Name of the member in the C struct of its owner."""
+        return self.key.partition(".")[2] if self.owner != "world" else self.c_name
+
+    @property
+    def c_name(self) -> str:
+        return self.key.replace(".", "_")
+
+    @property
+    def has_start(self) -> bool:
+        return self.causality in ("parameter", "input")
+
+    @property
+    def limits(self) -> tuple:
+        """(min, max), of an enumeration the first and last item offered."""
+        if self.type.base == "Enumeration":
+            values = [item.value for item in self.type.offered]
+            return min(values), max(values)
+        if self.type.base == "Boolean":
+            return 0, 1
+        return (
+            self.min if self.min is not None else self.type.min,
+            self.max if self.max is not None else self.type.max,
+        )
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    project: dict
+    units: dict
+    types: dict[str, Type]
+    rows: dict[str, Row]
+
+    def choices(self) -> dict[str, Row]:
+        """Rows whose value decides what else is needed: parameters that are enumerations or Booleans."""
+        bases = ("Enumeration", "Boolean")
+        return {
+            key: row
+            for key, row in self.rows.items()
+            if row.causality == "parameter" and row.type.base in bases
+        }
+
+
+def read_toml(path: Path, shown: str) -> dict:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(shown, f"not valid TOML: {error}") from None
+    except UnicodeDecodeError as error:
+        raise InputError(shown, f"not valid UTF-8: byte {error.start}") from None
+    except OSError as error:
+        raise InputError(shown, f"cannot be read: {error.strerror}") from None
+
+
+def read_catalogue(path: Path) -> Catalogue:
+    shown = f"{path.parent.name}/{path.name}"
+    data = read_toml(path, shown)
+    try:
+        types = {name: _type(name, dict(entry), shown) for name, entry in data["type"].items()}
+        rows = {key: _row(key, entry, types, shown) for key, entry in data["variable"].items()}
+        catalogue = Catalogue(data["project"], data["unit"], types, rows)
+    except (KeyError, TypeError) as error:
+        raise InputError(shown, f"incomplete: {error}") from None
+    _check_units(catalogue, shown)
+    _check_ranges(catalogue, shown)
+    _check_references(catalogue, shown)
+    return catalogue
+
+
+def _type(name: str, entry: dict, shown: str) -> Type:
+    for key in entry.keys() - TYPE_KEYS:
+        raise InputError(shown, f"[type.{name}]: unknown key '{key}' {allowed(TYPE_KEYS)}")
+    if entry["base"] not in BASES:
+        raise InputError(shown, f"[type.{name}]: unknown base '{entry['base']}' {allowed(BASES)}")
+    items = entry.pop("items", {})
+    entry["items"] = tuple(
+        Item(item, fields["value"], fields["description"], fields.get("offered", True))
+        for item, fields in items.items()
+    )
+    return Type(name, **entry)
+
+
+def _row(key: str, entry: dict, types: dict[str, Type], shown: str) -> Row:
+    where = f'[variable."{key}"]'
+    for unknown in entry.keys() - ROW_KEYS:
+        raise InputError(shown, f"{where}: unknown key '{unknown}' {allowed(ROW_KEYS)}")
+    if entry["type"] not in types:
+        raise InputError(shown, f"{where}: unknown type '{entry['type']}' {allowed(types)}")
+    if entry["causality"] not in CAUSALITIES:
+        raise InputError(shown, f"{where}: unknown causality '{entry['causality']}' {allowed(CAUSALITIES)}")
+    if ("start" in entry) != (entry["causality"] in ("parameter", "input")):
+        raise InputError(shown, f"{where}: 'start' belongs to parameters and inputs and only to them")
+    fields = {**entry, "type": types[entry["type"]], "when": tuple(entry.get("when", ()))}
+    return Row(key, **fields)
+
+
+def _check_units(catalogue: Catalogue, shown: str) -> None:
+    for kind in catalogue.types.values():
+        if kind.base == "Real" and kind.unit not in catalogue.units:
+            known = allowed(catalogue.units)
+            raise InputError(shown, f"[type.{kind.name}]: unknown unit '{kind.unit}' {known}")
+        displays = catalogue.units[kind.unit].get("display", {}) if kind.unit else {}
+        if kind.display and kind.display not in displays:
+            known = allowed(displays)
+            raise InputError(shown, f"[type.{kind.name}]: unknown display unit '{kind.display}' {known}")
+
+
+def _check_ranges(catalogue: Catalogue, shown: str) -> None:
+    """A variable may narrow the range of its type and not widen it (FMI 2.0.5, section 2.2.7)."""
+    for row in catalogue.rows.values():
+        if row.type.base in ("Real", "Integer"):
+            (low, high), kind = row.limits, row.type
+            if not kind.min <= low <= high <= kind.max:
+                outer = f"(allowed: within {kind.min!r} to {kind.max!r})"
+                raise InputError(shown, f'[variable."{row.key}"]: range {low!r} to {high!r} {outer}')
+
+
+def _check_references(catalogue: Catalogue, shown: str) -> None:
+    """No value reference of a block is given twice; conditions speak of choices that exist."""
+    used: dict[tuple[str, int], str] = {}
+    choices = catalogue.choices()
+    for row in catalogue.rows.values():
+        for vr in range(row.vr, row.vr + row.dim):
+            other = used.setdefault((row.owner, vr), row.key)
+            if other != row.key or not 0 < vr < 100:
+                raise InputError(
+                    shown, f'[variable."{row.key}"]: value reference {vr} is out of 1..99 or that of {other}'
+                )
+        for alternative in row.when:
+            for choice in alternative:
+                plain = (
+                    choice.removeprefix("any ").replace("destination.", "body.").replace("source.", "body.")
+                )
+                if plain not in choices:
+                    raise InputError(
+                        shown, f"[variable.\"{row.key}\"]: unknown choice '{choice}' {allowed(choices)}"
+                    )

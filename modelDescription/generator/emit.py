@@ -1,0 +1,136 @@
+"""Writing the files of a scene. The same input gives the same bytes: no time, path or random number in it."""
+
+import json
+import uuid
+from pathlib import Path
+
+import jinja2
+
+from . import c_code, page
+from .resolve import Resolved
+
+# Namespace of the guids; a guid is the version-5 UUID of what the FMU is: equal FMUs have equal guids.
+NAMESPACE = uuid.UUID("6d3c1d1e-0f2a-5b7e-9a51-6c1f4a0c7d42")
+TEMPLATES = Path(__file__).resolve().parent.parent / "templates"
+
+
+def environment() -> jinja2.Environment:
+    result = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES),
+        undefined=jinja2.StrictUndefined,
+        autoescape=jinja2.select_autoescape(["xml", "html"]),
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    result.filters["number"] = number
+    result.filters["limit"] = page.limit
+    result.filters["symbol"] = page.symbol
+    result.filters["body_shape"] = lambda body, scene: scene.bodies[body].shape
+    return result
+
+
+def number(value) -> str:
+    """As XML Schema and C write it; repr gives the shortest text that reads back as the same double."""
+    return ("true" if value else "false") if isinstance(value, bool) else repr(value)
+
+
+def render(resolved: Resolved) -> dict[str, str]:
+    """Text of every generated file by its name in the output folder."""
+    templates = environment()
+    context = _context(resolved)
+    xml = templates.get_template("modelDescription.xml")
+    identity = _identity(resolved, xml.render(context, guid=""))
+    context["guid"] = f"{{{identity}}}"
+    context["hash"] = f"0x{identity.int >> 96:08x}u"
+    names = (
+        "modelDescription.xml",
+        "scene.h",
+        "scene_variables.c",
+        "scene.cmake",
+        "documentation/index.html",
+    )
+    files = {name: templates.get_template(name).render(context) for name in names}
+    # Symbols as character references: some readers of descriptions take one byte for one character.
+    files["modelDescription.xml"] = (
+        files["modelDescription.xml"].encode("ascii", "xmlcharrefreplace").decode()
+    )
+    return files
+
+
+def write(files: dict[str, str], folder: Path) -> None:
+    """Writes what differs, so that a build sees only real changes."""
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.exists() or path.read_bytes() != text.encode():
+            path.write_bytes(text.encode())
+
+
+def counts(resolved: Resolved) -> dict[str, int]:
+    result = {"variables": len(resolved.variables)}
+    for causality in ("parameter", "calculatedParameter", "input", "output"):
+        result[causality] = sum(v.cell.row.causality == causality for v in resolved.variables)
+    result["value_bytes"] = _value_bytes(resolved)
+    return result
+
+
+def _value_bytes(resolved: Resolved) -> int:
+    count = {"body": len(resolved.scene.bodies), "contact": len(resolved.scene.contacts), "world": 1}
+    return sum(count[struct.owner] * struct.bytes for struct in c_code.structs(resolved))
+
+
+def _identity(resolved: Resolved, xml: str) -> uuid.UUID:
+    """From the description and what it does not show: bodies, contacts and the values compiled in."""
+    scene = resolved.scene
+    hidden = {
+        "bodies": [(body.name, body.shape) for body in scene.bodies],
+        "contacts": [(contact.name, contact.source, contact.destination) for contact in scene.contacts],
+        "constants": {
+            cell.name: cell.value for cell in resolved.cells if cell.row.has_start and not cell.open
+        },
+    }
+    return uuid.uuid5(NAMESPACE, xml + json.dumps(hidden, sort_keys=True))
+
+
+def _context(resolved: Resolved) -> dict:
+    rows = resolved.catalogue.rows.values()
+    variables = resolved.variables
+    types = [t for t in resolved.catalogue.types.values() if any(v.cell.row.type is t for v in variables)]
+    return {
+        "scene": resolved.scene,
+        "project": resolved.catalogue.project,
+        "resolved": resolved,
+        "variables": variables,
+        "types": types,
+        "units": {
+            name: unit
+            for name, unit in resolved.catalogue.units.items()
+            if any(t.unit == name for t in types)
+        },
+        "outputs": _positions(variables, ("output",)),
+        "unknowns": _positions(variables, ("output", "calculatedParameter")),
+        "has_inputs": any(v.cell.row.causality == "input" for v in variables),
+        "has_derivatives": any(
+            resolved.has(f"body.{name}") for name in ("displacement", "position", "velocity")
+        ),
+        "any_free": resolved.may("body.motion", "free"),
+        "any_prescribed": resolved.may("body.motion", "prescribed"),
+        "any_cylinder": any(body.shape == "cylinder" for body in resolved.scene.bodies),
+        "has_cvode": resolved.may("body.motion", "free"),
+        "rows": list(rows),
+        "present": c_code.rows_present(resolved),
+        "structs": c_code.structs(resolved),
+        "value_bytes": _value_bytes(resolved),
+        "readers": c_code.readers(resolved),
+        "writers": c_code.writers(resolved),
+        "start_statements": c_code.start_statements(resolved),
+        "table": c_code.table(resolved),
+        "references": [(variable.reference, i) for i, variable in enumerate(variables, 1)],
+        "page": page.context(resolved),
+    }
+
+
+def _positions(variables, causalities) -> list[int]:
+    """1-based indices into ModelVariables, as ModelStructure wants them."""
+    return [i for i, variable in enumerate(variables, 1) if variable.cell.row.causality in causalities]

@@ -1,0 +1,72 @@
+"""What the documentation page needs beyond the variables: tables, choices and symbols as HTML."""
+
+import re
+
+from markupsafe import Markup, escape
+
+from .resolve import Cell, Resolved
+
+
+def context(resolved: Resolved) -> dict:
+    return {
+        "groups": _groups(resolved),
+        "choices": [cell for cell in resolved.cells if cell.open and _is_choice(cell)],
+        "constants": [cell for cell in resolved.cells if cell.pinned],
+        "may": {choice: _may(resolved, *choice.split("=")) for choice in CHOICES},
+        "free": [
+            body.name
+            for i, body in enumerate(resolved.scene.bodies)
+            if resolved.may("body.motion", "free", i)
+        ],
+    }
+
+
+# The conditions under which the page explains something.
+CHOICES = (
+    "contact.location=automatic", "contact.location=outside", "contact.location=inside",
+    "contact.method=penalty", "contact.method=penalty_dynamic",
+    "contact.penalty_control=automatic", "contact.penalty_control=user_defined",
+    "contact.penalty_control=viscous_only",
+    "contact.viscous_control=automatic", "contact.viscous_control=user_defined",
+    "contact.dashpot=non_adhesive", "contact.dashpot=unclamped", "contact.dashpot=approach_only",
+    "body.motion=fixed", "body.motion=prescribed", "body.motion=free",
+    "body.finite_length=true", "body.finite_length=false",
+)  # fmt: skip
+
+
+def _may(resolved: Resolved, key: str, value: str) -> bool:
+    """False too where the choice itself plays no part, as a dashpot does not for the penalty method."""
+    cells = resolved.of(key)
+    return any(cell.open or (cell.pinned and cell.value_name == value) for cell in cells)
+
+
+def _is_choice(cell: Cell) -> bool:
+    return cell.row.causality == "parameter" and cell.row.type.base in ("Enumeration", "Boolean")
+
+
+def _groups(resolved: Resolved) -> list[tuple[str, list[Cell]]]:
+    """Cells of the FMU under the first part of their names, in the order of modelDescription.xml."""
+    groups: dict[str, list[Cell]] = {}
+    for variable in resolved.variables:
+        cells = groups.setdefault(variable.cell.name.partition(".")[0], [])
+        if variable.cell not in cells:
+            cells.append(variable.cell)
+    return list(groups.items())
+
+
+def symbol(text: str | None) -> Markup:
+    """r_s -> r with subscript s; what follows in brackets stays on the line."""
+    if not text:
+        return Markup("")
+    match = re.fullmatch(r"([^_]+)_([^(]+)(\(.*\))?", text)
+    if not match:
+        return Markup("<i>{}</i>").format(text)
+    base, index, rest = match.groups()
+    return Markup("<i>{}</i><sub>{}</sub>{}").format(base, index, rest or "")
+
+
+def limit(value) -> str:
+    """Shortest text of a number that reads back as the same."""
+    if value is None:
+        return ""
+    return str(escape(f"{value:g}" if float(f"{value:g}") == value else repr(value)))

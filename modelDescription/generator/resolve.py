@@ -1,0 +1,271 @@
+"""Which variables a scene has, and the start or constant value of every parameter and input."""
+
+import math
+from dataclasses import dataclass, replace
+
+from .catalogue import Catalogue, Row
+from .errors import allowed
+from .scene import Scene
+
+AXES = ("x", "y", "z")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A row of one body, of one contact or of the world: a scalar or a vector, present in the FMU or not."""
+
+    row: Row
+    element: int
+    name: str
+    present: bool
+    pinned: bool
+    value: object  # start or constant value as numbers, a tuple for a vector; None for what the FMU computes
+    reference: int
+    description: str
+    symbol: str | None
+
+    @property
+    def open(self) -> bool:
+        return self.present and not self.pinned
+
+    @property
+    def value_name(self) -> str | None:
+        """The value as a user writes it: item of an enumeration, Boolean, number or list."""
+        if self.value is None:
+            return None
+        if self.row.type.base == "Enumeration":
+            return next(item.name for item in self.row.type.items if item.value == self.value)
+        if self.row.type.base == "Boolean":
+            return "true" if self.value else "false"
+        if isinstance(self.value, tuple):
+            return "(" + ", ".join(f"{x:g}" for x in self.value) + ")"
+        return repr(self.value)
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A scalar variable of the FMU."""
+
+    cell: Cell
+    component: int
+    name: str
+    reference: int
+    description: str
+    start: object
+
+
+@dataclass(frozen=True)
+class Resolved:
+    scene: Scene
+    catalogue: Catalogue
+    cells: tuple[Cell, ...]  # every row of every element, present or not, in the order of the catalogue
+    variables: tuple[Variable, ...]  # what the FMU has, in the order of modelDescription.xml
+
+    def of(self, key: str) -> list[Cell]:
+        return [cell for cell in self.cells if cell.row.key == key]
+
+    def may(self, key: str, value: str, element: int | None = None) -> bool:
+        """May the choice `key` of any (or of one) element have the item `value`?"""
+        return any(
+            not cell.pinned or cell.value_name == value
+            for cell in self.of(key)
+            if element is None or cell.element == element
+        )
+
+    def has(self, key: str) -> bool:
+        return any(cell.open for cell in self.of(key))
+
+
+def resolve(scene: Scene, catalogue: Catalogue) -> Resolved:
+    cells = [cell for row in catalogue.rows.values() for cell in _cells_of(row, scene)]
+    known = {cell.name: cell for cell in cells}
+    constants = _constants(scene, known)
+    cells = [_place(cell, cells, constants, scene) for cell in cells]
+    known = {cell.name: cell for cell in cells}
+    _check_use(scene, known)
+    left_out = _left_out(scene, known)
+    starts = {name: checked(scene, "[start]", known[name], value) for name, value in scene.start.items()}
+    cells = [_with_start(cell, starts, left_out) for cell in cells]
+    return Resolved(scene, catalogue, tuple(cells), tuple(_variables(cells, scene)))
+
+
+def _cells_of(row: Row, scene: Scene):
+    """The row's cell for each element that has it; `present` and `pinned` are settled later."""
+    if row.owner == "body":
+        for i, body in enumerate(scene.bodies):
+            if row.shape in (None, body.shape):
+                yield _cell(row, scene, i, f"{body.name}.{row.field}", 1 + 2 * i, body=body.name)
+    elif row.owner == "contact":
+        for j, contact in enumerate(scene.contacts):
+            names = {
+                "source": scene.bodies[contact.source].name,
+                "destination": scene.bodies[contact.destination].name,
+            }
+            yield _cell(row, scene, j, f"{contact.name}.{row.field}", 2 + 2 * j, **names)
+    else:
+        yield _cell(row, scene, 0, row.key, 0)
+
+
+def _cell(row: Row, scene: Scene, element: int, name: str, block: int, **names: str) -> Cell:
+    letters = {"r": names.get("body", ""), "b": names.get("body", "")}
+    if row.owner == "body" and len(scene.contacts) == 1:  # a pair keeps the symbols of the equations
+        contact = scene.contacts[0]
+        if element in (contact.source, contact.destination):
+            letters = {"r": "s", "b": "src"} if element == contact.source else {"r": "d", "b": "dst"}
+    value = row.start
+    if row.start_destination is not None and scene.is_destination_only(element):
+        value = row.start_destination
+    return Cell(
+        row, element, name, True, False, _number(row, value), 100 * block + row.vr,
+        row.description.format(**names), row.symbol.format(**letters) if row.symbol else None,
+    )  # fmt: skip
+
+
+def _number(row: Row, value):
+    """A value as written in a TOML file (already valid) as the numbers C and XML use."""
+    if value is None:
+        return None
+    if isinstance(value, list):
+        return tuple(float(x) for x in value)
+    if row.type.base == "Enumeration":
+        return row.type.item(value).value
+    return float(value) if row.type.base == "Real" else int(value)
+
+
+def _constants(scene: Scene, known: dict[str, Cell]) -> dict[str, object]:
+    constants = {}
+    parameters = {name: cell for name, cell in known.items() if cell.row.causality == "parameter"}
+    for name, value in scene.pinned.items():
+        if name not in known:
+            raise scene.error(_unknown("[pinned]", name, parameters))
+        if name not in parameters:
+            kind = known[name].row.causality
+            raise scene.error(f"[pinned]: '{name}' is no parameter but {kind} {_near(name, parameters)}")
+        if name in scene.start:
+            raise scene.error(f"[pinned]: '{name}' also stands in [start] (allowed: one of the two)")
+        constants[name] = checked(scene, "[pinned]", known[name], value)
+    return constants
+
+
+def _unknown(where: str, name: str, known: dict[str, Cell]) -> str:
+    return f"{where}: unknown variable '{name}' {_near(name, known)}"
+
+
+def _near(name: str, known: dict[str, Cell]) -> str:
+    """The allowed names that share the first part of `name`, or all where none does."""
+    group = name.partition(".")[0] + "."
+    return allowed([other for other in known if other.startswith(group)] or list(known))
+
+
+def checked(scene: Scene, where: str, cell: Cell, value):
+    """`value` of the scene file as numbers, or the error that says what is allowed."""
+    row, base = cell.row, cell.row.type.base
+    if base == "Enumeration":
+        items = [item.name for item in row.type.offered]
+        if value not in items:
+            raise scene.error(f"{where}: '{cell.name}' is {value!r} {allowed(items)}")
+        return row.type.item(value).value
+    if base == "Boolean":
+        if not isinstance(value, bool):
+            raise scene.error(f"{where}: '{cell.name}' is {value!r} (allowed: true, false)")
+        return int(value)
+    values = value if isinstance(value, list) else [value]
+    if isinstance(value, list) != (row.dim > 1) or len(values) != row.dim:
+        form = f"a list of {row.dim} numbers" if row.dim > 1 else "one number"
+        raise scene.error(f"{where}: '{cell.name}' is {value!r} (allowed: {form})")
+    low, high = row.limits
+    kinds = (int, float) if base == "Real" else (int,)
+    for number in values:
+        if (
+            isinstance(number, bool)
+            or not isinstance(number, kinds)
+            or not math.isfinite(number)
+            or not low <= number <= high
+        ):
+            kind = "an integer" if base == "Integer" else "a number"
+            raise scene.error(
+                f"{where}: '{cell.name}' is {value!r} (allowed: {kind} from {low!r} to {high!r})"
+            )
+    return tuple(map(float, values)) if row.dim > 1 else (float(value) if base == "Real" else value)
+
+
+def _place(cell: Cell, cells: list[Cell], constants: dict, scene: Scene) -> Cell:
+    """Settles whether the scene needs the cell, and its constant if it is pinned."""
+    needed = not cell.row.when or any(
+        all(_possible(choice, items, cell, cells, constants, scene) for choice, items in alternative.items())
+        for alternative in cell.row.when
+    )
+    pinned = cell.name in constants
+    return replace(cell, present=needed, pinned=pinned, value=constants.get(cell.name, cell.value))
+
+
+def _possible(choice: str, items: list, cell: Cell, cells: list[Cell], constants: dict, scene: Scene) -> bool:
+    """May a choice that the row depends on have one of these items, given what is pinned?"""
+    anyone = choice.startswith("any ")
+    group, _, field = choice.removeprefix("any ").partition(".")
+    element = cell.element
+    if cell.row.owner == "contact" and group in ("source", "destination"):
+        element, group = getattr(scene.contacts[cell.element], group), "body"
+    for other in cells:
+        if other.row.key == f"{group}.{field}" and (anyone or other.element == element):
+            wanted = [_number(other.row, item) for item in items]
+            if other.name not in constants or constants[other.name] in wanted:
+                return True
+    return False
+
+
+def _check_use(scene: Scene, known: dict[str, Cell]) -> None:
+    """What [start] and [pinned] name must exist and be needed by this scene."""
+    usable = {name: cell for name, cell in known.items() if cell.present and cell.row.has_start}
+    for where, names in (("[pinned]", scene.pinned), ("[start]", scene.start)):
+        for name in names:
+            if name not in known:
+                raise scene.error(_unknown(where, name, usable))
+            if name not in usable:
+                cause = (
+                    "is not needed with what is pinned"
+                    if known[name].row.has_start
+                    else "is computed by the FMU"
+                )
+                raise scene.error(f"{where}: '{name}' {cause} {_near(name, usable)}")
+
+
+def _left_out(scene: Scene, known: dict[str, Cell]) -> set[str]:
+    """Names of the cells that [leave_out] removes; an entry is a variable, a row (body.velocity) or group."""
+    outputs = {name: cell for name, cell in known.items() if cell.present and not cell.row.has_start}
+    result: set[str] = set()
+    for entry in scene.leave_out:
+        found = {
+            name
+            for name, cell in outputs.items()
+            if entry in (name, cell.row.key, name.partition(".")[0]) and "." in name
+        }
+        if not found and entry in known and known[entry].row.has_start:
+            kind = known[entry].row.causality
+            raise scene.error(f"[leave_out]: '{entry}' is no output but {kind} {_near(entry, outputs)}")
+        if not found:
+            raise scene.error(
+                _unknown("[leave_out]", entry, outputs).replace("unknown variable", "unknown output")
+            )
+        result |= found
+    return result
+
+
+def _with_start(cell: Cell, starts: dict, left_out: set[str]) -> Cell:
+    return replace(
+        cell, present=cell.present and cell.name not in left_out, value=starts.get(cell.name, cell.value)
+    )
+
+
+def _variables(cells: list[Cell], scene: Scene):
+    """Scalars in the order of modelDescription.xml: bodies, contacts, world; in each as catalogued."""
+    rank = {"body": 0, "contact": 1, "world": 2}
+    for cell in sorted((c for c in cells if c.open), key=lambda c: (rank[c.row.owner], c.element)):
+        symbol = f" ({cell.symbol})" if cell.symbol else ""
+        if cell.row.dim == 1:
+            yield Variable(cell, 0, cell.name, cell.reference, cell.description + symbol, cell.value)
+            continue
+        for k, axis in enumerate(AXES):
+            text = f"{cell.description}, {axis} component{symbol}"
+            start = None if cell.value is None else cell.value[k]
+            yield Variable(cell, k, f"{cell.name}[{k + 1}]", cell.reference + k, text, start)

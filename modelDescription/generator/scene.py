@@ -1,0 +1,185 @@
+"""Reading a scene file. What it says about single variables is checked in resolve.py."""
+
+import math
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from .catalogue import read_toml
+from .errors import InputError, allowed
+
+SHAPES = ("sphere", "cylinder")
+SCENE_KEYS = {"name", "title", "description", "body", "contact", "start", "pinned", "leave_out", "experiment"}
+BODY_KEYS = {"name", "shape"}
+CONTACT_KEYS = {"name", "source", "destination"}
+EXPERIMENT = {"start_time": 0.0, "stop_time": 1.0, "step_size": 1e-3, "tolerance": 1e-8}
+IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+SNAKE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+LIMIT = 255  # bodies, contacts: their index is a byte in the C table
+
+
+@dataclass(frozen=True)
+class Body:
+    name: str
+    shape: str
+
+
+@dataclass(frozen=True)
+class Contact:
+    name: str
+    source: int
+    destination: int
+
+
+@dataclass(frozen=True)
+class Scene:
+    file: str
+    name: str
+    title: str
+    description: str
+    bodies: tuple[Body, ...]
+    contacts: tuple[Contact, ...]
+    start: dict = field(default_factory=dict)
+    pinned: dict = field(default_factory=dict)
+    leave_out: tuple[str, ...] = ()
+    experiment: dict = field(default_factory=dict)
+
+    def error(self, text: str) -> InputError:
+        return InputError(self.file, text)
+
+    def is_destination_only(self, body: int) -> bool:
+        return any(c.destination == body for c in self.contacts) and all(
+            c.source != body for c in self.contacts
+        )
+
+
+class _Reader:
+    """Checks keys and types of the tables of one file."""
+
+    def __init__(self, file: str):
+        self.file = file
+
+    def fail(self, where: str, text: str):
+        raise InputError(self.file, f"{where}: {text}" if where else text)
+
+    def keys(self, where: str, table: dict, known: set, required=()) -> None:
+        for key in table:
+            if key not in known:
+                self.fail(where, f"unknown key '{key}' {allowed(known)}")
+        for key in required:
+            if key not in table:
+                self.fail(where, f"key '{key}' is missing {allowed(known)}")
+
+    def text(self, where: str, table: dict, key: str, pattern: re.Pattern | None = None) -> str:
+        value = table[key]
+        if not isinstance(value, str) or not value.strip():
+            self.fail(where, f"'{key}' must be a text that is not empty, got {value!r}")
+        if pattern and not pattern.fullmatch(value):
+            self.fail(where, f"'{key}' is {value!r}, not a name (allowed: {pattern.pattern})")
+        return " ".join(value.split())
+
+    def table(self, data: dict, key: str) -> dict:
+        value = data.get(key, {})
+        if not isinstance(value, dict):
+            self.fail("", f"'{key}' must be a table (allowed: [{key}])")
+        return value
+
+    def tables(self, data: dict, key: str) -> list[dict]:
+        value = data[key]
+        if not isinstance(value, list) or not all(isinstance(entry, dict) for entry in value) or not value:
+            self.fail("", f"'{key}' must be a list of one or more tables (allowed: [[{key}]])")
+        if len(value) > LIMIT:
+            self.fail("", f"'{key}' has {len(value)} entries (allowed: at most {LIMIT})")
+        return value
+
+    def new_name(self, where: str, name: str, taken: dict[str, str]) -> None:
+        if name in taken:
+            self.fail(where, f"name '{name}' is already that of {taken[name]} (allowed: any other name)")
+        taken[name] = where
+
+
+def read_scene(path: Path, world_groups: set[str]) -> Scene:
+    """world_groups: first parts of the world's variables, not to be used as names of bodies or contacts."""
+    file = f"{path.parent.name}/{path.name}"
+    data = read_toml(path, file)
+    reader = _Reader(file)
+    reader.keys("", data, SCENE_KEYS, ("name", "title", "description", "body", "contact"))
+    taken = dict.fromkeys(world_groups, "a group of variables")
+    bodies = _bodies(reader, data, taken)
+    return Scene(
+        file,
+        reader.text("", data, "name", IDENTIFIER),
+        reader.text("", data, "title"),
+        reader.text("", data, "description"),
+        bodies,
+        _contacts(reader, data, bodies, taken),
+        reader.table(data, "start"),
+        reader.table(data, "pinned"),
+        _leave_out(reader, data),
+        _experiment(reader, data),
+    )
+
+
+def _bodies(reader: _Reader, data: dict, taken: dict) -> tuple[Body, ...]:
+    bodies = []
+    for number, table in enumerate(reader.tables(data, "body"), 1):
+        where = f"[[body]] {number}"
+        reader.keys(where, table, BODY_KEYS, ("name", "shape"))
+        reader.new_name(where, reader.text(where, table, "name", SNAKE), taken)
+        if table["shape"] not in SHAPES:
+            reader.fail(where, f"unknown shape {table['shape']!r} {allowed(SHAPES)}")
+        bodies.append(Body(table["name"], table["shape"]))
+    return tuple(bodies)
+
+
+def _contacts(reader: _Reader, data: dict, bodies: tuple[Body, ...], taken: dict) -> tuple[Contact, ...]:
+    index = {body.name: i for i, body in enumerate(bodies)}
+    contacts, pairs = [], {}
+    for number, table in enumerate(reader.tables(data, "contact"), 1):
+        where = f"[[contact]] {number}"
+        reader.keys(where, table, CONTACT_KEYS, ("name", "source", "destination"))
+        reader.new_name(where, reader.text(where, table, "name", SNAKE), taken)
+        for key in ("source", "destination"):
+            if reader.text(where, table, key) not in index:
+                reader.fail(where, f"{key} '{table[key]}' is no body {allowed(list(index))}")
+        source, destination = index[table["source"]], index[table["destination"]]
+        if source == destination:
+            others = [body.name for body in bodies if body.name != table["source"]]
+            reader.fail(where, f"destination '{table['destination']}' is the source itself {allowed(others)}")
+        if bodies[source].shape != "sphere":
+            spheres = [body.name for body in bodies if body.shape == "sphere"]
+            reader.fail(where, f"source '{table['source']}' must be a sphere {allowed(spheres)}")
+        other = pairs.setdefault(frozenset((source, destination)), where)
+        if other != where:
+            reader.fail(
+                where, f"destination '{table['destination']}' and source are already those of {other}"
+            )
+        contacts.append(Contact(table["name"], source, destination))
+    return tuple(contacts)
+
+
+def _leave_out(reader: _Reader, data: dict) -> tuple[str, ...]:
+    table = reader.table(data, "leave_out")
+    reader.keys("[leave_out]", table, {"outputs"})
+    outputs = table.get("outputs", [])
+    if not isinstance(outputs, list) or not all(isinstance(name, str) for name in outputs):
+        reader.fail("[leave_out]", f"'outputs' must be a list of names, got {outputs!r}")
+    return tuple(outputs)
+
+
+def _experiment(reader: _Reader, data: dict) -> dict:
+    table = reader.table(data, "experiment")
+    where = "[experiment]"
+    reader.keys(where, table, set(EXPERIMENT))
+    for key, value in table.items():
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+            reader.fail(where, f"'{key}' must be a finite number, got {value!r}")
+    values = {key: float(table.get(key, default)) for key, default in EXPERIMENT.items()}
+    if values["stop_time"] <= values["start_time"]:
+        reader.fail(
+            where, f"'stop_time' is {values['stop_time']!r} (allowed: more than {values['start_time']!r})"
+        )
+    for key in ("step_size", "tolerance"):
+        if values[key] <= 0.0:
+            reader.fail(where, f"'{key}' is {values[key]!r} (allowed: more than 0)")
+    return values

@@ -1,0 +1,4 @@
+# Generated from the scene file by modelDescription/generate.py.
+set(SCENE_NAME "{{ scene.name }}")
+set(SCENE_GUID "{{ guid }}")
+set(SCENE_HAS_CVODE {{ "ON" if has_cvode else "OFF" }})

@@ -1,0 +1,145 @@
+/* Generated from the scene file and variables.toml by modelDescription/generate.py: what this FMU contains. */
+{% macro parameters(accessor) -%}
+{% if accessor.owner != "world" %}, int {{ accessor.owner }}{% endif %}
+{%- endmacro %}
+{% macro body(accessor, writes) %}
+{
+{% if not accessor.uses_values %}
+    (void)v;
+{% endif %}
+{% if accessor.owner != "world" and not accessor.uses_index %}
+    (void){{ accessor.owner }};
+{% endif %}
+{% if writes and not accessor.uses_values %}
+    (void)value;
+{% endif %}
+{% for branch in accessor.branches if branch.statements or branch.condition %}
+{% if branch.condition %}
+    if ({{ branch.condition }}) {
+{% for statement in branch.statements %}
+        {{ statement }}
+{% endfor %}
+{% if writes %}
+        return;
+{% endif %}
+    }
+{% else %}
+{% for statement in branch.statements %}
+    {{ statement }}
+{% endfor %}
+{% endif %}
+{% endfor %}
+}
+{% endmacro %}
+#ifndef SCENE_H
+#define SCENE_H
+
+#include <stdint.h>
+
+#include "contact/choices.h"
+#include "contact/vec3.h"
+
+#define SCENE_NAME "{{ scene.name }}"
+#define SCENE_GUID "{{ guid }}"
+#define SCENE_HASH {{ hash }} /* the first 32 bits of the guid */
+#define SCENE_BODIES {{ scene.bodies | length }}
+#define SCENE_CONTACTS {{ scene.contacts | length }}
+#define SCENE_VARIABLES {{ variables | length }}
+#define SCENE_ANY_FREE {{ any_free | int }}       /* may any body be free? else there are no states and no solver */
+#define SCENE_ANY_PRESCRIBED {{ any_prescribed | int }} /* may any body's motion be prescribed? */
+#define SCENE_ANY_CYLINDER {{ any_cylinder | int }}
+#define SCENE_HAS_CVODE {{ has_cvode | int }}
+
+/* Every row of variables.toml, whether this scene has it or not. */
+enum variable_row {
+{% for row in rows %}
+    ROW_{{ row.c_name }},
+{% endfor %}
+    ROW_COUNT
+};
+
+/* Is the row a variable of this FMU, for one body or contact at least? */
+{% for row in rows %}
+#define HAS_{{ row.c_name }} {{ present[row.key] | int }}
+{% endfor %}
+{% for struct in structs %}
+
+struct scene_{{ struct.owner }}_values {
+{% for member in struct.members %}
+    {{ member }}
+{% endfor %}
+};
+{% endfor %}
+
+/* The values of all variables, without padding: equal values are equal bytes. */
+struct scene_values {
+    struct scene_body_values body[SCENE_BODIES];
+    struct scene_contact_values contact[SCENE_CONTACTS];
+    struct scene_world_values world;
+};
+
+_Static_assert(sizeof(struct scene_values) == {{ value_bytes }}, "padding in struct scene_values");
+
+/* All start values; zero for what the FMU computes. */
+void scene_start(struct scene_values *v);
+
+/* Names, for messages. */
+static inline const char *scene_body_name(int body)
+{
+    static const char *const names[SCENE_BODIES] = { {%- for b in scene.bodies %}"{{ b.name }}"{{ ", " if not loop.last }}{% endfor -%} };
+    return names[body];
+}
+
+static inline const char *scene_contact_name(int contact)
+{
+    static const char *const names[SCENE_CONTACTS] = { {%- for c in scene.contacts %}"{{ c.name }}"{{ ", " if not loop.last }}{% endfor -%} };
+    return names[contact];
+}
+
+static inline enum shape body_shape(int body)
+{
+{% set cylinders = [] %}
+{% for b in scene.bodies if b.shape == "cylinder" %}{% set _ = cylinders.append(b) %}{% endfor %}
+{% if cylinders | length in (0, scene.bodies | length) %}
+    (void)body;
+    return {{ "SHAPE_CYLINDER" if cylinders else "SHAPE_SPHERE" }};
+{% else %}
+    switch (body) {
+{% for b in scene.bodies if b.shape == "cylinder" %}
+    case {{ scene.bodies.index(b) }}: /* {{ b.name }} */
+{% endfor %}
+        return SHAPE_CYLINDER;
+    default:
+        return SHAPE_SPHERE;
+    }
+{% endif %}
+}
+{% for role in ("source", "destination") %}
+
+static inline int contact_{{ role }}(int contact)
+{
+{% if scene.contacts | length == 1 %}
+    (void)contact;
+    return {{ scene.contacts | map(attribute=role) | first }};
+{% else %}
+    static const int body[SCENE_CONTACTS] = { {{- scene.contacts | map(attribute=role) | join(", ") -}} };
+    return body[contact];
+{% endif %}
+}
+{% endfor %}
+
+/* Parameters and inputs; a constant where the scene pins the value or does not need it. */
+{% for accessor in readers %}
+
+static inline {{ accessor.result }} {{ accessor.name }}(const struct scene_values *v{{ parameters(accessor) }})
+{{- "\n" }}{{ body(accessor, false) }}
+{%- endfor %}
+
+/* What the FMU computes; nothing happens where the scene has no such variable. */
+{% for accessor in writers %}
+
+static inline void {{ accessor.name }}(struct scene_values *v{{ parameters(accessor) }}, {{ accessor.result }} value)
+{{- "\n" }}{{ body(accessor, true) }}
+{%- endfor %}
+
+#endif

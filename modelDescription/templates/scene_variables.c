@@ -1,0 +1,40 @@
+/* Generated from the scene file and variables.toml by modelDescription/generate.py: the table of variables. */
+#include <stddef.h>
+#include <string.h>
+
+#include "model/variable.h"
+#include "scene.h"
+
+_Static_assert(sizeof(struct scene_values) <= UINT16_MAX, "offsets of variables are 16 bits");
+
+const int scene_variable_count = SCENE_VARIABLES;
+
+/* Name, min, max, value reference, offset, row, type, causality, body or contact, component. */
+const struct variable scene_variables[SCENE_VARIABLES] = {
+{% for line in table %}
+    {{ line }}
+{% endfor %}
+};
+
+/* Position in the table, counted from 1, of each value reference. */
+static const uint16_t position_of[] = {
+{% for reference, position in references %}
+    [{{ reference }}] = {{ position }},
+{% endfor %}
+};
+
+const struct variable *scene_variable(uint32_t reference)
+{
+    if (reference >= sizeof position_of / sizeof position_of[0] || position_of[reference] == 0) {
+        return NULL;
+    }
+    return &scene_variables[position_of[reference] - 1];
+}
+
+void scene_start(struct scene_values *v)
+{
+    memset(v, 0, sizeof *v);
+{% for statement in start_statements %}
+    {{ statement }}
+{% endfor %}
+}
