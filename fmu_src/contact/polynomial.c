@@ -1,7 +1,6 @@
 #include "contact/polynomial.h"
 
-#include <float.h>
-#include <math.h>
+#include "contact/bracket.h"
 
 double polynomial_at(const struct polynomial *p, double s)
 {
@@ -41,32 +40,15 @@ struct polynomial polynomial_multiply(const struct polynomial *a, const struct p
     return product;
 }
 
-/* Newton's method kept inside the bracket [low, high], on which p is monotone and changes sign. */
-static double bracketed_root(const struct polynomial *p, const struct polynomial *derivative, double low, double high)
+static void value_and_slope(const void *data, double s, double *value, double *slope)
 {
-    const double rising = polynomial_at(p, low) < 0.0 ? 1.0 : -1.0;
-    double s = 0.5 * (low + high);
-    /* Bisection alone would need about 1100 halvings to reach the smallest double, Newton a handful of steps. */
-    for (int i = 0; i < 1200; ++i) {
-        const double value = polynomial_at(p, s);
-        if (value == 0.0) {
-            return s;
-        }
-        if (rising * value < 0.0) {
-            low = s;
-        } else {
-            high = s;
-        }
-        double next = s - value / polynomial_at(derivative, s);
-        if (!(next > low && next < high)) {
-            next = 0.5 * (low + high);
-        }
-        if (fabs(next - s) <= DBL_EPSILON * next || next <= low || next >= high) {
-            return next;
-        }
-        s = next;
+    const struct polynomial *p = data;
+    *value = p->a[p->degree];
+    *slope = 0.0;
+    for (int i = p->degree - 1; i >= 0; --i) {
+        *slope = *slope * s + *value;
+        *value = *value * s + p->a[i];
     }
-    return s;
 }
 
 static int trimmed_degree(const struct polynomial *p)
@@ -79,8 +61,7 @@ static int trimmed_degree(const struct polynomial *p)
 }
 
 /* Roots between neighbouring `cuts` (the derivative's roots), with the ends of the interval. */
-static int roots_between(const struct polynomial *p, const struct polynomial *derivative, const double *cuts,
-                         int cut_count, double *roots)
+static int roots_between(const struct polynomial *p, const double *cuts, int cut_count, double *roots)
 {
     int count = 0;
     double low = 0.0;
@@ -89,7 +70,7 @@ static int roots_between(const struct polynomial *p, const struct polynomial *de
         const double high = i < cut_count ? cuts[i] : 1.0;
         const double high_value = polynomial_at(p, high);
         if ((low_value < 0.0 && high_value > 0.0) || (low_value > 0.0 && high_value < 0.0)) {
-            roots[count++] = bracketed_root(p, derivative, low, high);
+            roots[count++] = bracket_root(value_and_slope, p, low, high);
         } else if (high_value == 0.0 && i < cut_count) {
             /* An exact zero at a cut: keep the sign from the left and let the next piece decide. */
             continue;
@@ -112,7 +93,7 @@ int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_
     double cuts[POLYNOMIAL_MAX_DEGREE];
     int count = 0;
     for (int i = 1; i <= degree; ++i) {
-        count = roots_between(&chain[i], &chain[i - 1], cuts, count, roots);
+        count = roots_between(&chain[i], cuts, count, roots);
         for (int j = 0; j < count; ++j) {
             cuts[j] = roots[j];
         }

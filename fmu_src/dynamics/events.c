@@ -2,9 +2,8 @@
 
 #if SCENE_ANY_FREE
 
-#include <float.h>
-
 #include "dynamics/energy.h"
+#include "dynamics/projection.h"
 
 static void set_regime(struct motion *q, int contact, enum contact_regime regime)
 {
@@ -21,6 +20,14 @@ static void set_regime(struct motion *q, int contact, enum contact_regime regime
     state->regime = regime;
 }
 
+/* A smooth piece of the motion starts here: nothing is known ahead, the integrator forgets, the balance is taken. */
+static void begin_phase(const struct scene_values *v, struct motion *q)
+{
+    q->horizon_clock = -INFINITY;
+    motion_rebase(q);
+    q->phase_energy = projection_balance(v, q);
+}
+
 void event_change_regime(const struct scene_values *v, struct motion *q, int contact, enum contact_regime regime)
 {
     struct system_instant at;
@@ -30,18 +37,9 @@ void event_change_regime(const struct scene_values *v, struct motion *q, int con
     set_regime(q, contact, regime);
     q->dissipated += before - energy_stored(v, q, &at);
     q->counters.events += 1;
-    q->horizon_clock = -INFINITY;
-    motion_rebase(q);
+    begin_phase(v, q);
     system_now(v, q, &at);
     event_note_peaks(q, &at);
-}
-
-/* Eight roundings of the terms behind the gap. */
-static bool gap_is_rounding(const struct scene_values *v, const struct contact_geometry *geometry, int contact)
-{
-    const double size = geometry->distance + body_radius(v, contact_source(contact)) +
-                        body_radius(v, contact_destination(contact));
-    return fabs(geometry->gap) <= 8.0 * DBL_EPSILON * size;
 }
 
 void event_settle_regimes(const struct scene_values *v, struct motion *q, double stored_before, bool starting)
@@ -49,15 +47,14 @@ void event_settle_regimes(const struct scene_values *v, struct motion *q, double
     struct system_instant at;
     system_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (starting || !gap_is_rounding(v, &at.geometry[j], j)) {
+        if (starting || fabs(at.geometry[j].gap) > system_gap_resolution(v, &at, j)) {
             set_regime(q, j, system_regime(v, q, &at, j));
         }
     }
     if (!starting) {
         q->external_work += energy_stored(v, q, &at) - stored_before;
     }
-    q->horizon_clock = -INFINITY;
-    motion_rebase(q);
+    begin_phase(v, q);
 }
 
 void event_begin_window(const struct scene_values *v, struct motion *q)

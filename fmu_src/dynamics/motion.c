@@ -42,6 +42,13 @@ void path_shift(struct vec3 *coefficients, int count, double clock)
 void motion_rebase(struct motion *q)
 {
     q->integrator_fresh = 1;
+#if SCENE_ANY_FREE
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        q->origin[i].displacement = vec3_add(q->origin[i].displacement, q->body[i].moved);
+        q->origin[i].velocity = q->body[i].velocity;
+        q->body[i].moved = vec3_make(0.0, 0.0, 0.0);
+    }
+#endif
     if (q->clock == 0.0) {
         return;
     }

@@ -14,8 +14,15 @@
 #include "contact/law.h"
 #include "scene.h"
 
-struct body_state {
+/* Where a free body was at clock 0. */
+struct body_origin {
     struct vec3 displacement;    /* u [m] */
+    struct vec3 velocity;        /* v [m/s] */
+};
+
+/* Where it is now: u = origin.displacement + moved. Short motions far away keep all their digits in `moved`. */
+struct body_state {
+    struct vec3 moved;           /* since clock 0 [m] */
     struct vec3 velocity;        /* v [m/s] */
 };
 
@@ -56,7 +63,9 @@ struct motion {
     struct contact_state contact[SCENE_CONTACTS];
 #if SCENE_ANY_FREE
     double horizon_clock;            /* how far the change_clocks have looked; at or before `clock`: look again */
-    struct body_state body[SCENE_BODIES];    /* used where the body is free */
+    struct body_origin origin[SCENE_BODIES]; /* used where the body is free */
+    struct body_state body[SCENE_BODIES];
+    double phase_energy;             /* the energy balance at clock 0 of the phase, see projection.h [J] */
     double dissipated, external_work;        /* since initialization [J] */
     double window;                   /* length of the last communication step, as far as it got [s] */
 #endif
@@ -72,7 +81,7 @@ double motion_time(const struct motion *q);
 double motion_remaining(const struct motion *q, double end_time);
 
 /* Moves the origin of the clock to the present: paths are shifted, durations kept; nothing else changes. The integrator
- * starts afresh. */
+ * starts afresh. Must follow every change of the body states. */
 void motion_rebase(struct motion *q);
 
 /* A path's value at a clock, of `count` coefficients. */

@@ -1,5 +1,7 @@
 #include "dynamics/system.h"
 
+#include <float.h>
+
 bool body_is_free(const struct scene_values *v, int body)
 {
     return SCENE_ANY_FREE && body_motion(v, body) == MOTION_FREE;
@@ -53,29 +55,50 @@ struct contact_law system_law(const struct scene_values *v, const struct motion 
     return law;
 }
 
+/* u at clock 0, what has been added to it since, and v. */
+static struct vec3 body_kinematics(const struct scene_values *v, const struct motion *q, double clock,
+                                   const struct body_state *bodies, int body, struct system_instant *at)
+{
+    struct vec3 origin = {0.0, 0.0, 0.0};
+    at->moved[body] = origin;
+    at->velocity[body] = origin;
+#if SCENE_ANY_FREE
+    if (body_is_free(v, body)) {
+        origin = q->origin[body].displacement;
+        at->moved[body] = bodies[body].moved;
+        at->velocity[body] = bodies[body].velocity;
+    }
+#else
+    (void)bodies;
+#endif
+    if (body_is_prescribed(v, body)) {
+        origin = q->path[body].displacement[0];
+        at->moved[body] = vec3_scale(clock, path_at(q->path[body].displacement + 1, 3, clock));
+        at->velocity[body] = path_at(q->path[body].velocity, 3, clock);
+    }
+    at->displacement[body] = vec3_add(origin, at->moved[body]);
+    return origin;
+}
+
 void system_kinematics(const struct scene_values *v, const struct motion *q, double clock,
                        const struct body_state *bodies, struct system_instant *at)
 {
+    struct vec3 origin[SCENE_BODIES];
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        at->displacement[i] = vec3_make(0.0, 0.0, 0.0);
-        at->velocity[i] = vec3_make(0.0, 0.0, 0.0);
-        if (body_is_free(v, i)) {
-            at->displacement[i] = bodies[i].displacement;
-            at->velocity[i] = bodies[i].velocity;
-        } else if (body_is_prescribed(v, i)) {
-            at->displacement[i] = path_at(q->path[i].displacement, 4, clock);
-            at->velocity[i] = path_at(q->path[i].velocity, 3, clock);
-        }
+        origin[i] = body_kinematics(v, q, clock, bodies, i, at);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const int source = contact_source(j);
         const int destination = contact_destination(j);
-        /* Undeformed locations first: a large common offset cancels before the displacements are added. */
+        /* Undeformed locations first, then the displacements at clock 0, then what has been added since: what is large
+         * and common cancels before what is small is added. */
         const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
-        const struct vec3 moved = vec3_sub(at->displacement[destination], at->displacement[source]);
+        const struct vec3 start = vec3_add(apart, vec3_sub(origin[destination], origin[source]));
+        const struct vec3 c = vec3_add(start, vec3_sub(at->moved[destination], at->moved[source]));
         const struct contact_shape shape = system_shape(v, q, j);
         at->rate[j] = vec3_sub(at->velocity[destination], at->velocity[source]);
-        at->geometry[j] = contact_geometry_at(&shape, vec3_add(apart, moved), at->rate[j], q->contact[j].normal);
+        at->separation[j] = c;
+        at->geometry[j] = contact_geometry_at(&shape, c, at->rate[j], q->contact[j].normal);
     }
 }
 
@@ -127,6 +150,16 @@ void system_now(const struct scene_values *v, const struct motion *q, struct sys
 #else
     system_evaluate(v, q, q->clock, 0, at);
 #endif
+}
+
+double system_gap_resolution(const struct scene_values *v, const struct system_instant *at, int contact)
+{
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
+    return 8.0 * DBL_EPSILON *
+           (vec3_max_abs(apart) + vec3_max_abs(at->displacement[source]) + vec3_max_abs(at->displacement[destination]) +
+            body_radius(v, source) + body_radius(v, destination));
 }
 
 enum contact_regime system_regime(const struct scene_values *v, const struct motion *q, const struct system_instant *at,

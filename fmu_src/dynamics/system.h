@@ -10,9 +10,11 @@
 
 struct system_instant {
     struct vec3 displacement[SCENE_BODIES];  /* u [m] */
+    struct vec3 moved[SCENE_BODIES];         /* the part of u since clock 0 [m] */
     struct vec3 velocity[SCENE_BODIES];      /* v [m/s] */
     struct vec3 acceleration[SCENE_BODIES];  /* zero for a fixed body [m/s^2] */
     struct contact_geometry geometry[SCENE_CONTACTS];
+    struct vec3 separation[SCENE_CONTACTS];  /* c = x_dst - x_src [m] */
     struct vec3 rate[SCENE_CONTACTS];        /* w = v_dst - v_src [m/s] */
     double normal_force[SCENE_CONTACTS];     /* F_n of the smooth law of the regime [N] */
     struct vec3 source_force[SCENE_CONTACTS];
@@ -39,6 +41,10 @@ void system_evaluate(const struct scene_values *v, const struct motion *q, doubl
 
 /* The same at the present state of q. */
 void system_now(const struct scene_values *v, const struct motion *q, struct system_instant *at);
+
+/* How far rounding alone may move the gap: eight roundings of the terms it is computed from, the locations, the
+ * displacements and the radii [m]. Below it the sign of the gap means nothing. */
+double system_gap_resolution(const struct scene_values *v, const struct system_instant *at, int contact);
 
 /* The regime that the geometry of the instant asks for. */
 enum contact_regime system_regime(const struct scene_values *v, const struct motion *q, const struct system_instant *at,

@@ -37,8 +37,8 @@ const char *log_category_names(void);
 fmi2Status log_report(struct instance *instance, fmi2Status status, const char *format, ...)
     CONTACT_PRINTF_LIKE(3, 4);
 
-/* The model's side of it (struct model_host). */
-void log_from_model(void *instance, enum model_status status, const char *category, const char *message);
-bool log_wanted_by_importer(void *instance, const char *category);
+/* The model's side of it (struct model_host); the context is the instance. */
+void log_from_model(void *context, enum model_status status, const char *category, const char *message);
+bool log_wanted_by_importer(void *context, const char *category);
 
 #endif

@@ -152,6 +152,9 @@ static enum model_status advance_motion(struct model *m, double end_time)
 
 enum model_status model_step(struct model *m, double end_time)
 {
+    if (!m->state.initialized) {
+        return model_report(m, MODEL_ERROR, "A step to %.17g s before the end of the initialization.", end_time);
+    }
     model_apply_inputs(m);
     const enum model_status status = advance_motion(m, end_time);
     model_close_inputs(m);

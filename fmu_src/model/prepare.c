@@ -4,26 +4,34 @@
 #include "contact/bounding_box.h"
 #include "model/state.h"
 
-static struct vec3 start_position(const struct scene_values *v, const struct motion *q, int body)
+static struct vec3 start_displacement(const struct scene_values *v, const struct motion *q, int body)
 {
-    struct vec3 moved = vec3_make(0.0, 0.0, 0.0);
     if (body_is_free(v, body)) {
-        moved = body_initial_displacement(v, body);
-    } else if (body_is_prescribed(v, body)) {
-        moved = q->path[body].displacement[0];
+        return body_initial_displacement(v, body);
     }
-    return vec3_add(body_center(v, body), moved);
+    return body_is_prescribed(v, body) ? q->path[body].displacement[0] : vec3_make(0.0, 0.0, 0.0);
 }
 
-static struct bounding_box body_box(const struct scene_values *v, const struct motion *q, int body)
+static struct bounding_box body_box(const struct scene_values *v, int body, struct vec3 centre)
 {
-    const struct vec3 centre = start_position(v, q, body);
     if (SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER) {
         const struct vec3 axis = body_axis(v, body);
         const double half_length = body_finite_length(v, body) ? 0.5 * body_length(v, body) : 0.0;
         return bounding_box_cylinder(centre, body_radius(v, body), vec3_scale(1.0 / vec3_norm(axis), axis), half_length);
     }
     return bounding_box_sphere(centre, body_radius(v, body));
+}
+
+/* Seen from the source's centre, so that a common offset costs no digits. */
+static double start_diagonal(const struct scene_values *v, const struct motion *q, int contact)
+{
+    const int from = contact_source(contact);
+    const int to = contact_destination(contact);
+    const struct vec3 apart = vec3_sub(body_center(v, to), body_center(v, from));
+    const struct vec3 moved = vec3_sub(start_displacement(v, q, to), start_displacement(v, q, from));
+    const struct bounding_box source = body_box(v, from, vec3_make(0.0, 0.0, 0.0));
+    const struct bounding_box destination = body_box(v, to, vec3_add(apart, moved));
+    return bounding_box_diagonal(&source, &destination);
 }
 
 static struct contact_factors factors_of(const struct scene_values *v, int contact)
@@ -48,9 +56,7 @@ static int automatic_side(const struct contact_shape *shape, const struct contac
 static void prepare_contact(const struct scene_values *v, struct motion *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
-    const struct bounding_box source = body_box(v, q, contact_source(contact));
-    const struct bounding_box destination = body_box(v, q, contact_destination(contact));
-    state->diagonal = bounding_box_diagonal(&source, &destination);
+    state->diagonal = start_diagonal(v, q, contact);
     const struct contact_factors factors = factors_of(v, contact);
     const struct contact_law law =
         contact_law_of(&factors, (enum dashpot)contact_dashpot(v, contact), state->diagonal);
@@ -74,6 +80,10 @@ void model_prepare(struct model *m)
 {
     struct motion *q = &m->state.motion;
     const struct scene_values *v = &m->state.values;
+    int32_t warned[SCENE_CONTACTS];
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        warned[j] = q->contact[j].warned;
+    }
     memset(q, 0, sizeof *q);
     if (m->state.importer_tolerance > 0.0) {
         put_solver_relative_tolerance(&m->state.values, m->state.importer_tolerance);
@@ -83,12 +93,14 @@ void model_prepare(struct model *m)
 #if SCENE_ANY_FREE
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            q->body[i] = (struct body_state){body_initial_displacement(v, i), body_initial_velocity(v, i)};
+            q->origin[i] = (struct body_origin){body_initial_displacement(v, i), body_initial_velocity(v, i)};
+            q->body[i].velocity = q->origin[i].velocity;
         }
     }
 #endif
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].side = 1;
+        q->contact[j].warned = warned[j];
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         prepare_contact(v, q, j);

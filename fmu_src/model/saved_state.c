@@ -30,6 +30,7 @@ void model_save(struct model *m, void *bytes)
 {
     if (m->state.initialized) {
         motion_rebase(&m->state.motion);
+        m->outputs_current = false;
     }
     m->state.checksum = payload_checksum(&m->state);
     memcpy(bytes, &m->state, sizeof m->state);
@@ -111,7 +112,6 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
     }
 #endif
     m->state = state;
-    m->state.motion.integrator_fresh = 1;
     m->outputs_current = false;
     return MODEL_OK;
 }

@@ -12,6 +12,8 @@
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
+#include "dynamics/flight.h"
+#include "dynamics/projection.h"
 #include "solver/cvode_problem.h"
 
 struct cvode {
@@ -63,12 +65,22 @@ static bool silence(struct cvode *c)
 #endif
 }
 
+/* The Newton matrix I - gamma J, made in place: CVODE's own way keeps a copy of J that it allocates in the first step. */
+static int newton_matrix(double clock, N_Vector y, N_Vector rate, SUNMatrix matrix, int jacobian_ok, int *jacobian_now,
+                         double gamma, void *problem, N_Vector unused1, N_Vector unused2, N_Vector unused3)
+{
+    (void)jacobian_ok;
+    *jacobian_now = 1;
+    const int status = cvode_jacobian(clock, y, rate, matrix, problem, unused1, unused2, unused3);
+    return status != 0 ? status : SUNMatScaleAddI(-gamma, matrix);
+}
+
 static bool attach_newton(struct cvode *c)
 {
     c->jacobian = SUNDenseMatrix(c->size, c->size, c->context);
     c->linear = c->jacobian ? SUNLinSol_Dense(c->y, c->jacobian, c->context) : NULL;
     return c->linear && CVodeSetLinearSolver(c->memory, c->linear, c->jacobian) == CV_SUCCESS &&
-           CVodeSetJacFn(c->memory, cvode_jacobian) == CV_SUCCESS;
+           CVodeSetLinSysFn(c->memory, newton_matrix) == CV_SUCCESS;
 }
 
 static bool attach_fixed_point(struct cvode *c)
@@ -201,6 +213,10 @@ static bool restart(struct cvode *c, const struct scene_values *v, struct motion
     c->problem.absolute = TOLERANCE_SHARE * solver_absolute_tolerance(v);
     c->problem.energy_scale = energy_kinetic_of(v, &at);
     c->problem.momentum_scale = momentum_scale(v, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        /* Twice: the gap at the start may be off by one. */
+        c->problem.resolution[j] = 2.0 * system_gap_resolution(v, &at, j);
+    }
     cvode_pack(&c->problem, c->y);
     c->steps = c->evaluations = c->rejected = 0;
     q->integrator_fresh = 0;
@@ -275,10 +291,15 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
         if (flag == CV_TOO_MUCH_WORK) {
             return ADVANCE_STEP_LIMIT;
         }
+        flight_restore_axial(v, q);
         if (flag != CV_ROOT_RETURN) {
             return ADVANCE_REACHED;
         }
         if (root_event(c, v, q, step)) {
+            if (step->regime == REGIME_APART) {
+                projection_close_gap(v, q, step->contact);
+            }
+            projection_restore_energy(v, q, step->contact);
             return ADVANCE_EVENT;
         }
         struct system_instant at;

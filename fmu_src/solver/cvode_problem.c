@@ -9,7 +9,7 @@
 
 enum { BODY_STATES = 6 };
 
-/* Index of a free body's u in y; its v follows. */
+/* Index in y of what a free body has moved; its v follows. */
 static int body_index(const struct scene_values *v, int body)
 {
     int index = 0;
@@ -62,7 +62,7 @@ void cvode_pack(const struct cvode_problem *p, N_Vector y)
     double *data = NV_DATA_S(y);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(p->values, i)) {
-            vec3_to(q->body[i].displacement, data + body_index(p->values, i));
+            vec3_to(q->body[i].moved, data + body_index(p->values, i));
             vec3_to(q->body[i].velocity, data + body_index(p->values, i) + 3);
         }
     }
@@ -219,7 +219,7 @@ int cvode_roots(double clock, N_Vector y, double *roots, void *problem)
         if (regime == REGIME_PRESSING || regime == REGIME_RECEDING) {
             const struct contact_law law = system_law(p->values, p->motion, j);
             const struct contact_geometry *g = &at.geometry[j];
-            out[0] = not_zero(-g->gap);
+            out[0] = not_zero(p->resolution[j] - g->gap);
             out[1] = not_zero(contact_regime_margin(&law, regime, g->gap, g->gap_rate));
             out[2] = not_zero(-g->gap_rate);
             out[3] = not_zero(system_force_rate(p->values, p->motion, &at, j));
@@ -241,9 +241,16 @@ int cvode_weights(N_Vector y, N_Vector weights, void *problem)
     const struct scene_values *v = p->values;
     const double *data = NV_DATA_S(y);
     double *out = NV_DATA_S(weights);
-    for (int i = 0; i < dissipated_index(v); i += 3) {
-        const double least = i < impulse_index(v, 0) ? 0.0 : p->momentum_scale;
-        weigh(out + i, fmax(vec3_norm(vec3_from(data + i)), least), p, 3);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const int index = body_index(v, i);
+            weigh(out + index, vec3_norm(vec3_from(data + index)), p, 3);
+            weigh(out + index + 3, vec3_norm(vec3_from(data + index + 3)), p, 3);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const int index = impulse_index(v, j);
+        weigh(out + index, fmax(vec3_norm(vec3_from(data + index)), p->momentum_scale), p, 3);
     }
     for (int i = dissipated_index(v); i < cvode_problem_size(v); ++i) {
         weigh(out + i, fmax(fabs(data[i]), p->energy_scale), p, 1);

@@ -1,10 +1,10 @@
 /*
  * The smooth problem within fixed regimes, as CVODE sees it.
  *
- *   y = (u, v of each free body; impulse on the source of each contact; dissipated energy; external work)
+ *   y = (moved, v of each free body; impulse on the source of each contact; dissipated energy; external work)
  *
  * Roots, four for each contact, all of them falling through zero where they matter:
- *   0  -g                 the bodies part
+ *   0  resolution - g     the bodies part; the root is armed wherever rounding let the phase begin
  *   1  the regime margin  the law changes (contact_regime_margin)
  *   2  -g'                the deepest penetration (rising gap rate)
  *   3  dF_n/dt            the largest force
@@ -26,6 +26,7 @@ struct cvode_problem {
     const struct scene_values *values;
     const struct motion *motion;     /* regimes, paths; its body states are not read */
     double relative, absolute;       /* tolerances [1], [m, m/s, ...] */
+    double resolution[SCENE_CONTACTS];    /* of the gaps, see system_gap_resolution [m] */
     double energy_scale, momentum_scale;  /* of the free bodies at the start of the phase [J], [N s] */
 };
 
@@ -42,7 +43,8 @@ int cvode_jacobian(double clock, N_Vector y, N_Vector rate, SUNMatrix jacobian, 
 int cvode_roots(double clock, N_Vector y, double *roots, void *problem);
 
 /* Error weights: 1 / (relative size + absolute), where size is the length of the whole vector, so that turning the world
- * changes nothing; energies and impulses are measured against those of the free bodies. */
+ * changes nothing, and displacements count from where the phase began, so that far away is like near;
+ * energies and impulses are measured against those of the free bodies. */
 int cvode_weights(N_Vector y, N_Vector weights, void *problem);
 
 #endif

@@ -2,6 +2,8 @@
 
 #if SCENE_ANY_FREE
 
+#include <float.h>
+
 #include "dynamics/energy.h"
 
 enum { NODES = 5, TERMS = 3 * SCENE_CONTACTS + 2 };
@@ -47,11 +49,38 @@ static struct panel integrate(const struct scene_values *v, struct motion *q, do
     return result;
 }
 
-static bool agree(const struct panel *whole, const struct panel *left, const struct panel *right, double tolerance)
+/* What rounding alone does to the force; no agreement can be asked for below. */
+static double force_noise(const struct scene_values *v, const struct motion *q, const struct system_instant *at)
 {
+    double noise = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_law law = system_law(v, q, j);
+        noise += law.stiffness * system_gap_resolution(v, at, j) +
+                 8.0 * DBL_EPSILON * law.damping * vec3_norm(at->rate[j]);
+    }
+    return noise;
+}
+
+static double largest_speed(const struct system_instant *at)
+{
+    double speed = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        speed = fmax(speed, vec3_norm(at->velocity[i]));
+    }
+    return speed;
+}
+
+static bool agree(const struct scene_values *v, const struct motion *q, const struct panel *whole,
+                  const struct panel *left, const struct panel *right, double width)
+{
+    struct system_instant at;
+    system_evaluate(v, q, q->clock, q->body, &at);
+    const double noise = width * force_noise(v, q, &at);
+    const double tolerance = solver_relative_tolerance(v);
     for (int k = 0; k < TERMS; ++k) {
         const double difference = fabs(left->sum[k] + right->sum[k] - whole->sum[k]);
-        if (!(difference <= tolerance * (left->size[k] + right->size[k]))) {
+        const double floor = k < TERMS - 2 ? noise : noise * 2.0 * largest_speed(&at);
+        if (!(difference <= tolerance * (left->size[k] + right->size[k]) + floor + DBL_MIN)) {
             return false;
         }
     }
@@ -130,7 +159,6 @@ static bool in_contact(const struct motion *q)
 
 enum advance_result sampled_advance(const struct scene_values *v, struct motion *q, struct advance *step)
 {
-    const double tolerance = solver_relative_tolerance(v);
     double width = step->clock_end - q->clock;
     if (!in_contact(q)) {
         q->clock = step->clock_end;
@@ -145,7 +173,7 @@ enum advance_result sampled_advance(const struct scene_values *v, struct motion 
         const struct panel whole = integrate(v, q, q->clock, to);
         const struct panel left = integrate(v, q, q->clock, middle);
         const struct panel right = integrate(v, q, middle, to);
-        if (middle > q->clock && middle < to && !agree(&whole, &left, &right, tolerance)) {
+        if (middle > q->clock && middle < to && !agree(v, q, &whole, &left, &right, to - q->clock)) {
             q->counters.rejected_steps += 1;
             width *= 0.5;
             continue;

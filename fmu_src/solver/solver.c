@@ -3,6 +3,8 @@
 #if SCENE_ANY_FREE
 
 #include "dynamics/encounter.h"
+#include "dynamics/flight.h"
+#include "dynamics/projection.h"
 #include "solver/cvode.h"
 #include "solver/sampled.h"
 
@@ -58,6 +60,10 @@ static enum advance_result advance_phase(struct solver *s, const struct scene_va
     if (system_is_force_element(v)) {
         return sampled_advance(v, q, step);
     }
+    if (flight_is_free(q)) {
+        flight_advance(v, q, step->clock_end);
+        return ADVANCE_REACHED;
+    }
     return cvode_advance(s->cvode, v, q, step);
 }
 
@@ -87,6 +93,9 @@ static enum solver_status run_phases(struct solver *s, const struct scene_values
         switch (advance_phase(s, v, q, &step)) {
         case ADVANCE_REACHED:
             if (step.clock_end >= change) {
+                if (!flight_is_free(q) && !system_is_force_element(v)) {
+                    projection_restore_energy(v, q, next);
+                }
                 event_change_regime(v, q, next, (enum contact_regime)q->contact[next].change_regime);
                 break;
             }

@@ -2,7 +2,8 @@
  * Moves a scene through time. One interface for every method: a method integrates within fixed regimes of the contacts
  * (a smooth problem) and stops at the first change of regime; solver_run strings these phases together.
  *
- *   cvode.c     SUNDIALS CVODE, BDF with an analytic Jacobian or Adams; any scene with a free body
+ *   flight      no contact transmits a force: closed form (dynamics/flight.c), whatever the method
+ *   cvode.c     bodies press: SUNDIALS CVODE, BDF with an analytic Jacobian or Adams
  *   sampled.c   no free body: the motion is given, only the integrals over it are needed
  *
  * The event-driven method takes its place beside them: the same advance call, chosen by solver.method.

@@ -1,0 +1,102 @@
+#include "dynamics/flight.h"
+
+#if SCENE_ANY_FREE
+
+#include "dynamics/energy.h"
+
+static bool transmits(const struct motion *q, int contact)
+{
+    return q->contact[contact].regime == REGIME_PRESSING || q->contact[contact].regime == REGIME_RECEDING;
+}
+
+bool flight_is_free(const struct motion *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (transmits(q, j)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+struct body_state flight_body_at(const struct scene_values *v, const struct motion *q, int body, double clock)
+{
+    const struct vec3 *force = q->path[body].force;
+    const double inverse_mass = 1.0 / body_mass(v, body);
+    const struct vec3 velocity[4] = {q->origin[body].velocity, vec3_axpy(gravity(v), inverse_mass, force[0]),
+                                     vec3_scale(inverse_mass / 2.0, force[1]),
+                                     vec3_scale(inverse_mass / 3.0, force[2])};
+    struct vec3 mean[4];
+    for (int i = 0; i < 4; ++i) {
+        mean[i] = vec3_scale(1.0 / (i + 1), velocity[i]);
+    }
+    return (struct body_state){vec3_scale(clock, path_at(mean, 4, clock)), path_at(velocity, 4, clock)};
+}
+
+/* Force times velocity has degree five: exact with three Gauss-Legendre nodes, 0 and +-sqrt(3/5). */
+static double work_of_force(const struct scene_values *v, const struct motion *q, int body, double from, double to)
+{
+    const double node = 0.77459666924148338;
+    const double nodes[3] = {-node, 0.0, node};
+    const double weights[3] = {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        const double clock = 0.5 * ((from + to) + (to - from) * nodes[i]);
+        const struct body_state at = flight_body_at(v, q, body, clock);
+        sum += weights[i] * vec3_dot(path_at(q->path[body].force, 3, clock), at.velocity);
+    }
+    return 0.5 * (to - from) * sum;
+}
+
+static double stored_now(const struct scene_values *v, const struct motion *q)
+{
+    struct system_instant at;
+    system_now(v, q, &at);
+    return energy_stored(v, q, &at);
+}
+
+void flight_advance(const struct scene_values *v, struct motion *q, double clock)
+{
+    const double stored = stored_now(v, q);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            q->external_work += work_of_force(v, q, i, q->clock, clock);
+            q->body[i] = flight_body_at(v, q, i, clock);
+        }
+    }
+    q->clock = clock;
+    q->dissipated += stored - stored_now(v, q);
+}
+
+static bool touches_another(const struct motion *q, int contact, int body)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (j != contact && transmits(q, j) && (contact_source(j) == body || contact_destination(j) == body)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static struct vec3 with_axial_of(struct vec3 a, struct vec3 exact, struct vec3 axis)
+{
+    return vec3_axpy(a, vec3_dot(vec3_sub(exact, a), axis), axis);
+}
+
+void flight_restore_axial(const struct scene_values *v, struct motion *q)
+{
+    for (int j = 0; SCENE_ANY_CYLINDER && j < SCENE_CONTACTS; ++j) {
+        const struct contact_shape shape = system_shape(v, q, j);
+        const int ends[2] = {contact_source(j), contact_destination(j)};
+        for (int end = 0; end < 2 && isfinite(shape.half_length) && transmits(q, j); ++end) {
+            if (body_is_free(v, ends[end]) && !touches_another(q, j, ends[end])) {
+                struct body_state *body = &q->body[ends[end]];
+                const struct body_state exact = flight_body_at(v, q, ends[end], q->clock);
+                body->moved = with_axial_of(body->moved, exact.moved, shape.axis);
+                body->velocity = with_axial_of(body->velocity, exact.velocity, shape.axis);
+            }
+        }
+    }
+}
+
+#endif

@@ -1,0 +1,29 @@
+/*
+ * Motion without contact forces, in closed form: a free body's acceleration is gravity + force(t) / m with a force of
+ * degree two at most, so its displacement is a polynomial of degree four. Evaluated from the origin of the clock, so that
+ * the result does not depend on how the flight is cut into communication steps.
+ */
+#ifndef CONTACT_FLIGHT_H
+#define CONTACT_FLIGHT_H
+
+#include "dynamics/system.h"
+
+#if SCENE_ANY_FREE
+
+/* No contact transmits a force: all are apart or released. */
+bool flight_is_free(const struct motion *q);
+
+/* A free body's state at a clock, from its origin. */
+struct body_state flight_body_at(const struct scene_values *v, const struct motion *q, int body, double clock);
+
+/* Moves all free bodies to `clock`, with the work of the external forces and, in released contacts, the stored energy
+ * that is lost. Only while flight_is_free. */
+void flight_advance(const struct scene_values *v, struct motion *q, double clock);
+
+/* Contact with a cylinder pushes perpendicularly to its axis, so the axial motion of bodies that touch nothing else is
+ * still the flight's. Puts it there, whatever an integrator made of it; the ends are then passed exactly when
+ * encounter_next said. */
+void flight_restore_axial(const struct scene_values *v, struct motion *q);
+
+#endif
+#endif
