@@ -15,9 +15,11 @@ static double half_extent(double radius, double e, double half_length)
     return half_length * fabs(e) + radius * sqrt(fmax(0.0, (1.0 - e) * (1.0 + e)));
 }
 
-struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, struct vec3 axis, double half_length)
+struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, struct vec3 axis,
+                                          double half_length)
 {
-    return around(centre, vec3_make(half_extent(radius, axis.x, half_length), half_extent(radius, axis.y, half_length),
+    return around(centre, vec3_make(half_extent(radius, axis.x, half_length),
+                                    half_extent(radius, axis.y, half_length),
                                     half_extent(radius, axis.z, half_length)));
 }
 

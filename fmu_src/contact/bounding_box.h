@@ -13,7 +13,8 @@ struct bounding_box bounding_box_sphere(struct vec3 centre, double radius);
 
 /* A cylinder around the unit vector `axis`: half_length |e_i| + radius sqrt(1 - e_i^2) in direction i.
  * half_length 0 gives the cross-section alone, which is how an infinite cylinder enters. */
-struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, struct vec3 axis, double half_length);
+struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, struct vec3 axis,
+                                          double half_length);
 
 /* Diagonal of the smallest box around both [m]. */
 double bounding_box_diagonal(const struct bounding_box *a, const struct bounding_box *b);

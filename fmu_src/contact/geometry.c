@@ -28,7 +28,8 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     at.distance = vec3_norm(at.offset);
     at.degenerate = !(at.distance > 0.0);
     if (!at.degenerate) {
-        at.normal = (struct vec3){at.offset.x / at.distance, at.offset.y / at.distance, at.offset.z / at.distance};
+        at.normal =
+            (struct vec3){at.offset.x / at.distance, at.offset.y / at.distance, at.offset.z / at.distance};
     }
     at.gap = gap_at(shape, at.distance);
     at.gap_rate = shape->side * vec3_dot(at.normal, w);

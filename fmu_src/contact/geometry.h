@@ -19,21 +19,22 @@
 
 /* What does not change while a contact exists. */
 struct contact_shape {
-    struct vec3 axis;        /* e_d, unit length; cylinder only */
-    double source_radius;    /* r_s > 0 */
-    double other_radius;     /* r_d > 0, of the destination */
-    double half_length;      /* L / 2 of a finite cylinder; INFINITY otherwise */
-    int side;                /* +1: the source is outside the destination, -1: inside */
+    struct vec3 axis;     /* e_d, unit length; cylinder only */
+    double source_radius; /* r_s > 0 */
+    double other_radius;  /* r_d > 0, of the destination */
+    double half_length;   /* L / 2 of a finite cylinder; INFINITY otherwise */
+    int side;             /* +1: the source is outside the destination, -1: inside */
     enum shape destination;
 };
 
 struct contact_geometry {
-    struct vec3 normal;      /* n, unit; towards the destination's centre or axis; the fallback where d = 0 */
-    struct vec3 offset;      /* c of a sphere, rho of a cylinder [m] */
-    double distance;         /* d [m] */
-    double gap, gap_rate;    /* g [m], g' [m/s]; radial, whether or not the source is within a cylinder's extents */
-    double axial;            /* c.e_d [m]; 0 for a sphere */
-    bool degenerate;         /* d = 0: n is the fallback */
+    struct vec3 normal; /* n, unit; towards the destination's centre or axis; the fallback where d = 0 */
+    struct vec3 offset; /* c of a sphere, rho of a cylinder [m] */
+    double distance;    /* d [m] */
+    double gap,
+        gap_rate;    /* g [m], g' [m/s]; radial, whether or not the source is within a cylinder's extents */
+    double axial;    /* c.e_d [m]; 0 for a sphere */
+    bool degenerate; /* d = 0: n is the fallback */
 };
 
 /* The distance at which the bodies touch: r_s + r_d outside, r_d - r_s inside [m]. */

@@ -23,8 +23,9 @@ static void add_turning(double m[3][3], double factor, const struct contact_shap
     }
 }
 
-struct contact_gradient contact_gradient_at(const struct contact_shape *shape, const struct contact_geometry *at,
-                                            struct vec3 w, struct contact_coefficients by, double stiffness)
+struct contact_gradient contact_gradient_at(const struct contact_shape *shape,
+                                            const struct contact_geometry *at, struct vec3 w,
+                                            struct contact_coefficients by, double stiffness)
 {
     const struct vec3 n = at->normal;
     const double side = shape->side;

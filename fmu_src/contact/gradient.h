@@ -20,7 +20,8 @@ struct contact_gradient {
 
 /* At separation rate w, for the regime's coefficients; `stiffness` is the law's p_n (the stored energy's, also while
  * released). Where d = 0 the direction is held and T is taken as zero. */
-struct contact_gradient contact_gradient_at(const struct contact_shape *shape, const struct contact_geometry *at,
-                                            struct vec3 w, struct contact_coefficients by, double stiffness);
+struct contact_gradient contact_gradient_at(const struct contact_shape *shape,
+                                            const struct contact_geometry *at, struct vec3 w,
+                                            struct contact_coefficients by, double stiffness);
 
 #endif

@@ -30,7 +30,8 @@ struct contact_coefficients contact_coefficients_of(const struct contact_law *la
     return coefficients;
 }
 
-double contact_normal_force_of(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate)
+double contact_normal_force_of(const struct contact_law *law, enum contact_regime regime, double gap,
+                               double gap_rate)
 {
     if (regime == REGIME_APART || regime == REGIME_RELEASED) {
         return 0.0;
@@ -40,7 +41,8 @@ double contact_normal_force_of(const struct contact_law *law, enum contact_regim
     return law->dashpot == DASHPOT_UNCLAMPED ? force : fmax(force, 0.0);
 }
 
-double contact_regime_margin(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate)
+double contact_regime_margin(const struct contact_law *law, enum contact_regime regime, double gap,
+                             double gap_rate)
 {
     if (law->damping > 0.0) {
         if (regime == REGIME_PRESSING && law->dashpot == DASHPOT_NON_ADHESIVE) {
@@ -61,13 +63,14 @@ double contact_stored_energy(const struct contact_law *law, enum contact_regime 
     return regime == REGIME_APART ? 0.0 : 0.5 * law->stiffness * gap * gap;
 }
 
-double contact_dissipated_power(const struct contact_law *law, enum contact_regime regime, double normal_force, double gap,
-                                double gap_rate)
+double contact_dissipated_power(const struct contact_law *law, enum contact_regime regime,
+                                double normal_force, double gap, double gap_rate)
 {
     return regime == REGIME_APART ? 0.0 : -(normal_force + law->stiffness * gap) * gap_rate;
 }
 
-struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot, double diagonal)
+struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot,
+                                  double diagonal)
 {
     const double scale = factors->reference_modulus * diagonal;
     const bool viscous_only = factors->penalty_control == PENALTY_CONTROL_VISCOUS_ONLY;

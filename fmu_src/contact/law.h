@@ -17,40 +17,44 @@
 #include "contact/choices.h"
 
 struct contact_law {
-    double stiffness;        /* p_n in force [N/m]; 0 for viscous only */
-    double damping;          /* p_nv in force [N s/m]; 0 for the undamped penalty method */
-    enum dashpot dashpot;    /* without damping it plays no part */
+    double stiffness;     /* p_n in force [N/m]; 0 for viscous only */
+    double damping;       /* p_nv in force [N s/m]; 0 for the undamped penalty method */
+    enum dashpot dashpot; /* without damping it plays no part */
 };
 
 enum contact_regime {
-    REGIME_APART,            /* no contact: g >= 0 or beyond a cylinder's end */
-    REGIME_PRESSING,         /* the full law */
-    REGIME_RECEDING,         /* approach-only dashpot while g' >= 0: the spring alone */
-    REGIME_RELEASED          /* non-adhesive dashpot while the law would pull: overlapping without force */
+    REGIME_APART,    /* no contact: g >= 0 or beyond a cylinder's end */
+    REGIME_PRESSING, /* the full law */
+    REGIME_RECEDING, /* approach-only dashpot while g' >= 0: the spring alone */
+    REGIME_RELEASED  /* non-adhesive dashpot while the law would pull: overlapping without force */
 };
 
 struct contact_coefficients {
-    double k, c;             /* F_n = -(k g + c g') [N/m, N s/m] */
+    double k, c; /* F_n = -(k g + c g') [N/m, N s/m] */
 };
 
 /* The regime of a contact with gap g and rate g', within (or beyond) the destination's extents. */
-enum contact_regime contact_regime_of(const struct contact_law *law, double gap, double gap_rate, bool within);
+enum contact_regime contact_regime_of(const struct contact_law *law, double gap, double gap_rate,
+                                      bool within);
 
-struct contact_coefficients contact_coefficients_of(const struct contact_law *law, enum contact_regime regime);
+struct contact_coefficients contact_coefficients_of(const struct contact_law *law,
+                                                    enum contact_regime regime);
 
 /* F_n [N] in a regime. A non-adhesive law never returns less than zero, also not by rounding. */
-double contact_normal_force_of(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate);
+double contact_normal_force_of(const struct contact_law *law, enum contact_regime regime, double gap,
+                               double gap_rate);
 
 /* The function whose fall through zero ends a regime by the law itself (not by the gap): the force of a non-adhesive
  * contact, the approach speed while pressing and the receding speed while receding; 1 where there is none. */
-double contact_regime_margin(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate);
+double contact_regime_margin(const struct contact_law *law, enum contact_regime regime, double gap,
+                             double gap_rate);
 
 /* E_c = p_n g^2 / 2 while overlapping [J]. */
 double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap);
 
 /* -(F_n + p_n g) g' while overlapping [W]. */
-double contact_dissipated_power(const struct contact_law *law, enum contact_regime regime, double normal_force, double gap,
-                                double gap_rate);
+double contact_dissipated_power(const struct contact_law *law, enum contact_regime regime,
+                                double normal_force, double gap, double gap_rate);
 
 /* What sets the penalty factors, as the user chose it. */
 struct contact_factors {
@@ -66,6 +70,7 @@ struct contact_factors {
 
 /* The factors in force. Automatic: p_n = f_p E_ref diag, p_nv = tau_n p_n; viscous only: p_n = 0,
  * p_nv = tau_n E_ref diag. `diagonal` is that of the bounding box of both bodies [m]. */
-struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot, double diagonal);
+struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot,
+                                  double diagonal);
 
 #endif

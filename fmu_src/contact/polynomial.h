@@ -7,7 +7,7 @@ enum { POLYNOMIAL_MAX_DEGREE = 16 };
 
 struct polynomial {
     double a[POLYNOMIAL_MAX_DEGREE + 1];
-    int degree;              /* 0..POLYNOMIAL_MAX_DEGREE */
+    int degree; /* 0..POLYNOMIAL_MAX_DEGREE */
 };
 
 double polynomial_at(const struct polynomial *p, double s);

@@ -15,8 +15,8 @@
 #include "dynamics/system.h"
 
 struct encounter {
-    double after;                /* seconds from the present; INFINITY when nothing changes within the horizon */
-    enum contact_regime regime;  /* the regime from then on */
+    double after; /* seconds from the present; INFINITY when nothing changes within the horizon */
+    enum contact_regime regime; /* the regime from then on */
 };
 
 /*
@@ -24,7 +24,7 @@ struct encounter {
  * Exact to the rounding of the gap: a change sooner than the gap or the end plane can be resolved (a boundary just
  * crossed) is taken as the present regime's own beginning.
  */
-struct encounter encounter_next(const struct scene_values *v, const struct motion *q, const struct system_instant *at,
-                                double clock, int contact, double horizon);
+struct encounter encounter_next(const struct scene_values *v, const struct motion *q,
+                                const struct system_instant *at, double clock, int contact, double horizon);
 
 #endif

@@ -33,7 +33,8 @@ double energy_stored(const struct scene_values *v, const struct motion *q, const
     return sum;
 }
 
-double energy_dissipated_power(const struct scene_values *v, const struct motion *q, const struct system_instant *at)
+double energy_dissipated_power(const struct scene_values *v, const struct motion *q,
+                               const struct system_instant *at)
 {
     double sum = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {

@@ -14,6 +14,7 @@ double energy_potential_of(const struct scene_values *v, const struct system_ins
 double energy_stored(const struct scene_values *v, const struct motion *q, const struct system_instant *at);
 
 /* Sum of -(F_n + p_n g) g' over the contacts [W]. */
-double energy_dissipated_power(const struct scene_values *v, const struct motion *q, const struct system_instant *at);
+double energy_dissipated_power(const struct scene_values *v, const struct motion *q,
+                               const struct system_instant *at);
 
 #endif

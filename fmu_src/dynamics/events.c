@@ -17,18 +17,19 @@ static void set_regime(struct motion *q, int contact, enum contact_regime regime
     } else if (touched && !touches) {
         state->last_duration = q->clock - state->touch_clock;
     }
-    state->regime = regime;
+    state->regime = (int32_t)regime;
 }
 
 /* A smooth piece of the motion starts here: nothing is known ahead, the integrator forgets, the balance is taken. */
 static void begin_phase(const struct scene_values *v, struct motion *q)
 {
-    q->horizon_clock = -INFINITY;
+    q->horizon_clock = -(double)INFINITY;
     motion_rebase(q);
     q->phase_energy = projection_balance(v, q);
 }
 
-void event_change_regime(const struct scene_values *v, struct motion *q, int contact, enum contact_regime regime)
+void event_change_regime(const struct scene_values *v, struct motion *q, int contact,
+                         enum contact_regime regime)
 {
     struct system_instant at;
     system_now(v, q, &at);

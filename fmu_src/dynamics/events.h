@@ -11,14 +11,16 @@
  * duration when they cease to, and books a jump of the stored energy (a finite cylinder's end switched the force) as
  * dissipated. Counts an event. The clock is rebased.
  */
-void event_change_regime(const struct scene_values *v, struct motion *q, int contact, enum contact_regime regime);
+void event_change_regime(const struct scene_values *v, struct motion *q, int contact,
+                         enum contact_regime regime);
 
 /*
  * Regimes by the geometry of the present: at the start, and after inputs have jumped. `stored_before` is the stored
  * energy before the jump; the agent that moved a prescribed body has done the difference as external work. A gap within
  * its own rounding of zero leaves the regime as it is, unless `starting`.
  */
-void event_settle_regimes(const struct scene_values *v, struct motion *q, double stored_before, bool starting);
+void event_settle_regimes(const struct scene_values *v, struct motion *q, double stored_before,
+                          bool starting);
 
 /* Begins a communication step: the peaks and the mean force are those from here on. */
 void event_begin_window(const struct scene_values *v, struct motion *q);

@@ -34,7 +34,8 @@ struct body_state flight_body_at(const struct scene_values *v, const struct moti
 }
 
 /* Force times velocity has degree five: exact with three Gauss-Legendre nodes, 0 and +-sqrt(3/5). */
-static double work_of_force(const struct scene_values *v, const struct motion *q, int body, double from, double to)
+static double work_of_force(const struct scene_values *v, const struct motion *q, int body, double from,
+                            double to)
 {
     const double node = 0.77459666924148338;
     const double nodes[3] = {-node, 0.0, node};
@@ -71,7 +72,8 @@ void flight_advance(const struct scene_values *v, struct motion *q, double clock
 static bool touches_another(const struct motion *q, int contact, int body)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (j != contact && transmits(q, j) && (contact_source(j) == body || contact_destination(j) == body)) {
+        if (j != contact && transmits(q, j) &&
+            (contact_source(j) == body || contact_destination(j) == body)) {
             return true;
         }
     }

@@ -14,7 +14,8 @@
 bool flight_is_free(const struct motion *q);
 
 /* A free body's state at a clock, from its origin. */
-struct body_state flight_body_at(const struct scene_values *v, const struct motion *q, int body, double clock);
+struct body_state flight_body_at(const struct scene_values *v, const struct motion *q, int body,
+                                 double clock);
 
 /* Moves all free bodies to `clock`, with the work of the external forces and, in released contacts, the stored energy
  * that is lost. Only while flight_is_free. */

@@ -16,14 +16,14 @@
 
 /* Where a free body was at clock 0. */
 struct body_origin {
-    struct vec3 displacement;    /* u [m] */
-    struct vec3 velocity;        /* v [m/s] */
+    struct vec3 displacement; /* u [m] */
+    struct vec3 velocity;     /* v [m/s] */
 };
 
 /* Where it is now: u = origin.displacement + moved. Short motions far away keep all their digits in `moved`. */
 struct body_state {
-    struct vec3 moved;           /* since clock 0 [m] */
-    struct vec3 velocity;        /* v [m/s] */
+    struct vec3 moved;    /* since clock 0 [m] */
+    struct vec3 velocity; /* v [m/s] */
 };
 
 /* Inputs between communication points: sum of coefficient[i] clock^i. */
@@ -34,24 +34,25 @@ struct body_path {
 };
 
 struct contact_state {
-    struct vec3 normal;          /* the last valid n, for d = 0 */
-    double stiffness, damping;   /* p_n and p_nv in force [N/m, N s/m] */
-    double diagonal;             /* of the bounding box of both bodies at the start [m] */
+    struct vec3 normal;        /* the last valid n, for d = 0 */
+    double stiffness, damping; /* p_n and p_nv in force [N/m, N s/m] */
+    double diagonal;           /* of the bounding box of both bodies at the start [m] */
 #if SCENE_ANY_FREE
-    struct vec3 impulse;         /* on the source since initialization [N s] */
-    struct vec3 impulse_mark;    /* the impulse at the start of the communication step */
-    double peak_force;           /* over the last communication step [N] */
-    double peak_penetration;     /* likewise, max(-g) >= 0 [m] */
-    double onset_time;           /* when the contact under way, or the last one, began [s] */
-    double last_duration;        /* of the last finished contact [s] */
-    double touch_clock;          /* the clock at that onset (negative once rebased), for exact durations [s] */
-    double change_clock;         /* the regime changes at this clock in closed form; INFINITY: not before the horizon */
-    int32_t change_regime;       /* and becomes this */
+    struct vec3 impulse;      /* on the source since initialization [N s] */
+    struct vec3 impulse_mark; /* the impulse at the start of the communication step */
+    double peak_force;        /* over the last communication step [N] */
+    double peak_penetration;  /* likewise, max(-g) >= 0 [m] */
+    double onset_time;        /* when the contact under way, or the last one, began [s] */
+    double last_duration;     /* of the last finished contact [s] */
+    double touch_clock;       /* the clock at that onset (negative once rebased), for exact durations [s] */
+    double
+        change_clock; /* the regime changes at this clock in closed form; INFINITY: not before the horizon */
+    int32_t change_regime; /* and becomes this */
     int32_t onsets;
 #endif
-    int32_t regime;              /* enum contact_regime */
-    int32_t side;                /* +1 outside, -1 inside: the location in force */
-    int32_t warned;              /* whether the warning of an undefined direction has been given */
+    int32_t regime; /* enum contact_regime */
+    int32_t side;   /* +1 outside, -1 inside: the location in force */
+    int32_t warned; /* whether the warning of an undefined direction has been given */
 };
 
 struct solver_counters {
@@ -59,19 +60,19 @@ struct solver_counters {
 };
 
 struct motion {
-    double base, base_tail, clock;   /* [s] */
+    double base, base_tail, clock; /* [s] */
     struct contact_state contact[SCENE_CONTACTS];
 #if SCENE_ANY_FREE
-    double horizon_clock;            /* how far the change_clocks have looked; at or before `clock`: look again */
+    double horizon_clock; /* how far the change_clocks have looked; at or before `clock`: look again */
     struct body_origin origin[SCENE_BODIES]; /* used where the body is free */
     struct body_state body[SCENE_BODIES];
-    double phase_energy;             /* the energy balance at clock 0 of the phase, see projection.h [J] */
-    double dissipated, external_work;        /* since initialization [J] */
-    double window;                   /* length of the last communication step, as far as it got [s] */
+    double phase_energy;              /* the energy balance at clock 0 of the phase, see projection.h [J] */
+    double dissipated, external_work; /* since initialization [J] */
+    double window;                    /* length of the last communication step, as far as it got [s] */
 #endif
     struct body_path path[SCENE_BODIES];
     struct solver_counters counters;
-    int32_t integrator_fresh;        /* 1: the integrator has no history that matters; it starts from this state */
+    int32_t integrator_fresh; /* 1: the integrator has no history that matters; it starts from this state */
 };
 
 /* The present time [s]. */

@@ -27,7 +27,7 @@ struct contact_shape system_shape(const struct scene_values *v, const struct mot
     const int destination = contact_destination(contact);
     struct contact_shape shape = {.source_radius = body_radius(v, contact_source(contact)),
                                   .other_radius = body_radius(v, destination),
-                                  .half_length = INFINITY,
+                                  .half_length = (double)INFINITY,
                                   .side = q->contact[contact].side,
                                   .destination = body_shape(destination)};
     if (contact_location(v, contact) != LOCATION_AUTOMATIC) {
@@ -103,7 +103,8 @@ void system_kinematics(const struct scene_values *v, const struct motion *q, dou
 }
 
 /* Gravity and the external force; contacts are added by system_evaluate. */
-static struct vec3 free_acceleration(const struct scene_values *v, const struct motion *q, double clock, int body)
+static struct vec3 free_acceleration(const struct scene_values *v, const struct motion *q, double clock,
+                                     int body)
 {
     const struct vec3 force = path_at(q->path[body].force, 3, clock);
     return vec3_axpy(gravity(v), 1.0 / body_mass(v, body), force);
@@ -115,8 +116,8 @@ static struct vec3 path_rate(const struct motion *q, double clock, int body)
     return vec3_axpy(q->path[body].velocity[1], 2.0 * clock, q->path[body].velocity[2]);
 }
 
-void system_evaluate(const struct scene_values *v, const struct motion *q, double clock, const struct body_state *bodies,
-                     struct system_instant *at)
+void system_evaluate(const struct scene_values *v, const struct motion *q, double clock,
+                     const struct body_state *bodies, struct system_instant *at)
 {
     system_kinematics(v, q, clock, bodies, at);
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -137,8 +138,8 @@ void system_evaluate(const struct scene_values *v, const struct motion *q, doubl
                 vec3_axpy(at->acceleration[source], 1.0 / body_mass(v, source), at->source_force[j]);
         }
         if (body_is_free(v, destination)) {
-            at->acceleration[destination] =
-                vec3_axpy(at->acceleration[destination], -1.0 / body_mass(v, destination), at->source_force[j]);
+            at->acceleration[destination] = vec3_axpy(at->acceleration[destination],
+                                                      -1.0 / body_mass(v, destination), at->source_force[j]);
         }
     }
 }
@@ -152,27 +153,33 @@ void system_now(const struct scene_values *v, const struct motion *q, struct sys
 #endif
 }
 
+bool system_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry)
+{
+    return !SCENE_ANY_CYLINDER || contact_within_extents(shape, geometry->axial);
+}
+
 double system_gap_resolution(const struct scene_values *v, const struct system_instant *at, int contact)
 {
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
     return 8.0 * DBL_EPSILON *
-           (vec3_max_abs(apart) + vec3_max_abs(at->displacement[source]) + vec3_max_abs(at->displacement[destination]) +
-            body_radius(v, source) + body_radius(v, destination));
+           (vec3_max_abs(apart) + vec3_max_abs(at->displacement[source]) +
+            vec3_max_abs(at->displacement[destination]) + body_radius(v, source) +
+            body_radius(v, destination));
 }
 
-enum contact_regime system_regime(const struct scene_values *v, const struct motion *q, const struct system_instant *at,
-                                  int contact)
+enum contact_regime system_regime(const struct scene_values *v, const struct motion *q,
+                                  const struct system_instant *at, int contact)
 {
     const struct contact_law law = system_law(v, q, contact);
     const struct contact_shape shape = system_shape(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    return contact_regime_of(&law, g->gap, g->gap_rate, contact_within_extents(&shape, g->axial));
+    return contact_regime_of(&law, g->gap, g->gap_rate, system_within_extents(&shape, g));
 }
 
-double system_force_rate(const struct scene_values *v, const struct motion *q, const struct system_instant *at,
-                         int contact)
+double system_force_rate(const struct scene_values *v, const struct motion *q,
+                         const struct system_instant *at, int contact)
 {
     const struct contact_law law = system_law(v, q, contact);
     const struct contact_shape shape = system_shape(v, q, contact);
@@ -181,8 +188,8 @@ double system_force_rate(const struct scene_values *v, const struct motion *q, c
         contact_coefficients_of(&law, (enum contact_regime)q->contact[contact].regime);
     const struct vec3 across = contact_tangential(&shape, g->normal, at->rate[contact]);
     const double turning = g->degenerate ? 0.0 : vec3_dot(across, across) / g->distance;
-    const struct vec3 pull = vec3_sub(at->acceleration[contact_destination(contact)],
-                                      at->acceleration[contact_source(contact)]);
+    const struct vec3 pull =
+        vec3_sub(at->acceleration[contact_destination(contact)], at->acceleration[contact_source(contact)]);
     const double gap_acceleration = shape.side * (vec3_dot(g->normal, pull) + turning);
     return -(by.k * g->gap_rate + by.c * gap_acceleration);
 }

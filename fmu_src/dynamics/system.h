@@ -9,14 +9,14 @@
 #include "dynamics/motion.h"
 
 struct system_instant {
-    struct vec3 displacement[SCENE_BODIES];  /* u [m] */
-    struct vec3 moved[SCENE_BODIES];         /* the part of u since clock 0 [m] */
-    struct vec3 velocity[SCENE_BODIES];      /* v [m/s] */
-    struct vec3 acceleration[SCENE_BODIES];  /* zero for a fixed body [m/s^2] */
+    struct vec3 displacement[SCENE_BODIES]; /* u [m] */
+    struct vec3 moved[SCENE_BODIES];        /* the part of u since clock 0 [m] */
+    struct vec3 velocity[SCENE_BODIES];     /* v [m/s] */
+    struct vec3 acceleration[SCENE_BODIES]; /* zero for a fixed body [m/s^2] */
     struct contact_geometry geometry[SCENE_CONTACTS];
-    struct vec3 separation[SCENE_CONTACTS];  /* c = x_dst - x_src [m] */
-    struct vec3 rate[SCENE_CONTACTS];        /* w = v_dst - v_src [m/s] */
-    double normal_force[SCENE_CONTACTS];     /* F_n of the smooth law of the regime [N] */
+    struct vec3 separation[SCENE_CONTACTS]; /* c = x_dst - x_src [m] */
+    struct vec3 rate[SCENE_CONTACTS];       /* w = v_dst - v_src [m/s] */
+    double normal_force[SCENE_CONTACTS];    /* F_n of the smooth law of the regime [N] */
     struct vec3 source_force[SCENE_CONTACTS];
 };
 
@@ -36,23 +36,26 @@ void system_kinematics(const struct scene_values *v, const struct motion *q, dou
                        const struct body_state *bodies, struct system_instant *at);
 
 /* Everything of the instant, in the regimes of q. */
-void system_evaluate(const struct scene_values *v, const struct motion *q, double clock, const struct body_state *bodies,
-                     struct system_instant *at);
+void system_evaluate(const struct scene_values *v, const struct motion *q, double clock,
+                     const struct body_state *bodies, struct system_instant *at);
 
 /* The same at the present state of q. */
 void system_now(const struct scene_values *v, const struct motion *q, struct system_instant *at);
+
+/* contact_within_extents, true at compile time in scenes of spheres. */
+bool system_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry);
 
 /* How far rounding alone may move the gap: eight roundings of the terms it is computed from, the locations, the
  * displacements and the radii [m]. Below it the sign of the gap means nothing. */
 double system_gap_resolution(const struct scene_values *v, const struct system_instant *at, int contact);
 
 /* The regime that the geometry of the instant asks for. */
-enum contact_regime system_regime(const struct scene_values *v, const struct motion *q, const struct system_instant *at,
-                                  int contact);
+enum contact_regime system_regime(const struct scene_values *v, const struct motion *q,
+                                  const struct system_instant *at, int contact);
 
 /* d/dt of F_n within the regime: -(k g' + c g'') [N/s]. */
-double system_force_rate(const struct scene_values *v, const struct motion *q, const struct system_instant *at,
-                         int contact);
+double system_force_rate(const struct scene_values *v, const struct motion *q,
+                         const struct system_instant *at, int contact);
 
 /* Power of the external forces on free bodies and of whatever moves the prescribed ones against the contact [W]. */
 double system_external_power(const struct scene_values *v, const struct motion *q, double clock,

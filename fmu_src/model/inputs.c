@@ -53,16 +53,18 @@ void model_set_integer(struct model *m, const struct variable *variable, int32_t
     m->outputs_current = false;
 }
 
-enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order, double value)
+enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order,
+                                             double value)
 {
     const int index = signal_of(variable);
     if (index < 0 || order < 1 || order > 2) {
-        return model_report(m, MODEL_ERROR, "Derivative %d of %s cannot be set (allowed: orders 1 and 2 of inputs).",
-                            order, variable->name);
+        return model_report(m, MODEL_ERROR,
+                            "Derivative %d of %s cannot be set (allowed: orders 1 and 2 of inputs).", order,
+                            variable->name);
     }
     if (!isfinite(value)) {
-        return model_report(m, MODEL_DISCARD, "Derivative %d of %s = %g refused (allowed: finite values).", order,
-                            variable->name, value);
+        return model_report(m, MODEL_DISCARD, "Derivative %d of %s = %g refused (allowed: finite values).",
+                            order, variable->name, value);
     }
     uint8_t *marks = &m->state.marks[variable->element][index];
     struct input_signal *signal = &m->state.signals[variable->element][index];
@@ -85,7 +87,8 @@ static double *component(struct vec3 *a, int index)
 }
 
 /* Coefficients 0..2 of one scalar path from a signal that was set at this communication point. */
-static void put_signal(struct vec3 *path, int k, double value, const struct input_signal *signal, uint8_t marks)
+static void put_signal(struct vec3 *path, int k, double value, const struct input_signal *signal,
+                       uint8_t marks)
 {
     if (marks & SIGNAL_VALUE) {
         *component(&path[0], k) = value;

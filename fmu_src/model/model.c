@@ -84,7 +84,8 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
         if (row->row == ROW_solver_relative_tolerance) {
             m->state.importer_tolerance = fmin(fmax(tolerance, row->min), row->max);
             if (m->state.importer_tolerance != tolerance) {
-                status = model_report(m, MODEL_WARNING, "The tolerance %g is outside the range %g .. %g of %s; %g is used.",
+                status = model_report(m, MODEL_WARNING,
+                                      "The tolerance %g is outside the range %g .. %g of %s; %g is used.",
                                       tolerance, row->min, row->max, row->name, m->state.importer_tolerance);
             }
         }
@@ -94,6 +95,14 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
     return status;
 }
 
+#if SCENE_ANY_FREE
+bool model_open_solver(struct model *m, const struct scene_values *v)
+{
+    const struct solver_memory memory = {m->host.allocate, m->host.release};
+    return solver_open(&m->solver, v, &memory);
+}
+#endif
+
 enum model_status model_exit_initialization(struct model *m)
 {
     const enum model_status status = model_check_consistency(m);
@@ -102,7 +111,7 @@ enum model_status model_exit_initialization(struct model *m)
     }
     model_prepare(m);
 #if SCENE_ANY_FREE
-    if (!solver_open(&m->solver, &m->state.values)) {
+    if (!model_open_solver(m, &m->state.values)) {
         return model_report(m, MODEL_ERROR, "Initialization failed: %s.", m->solver.message);
     }
 #endif
@@ -125,18 +134,20 @@ static enum model_status advance_motion(struct model *m, double end_time)
     case SOLVER_DONE:
         break;
     case SOLVER_STEP_LIMIT:
-        return model_report(m, MODEL_DISCARD,
-                            "The step to %.17g s stopped at %.17g s: solver.max_internal_steps = %d are used up "
-                            "(allowed: 1 .. 2147483647).",
-                            end_time, model_time(m), (int)solver_max_internal_steps(v));
+        return model_report(
+            m, MODEL_DISCARD,
+            "The step to %.17g s stopped at %.17g s: solver.max_internal_steps = %d are used up "
+            "(allowed: 1 .. 2147483647).",
+            end_time, model_time(m), (int)solver_max_internal_steps(v));
     case SOLVER_FAILED:
     default:
-        return model_report(m, MODEL_ERROR, "The step to %.17g s failed at %.17g s: %s", end_time, model_time(m),
-                            m->solver.message);
+        return model_report(m, MODEL_ERROR, "The step to %.17g s failed at %.17g s: %s", end_time,
+                            model_time(m), m->solver.message);
     }
     if (m->state.motion.counters.events != events) {
         model_report(m, MODEL_OK, "%d changes of contact up to %.17g s; %d since initialization.",
-                     (int)(m->state.motion.counters.events - events), end_time, (int)m->state.motion.counters.events);
+                     (int)(m->state.motion.counters.events - events), end_time,
+                     (int)m->state.motion.counters.events);
     }
     return MODEL_OK;
 }
@@ -153,7 +164,8 @@ static enum model_status advance_motion(struct model *m, double end_time)
 enum model_status model_step(struct model *m, double end_time)
 {
     if (!m->state.initialized) {
-        return model_report(m, MODEL_ERROR, "A step to %.17g s before the end of the initialization.", end_time);
+        return model_report(m, MODEL_ERROR, "A step to %.17g s before the end of the initialization.",
+                            end_time);
     }
     model_apply_inputs(m);
     const enum model_status status = advance_motion(m, end_time);

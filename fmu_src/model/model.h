@@ -63,7 +63,8 @@ double model_get_real(struct model *m, const struct variable *variable);
 int32_t model_get_integer(struct model *m, const struct variable *variable);
 
 /* d^order/dt^order of a real input from the present communication point on; orders 1 and 2. */
-enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order, double value);
+enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order,
+                                             double value);
 
 /* First derivative of a displacement, position, velocity or gap; others are refused. */
 enum model_status model_get_output_derivative(struct model *m, const struct variable *variable, int order,

@@ -10,7 +10,8 @@ static void put_body(struct scene_values *v, int body, const struct system_insta
 }
 
 /* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d n. */
-static struct vec3 contact_point_of(const struct scene_values *v, const struct system_instant *at, int contact)
+static struct vec3 contact_point_of(const struct scene_values *v, const struct system_instant *at,
+                                    int contact)
 {
     const int source = contact_source(contact);
     const struct contact_geometry *g = &at->geometry[contact];
@@ -26,14 +27,15 @@ static void put_force(struct scene_values *v, int contact, double normal_force, 
     put_contact_destination_force(v, contact, vec3_scale(-1.0, source_force));
 }
 
-static void put_contact(struct scene_values *v, const struct motion *q, const struct system_instant *at, int contact)
+static void put_contact(struct scene_values *v, const struct motion *q, const struct system_instant *at,
+                        int contact)
 {
     const struct contact_shape shape = system_shape(v, q, contact);
     const struct contact_law law = system_law(v, q, contact);
     const struct contact_state *state = &q->contact[contact];
     const struct contact_geometry *g = &at->geometry[contact];
     const enum contact_regime regime = (enum contact_regime)state->regime;
-    const bool within = contact_within_extents(&shape, g->axial);
+    const bool within = system_within_extents(&shape, g);
     const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
     put_contact_effective_penalty_factor(v, contact, law.stiffness);
     put_contact_effective_viscous_penalty_factor(v, contact, law.damping);
@@ -88,10 +90,11 @@ static void warn_of_missing_direction(struct model *m, const struct system_insta
         if (at->geometry[j].degenerate && q->contact[j].regime != REGIME_APART && !q->contact[j].warned) {
             q->contact[j].warned = 1;
             const struct vec3 n = at->geometry[j].normal;
-            model_report(m, MODEL_WARNING,
-                         "%s.distance = 0 at %.17g s: the overlapping bodies have no defined normal; the direction "
-                         "(%g, %g, %g) is used (allowed: distance > 0). Given once.",
-                         scene_contact_name(j), motion_time(q), n.x, n.y, n.z);
+            model_report(
+                m, MODEL_WARNING,
+                "%s.distance = 0 at %.17g s: the overlapping bodies have no defined normal; the direction "
+                "(%g, %g, %g) is used (allowed: distance > 0). Given once.",
+                scene_contact_name(j), motion_time(q), n.x, n.y, n.z);
         }
     }
 }
@@ -112,7 +115,7 @@ void model_update_outputs(struct model *m)
     system_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (system_is_force_element(v)) {
-            q->contact[j].regime = system_regime(v, q, &at, j);
+            q->contact[j].regime = (int32_t)system_regime(v, q, &at, j);
         }
         q->contact[j].normal = at.geometry[j].normal;
         put_contact(v, q, &at, j);

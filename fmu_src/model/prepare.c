@@ -17,7 +17,8 @@ static struct bounding_box body_box(const struct scene_values *v, int body, stru
     if (SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER) {
         const struct vec3 axis = body_axis(v, body);
         const double half_length = body_finite_length(v, body) ? 0.5 * body_length(v, body) : 0.0;
-        return bounding_box_cylinder(centre, body_radius(v, body), vec3_scale(1.0 / vec3_norm(axis), axis), half_length);
+        return bounding_box_cylinder(centre, body_radius(v, body), vec3_scale(1.0 / vec3_norm(axis), axis),
+                                     half_length);
     }
     return bounding_box_sphere(centre, body_radius(v, body));
 }
@@ -36,14 +37,15 @@ static double start_diagonal(const struct scene_values *v, const struct motion *
 
 static struct contact_factors factors_of(const struct scene_values *v, int contact)
 {
-    return (struct contact_factors){.method = (enum method)contact_method(v, contact),
-                                    .penalty_control = (enum penalty_control)contact_penalty_control(v, contact),
-                                    .viscous_control = (enum viscous_control)contact_viscous_control(v, contact),
-                                    .multiplier = contact_penalty_multiplier(v, contact),
-                                    .penalty_factor = contact_penalty_factor(v, contact),
-                                    .characteristic_time = contact_characteristic_time(v, contact),
-                                    .viscous_penalty_factor = contact_viscous_penalty_factor(v, contact),
-                                    .reference_modulus = contact_reference_modulus(v, contact)};
+    return (struct contact_factors){
+        .method = (enum method)contact_method(v, contact),
+        .penalty_control = (enum penalty_control)contact_penalty_control(v, contact),
+        .viscous_control = (enum viscous_control)contact_viscous_control(v, contact),
+        .multiplier = contact_penalty_multiplier(v, contact),
+        .penalty_factor = contact_penalty_factor(v, contact),
+        .characteristic_time = contact_characteristic_time(v, contact),
+        .viscous_penalty_factor = contact_viscous_penalty_factor(v, contact),
+        .reference_modulus = contact_reference_modulus(v, contact)};
 }
 
 /* Inside when the centre (or axis) is closer than r_d and the source fits in, else outside. */
@@ -63,7 +65,7 @@ static void prepare_contact(const struct scene_values *v, struct motion *q, int 
     state->stiffness = law.stiffness;
     state->damping = law.damping;
     state->side = 1;
-    state->regime = REGIME_APART;
+    state->regime = (int32_t)REGIME_APART;
     struct contact_shape shape = system_shape(v, q, contact);
     state->normal = contact_default_normal(&shape);
     struct system_instant at;
@@ -134,7 +136,8 @@ static enum model_status check_contact(struct model *m, int contact)
     }
     if (SCENE_ANY_CYLINDER && body_shape(contact_destination(contact)) == SHAPE_CYLINDER &&
         !(vec3_norm(body_axis(v, contact_destination(contact))) > 0.0)) {
-        return model_report(m, MODEL_ERROR, "%s.axis[1], %s.axis[2], %s.axis[3] = 0, 0, 0 has no direction "
+        return model_report(m, MODEL_ERROR,
+                            "%s.axis[1], %s.axis[2], %s.axis[3] = 0, 0, 0 has no direction "
                             "(allowed: at least one component other than zero).",
                             destination, destination, destination);
     }
@@ -149,13 +152,13 @@ static enum model_status check_factors(struct model *m, int contact)
         return MODEL_OK;
     }
     const char *name = scene_contact_name(contact);
-    return model_report(m, MODEL_ERROR,
-                        "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N s/m from "
-                        "%s.penalty_multiplier = %g, %s.reference_modulus = %g Pa, diagonal = %g m "
-                        "(allowed: finite products).",
-                        name, state->stiffness, state->damping, name,
-                        contact_penalty_multiplier(&m->state.values, contact), name,
-                        contact_reference_modulus(&m->state.values, contact), state->diagonal);
+    return model_report(
+        m, MODEL_ERROR,
+        "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N s/m from "
+        "%s.penalty_multiplier = %g, %s.reference_modulus = %g Pa, diagonal = %g m "
+        "(allowed: finite products).",
+        name, state->stiffness, state->damping, name, contact_penalty_multiplier(&m->state.values, contact),
+        name, contact_reference_modulus(&m->state.values, contact), state->diagonal);
 }
 
 enum model_status model_check_consistency(struct model *m)

@@ -42,7 +42,8 @@ static bool value_in_range(const struct scene_values *values, const struct varia
     if (row->type == VARIABLE_REAL) {
         double value;
         memcpy(&value, at, sizeof value);
-        return isfinite(value) && (row->causality == VARIABLE_OUTPUT || (value >= row->min && value <= row->max));
+        return isfinite(value) &&
+               (row->causality == VARIABLE_OUTPUT || (value >= row->min && value <= row->max));
     }
     int32_t value;
     memcpy(&value, at, sizeof value);
@@ -75,15 +76,17 @@ static bool state_is_sound(const struct model_state *state)
 static enum model_status check_header(struct model *m, const struct model_state *state)
 {
     if (state->magic != MODEL_STATE_MAGIC) {
-        return model_report(m, MODEL_ERROR, "Saved state refused: it is not one of this model (mark %08x, allowed: %08x).",
+        return model_report(m, MODEL_ERROR,
+                            "Saved state refused: it is not one of this model (mark %08x, allowed: %08x).",
                             (unsigned)state->magic, MODEL_STATE_MAGIC);
     }
     if (state->version != MODEL_STATE_VERSION) {
-        return model_report(m, MODEL_ERROR, "Saved state refused: version %u (allowed: %u).", (unsigned)state->version,
-                            MODEL_STATE_VERSION);
+        return model_report(m, MODEL_ERROR, "Saved state refused: version %u (allowed: %u).",
+                            (unsigned)state->version, MODEL_STATE_VERSION);
     }
     if (state->scene != SCENE_HASH) {
-        return model_report(m, MODEL_ERROR, "Saved state refused: it belongs to another scene (%08x, allowed: %08x, %s).",
+        return model_report(m, MODEL_ERROR,
+                            "Saved state refused: it belongs to another scene (%08x, allowed: %08x, %s).",
                             (unsigned)state->scene, (unsigned)SCENE_HASH, SCENE_NAME);
     }
     if (state->size != sizeof *state || state->checksum != payload_checksum(state)) {
@@ -98,7 +101,8 @@ static enum model_status check_header(struct model *m, const struct model_state 
 enum model_status model_restore(struct model *m, const void *bytes, size_t size)
 {
     if (size != sizeof m->state) {
-        return model_report(m, MODEL_ERROR, "Saved state refused: %zu bytes (allowed: %zu).", size, sizeof m->state);
+        return model_report(m, MODEL_ERROR, "Saved state refused: %zu bytes (allowed: %zu).", size,
+                            sizeof m->state);
     }
     struct model_state state;
     memcpy(&state, bytes, sizeof state);
@@ -107,7 +111,7 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
         return status;
     }
 #if SCENE_ANY_FREE
-    if (state.initialized && !solver_open(&m->solver, &state.values)) {
+    if (state.initialized && !model_open_solver(m, &state.values)) {
         return model_report(m, MODEL_ERROR, "Saved state refused: %s.", m->solver.message);
     }
 #endif

@@ -9,34 +9,34 @@
 
 /* Raised when struct model_state, struct motion or struct scene_values change their meaning. */
 #define MODEL_STATE_VERSION 1u
-#define MODEL_STATE_MAGIC 0x464d5543u    /* "CUMF" */
+#define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
 /* Bits of input_signal.marks */
 enum {
-    SIGNAL_VALUE = 1,            /* the value was set at this communication point */
-    SIGNAL_RATE = 2,             /* a first derivative was set at this communication point */
-    SIGNAL_CURVATURE = 4,        /* a second derivative was set at this communication point */
-    SIGNAL_EXPLICIT = 8          /* the input goes on by given derivatives */
+    SIGNAL_VALUE = 1,     /* the value was set at this communication point */
+    SIGNAL_RATE = 2,      /* a first derivative was set at this communication point */
+    SIGNAL_CURVATURE = 4, /* a second derivative was set at this communication point */
+    SIGNAL_EXPLICIT = 8   /* the input goes on by given derivatives */
 };
 
 /* One scalar input as the importer set it. */
 struct input_signal {
-    double rate, curvature;      /* d/dt and d^2/dt^2 */
+    double rate, curvature; /* d/dt and d^2/dt^2 */
 };
 
-enum { SIGNALS_EACH = 9 };       /* prescribed displacement, velocity and external force of a body */
+enum { SIGNALS_EACH = 9 }; /* prescribed displacement, velocity and external force of a body */
 
 /* Flat and without pointers: this is what is saved. Doubles come first so that there is no padding inside. */
 struct model_state {
     uint32_t magic, version, scene, size;
-    uint64_t checksum;           /* of everything below */
+    uint64_t checksum; /* of everything below */
     struct scene_values values;
     struct input_signal signals[SCENE_BODIES][SIGNALS_EACH];
     struct motion motion;
-    double importer_tolerance;   /* 0: none given */
+    double importer_tolerance; /* 0: none given */
     double start_time;
     uint8_t marks[SCENE_BODIES][SIGNALS_EACH];
-    uint8_t signals_changed;     /* some mark is set since the last step */
+    uint8_t signals_changed; /* some mark is set since the last step */
     uint8_t initialized;
 };
 
@@ -52,6 +52,11 @@ struct model {
 /* Formats and sends a message when the host wants the category. */
 enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+#if SCENE_ANY_FREE
+/* The solver's memory for the method that v chooses; false with m->solver.message when there is none to be had. */
+bool model_open_solver(struct model *m, const struct scene_values *v);
+#endif
 
 /* Puts the motion at the start that the present parameters and inputs describe. */
 void model_prepare(struct model *m);

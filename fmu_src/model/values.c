@@ -9,8 +9,8 @@ enum model_status model_check_real(struct model *m, const struct variable *varia
     if (isfinite(value) && value >= variable->min && value <= variable->max) {
         return MODEL_OK;
     }
-    return model_report(m, MODEL_DISCARD, "%s = %.17g refused (allowed: %g .. %g); it stays as it was.", variable->name,
-                        value, variable->min, variable->max);
+    return model_report(m, MODEL_DISCARD, "%s = %.17g refused (allowed: %g .. %g); it stays as it was.",
+                        variable->name, value, variable->min, variable->max);
 }
 
 enum model_status model_check_integer(struct model *m, const struct variable *variable, int32_t value)
@@ -60,8 +60,9 @@ enum model_status model_get_output_derivative(struct model *m, const struct vari
             break;
         }
     }
-    return model_report(m, MODEL_DISCARD,
-                        "Derivative %d of %s is not provided (allowed: order 1 of displacement, position, velocity "
-                        "and gap).",
-                        order, variable->name);
+    return model_report(
+        m, MODEL_DISCARD,
+        "Derivative %d of %s is not provided (allowed: order 1 of displacement, position, velocity "
+        "and gap).",
+        order, variable->name);
 }

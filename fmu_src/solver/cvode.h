@@ -10,7 +10,8 @@ struct cvode;
 
 /* Makes, or makes anew when the method or the number of free bodies differs, the integrator's memory. On failure returns
  * false with a message (SOLVER_MESSAGE_SIZE bytes) and leaves *c closed. */
-bool cvode_open(struct cvode **c, const struct scene_values *v, char *message);
+bool cvode_open(struct cvode **c, const struct scene_values *v, const struct solver_memory *memory,
+                char *message);
 
 void cvode_close(struct cvode **c);
 

@@ -46,7 +46,8 @@ static void vec3_to(struct vec3 a, double *data)
     data[2] = a.z;
 }
 
-static void unpack_bodies(const struct scene_values *v, const double *y, struct body_state bodies[SCENE_BODIES])
+static void unpack_bodies(const struct scene_values *v, const double *y,
+                          struct body_state bodies[SCENE_BODIES])
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
@@ -131,20 +132,22 @@ static void add_row(SUNMatrix jacobian, int row, int column, double factor, stru
 /* a^T M */
 static struct vec3 left_product(struct vec3 a, double m[3][3])
 {
-    return vec3_make(a.x * m[0][0] + a.y * m[1][0] + a.z * m[2][0], a.x * m[0][1] + a.y * m[1][1] + a.z * m[2][1],
+    return vec3_make(a.x * m[0][0] + a.y * m[1][0] + a.z * m[2][0],
+                     a.x * m[0][1] + a.y * m[1][1] + a.z * m[2][1],
                      a.x * m[0][2] + a.y * m[1][2] + a.z * m[2][2]);
 }
 
 /* Everything that depends on the state of `body` (sign -1: source, +1: destination) through contact j. */
-static void contact_columns(SUNMatrix jacobian, const struct cvode_problem *p, const struct system_instant *at, int j,
-                            int body, double sign, struct contact_gradient *gradient)
+static void contact_columns(SUNMatrix jacobian, const struct cvode_problem *p,
+                            const struct system_instant *at, int j, int body, double sign,
+                            struct contact_gradient *gradient)
 {
     const struct scene_values *v = p->values;
     const int ends[2] = {contact_source(j), contact_destination(j)};
     const int column = body_index(v, body);
     const int work = dissipated_index(v) + 1;
     for (int end = 0; end < 2; ++end) {
-        const double on_end = end == 0 ? 1.0 : -1.0;     /* the destination gets the opposite force */
+        const double on_end = end == 0 ? 1.0 : -1.0; /* the destination gets the opposite force */
         if (body_is_free(v, ends[end])) {
             const int row = body_index(v, ends[end]) + 3;
             const double factor = sign * on_end / body_mass(v, ends[end]);
@@ -162,8 +165,8 @@ static void contact_columns(SUNMatrix jacobian, const struct cvode_problem *p, c
     add_row(jacobian, dissipated_index(v), column + 3, sign, gradient->power_by_rate);
 }
 
-int cvode_jacobian(double clock, N_Vector y, N_Vector rate, SUNMatrix jacobian, void *problem, N_Vector unused1,
-                   N_Vector unused2, N_Vector unused3)
+int cvode_jacobian(double clock, N_Vector y, N_Vector rate, SUNMatrix jacobian, void *problem,
+                   N_Vector unused1, N_Vector unused2, N_Vector unused3)
 {
     (void)rate, (void)unused1, (void)unused2, (void)unused3;
     const struct cvode_problem *p = problem;
@@ -177,7 +180,8 @@ int cvode_jacobian(double clock, N_Vector y, N_Vector rate, SUNMatrix jacobian, 
             for (int k = 0; k < 3; ++k) {
                 SM_ELEMENT_D(jacobian, index + k, index + 3 + k) = 1.0;
             }
-            add_row(jacobian, dissipated_index(v) + 1, index + 3, 1.0, path_at(p->motion->path[i].force, 3, clock));
+            add_row(jacobian, dissipated_index(v) + 1, index + 3, 1.0,
+                    path_at(p->motion->path[i].force, 3, clock));
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {

@@ -24,10 +24,10 @@ enum { CVODE_ROOTS_EACH = 4, CVODE_ROOTS = CVODE_ROOTS_EACH * SCENE_CONTACTS };
 
 struct cvode_problem {
     const struct scene_values *values;
-    const struct motion *motion;     /* regimes, paths; its body states are not read */
-    double relative, absolute;       /* tolerances [1], [m, m/s, ...] */
-    double resolution[SCENE_CONTACTS];    /* of the gaps, see system_gap_resolution [m] */
-    double energy_scale, momentum_scale;  /* of the free bodies at the start of the phase [J], [N s] */
+    const struct motion *motion;         /* regimes, paths; its body states are not read */
+    double relative, absolute;           /* tolerances [1], [m, m/s, ...] */
+    double resolution[SCENE_CONTACTS];   /* of the gaps, see system_gap_resolution [m] */
+    double energy_scale, momentum_scale; /* of the free bodies at the start of the phase [J], [N s] */
 };
 
 int cvode_problem_size(const struct scene_values *v);
@@ -38,8 +38,8 @@ void cvode_pack(const struct cvode_problem *p, N_Vector y);
 void cvode_unpack(const struct scene_values *v, struct motion *q, N_Vector y);
 
 int cvode_rhs(double clock, N_Vector y, N_Vector rate, void *problem);
-int cvode_jacobian(double clock, N_Vector y, N_Vector rate, SUNMatrix jacobian, void *problem, N_Vector, N_Vector,
-                   N_Vector);
+int cvode_jacobian(double clock, N_Vector y, N_Vector rate, SUNMatrix jacobian, void *problem, N_Vector,
+                   N_Vector, N_Vector);
 int cvode_roots(double clock, N_Vector y, double *roots, void *problem);
 
 /* Error weights: 1 / (relative size + absolute), where size is the length of the whole vector, so that turning the world

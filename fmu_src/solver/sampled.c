@@ -50,7 +50,8 @@ static struct panel integrate(const struct scene_values *v, struct motion *q, do
 }
 
 /* What rounding alone does to the force; no agreement can be asked for below. */
-static double force_noise(const struct scene_values *v, const struct motion *q, const struct system_instant *at)
+static double force_noise(const struct scene_values *v, const struct motion *q,
+                          const struct system_instant *at)
 {
     double noise = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -98,7 +99,8 @@ static void add_panel(struct motion *q, const struct panel *panel)
 }
 
 /* A measure of contact j to be maximised: 0 the force, 1 the penetration. */
-static double measure(const struct scene_values *v, const struct motion *q, double clock, int contact, int which)
+static double measure(const struct scene_values *v, const struct motion *q, double clock, int contact,
+                      int which)
 {
     struct system_instant at;
     system_evaluate(v, q, clock, q->body, &at);
@@ -107,8 +109,8 @@ static double measure(const struct scene_values *v, const struct motion *q, doub
 
 /* Golden-section search: the interval shrinks by 0.618 a step, so 40 steps reach the square root of the rounding, which
  * is where a maximum is exact to rounding. */
-static double largest_between(const struct scene_values *v, struct motion *q, double from, double to, int contact,
-                              int which)
+static double largest_between(const struct scene_values *v, struct motion *q, double from, double to,
+                              int contact, int which)
 {
     const double ratio = 0.5 * (sqrt(5.0) - 1.0);
     double low = to - ratio * (to - from), high = from + ratio * (to - from);

@@ -8,10 +8,10 @@
 #include "solver/cvode.h"
 #include "solver/sampled.h"
 
-bool solver_open(struct solver *s, const struct scene_values *v)
+bool solver_open(struct solver *s, const struct scene_values *v, const struct solver_memory *memory)
 {
     s->message[0] = '\0';
-    return system_is_force_element(v) || cvode_open(&s->cvode, v, s->message);
+    return system_is_force_element(v) || cvode_open(&s->cvode, v, memory, s->message);
 }
 
 void solver_close(struct solver *s)
@@ -34,7 +34,7 @@ static void look_ahead(const struct scene_values *v, struct motion *q, double re
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct encounter next = encounter_next(v, q, &at, q->clock, j, horizon);
         q->contact[j].change_clock = q->clock + next.after;
-        q->contact[j].change_regime = next.regime;
+        q->contact[j].change_regime = (int32_t)next.regime;
     }
     q->horizon_clock = q->clock + horizon;
 }
@@ -77,7 +77,8 @@ static void keep_normals(const struct scene_values *v, struct motion *q)
     }
 }
 
-static enum solver_status run_phases(struct solver *s, const struct scene_values *v, struct motion *q, double end_time)
+static enum solver_status run_phases(struct solver *s, const struct scene_values *v, struct motion *q,
+                                     double end_time)
 {
     struct advance step = {.budget = solver_max_internal_steps(v)};
     for (;;) {
@@ -119,7 +120,8 @@ static enum solver_status run_phases(struct solver *s, const struct scene_values
     }
 }
 
-enum solver_status solver_run(struct solver *s, const struct scene_values *v, struct motion *q, double end_time)
+enum solver_status solver_run(struct solver *s, const struct scene_values *v, struct motion *q,
+                              double end_time)
 {
     const double start = motion_time(q);
     event_begin_window(v, q);

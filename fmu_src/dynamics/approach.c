@@ -1,0 +1,121 @@
+#include "dynamics/approach.h"
+
+static void add_free(const struct scene_values *v, const struct motion *q, const struct system_instant *at,
+                     double clock, int body, double sign, struct separation *out)
+{
+    struct vec3 force[3] = {q->path[body].force[0], q->path[body].force[1], q->path[body].force[2]};
+    path_shift(force, 3, clock);
+    const double inverse_mass = 1.0 / body_mass(v, body);
+    const struct vec3 rate[SEPARATION_DEGREE] = {
+        at->velocity[body], vec3_axpy(gravity(v), inverse_mass, force[0]),
+        vec3_scale(inverse_mass / 2.0, force[1]), vec3_scale(inverse_mass / 3.0, force[2])};
+    for (int i = 0; i < SEPARATION_DEGREE; ++i) {
+        out->w[i] = vec3_axpy(out->w[i], sign, rate[i]);
+        out->c[i + 1] = vec3_axpy(out->c[i + 1], sign / (i + 1), rate[i]);
+    }
+}
+
+static void add_prescribed(const struct motion *q, double clock, int body, double sign,
+                           struct separation *out)
+{
+    struct body_path path = q->path[body];
+    path_shift(path.displacement, 4, clock);
+    path_shift(path.velocity, 3, clock);
+    for (int i = 1; i < 4; ++i) {
+        out->c[i] = vec3_axpy(out->c[i], sign, path.displacement[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        out->w[i] = vec3_axpy(out->w[i], sign, path.velocity[i]);
+    }
+}
+
+/* Without contact force. */
+struct separation separation_of(const struct scene_values *v, const struct motion *q,
+                                const struct system_instant *at, double clock, int contact)
+{
+    const int ends[2] = {contact_destination(contact), contact_source(contact)};
+    struct separation path = {.c = {at->separation[contact]}, .w = {{0.0, 0.0, 0.0}}};
+    for (int i = 0; i < 2; ++i) {
+        const double sign = i == 0 ? 1.0 : -1.0;
+        if (body_is_free(v, ends[i])) {
+            add_free(v, q, at, clock, ends[i], sign, &path);
+        } else if (body_is_prescribed(v, ends[i])) {
+            add_prescribed(q, clock, ends[i], sign, &path);
+        }
+    }
+    return path;
+}
+
+bool approach_has_ends(const struct contact_shape *shape)
+{
+    return SCENE_ANY_CYLINDER && isfinite(shape->half_length);
+}
+
+static double coefficient_scale(const struct vec3 *c, double horizon, double reach)
+{
+    double scale = reach;
+    double power = 1.0;
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+        scale = fmax(scale, vec3_max_abs(c[i]) * power);
+        power *= horizon;
+    }
+    return scale > 0.0 ? scale : 1.0;
+}
+
+static struct polynomial dot_product(const struct vec3 *a, int a_degree, const struct vec3 *b, int b_degree)
+{
+    struct polynomial p = {{0.0}, a_degree + b_degree};
+    for (int i = 0; i <= a_degree; ++i) {
+        for (int j = 0; j <= b_degree; ++j) {
+            p.a[i + j] += vec3_dot(a[i], b[j]);
+        }
+    }
+    return p;
+}
+
+struct approach approach_make(const struct contact_shape *shape, const struct separation *separation,
+                              double horizon)
+{
+    struct approach path = {.horizon = horizon, .axial = {.degree = SEPARATION_DEGREE}, .side = shape->side};
+    struct vec3 slope[SEPARATION_DEGREE];
+    struct vec3 w[SEPARATION_DEGREE];
+    path.scale = coefficient_scale(separation->c, horizon, contact_reach(shape));
+    double factor = 1.0 / path.scale;
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+        path.c[i] = vec3_scale(factor, separation->c[i]);
+        if (SCENE_ANY_CYLINDER && shape->destination == SHAPE_CYLINDER) {
+            path.axial.a[i] = vec3_dot(path.c[i], shape->axis);
+            path.c[i] = vec3_axpy(path.c[i], -path.axial.a[i], shape->axis);
+        }
+        factor *= horizon;
+        if (i < SEPARATION_DEGREE) {
+            w[i] = vec3_scale(factor, separation->w[i]);
+        }
+        if (i > 0) {
+            slope[i - 1] = vec3_scale(i, path.c[i]);
+        }
+    }
+    path.reach = contact_reach(shape) / path.scale;
+    if (approach_has_ends(shape)) {
+        path.half_length = shape->half_length / path.scale;
+        path.has_ends = true;
+    }
+    path.offset2 = dot_product(path.c, SEPARATION_DEGREE, path.c, SEPARATION_DEGREE);
+    path.closing = dot_product(path.c, SEPARATION_DEGREE, slope, SEPARATION_DEGREE - 1);
+    path.half_rate = dot_product(path.c, SEPARATION_DEGREE, w, SEPARATION_DEGREE - 1);
+    return path;
+}
+
+void approach_gap(const void *data, double s, double *gap, double *slope)
+{
+    const struct approach *path = data;
+    const double distance = vec3_norm(path_at(path->c, SEPARATION_DEGREE + 1, s));
+    *gap = path->side * (distance - path->reach);
+    *slope = distance > 0.0 ? path->side * polynomial_at(&path->closing, s) / distance : 0.0;
+}
+
+bool approach_within(const struct approach *path, double s)
+{
+    return !SCENE_ANY_CYLINDER || !path->has_ends ||
+           fabs(polynomial_at(&path->axial, s)) <= path->half_length;
+}

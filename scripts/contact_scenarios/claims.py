@@ -1,0 +1,226 @@
+"""What a scenario can claim: each check takes a recording and gives the measured and the expected value.
+
+A check's further arguments are keys of its [[claim]] table. Expected values come from closed_forms.py, from a
+literal in the scenario file, or from a recomputation in geometry.py; never from the FMU that is measured.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import closed_forms, geometry
+
+if TYPE_CHECKING:
+    from .recording import Recording
+    from .scenario import Claim
+
+CHECKS: dict[str, Callable[..., Outcome]] = {}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    measured: Any
+    expected: Any
+    unit: str
+    scale: float | None = None  # of relative errors, where it is not the expected value's size
+
+    @property
+    def error(self) -> float:
+        return float(
+            np.max(np.abs(np.asarray(self.measured, dtype=float) - np.asarray(self.expected, dtype=float)))
+        )
+
+    def error_of(self, claim: Claim) -> float:
+        if not claim.relative:
+            return self.error
+        scale = self.scale if self.scale is not None else float(np.max(np.abs(self.expected)))
+        return self.error / scale if scale > 0.0 else math.inf
+
+    def holds(self, claim: Claim) -> bool:
+        """A comparison with NaN is false, so a NaN never passes."""
+        return self.error_of(claim) <= claim.allowed
+
+
+def check(function: Callable[..., Outcome]) -> Callable[..., Outcome]:
+    CHECKS[function.__name__] = function
+    return function
+
+
+def evaluate(claim: Claim, run: Recording) -> Outcome:
+    return CHECKS[claim.check](run, **claim.options)
+
+
+# what several checks need
+
+
+def _mass(run: Recording, body: str) -> float:
+    """Infinite where the contact force does not move the body"""
+    return run.value(f"{body}.mass") if run.value(f"{body}.motion") == "free" else math.inf
+
+
+def _effective_mass(run: Recording) -> float:
+    return closed_forms.effective_mass(_mass(run, "source"), _mass(run, "destination"))
+
+
+def _damping(run: Recording) -> float:
+    dynamic = run.value("contact.method") == "penalty_dynamic"
+    return run.value("contact.viscous_penalty_factor") if dynamic else 0.0
+
+
+def _restitution(run: Recording) -> float:
+    stiffness, damping = run.value("contact.penalty_factor"), _damping(run)
+    if damping == 0.0:
+        return 1.0
+    zeta = closed_forms.damping_ratio(_effective_mass(run), stiffness, damping)
+    return closed_forms.restitution(run.value("contact.dashpot"), zeta)
+
+
+def _gravity(run: Recording) -> float:
+    return float(np.linalg.norm(run.value("gravity")))
+
+
+def _worst_point(
+    run: Recording, name: str, expected: np.ndarray, unit: str, scale: float | None = None
+) -> Outcome:
+    """The communication point where a recorded series is furthest from what is expected of it"""
+    difference = np.abs(run.series[name] - expected).reshape(len(expected), -1)
+    worst = int(np.argmax(np.max(difference, axis=1)))  # the first NaN, where there is one
+    size = float(np.max(np.abs(expected))) if scale is None else scale
+    return Outcome(run.series[name][worst], expected[worst], unit, size)
+
+
+# checks
+
+
+@check
+def final_value(run: Recording, variable: str, expected: Any, unit: str = "m") -> Outcome:
+    return Outcome(run.final[variable], expected, unit)
+
+
+@check
+def contact_duration(run: Recording) -> Outcome:
+    """How long the last contact lasted: gravity off, head-on"""
+    damping, stiffness = _damping(run), run.value("contact.penalty_factor")
+    dashpot = run.value("contact.dashpot") if damping else "unclamped"
+    expected = closed_forms.overlap_duration(dashpot, _effective_mass(run), stiffness, damping)
+    return Outcome(run.final["contact.last_duration"], expected, "s")
+
+
+@check
+def restitution(run: Recording) -> Outcome:
+    """Gap rate after against gap rate before: gravity off, head-on"""
+    rate = run.series["contact.gap_rate"]
+    return Outcome(-rate[-1] / rate[0], _restitution(run), "1", 1.0)
+
+
+@check
+def velocities_after(run: Recording) -> Outcome:
+    """Velocities of source and destination along the line of a head-on impact"""
+    line = run.value("contact.direction")
+    before = [float(run.series[f"{body}.velocity"][0] @ line) for body in ("source", "destination")]
+    after = [float(run.series[f"{body}.velocity"][-1] @ line) for body in ("source", "destination")]
+    expected = closed_forms.velocities_after(
+        _mass(run, "source"), before[0], _mass(run, "destination"), before[1], _restitution(run)
+    )
+    return Outcome(after, expected, "m/s")
+
+
+@check
+def momentum(run: Recording) -> Outcome:
+    """Largest change of the momentum of two free bodies, gravity off, against the bodies' own momenta"""
+    parts = [_mass(run, body) * run.series[f"{body}.velocity"] for body in ("source", "destination")]
+    change = np.linalg.norm(parts[0] + parts[1] - parts[0][0] - parts[1][0], axis=1)
+    return Outcome(float(np.max(change)), 0.0, "kg.m/s", float(max(np.max(np.abs(part)) for part in parts)))
+
+
+@check
+def static_penetration(run: Recording) -> Outcome:
+    expected = closed_forms.static_penetration(
+        run.value("source.mass"), _gravity(run), run.value("contact.penalty_factor")
+    )
+    return Outcome(-run.final["contact.gap"], expected, "m")
+
+
+@check
+def static_force(run: Recording) -> Outcome:
+    return Outcome(run.final["contact.normal_force"], run.value("source.mass") * _gravity(run), "N")
+
+
+@check
+def energy_balance(run: Recording) -> Outcome:
+    """Largest change of the sum of the energies, against the largest of its terms"""
+    terms = [run.series[f"energy.{name}"] for name in ("kinetic", "potential", "contact", "dissipated")]
+    terms.append(-run.series["energy.external_work"])
+    total = np.sum(terms, axis=0)
+    return Outcome(float(np.max(np.abs(total - total[0]))), 0.0, "J", float(np.max(np.abs(terms))))
+
+
+@check
+def bounce_gap(run: Recording) -> Outcome:
+    """Gap at every communication point of a body dropped head-on, undamped"""
+    expected = closed_forms.elastic_bounce_gap(
+        run.time,
+        run.value("contact.gap"),
+        run.value("source.mass"),
+        _gravity(run),
+        run.value("contact.penalty_factor"),
+    )
+    return _worst_point(run, "contact.gap", expected, "m")
+
+
+@check
+def viscous_sinking(run: Recording) -> Outcome:
+    """Gap at every communication point of a body laid on a viscous-only contact"""
+    expected = run.value("contact.gap") - closed_forms.viscous_sinking(
+        run.time, run.value("source.mass"), _gravity(run), run.value("contact.viscous_penalty_factor")
+    )
+    return _worst_point(run, "contact.gap", expected, "m")
+
+
+@check
+def free_flight(run: Recording, after: float = 0.0) -> Outcome:
+    """Final position of a source that moves straight and evenly for `after` seconds and falls from then on"""
+    position, velocity = run.value("source.position"), run.value("source.velocity")
+    leaving = closed_forms.free_flight(after, position, velocity, np.zeros(3))
+    falling = float(run.time[-1] - run.time[0]) - after
+    return Outcome(
+        run.final["source.position"],
+        closed_forms.free_flight(falling, leaving, velocity, run.value("gravity")),
+        "m",
+    )
+
+
+@check
+def force_law(run: Recording) -> Outcome:
+    """Force on the source at every communication point, recomputed from where the importer put the bodies"""
+    expected, scale = geometry.recompute_force(run)
+    return _worst_point(run, "contact.source_force", expected, "N", scale)
+
+
+@check
+def opposite_forces(run: Recording) -> Outcome:
+    """The forces on source and destination cancel"""
+    both = run.series["contact.source_force"] + run.series["contact.destination_force"]
+    return Outcome(
+        float(np.max(np.abs(both))), 0.0, "N", float(np.max(np.abs(run.series["contact.source_force"])))
+    )
+
+
+@check
+def automatic_factor(run: Recording, variable: str) -> Outcome:
+    """diagonal, effective_penalty_factor or effective_viscous_penalty_factor under automatic control"""
+    diagonal = geometry.diagonal(run)
+    modulus, time = run.value("contact.reference_modulus"), run.value("contact.characteristic_time")
+    viscous_only = run.value("contact.penalty_control") == "viscous_only"
+    stiffness = modulus * diagonal * (1.0 if viscous_only else run.value("contact.penalty_multiplier"))
+    expected = {
+        "contact.diagonal": (diagonal, "m"),
+        "contact.effective_penalty_factor": (stiffness, "N/m"),
+        "contact.effective_viscous_penalty_factor": (time * stiffness, "N.s/m"),
+    }
+    return Outcome(run.value(variable), *expected[variable])

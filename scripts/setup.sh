@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# Installs what building, running and testing the contact FMUs needs on Debian 12 or later: Debian packages
+# and a Python environment in .venv. Repeatable: a second run finds everything there and changes nothing.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+packages=(
+    build-essential clang cmake ninja-build    # both compilers that are supported
+    clang-format clang-tidy                    # what the tests check the sources with
+    libsundials-dev                            # CVODE
+    git ca-certificates                        # where sources must be fetched instead
+    python3 python3-venv
+    default-jdk-headless maven                 # VDMCheck, a validator of model descriptions, in the tests
+)
+
+say() { printf 'setup: %s\n' "$*"; }
+fail() { printf 'setup: %s\n' "$*" >&2; exit 1; }
+
+install_debian_packages() {
+    command -v dpkg-query >/dev/null && command -v apt-get >/dev/null ||
+        fail "this is no Debian: install what it calls ${packages[*]}; make .venv from requirements.txt"
+    local package missing=()
+    for package in "${packages[@]}"; do
+        [[ $(dpkg-query -W -f '${db:Status-Abbrev}' "$package" 2>/dev/null) == ii* ]] || missing+=("$package")
+    done
+    if ((${#missing[@]} == 0)); then
+        say "Debian packages: already installed"
+        return
+    fi
+    local as_root=()
+    if ((EUID != 0)); then
+        command -v sudo >/dev/null || fail "missing: ${missing[*]}. Run as root, or install sudo."
+        as_root=(sudo)
+    fi
+    say "Debian packages: installing ${missing[*]}"
+    local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive
+        apt-get -qq -o Dpkg::Use-Pty=0 -o DPkg::Lock::Timeout=300)
+    "${apt[@]}" update </dev/null
+    # what dpkg tells of its progress is of no use; errors still show
+    "${apt[@]}" install -y --no-install-recommends "${missing[@]}" </dev/null >/dev/null
+}
+
+# The system's Python first: apt has just given it what venv needs. PYTHON=... has the last word.
+find_python() {
+    local candidate
+    for candidate in ${PYTHON:+"$PYTHON"} /usr/bin/python3 python3; do
+        if "$candidate" -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+            printf '%s\n' "$candidate"
+            return
+        fi
+    done
+    fail "no Python 3.11 or later with venv; name one: PYTHON=/path/to/python3 ${BASH_SOURCE[0]}"
+}
+
+make_python_environment() {
+    local python wanted stamp=$root/.venv/made-from
+    python=$(find_python)
+    wanted="$("$python" --version), requirements.txt $(sha256sum <"$root/requirements.txt")"
+    if [[ -x $root/.venv/bin/python && -f $stamp && $(<"$stamp") == "$wanted" ]]; then
+        say "Python environment .venv: already installed"
+        return
+    fi
+    say "Python environment .venv: installing requirements.txt for $("$python" --version)"
+    rm -rf "$root/.venv"
+    "$python" -m venv "$root/.venv"
+    "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-input \
+        -r "$root/requirements.txt" </dev/null
+    printf '%s\n' "$wanted" >"$stamp"    # last, so that an interrupted installation starts anew
+}
+
+install_debian_packages
+make_python_environment
+say "done"

@@ -1,0 +1,56 @@
+"""What the C code does not do: print, end the process, keep global mutable state, allocate unasked."""
+
+import re
+import subprocess
+
+import pytest
+from sources import HEADERS, UNITS, code_only, compile_c, label, layer
+
+every_file = pytest.mark.parametrize("file", HEADERS + UNITS, ids=label)
+
+PRINTS = r"\b(?:v?f?printf|puts|fputs|putchar|fputc|putc|fwrite|perror|stdout|stderr)\b"
+ENDS = r"\b(?:exit|_Exit|quick_exit|abort|assert|longjmp|raise|signal)\s*\("
+ALLOCATES = r"\b(?:malloc|calloc|realloc|aligned_alloc|free|strdup|alloca)\s*\("
+HIDDEN_STATE = r"\b(?:strtok|rand|srand|setlocale|strerror|localtime|gmtime|getenv)\s*\("
+
+
+@every_file
+def test_nothing_prints(file):
+    attribute = "format(printf,"  # lets the compiler check the arguments of the logger
+    assert re.findall(PRINTS, code_only(file.read_text()).replace(attribute, "")) == []
+
+
+@every_file
+def test_nothing_ends_the_process(file):
+    assert re.findall(ENDS, code_only(file.read_text())) == []
+
+
+@every_file
+def test_only_the_adapter_calls_an_allocator(file):
+    """Where the importer gives none, the adapter takes the C library's; the others ask their host."""
+    if layer(file) != "fmi2":
+        assert re.findall(ALLOCATES, code_only(file.read_text())) == []
+
+
+@every_file
+def test_nothing_uses_the_hidden_state_of_the_c_library(file):
+    assert re.findall(HIDDEN_STATE, code_only(file.read_text())) == []
+
+
+@pytest.mark.parametrize("scene", ["SphereCylinder", "ForceElement"])
+@pytest.mark.parametrize("unit", UNITS, ids=label)
+def test_there_is_no_global_mutable_state(tmp_path, scene, unit):
+    """No symbol in .data or .bss; without -fPIC, so that constant tables of pointers are in .rodata."""
+    compiled = tmp_path / "unit.o"
+    assert compile_c("gcc", unit, scene, "-O0", "-fno-pic", "-c", "-o", str(compiled)) == ""
+    symbols = subprocess.run(["nm", compiled], capture_output=True, text=True, check=True).stdout
+    assert [line for line in symbols.splitlines() if re.search(r" [dDbBgGsSC] ", line)] == []
+
+
+def test_the_patterns_find_what_they_look_for():
+    bad = 'int n; void f(void) { printf("%d", n); /* exit */ abort(); free(strerror(1)); }'
+    assert re.findall(PRINTS, code_only(bad)) == ["printf"]
+    assert re.findall(ENDS, code_only(bad)) == ["abort("]
+    assert re.findall(ALLOCATES, code_only(bad)) == ["free("]
+    assert re.findall(HIDDEN_STATE, code_only(bad)) == ["strerror("]
+    assert re.findall(PRINTS, code_only('snprintf(text, 3, "printf");')) == []

@@ -1,0 +1,97 @@
+"""Data flows one way, contact -> dynamics -> solver -> model -> fmi2, and an include never points back."""
+
+import pytest
+from sources import (
+    BUILD,
+    COMPILERS,
+    HEADERS,
+    LAYERS,
+    SCENES,
+    SOURCE,
+    UNITS,
+    compile_c,
+    includes,
+    label,
+    layer,
+)
+
+C_LIBRARY = {"assert.h", "float.h", "limits.h", "math.h", "stdarg.h", "stdbool.h", "stddef.h", "stdint.h"}
+C_LIBRARY |= {"stdio.h", "stdlib.h", "string.h"}
+
+every_file = pytest.mark.parametrize("file", HEADERS + UNITS, ids=label)
+every_header = pytest.mark.parametrize("file", HEADERS, ids=label)
+
+
+def test_the_layers_are_the_folders():
+    assert {layer(file) for file in HEADERS + UNITS} == set(LAYERS)
+
+
+@every_file
+def test_an_include_never_points_back(file):
+    own = LAYERS.index(layer(file))
+    for name, quoted in includes(file):
+        if quoted and "/" in name:
+            assert LAYERS.index(name.partition("/")[0]) <= own, name
+            assert (SOURCE / name).is_file()
+
+
+@every_file
+def test_each_layer_includes_only_the_libraries_it_may(file):
+    """The FMI headers are the adapter's, SUNDIALS is the solver's, the scene is not for contact."""
+    for name, quoted in includes(file):
+        if name in C_LIBRARY or (quoted and "/" in name):
+            continue
+        if name == "scene.h":
+            assert layer(file) != "contact"
+        elif name.startswith("fmi2"):
+            assert layer(file) == "fmi2"
+        else:
+            assert name.partition("/")[0] in {
+                "cvode",
+                "nvector",
+                "sundials",
+                "sunlinsol",
+                "sunmatrix",
+                "sunnonlinsol",
+            }
+            assert layer(file) == "solver"
+            assert file.stem.startswith("cvode")
+
+
+def test_no_header_includes_itself_by_way_of_others():
+    graph = {label(file): [f"fmu_src/{name}" for name, _ in includes(file)] for file in HEADERS}
+
+    def visit(name, path):
+        assert name not in path, " -> ".join([*path, name])
+        for target in graph.get(name, []):
+            visit(target, [*path, name])
+
+    for name in graph:
+        visit(name, [])
+
+
+@pytest.mark.parametrize("scene", ["SphereCylinder", "ForceElement"])
+@pytest.mark.parametrize("compiler", COMPILERS)
+@every_header
+def test_a_header_compiles_alone(tmp_path, compiler, scene, file):
+    unit = tmp_path / "alone.c"
+    name = file.relative_to(SOURCE).as_posix()
+    unit.write_text(f'#include "{name}"\n#include "{name}"\n')
+    assert compile_c(compiler, unit, scene, "-fsyntax-only") == ""
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_generated_code_compiles_alone(tmp_path, compiler, scene):
+    unit = tmp_path / "alone.c"
+    unit.write_text('#include "scene.h"\n#include "scene.h"\n')
+    assert compile_c(compiler, unit, scene, "-fsyntax-only") == ""
+    assert compile_c(compiler, BUILD / "scenes" / scene / "scene_variables.c", scene, "-fsyntax-only") == ""
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_every_unit_compiles_by_itself_for_every_scene(compiler, scene):
+    """The FMUs compile all of it as one unit, which would hide a missing include."""
+    said = {label(unit): compile_c(compiler, unit, scene, "-fsyntax-only") for unit in UNITS}
+    assert {name: text for name, text in said.items() if text} == {}

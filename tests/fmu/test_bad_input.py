@@ -1,0 +1,282 @@
+"""Wrong references, pointers and values: each time the status, a message that helps, and the old values.
+
+The fixture in conftest.py checks in every one of these tests that nothing is printed.
+"""
+
+import math
+from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+
+import pytest
+import raw
+from raw import DISCARD, ERROR, OK, array
+
+UNKNOWN = 4_000_000_000
+NOT_FINITE = [math.nan, math.inf, -math.inf]
+
+
+# references and types
+
+
+FUNCTIONS = [
+    ("GetReal", c_double),
+    ("GetInteger", c_int),
+    ("GetBoolean", c_int),
+    ("GetString", c_char_p),
+    ("SetReal", c_double),
+    ("SetInteger", c_int),
+    ("SetBoolean", c_int),
+    ("SetString", c_char_p),
+]
+
+
+@pytest.mark.parametrize(("function", "kind"), FUNCTIONS)
+@pytest.mark.parametrize("reference", [0, 1_000, UNKNOWN, 2**32 - 1])
+def test_an_unknown_value_reference_is_named(fmu, function, kind, reference):
+    with raw.Instance(fmu) as instance:
+        before = instance.bits("parameter", "input")
+        with instance.expect(ERROR, f"fmi2{function}", "unknown value reference", str(reference)) as got:
+            got(instance.call(function, array(c_uint, [reference]), 1, array(kind, [kind()])))
+        assert instance.bits("parameter", "input") == before
+
+
+@pytest.mark.parametrize("first", range(0, 700, 50))
+def test_references_are_exactly_those_of_the_description(first):
+    """Every number around the known ones: readable exactly when the description has it"""
+    for scene in raw.SCENES:
+        fmu = raw.load(scene)
+        types = {variable.reference: variable.call_type for variable in fmu.variables.values()}
+        with raw.Instance(fmu) as instance:
+            instance.initialize()
+            for reference in range(first, first + 50):
+                worked = {
+                    kind
+                    for kind, number in [("Real", c_double), ("Integer", c_int), ("Boolean", c_int)]
+                    if instance.call(f"Get{kind}", array(c_uint, [reference]), 1, array(number, [0])) == OK
+                }
+                assert worked == ({types[reference]} if reference in types else set()), reference
+
+
+def test_a_wrong_type_names_the_variable_and_its_type(fmu):
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        before = instance.bits()
+        for variable in fmu.variables.values():
+            for function, kind in FUNCTIONS:
+                if not function.endswith(variable.call_type):
+                    with instance.expect(ERROR, f"fmi2{function}", variable.name, variable.type) as got:
+                        got(
+                            instance.call(
+                                function, array(c_uint, [variable.reference]), 1, array(kind, [kind()])
+                            )
+                        )
+        assert instance.bits() == before
+
+
+def test_one_bad_reference_spoils_the_whole_call(fmu):
+    with raw.Instance(fmu) as instance:
+        radius = fmu.variables["source.radius"]
+        before = instance.bits("parameter", "input")
+        for bad, status in [
+            ((UNKNOWN, 1.0), ERROR),
+            ((radius.reference, -1.0), DISCARD),
+            ((fmu.variables["contact.gap"].reference, 1.0), ERROR),
+        ]:
+            references = array(c_uint, [radius.reference, bad[0]])
+            assert instance.call("SetReal", references, 2, array(c_double, [0.123, bad[1]])) == status
+            assert instance.bits("parameter", "input") == before
+        values = array(c_double, [-7.0, -7.0])
+        assert instance.call("GetReal", array(c_uint, [radius.reference, UNKNOWN]), 2, values) == ERROR
+        assert list(values) == [-7.0, -7.0]
+
+
+# null pointers
+
+
+def test_null_arrays_are_refused_unless_empty(fmu):
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        before = instance.bits()
+        reference = array(c_uint, [fmu.variables["contact.gap"].reference])
+        for function, kind in FUNCTIONS:
+            instance.ok(function, None, 0, None)
+            with instance.expect(ERROR, f"fmi2{function}", "vr", "null") as got:
+                got(instance.call(function, None, 1, array(kind, [kind()])))
+            with instance.expect(ERROR, f"fmi2{function}", "value", "null") as got:
+                got(instance.call(function, reference, 1, None))
+        for function in ("SetRealInputDerivatives", "GetRealOutputDerivatives"):
+            instance.ok(function, None, 0, None, None)
+            good = [reference, 1, array(c_int, [1]), array(c_double, [0.0])]
+            for position, word in [(0, "vr"), (2, "order"), (3, "value")]:
+                arguments = [None if index == position else one for index, one in enumerate(good)]
+                with instance.expect(ERROR, f"fmi2{function}", word, "null") as got:
+                    got(instance.call(function, *arguments))
+        assert instance.bits() == before
+
+
+def test_null_pointers_of_states_and_statuses_are_refused(fmu):
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        blob = instance.save()
+        state = c_void_p()
+        instance.ok("GetFMUstate", byref(state))
+        size = c_size_t()
+        cases = [
+            ("GetFMUstate", None),
+            ("SetFMUstate", None),
+            ("SerializedFMUstateSize", None, byref(size)),
+            ("SerializedFMUstateSize", state, None),
+            ("SerializeFMUstate", None, blob, len(blob)),
+            ("SerializeFMUstate", state, None, len(blob)),
+            ("DeSerializeFMUstate", None, len(blob), byref(state)),
+            ("DeSerializeFMUstate", blob, len(blob), None),
+            ("GetStatus", 0, None),
+            ("GetRealStatus", 2, None),
+            ("GetIntegerStatus", 0, None),
+            ("GetBooleanStatus", 3, None),
+            ("GetStringStatus", 1, None),
+            ("SetDebugLogging", 1, 1, None),
+        ]
+        for function, *arguments in cases:
+            with instance.expect(ERROR, f"fmi2{function}", "null") as got:
+                got(instance.call(function, *arguments))
+        instance.ok("FreeFMUstate", None)
+        instance.ok("FreeFMUstate", byref(state))
+        instance.ok("FreeFMUstate", byref(state))
+        fmu.library.fmi2FreeInstance(None)
+        assert instance.save() == blob
+
+
+# values
+
+
+def test_no_real_takes_what_is_not_finite(fmu):
+    with raw.Instance(fmu) as instance:
+        before = instance.bits("parameter", "input")
+        reals = fmu.select("parameter", "input", kind="Real")
+        assert reals
+        for variable in reals:
+            for value in NOT_FINITE:
+                with instance.expect(DISCARD, variable.name, "nan" if value != value else "inf") as got:
+                    got(instance.set_one(variable, value))
+                assert "tested" in instance.messages[0].text
+                assert _range_is_named(variable, instance.messages[0].text), instance.messages[0].text
+        assert instance.bits("parameter", "input") == before
+        instance.initialize()
+        before = instance.bits()
+        for variable in fmu.select("input", kind="Real"):
+            for value in NOT_FINITE:
+                with instance.expect(DISCARD, variable.name) as got:
+                    got(instance.set_one(variable, value))
+        assert instance.bits() == before
+
+
+def _range_is_named(variable: raw.Variable, text: str) -> bool:
+    numbers = (
+        text.replace(",", " ")
+        .replace(":", " ")
+        .replace("]", " ")
+        .replace("[", " ")
+        .replace("..", " ")
+        .split()
+    )
+    return all(any(_equal(word, bound) for word in numbers) for bound in (variable.minimum, variable.maximum))
+
+
+def _equal(word: str, bound: float) -> bool:
+    try:
+        return math.isclose(float(word.strip("().;")), bound, rel_tol=1e-6)
+    except ValueError:
+        return False
+
+
+def _outside(variable: raw.Variable) -> list[float | int]:
+    if variable.type == "Real":
+        below = math.nextafter(variable.minimum, -math.inf)
+        above = math.nextafter(variable.maximum, math.inf)
+        return [below, above, -1e308 if variable.minimum > -1e308 else -math.inf, 1e308]
+    low, high = int(variable.minimum), int(min(variable.maximum, 2**31 - 1))
+    if variable.type == "Boolean":
+        return [-1, 2, 2**31 - 1, -(2**31)]
+    return [
+        value
+        for value in (low - 1, high + 1, -(2**31), 2**31 - 1)
+        if not low <= value <= high and value < 2**31
+    ]
+
+
+def test_every_range_of_the_description_is_enforced(fmu):
+    """Just outside is refused, and the ends themselves are taken"""
+    with raw.Instance(fmu) as instance:
+        for variable in fmu.select("parameter", "input"):
+            before = instance.bits("parameter", "input")
+            for value in _outside(variable):
+                with instance.expect(DISCARD, variable.name) as got:
+                    got(instance.set_one(variable, value))
+                if variable.type != "Real":
+                    assert str(value) in instance.messages[0].text
+            assert instance.bits("parameter", "input") == before
+            for value in (variable.minimum, variable.maximum):
+                number = value if variable.type == "Real" else int(value)
+                assert instance.set_one(variable, number) == OK, (variable.name, value, instance.texts())
+            assert instance.set_one(variable, variable.start_value) == OK
+
+
+def test_the_reserved_solver_method_is_refused(universal):
+    with raw.Instance(universal) as instance:
+        method = universal.variables["solver.method"]
+        assert "event_driven" not in method.items
+        with instance.expect(DISCARD, "solver.method", "1") as got:
+            got(instance.set_one(method, 1))
+
+
+def test_an_axis_of_no_length_is_refused(universal):
+    with raw.Instance(universal) as instance:
+        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+        instance.set({"destination.axis": [0.0, 0.0, 0.0], "source.center": [1.1, 0.0, 0.0]})
+        instance.ok("EnterInitializationMode")
+        with instance.expect(ERROR, "destination.axis") as got:
+            got(instance.call("ExitInitializationMode"))
+        instance.set({"destination.axis": [0.0, 2.0, 0.0]})
+        instance.ok("ExitInitializationMode")
+
+
+CONTRADICTIONS = [
+    (
+        {"contact.location": "inside", "source.radius": 0.5, "destination.radius": 0.5},
+        ("contact.location", "source.radius", "destination.radius"),
+        {"source.radius": 0.1},
+    ),
+    (
+        {"contact.location": "inside", "source.radius": 0.7},
+        ("contact.location", "source.radius", "destination.radius"),
+        {"source.radius": 0.1},
+    ),
+    (
+        {"contact.method": "penalty", "contact.penalty_control": "viscous_only"},
+        ("contact.method", "contact.penalty_control"),
+        {"contact.penalty_control": "user_defined"},
+    ),
+]
+
+
+@pytest.mark.parametrize("scene", ["SphereSphere", "SphereCylinder"])
+@pytest.mark.parametrize(("values", "named", "repair"), CONTRADICTIONS)
+def test_contradictory_parameters_are_refused_naming_both(scene, values, named, repair):
+    with raw.Instance(raw.load(scene)) as instance:
+        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+        instance.set({"source.center": [0.3, 0.0, 0.0]} | values)
+        instance.ok("EnterInitializationMode")
+        with instance.expect(ERROR, *named) as got:
+            got(instance.call("ExitInitializationMode"))
+        instance.set(repair)
+        instance.ok("ExitInitializationMode")
+        instance.run([0.01])
+
+
+def test_a_shell_smaller_than_its_ball_is_refused_where_inside_is_pinned():
+    with raw.Instance(raw.load("BallInShell")) as instance:
+        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+        instance.set({"source.radius": 0.6})
+        instance.ok("EnterInitializationMode")
+        with instance.expect(ERROR, "source.radius", "destination.radius", "inside") as got:
+            got(instance.call("ExitInitializationMode"))

@@ -1,0 +1,225 @@
+"""Every function in every state of the standard: allowed calls work, others are refused as a whole."""
+
+import ctypes
+from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
+
+import pytest
+import raw
+from blob import PHASES, forge
+from call_table import FUNCTIONS, STATES, allowed
+from caller import Caller
+from raw import DISCARD, ERROR, OK, array
+
+PHASE_NAMES = {
+    "instantiated": "instantiated",
+    "initialization": "initialization mode",
+    "complete": "step mode",
+    "failed": "step mode",
+    "terminated": "terminated",
+    "error": "error",
+    "fatal": "fatal",
+}
+SOLVER_SCENES = [name for name in raw.SCENES if name != "ForceElement"]
+# What an allowed call returns where that is not fmi2OK: no such status or derivative is provided, and what
+# was too much for one internal step still is.
+ANSWERS = {
+    "GetIntegerStatus": DISCARD,
+    "GetStringStatus": DISCARD,
+    "GetDirectionalDerivative": ERROR,
+    ("DoStep", "failed"): DISCARD,
+}
+
+
+def bring_to(instance: raw.Instance, state: str) -> None:
+    """From instantiated to a state of the table; `error` and `fatal`, out of reach else, by a forged state"""
+    if state == "failed":
+        fail_a_step(instance)
+        return
+    instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+    if state == "instantiated":
+        return
+    instance.ok("EnterInitializationMode")
+    if state == "initialization":
+        return
+    instance.ok("ExitInitializationMode")
+    instance.ok("DoStep", 0.0, 0.01, 1)
+    if state == "terminated":
+        instance.ok("Terminate")
+    elif state in ("error", "fatal"):
+        status, handle = instance.deserialize(forge(instance.save(), phase=PHASES[state]))
+        assert (status, instance.call("SetFMUstate", handle)) == (OK, OK), instance.texts()
+        instance.call("FreeFMUstate", byref(handle))
+
+
+def fail_a_step(instance: raw.Instance) -> None:
+    """A communication step that the solver cannot finish in one internal step: a ball dropped on the other body"""
+    drop = {"solver.max_internal_steps": 1, "source.center[1]": 1.1, "gravity[1]": -9.81}
+    instance.initialize({name: value for name, value in drop.items() if name in instance.fmu.variables})
+    assert instance.call("DoStep", 0.0, 1.0, 1) == DISCARD, instance.texts()
+    del instance.messages[:]
+
+
+def refusal_fault(instance: raw.Instance, function: str, state: str, status: int) -> str | None:
+    """What is wrong about the way a call out of order was refused"""
+    texts = instance.texts()
+    if status != ERROR or len(texts) != 1:
+        return f"{function}: status {status}, messages {texts}"
+    if f"fmi2{function} called in phase {PHASE_NAMES[state]}" not in texts[0]:
+        return f"{function}: the message does not say what was called when: {texts[0]}"
+    return None
+
+
+def faults_in(fmu: raw.Fmu, state: str, function: str) -> str | None:
+    with raw.Instance(fmu) as instance:
+        bring_to(instance, state)
+        caller = Caller(instance)
+        caller.prepare()
+        arguments = getattr(caller, function, tuple)()
+        del instance.messages[:]
+        status = instance.call(function, *arguments)
+        fault = None
+        if not allowed(function, state):
+            fault = refusal_fault(instance, function, state, status)
+            if fault is None and caller.bytes and instance.save() != caller.bytes:
+                fault = f"{function}: refused, yet it changed the instance"
+        elif status != ANSWERS.get((function, state), ANSWERS.get(function, OK)):
+            fault = f"{function}: status {status}, {instance.texts()}"
+        caller.end()
+        return fault
+
+
+@pytest.mark.parametrize("state", [state for state in STATES if state not in ("start", "failed")])
+def test_every_function_in_every_state(fmu, state):
+    functions = [function for function in FUNCTIONS if function != "FreeInstance"]
+    assert [fault for function in functions if (fault := faults_in(fmu, state, function))] == []
+
+
+@pytest.mark.parametrize("scene", SOLVER_SCENES)
+def test_every_function_after_a_discarded_step(scene):
+    fmu = raw.load(scene)
+    functions = [function for function in FUNCTIONS if function != "FreeInstance"]
+    assert [fault for function in functions if (fault := faults_in(fmu, "failed", function))] == []
+
+
+def test_no_function_crashes_without_an_instance(fmu):
+    nothing = {
+        function: [None if kind not in (c_int, c_double, c_size_t) else 0 for kind in arguments]
+        for function, arguments in raw.ARGUMENTS.items()
+        if arguments and arguments[0] is c_void_p
+    }
+    statuses = {
+        function: getattr(fmu.library, function)(*arguments) for function, arguments in nothing.items()
+    }
+    assert statuses.pop("fmi2FreeInstance") is None
+    assert statuses == dict.fromkeys(statuses, ERROR)
+
+
+def test_versions_need_no_instance(fmu):
+    assert fmu.library.fmi2GetVersion() == b"2.0"
+    assert fmu.library.fmi2GetTypesPlatform() == b"default"
+
+
+def test_the_table_names_every_function():
+    without_instance = {"fmi2GetTypesPlatform", "fmi2GetVersion", "fmi2Instantiate"}
+    assert {f"fmi2{function}" for function in FUNCTIONS} | without_instance == set(raw.ARGUMENTS)
+
+
+def test_a_refused_call_does_not_end_the_run(fmu):
+    with raw.Instance(fmu) as good, raw.Instance(fmu) as disturbed:
+        for instance in (good, disturbed):
+            instance.initialize()
+        for function in (
+            "SetupExperiment",
+            "EnterInitializationMode",
+            "ExitInitializationMode",
+            "CancelStep",
+        ):
+            assert Caller(disturbed).call(function) == ERROR
+        assert good.run([0.1] * 5) == disturbed.run([0.1] * 5)
+
+
+def test_initialization_needs_an_experiment(fmu):
+    with raw.Instance(fmu) as instance:
+        with instance.expect(ERROR, "fmi2EnterInitializationMode", "before fmi2SetupExperiment") as got:
+            got(instance.call("EnterInitializationMode"))
+        instance.initialize()
+
+
+def test_start_values_can_be_read_at_once_and_outputs_cannot(fmu):
+    with raw.Instance(fmu) as instance:
+        for variable in fmu.select("parameter", "input"):
+            assert instance.get_one(variable) == variable.start_value, variable.name
+        gap = fmu.variables["contact.gap"]
+        with instance.expect(ERROR, "fmi2GetReal", "contact.gap", "before initialization mode") as got:
+            got(instance.call("GetReal", array(c_uint, [gap.reference]), 1, array(c_double, [0])))
+
+
+def test_outputs_are_there_in_initialization_mode(fmu):
+    with raw.Instance(fmu) as instance:
+        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+        instance.set({"source.center": [0.9, 0.0, 0.0]})
+        instance.ok("EnterInitializationMode")
+        first = instance.get("contact.gap")
+        instance.set({"source.center": [0.8, 0.0, 0.0]})
+        assert instance.get("contact.gap") != first
+        instance.ok("ExitInitializationMode")
+
+
+def test_parameters_are_fixed_after_initialization(fmu):
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        before = instance.bits()
+        for variable in fmu.select("parameter"):
+            with instance.expect(ERROR, variable.name, "fixed after initialization") as got:
+                got(instance.set_one(variable, variable.start_value))
+        assert instance.bits() == before
+
+
+def test_what_is_calculated_cannot_be_set(fmu):
+    with raw.Instance(fmu) as instance:
+        for variable in fmu.select("output", "calculatedParameter"):
+            with instance.expect(ERROR, variable.name, "cannot be set") as got:
+                got(instance.set_one(variable, 0))
+        instance.initialize()
+        for variable in fmu.select("output", "calculatedParameter"):
+            with instance.expect(ERROR, variable.name, "cannot be set") as got:
+                got(instance.set_one(variable, 0))
+
+
+@pytest.mark.parametrize("scene", SOLVER_SCENES)
+def test_status_after_a_discarded_step(scene):
+    with raw.Instance(raw.load(scene)) as instance:
+        fail_a_step(instance)
+        status, time, ended = c_int(-1), c_double(-1.0), c_int(-1)
+        instance.ok("GetStatus", raw.DO_STEP_STATUS, byref(status))
+        instance.ok("GetRealStatus", raw.LAST_SUCCESSFUL_TIME, byref(time))
+        instance.ok("GetBooleanStatus", raw.TERMINATED, byref(ended))
+        assert (status.value, ended.value) == (DISCARD, 0)
+        assert 0.0 <= time.value < 1.0
+        with instance.expect(ERROR, "currentCommunicationPoint", "expected the time reached") as got:
+            got(instance.call("DoStep", time.value + 0.5, 0.1, 1))
+
+
+def test_status_after_good_steps(fmu):
+    with raw.Instance(fmu) as instance:
+        instance.initialize(start=2.0)
+        instance.run([0.25, 0.125], start=2.0)
+        status, time = c_int(-1), c_double(-1.0)
+        instance.ok("GetStatus", raw.DO_STEP_STATUS, byref(status))
+        instance.ok("GetRealStatus", raw.LAST_SUCCESSFUL_TIME, byref(time))
+        assert (status.value, time.value) == (OK, 2.375)
+        for function, kind in [
+            ("GetStatus", 1),
+            ("GetRealStatus", 0),
+            ("GetBooleanStatus", 77),
+            ("GetIntegerStatus", 3),
+        ]:
+            with instance.expect(DISCARD, f"fmi2{function}", "not available") as got:
+                value = c_double()
+                got(
+                    getattr(fmu.library, f"fmi2{function}")(
+                        instance.component,
+                        kind,
+                        ctypes.cast(byref(value), raw.ARGUMENTS[f"fmi2{function}"][2]),
+                    )
+                )

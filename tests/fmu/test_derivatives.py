@@ -1,0 +1,250 @@
+"""Derivatives of inputs move the model inside a communication step; those of outputs belong to the motion.
+
+With gravity off and no contact a free body under a polynomial force has a polynomial motion, so that one
+communication step has a closed form: F(t) = F0 + F1 t + F2 t^2/2 gives v = (F0 t + F1 t^2/2 + F2 t^3/6)/m and
+u = (F0 t^2/2 + F1 t^3/6 + F2 t^4/24)/m.
+"""
+
+import math
+from ctypes import c_double, c_int, c_uint
+
+import pytest
+import raw
+from raw import DISCARD, array
+
+FREE = {"gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 50.0], "source.mass": 2.0}
+# Both solvers run at this tolerance; a hundred times of it is allowed on numbers of the order of one.
+TOLERANCE = 1e-10
+METHODS = ["cvode_bdf", "cvode_adams"]
+
+
+def feed(instance: raw.Instance, name: str, order: int, values: list[float]) -> None:
+    references = [instance.fmu.variables[f"{name}[{index}]"].reference for index in (1, 2, 3)]
+    instance.ok(
+        "SetRealInputDerivatives",
+        array(c_uint, references),
+        3,
+        array(c_int, [order] * 3),
+        array(c_double, values),
+    )
+
+
+def derivatives(instance: raw.Instance, name: str) -> list[float]:
+    variables = instance.fmu.variables
+    names = [name] if name in variables else [f"{name}[{index}]" for index in (1, 2, 3)]
+    values = array(c_double, [math.nan] * len(names))
+    instance.ok(
+        "GetRealOutputDerivatives",
+        array(c_uint, [variables[one].reference for one in names]),
+        len(names),
+        array(c_int, [1] * len(names)),
+        values,
+    )
+    return list(values)
+
+
+def close(found: list[float], expected: list[float], scale: float = 1.0) -> None:
+    assert found == pytest.approx(expected, rel=100 * TOLERANCE, abs=100 * TOLERANCE * scale)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("orders", [(0,), (0, 1), (0, 2), (0, 1, 2)])
+def test_a_polynomial_force_is_followed_inside_one_step(method, orders):
+    force = [[0.4, 0.0, -0.3], [1.5, -2.0, 0.7], [-3.0, 1.0, 2.5]]
+    force = [row if order in orders else [0.0] * 3 for order, row in enumerate(force)]
+    t, mass = 0.8, FREE["source.mass"]
+    with raw.Instance(raw.load("SphereSphere")) as instance:
+        instance.initialize(
+            {**FREE, "solver.method": method, "source.external_force": force[0]}, tolerance=TOLERANCE
+        )
+        for order in orders[1:]:
+            feed(instance, "source.external_force", order, force[order])
+        instance.ok("DoStep", 0.0, t, 1)
+        close(
+            instance.get("source.velocity"),
+            [(a * t + b * t**2 / 2 + c * t**3 / 6) / mass for a, b, c in zip(*force, strict=True)],
+        )
+        close(
+            instance.get("source.displacement"),
+            [(a * t**2 / 2 + b * t**3 / 6 + c * t**4 / 24) / mass for a, b, c in zip(*force, strict=True)],
+        )
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_one_step_with_a_derivative_equals_many_with_values(method):
+    """A ramp given once as a derivative, and again with its value at every communication point"""
+    ramp, count, t = [0.0, 3.0, -1.0], 64, 1.0
+    ends = []
+    for steps in (1, count):
+        with raw.Instance(raw.load("SphereSphere")) as instance:
+            instance.initialize({**FREE, "solver.method": method}, tolerance=TOLERANCE)
+            for index in range(steps):
+                time = index * t / steps
+                instance.set({"source.external_force": [rate * time for rate in ramp]})
+                feed(instance, "source.external_force", 1, ramp)
+                instance.ok("DoStep", time, t / steps, 1)
+            ends.append(instance.get("source.displacement"))
+    close(*ends)
+    close(ends[0], [rate * t**3 / 6 / FREE["source.mass"] for rate in ramp])
+
+
+def test_a_value_without_derivatives_ends_the_old_ones():
+    with raw.Instance(raw.load("SphereSphere")) as instance:
+        instance.initialize(FREE, tolerance=TOLERANCE)
+        feed(instance, "source.external_force", 1, [4.0, 0.0, 0.0])
+        instance.ok("DoStep", 0.0, 0.5, 1)
+        close(instance.get("source.velocity"), [4.0 * 0.5**2 / 2 / 2.0, 0.0, 0.0])
+        instance.set({"source.external_force": [0.0, 0.0, 0.0]})
+        before = instance.get("source.velocity")
+        instance.ok("DoStep", 0.5, 0.5, 1)
+        close(instance.get("source.velocity"), before)
+
+
+def test_derivatives_go_on_where_nothing_new_is_set():
+    """Two steps of one ramp: the second starts with the value the first has reached."""
+    with raw.Instance(raw.load("SphereSphere")) as instance:
+        instance.initialize(FREE, tolerance=TOLERANCE)
+        feed(instance, "source.external_force", 1, [4.0, 0.0, 0.0])
+        instance.ok("DoStep", 0.0, 0.5, 1)
+        instance.ok("DoStep", 0.5, 0.5, 1)
+        close(instance.get("source.velocity"), [4.0 / 2 / 2.0, 0.0, 0.0])
+
+
+def test_value_and_derivative_may_come_in_either_order():
+    ends = []
+    for first in ("value", "derivative"):
+        with raw.Instance(raw.load("SphereSphere")) as instance:
+            instance.initialize(FREE, tolerance=TOLERANCE)
+            for what in (first, "derivative" if first == "value" else "value"):
+                if what == "value":
+                    instance.set({"source.external_force": [1.0, 0.0, 0.0]})
+                else:
+                    feed(instance, "source.external_force", 1, [4.0, 0.0, 0.0])
+            instance.ok("DoStep", 0.0, 0.5, 1)
+            ends.append(instance.bits("output"))
+    assert ends[0] == ends[1]
+
+
+@pytest.mark.parametrize("scene", ["SphereSphere", "SphereCylinder"])
+@pytest.mark.parametrize("orders", [(), (1,), (2,), (1, 2)])
+def test_a_prescribed_body_goes_on_by_its_derivatives_or_its_velocity(scene, orders):
+    start, given = [0.1, -0.2, 0.3], {1: [1.0, 2.0, -0.5], 2: [-4.0, 0.0, 6.0]}
+    velocity, t = [0.25, 0.0, -1.0], 0.75
+    with raw.Instance(raw.load(scene)) as instance:
+        instance.initialize(
+            {
+                "source.center": [0.0, 0.0, 80.0],
+                "destination.motion": "prescribed",
+                "destination.prescribed_displacement": start,
+                "destination.prescribed_velocity": velocity,
+            }
+        )
+        for order in orders:
+            feed(instance, "destination.prescribed_displacement", order, given[order])
+        instance.ok("DoStep", 0.0, t, 1)
+        zero = [0.0, 0.0, 0.0]
+        rate = given[1] if 1 in orders else zero
+        curvature = given[2] if 2 in orders else zero
+        if not orders:
+            rate = velocity
+        close(
+            instance.get("destination.displacement"),
+            [u + v * t + a * t**2 / 2 for u, v, a in zip(start, rate, curvature, strict=True)],
+        )
+
+
+@pytest.mark.parametrize("orders", [(), (1,), (2,), (1, 2)])
+def test_only_given_derivatives_move_a_force_element(orders):
+    """gap = |x_y| - r_s - r_d of a sphere beside a cylinder along z, to the last digits"""
+    given, t = {1: 0.3, 2: -0.8}, 0.5
+    with raw.Instance(raw.load("ForceElement")) as instance:
+        instance.initialize(
+            {"source.center": [0.0, 0.9, 0.0], "source.prescribed_velocity": [0.0, -5.0, 0.0]}
+        )
+        for order in orders:
+            feed(instance, "source.prescribed_displacement", order, [0.0, given[order], 0.0])
+        instance.ok("DoStep", 0.0, t, 1)
+        moved = sum(given[order] * t**order / math.factorial(order) for order in orders)
+        assert instance.get("contact.gap") == pytest.approx(0.9 + moved - 0.1 - 0.5, rel=1e-14)
+
+
+# outputs
+
+
+@pytest.mark.parametrize("scene", raw.SCENES)
+def test_the_gap_rate_is_the_derivative_of_the_gap(scene):
+    with raw.Instance(raw.load(scene)) as instance:
+        instance.initialize({"source.center": [0.2, 0.05, 0.1]})
+        instance.run([0.125])
+        assert derivatives(instance, "contact.gap") == [instance.get("contact.gap_rate")]
+
+
+@pytest.mark.parametrize("scene", [name for name in raw.SCENES if name != "ForceElement"])
+def test_positions_and_velocities_have_the_derivatives_of_newtons_law(scene):
+    """dx/dt = du/dt = v and dv/dt = g + (F_contact + F_ext)/m, in flight and in contact"""
+    touched = set()
+    with raw.Instance(raw.load(scene)) as instance:
+        force, mass = [0.5, -0.25, 1.0], 3.0
+        lying = {"destination.axis": [0.0, 1.0, 0.0]} if scene == "SphereCylinder" else {}
+        instance.initialize(
+            {"source.mass": mass, "source.external_force": force, "contact.penalty_factor": 1e3, **lying}
+        )
+        time = 0.0
+        for _ in range(160):
+            instance.ok("DoStep", time, 1 / 128, 1)
+            time += 1 / 128
+            touched.add(instance.get("contact.active"))
+            velocity = instance.get("source.velocity")
+            assert derivatives(instance, "source.position") == velocity
+            assert derivatives(instance, "source.displacement") == velocity
+            contact = instance.get("contact.source_force")
+            expected = [g + (f + c) / mass for g, f, c in zip([0, 0, -9.81], force, contact, strict=True)]
+            assert derivatives(instance, "source.velocity") == pytest.approx(expected, rel=1e-13, abs=1e-13)
+    assert touched == {0, 1}
+
+
+def test_output_derivatives_are_those_of_difference_quotients():
+    """Independent of how the FMU computes them: five-point differences of the outputs themselves, in contact
+
+    The formula's error is h^4/30 times the fifth derivative, here 1e-16 * (1e3)^2 * 10 m/s^2: far below the
+    bound, which is what the outputs' own errors of 1e-9 become when divided by h.
+    """
+    h = 2.5e-4
+    with raw.Instance(raw.load("SphereSphere")) as instance:
+        instance.initialize(
+            {
+                "source.center": [0.05, 0.0, 0.65],
+                "contact.penalty_factor": 1e3,
+                "contact.viscous_penalty_factor": 5.0,
+            },
+            tolerance=1e-12,
+        )
+        instance.ok("DoStep", 0.0, 0.125, 1)
+        names = ["source.position", "source.velocity"]
+        rows = []
+        slopes = []
+        for index in range(5):
+            rows.append([instance.get(name) for name in names])
+            slopes.append([derivatives(instance, name) for name in names])
+            assert instance.get("contact.active")
+            instance.ok("DoStep", 0.125 + index * h, h, 1)
+        for which in range(len(names)):
+            columns = zip(*(row[which] for row in rows), strict=True)
+            quotients = [(a - 8 * b + 8 * d - e) / (12 * h) for a, b, _, d, e in columns]
+            assert slopes[2][which] == pytest.approx(quotients, abs=1e-9 / h)
+
+
+def test_a_derivative_of_what_jumps_is_not_provided(fmu):
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        force = fmu.variables["contact.normal_force"]
+        with instance.expect(DISCARD, "contact.normal_force", "not provided") as got:
+            got(
+                instance.call(
+                    "GetRealOutputDerivatives",
+                    array(c_uint, [force.reference]),
+                    1,
+                    array(c_int, [1]),
+                    array(c_double, [0.0]),
+                )
+            )

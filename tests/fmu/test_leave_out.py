@@ -1,0 +1,165 @@
+"""What a scene pins away is gone: from the interface, from the binary, from the state.
+
+Strings are read from the library inside the FMU, functions and lines of source from the library before it was
+stripped. Each claim of absence stands beside one of presence in the universal FMU, so that a renamed function
+makes the test fail, not empty.
+"""
+
+import os
+import re
+import zipfile
+from pathlib import Path
+
+import elf
+import fmpy
+import pytest
+from contact_scenarios.fmu import ContactFmu
+
+ROOT = Path(__file__).resolve().parents[2]
+LIBRARIES = Path(os.environ.get("CONTACT_BUILD", ROOT / "build")).resolve() / "libraries"
+
+# Each pinned scene and the universal FMU whose choices it pins.
+UNIVERSAL = {
+    "BallOnSphere": "SphereSphere",
+    "BallInShell": "SphereSphere",
+    "BallOffRoller": "SphereCylinder",
+    "ForceElement": "SphereCylinder",
+}
+pinned_scenes = pytest.mark.parametrize("scene", UNIVERSAL)
+sphere_scenes = pytest.mark.parametrize("scene", ["SphereSphere", "BallOnSphere", "BallInShell"])
+thrown_scenes = pytest.mark.parametrize("scene", ["BallOnSphere", "BallInShell", "BallOffRoller"])
+
+
+@pytest.fixture(scope="session")
+def variables(fmu_path):
+    return lambda scene: {
+        variable.name for variable in fmpy.read_model_description(str(fmu_path(scene))).modelVariables
+    }
+
+
+@pytest.fixture(scope="session")
+def library_bytes(fmu_path):
+    """Size of the stripped library, as it lies in the FMU."""
+    return lambda scene: zipfile.ZipFile(fmu_path(scene)).getinfo(f"binaries/linux64/{scene}.so").file_size
+
+
+@pytest.fixture
+def strings(fmu_path, tmp_path):
+    """The printable strings of the library inside the FMU."""
+    return lambda scene: elf.text(
+        zipfile.ZipFile(fmu_path(scene)).extract(f"binaries/linux64/{scene}.so", tmp_path)
+    )
+
+
+@pytest.fixture(scope="session")
+def state_bytes(fmu_path):
+    def size(scene):
+        with ContactFmu(fmu_path(scene)) as fmu:
+            fmu.start({})
+            return len(fmu.save())
+
+    return size
+
+
+def functions(scene):
+    return elf.symbols(LIBRARIES / f"{scene}.so")
+
+
+def matching(names, pattern):
+    return sorted(name for name in names if re.search(pattern, name))
+
+
+def code_of_lines(scene, pattern, folder="."):
+    """Lines of fmu_src with the pattern that left an instruction in the scene's library."""
+    files = {file.name: file for file in (ROOT / "fmu_src" / folder).rglob("*.c")}
+    text = {name: file.read_text().splitlines() for name, file in files.items()}
+    found = []
+    for name, line in sorted(elf.lines_with_code(LIBRARIES / f"{scene}.so")):
+        if name in files and re.search(pattern, text[name][line - 1]):
+            found.append(f"{name}:{line}: {text[name][line - 1].strip()}")
+    return found
+
+
+@pinned_scenes
+def test_a_pinned_scene_has_fewer_variables(variables, scene):
+    assert len(variables(scene)) < len(variables(UNIVERSAL[scene]))
+
+
+@pinned_scenes
+def test_a_pinned_scene_has_no_variable_that_the_universal_lacks(variables, scene):
+    assert variables(scene) <= variables(UNIVERSAL[scene])
+
+
+@pinned_scenes
+def test_a_pinned_scene_has_a_library_no_larger(library_bytes, scene):
+    assert library_bytes(scene) <= library_bytes(UNIVERSAL[scene])
+
+
+@pinned_scenes
+def test_a_pinned_scene_has_a_smaller_state(state_bytes, scene):
+    assert state_bytes(scene) < state_bytes(UNIVERSAL[scene])
+
+
+@pinned_scenes
+def test_the_library_names_no_variable_that_the_interface_lacks(variables, strings, scene):
+    """The strings of the library hold the names of its variables, and none of those pinned away."""
+    inside = set(strings(scene).split("\n"))
+    assert inside & variables(scene)
+    gone = variables(UNIVERSAL[scene]) - variables(scene)
+    assert gone
+    assert inside & gone == set()
+
+
+def test_the_force_element_has_at_most_40_percent_of_the_variables(variables):
+    assert len(variables("ForceElement")) <= 0.4 * len(variables("SphereCylinder"))
+
+
+def test_the_force_element_has_a_library_of_at_most_60_kb(library_bytes):
+    assert library_bytes("ForceElement") <= 60_000
+
+
+def test_the_force_element_has_no_solver(strings):
+    pattern = r"^CV|SUN|N_V[A-Z]|solver"
+    assert matching(functions("SphereCylinder"), pattern)
+    assert matching(functions("ForceElement"), pattern) == []
+    assert code_of_lines("SphereCylinder", "", "solver")
+    assert code_of_lines("ForceElement", "", "solver") == []
+    assert "CVODE" in strings("SphereCylinder")
+    assert re.search("CVODE|SUNDIALS|solver", strings("ForceElement")) is None
+
+
+def test_the_force_element_has_no_states_and_no_energy(variables):
+    gone = r"^solver\.|^energy\.|^gravity|\.initial_|\.mass$|external_force"
+    assert matching(variables("SphereCylinder"), gone)
+    assert matching(variables("ForceElement"), gone) == []
+
+
+@sphere_scenes
+def test_scenes_of_spheres_have_no_cylinder(variables, strings, scene):
+    names = r"axis|finite_length|\.length|within_extents|beyond_ends"
+    assert matching(variables("SphereCylinder"), names)
+    assert matching(variables(scene), names) == []
+    assert re.search(names, strings("SphereCylinder"))
+    assert re.search(names, strings(scene)) is None
+
+
+@sphere_scenes
+def test_scenes_of_spheres_have_no_code_for_cylinders(scene):
+    geometry = r"\baxis\b|\bhalf_length\b"
+    assert len(code_of_lines("SphereCylinder", geometry)) > 10
+    assert code_of_lines(scene, geometry) == []
+    assert matching(functions(scene), "cylinder") == []
+
+
+@thrown_scenes
+def test_scenes_without_prescribed_bodies_have_no_prescribed_inputs(variables, strings, scene):
+    assert matching(variables(UNIVERSAL[scene]), "prescribed")
+    assert matching(variables(scene), "prescribed") == []
+    assert "prescribed" in strings(UNIVERSAL[scene])
+    assert "prescribed" not in strings(scene)
+
+
+@thrown_scenes
+def test_scenes_without_prescribed_bodies_have_no_code_for_them(scene):
+    assert len(code_of_lines(UNIVERSAL[scene], "prescribed")) > 5
+    assert code_of_lines(scene, "prescribed") == []

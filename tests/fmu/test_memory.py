@@ -1,0 +1,218 @@
+"""The importer's memory functions are used, all memory comes back, and too little of it is told."""
+
+import ctypes
+import os
+import shutil
+import subprocess
+from ctypes import byref, c_int, c_size_t, c_void_p
+from pathlib import Path
+
+import pytest
+import raw
+from raw import ALLOCATE, DISCARD, ERROR, FREE, OK
+from runs import RUNS, begin, go_on
+
+LIBC = ctypes.CDLL(None)
+LIBC.calloc.restype = c_void_p
+LIBC.calloc.argtypes = [c_size_t, c_size_t]
+LIBC.free.argtypes = [c_void_p]
+
+
+class Heap:
+    """An importer's memory functions that keep count; the n-th allocation fails where asked"""
+
+    def __init__(self, failing: int = -1):
+        self.failing = failing
+        self.count = 0
+        self.living: dict[int, int] = {}
+        self.foreign: list[int] = []
+        self.functions = (ALLOCATE(self._allocate), FREE(self._free))
+
+    def _allocate(self, count: int, size: int) -> int | None:
+        self.count += 1
+        if self.count - 1 == self.failing:
+            return None
+        address = LIBC.calloc(count, size)
+        self.living[address] = count * size
+        return address
+
+    def _free(self, address: int | None) -> None:
+        if self.living.pop(address, None) is None:
+            self.foreign.append(address)
+        else:
+            LIBC.free(address)
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_the_importers_memory_is_used_and_all_of_it_comes_back(name):
+    heap = Heap()
+    run = RUNS[name]
+    instance = begin(run, memory=heap.functions)
+    assert heap.count >= 2
+    after_initialization = heap.count
+    go_on(instance, run, 0)
+    assert heap.count == after_initialization, "allocated during steps"
+    state = c_void_p()
+    instance.ok("GetFMUstate", byref(state))
+    assert state.value in heap.living
+    blob = instance.save()
+    assert instance.deserialize(blob[:-1])[0] == ERROR
+    instance.restore(blob)
+    instance.ok("FreeFMUstate", byref(state))
+    instance.ok("Reset")
+    instance.free()
+    assert (heap.living, heap.foreign) == ({}, [])
+
+
+def initialize_in_two_attempts(instance: raw.Instance) -> int:
+    """How many attempts were refused for want of memory: none or one"""
+    instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+    instance.ok("EnterInitializationMode")
+    status = instance.call("ExitInitializationMode")
+    if status == OK:
+        return 0
+    assert status == ERROR
+    assert "memory" in instance.messages[0].text
+    instance.ok("ExitInitializationMode")
+    return 1
+
+
+def test_a_failing_importer_gets_a_refusal_and_its_memory_back(fmu):
+    """Each allocation fails once, up to a run in which none does"""
+    refusals = 0
+    for failing in range(100):
+        heap = Heap(failing)
+        instance = raw.Instance(fmu, memory=heap.functions)
+        if instance.component is None:
+            refusals += 1
+            assert "memory" in instance.messages[0].text
+        else:
+            refusals += initialize_in_two_attempts(instance)
+            instance.run([0.1])
+            state = c_void_p()
+            status = instance.call("GetFMUstate", byref(state))
+            if status != OK:
+                refusals += 1
+                assert (status, state.value) == (ERROR, None)
+                assert "memory" in instance.messages[0].text
+                instance.ok("GetFMUstate", byref(state))
+            instance.run([0.1], start=0.1)
+            instance.ok("FreeFMUstate", byref(state))
+            instance.free()
+        assert (heap.living, heap.foreign) == ({}, [])
+        if heap.count <= failing:
+            break
+    assert refusals == failing >= 3
+
+
+def test_one_memory_function_alone_is_not_used(fmu):
+    """Taking from one heap and giving to another would corrupt both."""
+    heap = Heap()
+    for functions in [(heap.functions[0], FREE()), (ALLOCATE(), heap.functions[1])]:
+        with raw.Instance(fmu, memory=functions) as instance:
+            instance.initialize()
+            instance.run([0.1])
+    assert (heap.count, heap.foreign) == (0, [])
+
+
+def test_instances_come_and_go_without_growth(fmu):
+    """A thousand instances, initialized and thrown away in every phase"""
+
+    def cycle(count: int) -> None:
+        for index in range(count):
+            with raw.Instance(fmu, with_logger=False) as instance:
+                if index % 3:
+                    instance.initialize()
+                if index % 3 == 2:
+                    instance.run([0.1])
+
+    cycle(200)
+    before = _resident()
+    cycle(1000)
+    assert _resident() - before < 1_000_000
+
+
+def _resident() -> int:
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+# every allocation of the library, SUNDIALS' included
+
+
+@pytest.fixture(scope="session")
+def faults(tmp_path_factory) -> Path:
+    """The C program that lets any allocation of the process fail"""
+    compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    assert compiler, "a C compiler is needed"
+    program = tmp_path_factory.mktemp("faults") / "allocation_faults"
+    source = Path(__file__).with_name("allocation_faults.c")
+    subprocess.run(
+        [
+            *compiler.split(),
+            "-std=c11",
+            "-D_GNU_SOURCE",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            "-rdynamic",
+            str(source),
+            "-o",
+            str(program),
+            "-ldl",
+        ],
+        check=True,
+        capture_output=True,
+    )
+    return program
+
+
+def life(faults: Path, what: str, fmu: raw.Fmu, method: int = 0) -> dict[str, int]:
+    """What the program counted; a claim of its own that broke shows in its exit code and output"""
+    reference = fmu.variables["solver.method"].reference if method else 0
+    command = [str(faults), what, str(fmu.library_file), fmu.guid, str(reference), str(method)]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert (result.returncode, result.stderr) == (0, ""), result.stdout
+    return {name: int(count) for name, count in (part.split("=") for part in result.stdout.split())}
+
+
+@pytest.mark.parametrize("method", [2, 3])
+@pytest.mark.parametrize("scene", [name for name in raw.SCENES if name != "ForceElement"])
+def test_nothing_is_allocated_in_steps_and_nothing_is_kept(faults, scene, method):
+    """Counts the integrator's memory too, which is not the importer's."""
+    counts = life(faults, "count", raw.load(scene), method)
+    assert counts["allocations"] > 10
+    assert (counts["during_steps"], counts["left"]) == (0, 0)
+
+
+def test_every_failed_allocation_is_survived(faults):
+    """Each allocation fails alone, then all from each on: a refusal, no leak, and it works afterwards."""
+    counts = life(faults, "fail", raw.load("ForceElement"))
+    assert counts["allocations"] >= 3
+    assert (counts["during_steps"], counts["left"]) == (0, 0)
+
+
+def test_a_state_of_a_running_instance_opens_a_solver_in_a_fresh_one(universal):
+    heap = Heap()
+    with raw.Instance(universal) as instance:
+        instance.initialize()
+        instance.run([0.1])
+        blob = instance.save()
+        fresh = raw.Instance(universal, memory=heap.functions)
+        fresh.restore(blob)
+        assert fresh.run([0.1], start=0.1) == instance.run([0.1], start=0.1)
+        fresh.free()
+    assert (heap.living, heap.foreign) == ({}, [])
+
+
+def test_getting_and_setting_needs_no_memory(fmu):
+    heap = Heap()
+    with raw.Instance(fmu, memory=heap.functions) as instance:
+        instance.initialize()
+        before = heap.count
+        instance.bits()
+        for variable in fmu.select("input"):
+            assert instance.set_one(variable, 0.0) == OK
+        assert instance.set_one(fmu.select("input")[0], float("nan")) == DISCARD
+        value = (c_int * 1)()
+        assert instance.call("GetInteger", raw.array(raw.c_uint, [0]), 1, value) == ERROR
+        assert heap.count == before

@@ -1,0 +1,287 @@
+"""Saved states hold everything: a restored run has the bits of the run that went on, wherever restored."""
+
+import random
+import struct
+import subprocess
+import sys
+from ctypes import byref, c_void_p
+from pathlib import Path
+
+import pytest
+import raw
+import runs
+from blob import HEADER_SIZE, forge, header
+from raw import ERROR, OK
+from runs import RUNS, begin, digest, go_on
+
+
+@pytest.fixture(params=RUNS)
+def run(request) -> runs.Run:
+    return RUNS[request.param]
+
+
+def bring(run: runs.Run) -> raw.Instance:
+    """An instance where the run is to be saved, checked to be in the regime that the run is about"""
+    instance = begin(run)
+    go_on(instance, run, 0, run.saved_at)
+    assert bool(instance.get("contact.active")) == run.touching
+    return instance
+
+
+def test_restored_runs_have_the_bits_of_the_run_that_went_on(run):
+    with bring(run) as instance, raw.Instance(instance.fmu) as fresh:
+        state = c_void_p()
+        instance.ok("GetFMUstate", byref(state))
+        blob = instance.save()
+        went_on = go_on(instance, run, run.saved_at)
+        assert len({digest([row]) for row in went_on}) > 1
+        for _ in range(2):
+            instance.ok("SetFMUstate", state)
+            assert go_on(instance, run, run.saved_at) == went_on
+        instance.ok("FreeFMUstate", byref(state))
+        fresh.restore(blob)
+        assert go_on(fresh, run, run.saved_at) == went_on
+
+
+def test_another_process_goes_on_with_the_same_bits(run):
+    name = next(name for name, known in RUNS.items() if known is run)
+    with bring(run) as instance:
+        blob = instance.save()
+        command = [sys.executable, str(Path(runs.__file__)), name, str(run.saved_at)]
+        other = subprocess.run(command, input=blob, capture_output=True, check=True, timeout=120)
+        assert other.stdout.decode().strip() == digest(go_on(instance, run, run.saved_at))
+
+
+def test_saving_twice_gives_the_same_bytes(run):
+    with bring(run) as instance, raw.Instance(instance.fmu) as other:
+        blob = instance.save()
+        assert instance.save() == blob
+        other.restore(blob)
+        assert other.save() == blob
+        assert other.bits() == instance.bits()
+
+
+def test_all_steps_back_to_the_start(run):
+    """States of every tenth step, restored in reverse order"""
+    with begin(run) as instance:
+        saved = {}
+        rows = {}
+        for index in range(0, run.steps - 10, 10):
+            saved[index] = instance.save()
+            rows[index] = go_on(instance, run, index, index + 10)
+        for index in reversed(saved):
+            instance.restore(saved[index])
+            assert go_on(instance, run, index, index + 10) == rows[index]
+
+
+def test_reset_equals_a_fresh_instance(run):
+    with begin(run) as fresh, bring(run) as used:
+        untouched = raw.Instance(fresh.fmu)
+        used.ok("Reset")
+        assert used.save() == untouched.save()
+        assert used.bits("parameter", "input") == untouched.bits("parameter", "input")
+        untouched.free()
+        used.initialize({**run.values, **run.inputs(0.0)}, tolerance=run.tolerance)
+        assert go_on(used, run, 0) == go_on(fresh, run, 0)
+
+
+def test_reset_from_any_phase(fmu):
+    with raw.Instance(fmu) as instance, raw.Instance(fmu) as fresh:
+        first = fresh.save()
+        expected = fresh.initialize().run([0.1] * 4)
+        steps = [
+            "SetupExperiment",
+            "EnterInitializationMode",
+            "ExitInitializationMode",
+            "DoStep",
+            "Terminate",
+        ]
+        arguments = {"SetupExperiment": (1, 1e-3, 5.0, 1, 7.0), "DoStep": (5.0, 0.5, 1)}
+        for count in range(len(steps) + 1):
+            for variable in fmu.select("parameter", kind="Real")[:1]:
+                instance.set_one(variable, 0.25)
+            for function in steps[:count]:
+                instance.ok(function, *arguments.get(function, ()))
+            instance.ok("Reset")
+            assert instance.save() == first
+        assert instance.initialize().run([0.1] * 4) == expected
+
+
+def test_the_phase_is_part_of_the_state(fmu):
+    """Saved in each phase and restored in each: what is allowed then is what was allowed when saving."""
+    follow_up = {
+        "instantiated": ("EnterInitializationMode",),
+        "initialization": ("ExitInitializationMode",),
+        "stepping": ("DoStep", 0.5, 0.25, 1),
+        "terminated": ("Reset",),
+    }
+    blobs = {}
+    with raw.Instance(fmu) as instance:
+        instance.ok("SetupExperiment", 0, 0.0, 0.5, 1, 1.0)
+        blobs["instantiated"] = instance.save()
+        instance.ok("EnterInitializationMode")
+        blobs["initialization"] = instance.save()
+        instance.ok("ExitInitializationMode")
+        blobs["stepping"] = instance.save()
+        instance.ok("Terminate")
+        blobs["terminated"] = instance.save()
+    for before in blobs.values():
+        for phase, blob in blobs.items():
+            with raw.Instance(fmu) as instance:
+                instance.restore(before)
+                instance.restore(blob)
+                assert header(instance.save())["phase"] == header(blob)["phase"]
+                for other, call in follow_up.items():
+                    if other != phase and other != "terminated":
+                        assert instance.call(*call) == ERROR, (phase, call)
+                instance.ok(*follow_up[phase])
+
+
+def test_the_stop_time_is_part_of_the_state(fmu):
+    with raw.Instance(fmu) as instance, raw.Instance(fmu) as other:
+        instance.initialize(stop=1.0)
+        other.initialize()
+        other.restore(instance.save())
+        with other.expect(ERROR, "stopTime") as got:
+            got(other.call("DoStep", 0.0, 1.5, 1))
+
+
+def test_a_state_pointer_is_used_again(fmu):
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        state = c_void_p()
+        instance.ok("GetFMUstate", byref(state))
+        address = state.value
+        instance.run([0.1])
+        instance.ok("GetFMUstate", byref(state))
+        assert state.value == address
+        blob = instance.save()
+        instance.run([0.1], start=0.1)
+        instance.ok("DeSerializeFMUstate", blob, len(blob), byref(state))
+        assert state.value == address
+        instance.ok("SetFMUstate", state)
+        assert instance.save() == blob
+        instance.ok("FreeFMUstate", byref(state))
+        assert state.value is None
+
+
+# damaged states
+
+
+@pytest.fixture
+def saved(fmu):
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        instance.run([0.1] * 3)
+        blob = instance.save()
+        yield instance, blob
+        assert instance.save() == blob, "a refused state changed the instance"
+        instance.run([0.1], start=0.1 + 0.1 + 0.1)
+
+
+def refused(instance: raw.Instance, blob: bytes, *words: str) -> None:
+    with instance.expect(ERROR, "fmi2DeSerializeFMUstate", *words) as got:
+        status, state = instance.deserialize(blob)
+        assert state.value is None
+        got(status)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "word"),
+    [
+        ("version", 0, "version"),
+        ("version", 2, "version"),
+        ("version", 2**32 - 1, "version"),
+        ("magic", 1, "magic"),
+        ("scene", 0, "model"),
+        ("size", 0, "size"),
+        ("size", 2**63, "size"),
+        ("checksum", 0, "checksum"),
+        ("phase", 0, "header"),
+        ("phase", 6, "header"),
+        ("phase", 64, "header"),
+        ("phase", 2**31, "header"),
+        ("set_up", 2, "header"),
+        ("start_time", float("nan"), "header"),
+        ("start_time", float("inf"), "header"),
+        ("stop_time", float("nan"), "header"),
+        ("stop_time", -1.0, "header"),
+    ],
+)
+def test_a_state_with_another_header_is_refused(saved, field, value, word):
+    instance, blob = saved
+    assert header(blob)["version"] == 1
+    refused(instance, forge(blob, **{field: value}), word)
+
+
+def test_a_state_of_another_version_says_both_versions(saved):
+    instance, blob = saved
+    refused(instance, forge(blob, version=77), "version 77", "expected 1")
+
+
+def test_a_state_of_another_fmu_is_refused():
+    with (
+        raw.Instance(raw.load("SphereSphere")) as sphere,
+        raw.Instance(raw.load("SphereCylinder")) as cylinder,
+    ):
+        refused(cylinder, sphere.save(), "model")
+        refused(sphere, cylinder.save(), "model")
+
+
+def test_a_state_cut_short_or_too_long_is_refused(saved):
+    instance, blob = saved
+    lengths = [*range(HEADER_SIZE + 2), *range(HEADER_SIZE, len(blob), 97), len(blob) - 8, len(blob) - 1]
+    for length in lengths:
+        refused(instance, blob[:length], "size", str(length), str(len(blob)))
+    refused(instance, blob + b"\0", "size")
+    refused(instance, blob * 2, "size")
+
+
+def test_every_flipped_bit_is_found(saved):
+    instance, blob = saved
+    for position in range(len(blob)):
+        damaged = bytearray(blob)
+        damaged[position] ^= 1 << (position % 8)
+        status, state = instance.deserialize(bytes(damaged))
+        assert (status, state.value) == (ERROR, None), position
+
+
+def test_bytes_from_nowhere_are_refused(saved):
+    instance, blob = saved
+    source = random.Random(20240)
+    for _ in range(200):
+        refused(instance, source.randbytes(len(blob)))
+    refused(instance, bytes(len(blob)), "magic")
+
+
+def test_a_forged_model_part_never_crashes(saved):
+    """Random changes behind the header with a checksum that fits: the model's own checks have to find them"""
+    instance, blob = saved
+    source = random.Random(7)
+    for _ in range(500):
+        damaged = bytearray(blob)
+        for _ in range(source.randint(1, 16)):
+            position = source.randrange(HEADER_SIZE, len(blob))
+            damaged[position] = source.randrange(256)
+        status, state = instance.deserialize(forge(bytes(damaged)))
+        assert status == OK
+        if bytes(damaged) != blob:
+            assert instance.call("SetFMUstate", state) >= ERROR
+        instance.ok("FreeFMUstate", byref(state))
+
+
+def test_a_buffer_too_small_is_not_written(saved):
+    instance, blob = saved
+    state = c_void_p()
+    instance.ok("GetFMUstate", byref(state))
+    buffer = bytes(len(blob))
+    with instance.expect(ERROR, "fmi2SerializeFMUstate", str(len(blob) - 1), str(len(blob))) as got:
+        got(instance.call("SerializeFMUstate", state, buffer, len(blob) - 1))
+    assert buffer == bytes(len(blob))
+    instance.ok("FreeFMUstate", byref(state))
+
+
+def test_the_size_is_told_and_small(fmu):
+    with raw.Instance(fmu) as instance:
+        blob = instance.save()
+        assert struct.unpack_from("<Q", blob, 16)[0] == len(blob) < 10_000

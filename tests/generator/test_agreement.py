@@ -1,0 +1,115 @@
+"""The description, the C table and the page of every scene say the same, and what variables.toml says."""
+
+import re
+
+import pytest
+from agreement import disagreements
+from freeze_references import current, read_frozen
+from generated import CATALOGUE, SCENES, generate, parse_c, parse_xml, scene_file
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    cache = {}
+
+    def get(scene):
+        if scene not in cache:
+            cache[scene] = generate(scene, tmp_path_factory.mktemp(scene))
+        return cache[scene]
+
+    return get
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_all_generated_files_agree_with_variables_toml(files, scene):
+    assert disagreements(files(scene), scene_file(scene)) == []
+
+
+# file, what to change, into what: each a slip of one hand edit that must not pass.
+ALTERATIONS = [
+    ("modelDescription.xml", r'(name="source.radius" valueReference=")101', r"\g<1>102"),
+    ("modelDescription.xml", r'(name="contact.penalty_factor"[\s\S]*?start=")1000000.0', r"\g<1>1000001.0"),
+    ("modelDescription.xml", r'(name="destination.radius"[\s\S]*?min=")1e-150', r"\g<1>0.0"),
+    ("modelDescription.xml", r'(name="contact.gap_rate"[\s\S]*?unit=")m/s', r"\g<1>m"),
+    ("modelDescription.xml", r'(name="contact.gap" [^>]*causality=")output', r"\g<1>local"),
+    ("modelDescription.xml", r'(<Item name="unclamped" value=")2', r"\g<1>4"),
+    ("modelDescription.xml", r"Radius of source", "Diameter of source"),
+    ("scene_variables.c", r'("contact.point\[2\]", [^,]+, [^,]+, )248', r"\g<1>247"),
+    ("scene_variables.c", r'("source.center\[1\]", )-1e\+150', r"\g<1>-1e+151"),
+    ("scene_variables.c", r'    \{"contact.gap",.*\n', ""),
+    ("scene_variables.c", r"ROW_contact_gap_rate, VARIABLE_REAL", "ROW_contact_gap, VARIABLE_REAL"),
+    ("scene_variables.c", r"(ROW_contact_active, VARIABLE_)BOOLEAN", r"\g<1>INTEGER"),
+    ("documentation/index.html", r"(source.center\[1..3\]</code></td>\s*<td>)111..113", r"\g<1>111..114"),
+    ("documentation/index.html", r"(contact.penalty_factor</code>[\s\S]*?<td>)1000000.0", r"\g<1>100000.0"),
+    ("documentation/index.html", r"(contact.gap</code>[\s\S]*?<td>)m(</td>)", r"\g<1>mm\g<2>"),
+    ("documentation/index.html", r"<tr><td><code>contact.active[\s\S]*?</tr>", ""),
+    ("documentation/index.html", r"<i>p</i><sub>nv</sub></td>", "<i>p</i><sub>n</sub></td>"),
+]
+
+
+@pytest.mark.parametrize(("file", "pattern", "replacement"), ALTERATIONS)
+def test_an_altered_file_is_noticed(files, file, pattern, replacement):
+    original = files("SphereCylinder")
+    altered, count = re.subn(pattern, replacement, original[file], count=1)
+    assert count == 1
+    try:
+        found = disagreements({**original, file: altered}, scene_file("SphereCylinder"))
+    except AssertionError:
+        return  # the reader itself refuses the file
+    assert found
+
+
+def test_a_changed_row_of_variables_toml_is_noticed(files, monkeypatch):
+    """Files made before a row changed are stale: all three are caught."""
+    monkeypatch.setitem(CATALOGUE["variable"]["contact.penalty_factor"], "start", 2e6)
+    found = disagreements(files("SphereSphere"), scene_file("SphereSphere"))
+    assert sorted(line.split()[0] for line in found) == ["XML", "page"]
+    monkeypatch.setitem(CATALOGUE["variable"]["contact.penalty_factor"], "vr", 99)
+    found = disagreements(files("SphereSphere"), scene_file("SphereSphere"))
+    assert {line.split()[0] for line in found} == {"XML", "C", "page"}
+
+
+def test_value_references_never_change():
+    """value_references.txt is written by freeze_references.py, which only ever adds lines."""
+    frozen, now = read_frozen(), current()
+    assert {key: now.get(key) for key in frozen} == frozen
+    assert now.keys() - frozen.keys() == set(), "run tests/generator/freeze_references.py for new variables"
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_value_references_are_unique_and_found_in_the_index(files, scene):
+    text = files(scene)["scene_variables.c"]
+    variables = parse_c(text)
+    index = {int(r): int(p) for r, p in re.findall(r"\[(\d+)\] = (\d+),", text)}
+    assert index == {entry["reference"]: i for i, entry in enumerate(variables.values(), 1)}
+    assert len(index) == len(variables)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_c_table_names_the_member_of_its_variable(files, scene):
+    data = scene_file(scene)
+    bodies = [body["name"] for body in data["body"]]
+    for name, entry in parse_c(files(scene)["scene_variables.c"]).items():
+        owner, _, field = name.partition(".")
+        member = f"world.{name.replace('.', '_')}"
+        if owner in bodies:
+            member = f"body[{bodies.index(owner)}].{field}"
+        elif owner == "contact":
+            member = f"contact[0].{field}"
+        if name.endswith("]"):
+            member = re.sub(r"\[(\d)\]$", lambda match: f"[{int(match[1]) - 1}]", member)
+        assert entry["member"] == member
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_every_number_has_a_symbol_and_every_real_a_unit_quantity_range_and_nominal(files, scene):
+    for name, entry in parse_xml(files(scene)["modelDescription.xml"]).items():
+        assert entry["description"], name
+        if entry["base"] in ("Real", "Integer"):
+            assert entry["description"].endswith(")"), name
+            assert entry["quantity"], name
+        if entry["base"] == "Real":
+            assert entry["unit"], name
+            assert float(entry["nominal"]) > 0.0, name
+            assert abs(entry["min"]) <= 1e300, name
+            assert abs(entry["max"]) <= 1e300, name

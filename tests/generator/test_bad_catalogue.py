@@ -1,0 +1,53 @@
+"""A wrong variables.toml gives one line that names the file and the row, and exit status 2."""
+
+import shutil
+import subprocess
+import sys
+
+import pytest
+from generated import FOLDER
+
+# What stands in variables.toml (its first occurrence), what it becomes, words of the message in their order.
+BAD = [
+    ("vr = 2\n", "vr = 1\n", ['variable."body.mass"', "value reference 1", "that of body.radius"]),
+    ("vr = 11\n", "vr = 12\nvr_base = 0\n", ['variable."body.center"', "'vr_base'", "allowed: causality"]),
+    ("vr = 45\n", "vr = 100\n", ['variable."body.length"', "value reference 100 is out of 1..99"]),
+    ('type = "Length"', 'type = "Lenght"', ['variable."body.radius"', "'Lenght'", "allowed: Acceleration"]),
+    (
+        'causality = "parameter"',
+        'causality = "local"',
+        ['variable."body.radius"', "'local'", "allowed: parameter"],
+    ),
+    ("start = 0.1\n", "", ['variable."body.radius"', "'start' belongs to parameters"]),
+    (
+        '["free"] }]',
+        '["free"], "body.mood" = ["bad"] }]',
+        ['variable."body.mass"', "'body.mood'", "body.motion"],
+    ),
+    (
+        "max = 1e150\n",
+        "max = 1e301\n",
+        ['variable."body.center"', "range -1e+150 to 1e+301", "within -1e+300"],
+    ),
+    ('unit = "m", display = "mm"', 'unit = "ft", display = "mm"', ["type.Length", "'ft'", "allowed: 1, J"]),
+    ('unit = "m", display = "mm"', 'unit = "m", display = "in"', ["type.Length", "'in'", "allowed: mm"]),
+    ("vr = 1\n", "", ["incomplete", "vr"]),
+    ("[project]", "[project", ["not valid TOML", "line"]),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "words"), BAD)
+def test_a_bad_catalogue_is_refused_in_one_line(tmp_path, old, new, words):
+    folder = tmp_path / "modelDescription"
+    shutil.copytree(FOLDER, folder, ignore=shutil.ignore_patterns("__pycache__"))
+    text = (folder / "variables.toml").read_text(encoding="utf-8")
+    assert old in text
+    (folder / "variables.toml").write_text(text.replace(old, new, 1), encoding="utf-8")
+    command = [sys.executable, "-B", folder / "generate.py", "--table"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.count("\n") == 1
+    position = 0
+    for word in ["modelDescription/variables.toml: ", *words]:
+        assert word in done.stderr[position:], done.stderr
+        position = done.stderr.index(word, position) + len(word)

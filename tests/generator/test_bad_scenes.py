@@ -1,0 +1,104 @@
+"""A wrong scene file gives one line that names the file, the key and what is allowed, and exit status 2."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+from generated import FOLDER, run
+
+GOOD = """
+name = "Pair"
+title = "A pair"
+description = "For tests."
+
+[[body]]
+name = "source"
+shape = "sphere"
+
+[[body]]
+name = "destination"
+shape = "cylinder"
+
+[[contact]]
+name = "contact"
+source = "source"
+destination = "destination"
+
+[start]
+"source.radius" = 0.2
+
+[pinned]
+"contact.location" = "outside"
+
+[leave_out]
+outputs = []
+
+[experiment]
+stop_time = 1.0
+"""
+
+BAD = tomllib.loads(Path(__file__).with_name("bad_scenes.toml").read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def answer(tmp_path):
+    def ask(text):
+        file = tmp_path / "scenes" / "Pair.toml"
+        file.parent.mkdir(exist_ok=True)
+        file.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return run("--scene", file, "--output", tmp_path / "out")
+
+    return ask
+
+
+def test_the_good_scene_is_good(answer):
+    done = answer(GOOD)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def refused(done, *words):
+    """One line on stderr with these words in this order, nothing on stdout, status 2."""
+    assert (done.returncode, done.stdout) == (2, "")
+    line, end = done.stderr[:-1], done.stderr[-1]
+    assert end == "\n"
+    assert "\n" not in line
+    assert "Traceback" not in line
+    position = 0
+    for word in words:
+        assert word in line[position:], f"'{word}' is missing in: {line}"
+        position = line.index(word, position) + len(word)
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_a_bad_scene_file_is_refused_in_one_line(answer, tmp_path, case):
+    old, new = BAD[case]["old"], BAD[case]["new"]
+    assert old in GOOD
+    refused(answer(GOOD.replace(old, new, 1)), "scenes/Pair.toml: ", *BAD[case]["says"])
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_file_that_is_not_utf_8_is_refused(answer):
+    refused(answer(GOOD.encode().replace(b"A pair", b"A p\xe4r")), "scenes/Pair.toml: ", "not valid UTF-8")
+
+
+def test_an_empty_file_is_refused(answer):
+    refused(answer(""), "scenes/Pair.toml: ", "'name' is missing")
+
+
+def test_a_missing_file_is_refused(tmp_path):
+    refused(run("--scene", tmp_path / "None.toml", "--output", tmp_path), "None.toml: ", "cannot be read")
+
+
+def test_a_bad_scene_in_the_table_is_refused(tmp_path):
+    file = tmp_path / "Bad.toml"
+    file.write_text("name = 1\n")
+    refused(run("--table", "--scene", FOLDER / "scenes" / "BallOnSphere.toml", "--scene", file), "Bad.toml: ")
+
+
+def test_an_output_folder_that_cannot_be_made_is_refused(tmp_path):
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    refused(
+        run("--scene", FOLDER / "scenes" / "BallOnSphere.toml", "--output", blocked / "sub"),
+        "cannot be written",
+    )

@@ -1,0 +1,181 @@
+"""scene.h and scene_variables.c: compiled by both compilers, and the compiled table read back."""
+
+import ctypes
+import shutil
+import subprocess
+
+import pytest
+from generated import ROOT, SCENES, describe, generate, scene_file
+
+WARNINGS = [
+    "-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wdouble-promotion",
+    "-Wmissing-prototypes", "-Werror",
+]  # fmt: skip
+COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
+CHAIN = """
+name = "Chain"
+title = "Three bodies, two contacts"
+description = "Lists longer than a pair."
+[[body]]
+name = "ball"
+shape = "sphere"
+[[body]]
+name = "middle"
+shape = "sphere"
+[[body]]
+name = "roller"
+shape = "cylinder"
+[[contact]]
+name = "upper"
+source = "ball"
+destination = "middle"
+[[contact]]
+name = "lower"
+source = "middle"
+destination = "roller"
+[pinned]
+"ball.motion" = "free"
+"roller.motion" = "fixed"
+"upper.dashpot" = "unclamped"
+"lower.penalty_control" = "automatic"
+[leave_out]
+outputs = ["upper.point", "body.displacement"]
+"""
+
+
+class Variable(ctypes.Structure):
+    """struct variable of model/variable.h."""
+
+    _fields_ = [
+        ("name", ctypes.c_char_p),
+        ("min", ctypes.c_double),
+        ("max", ctypes.c_double),
+        ("reference", ctypes.c_uint32),
+        ("offset", ctypes.c_uint16),
+        ("row", ctypes.c_uint16),
+        *((field, ctypes.c_uint8) for field in ("type", "causality", "element", "component")),
+    ]
+
+
+def compiled(compiler, folder, source, output, *options):
+    command = [compiler, *WARNINGS, *options, "-I", ROOT / "fmu_src", "-I", folder, source, "-o", output]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.fixture(scope="module")
+def scene_folder(tmp_path_factory):
+    root = tmp_path_factory.mktemp("c")
+    (root / "Chain.toml").write_text(CHAIN)
+
+    def get(scene):
+        folder = root / scene
+        if not folder.exists():
+            generate(root / "Chain.toml" if scene == "Chain" else scene, folder)
+        return folder
+
+    return get
+
+
+@pytest.mark.parametrize("scene", [*SCENES, "Chain"])
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_header_and_table_compile_without_a_warning(scene_folder, tmp_path, compiler, scene):
+    folder = scene_folder(scene)
+    alone = tmp_path / "alone.c"
+    alone.write_text('#include "scene.h"\n')
+    compiled(compiler, folder, alone, tmp_path / "alone.o", "-c")
+    compiled(compiler, folder, folder / "scene_variables.c", tmp_path / "table.o", "-c")
+
+
+def load(folder):
+    library = folder / "table.so"
+    if not library.exists():
+        compiled(COMPILERS[0], folder, folder / "scene_variables.c", library, "-shared", "-fPIC")
+    loaded = ctypes.CDLL(str(library))
+    loaded.scene_variable.restype = ctypes.POINTER(Variable)
+    loaded.scene_variable.argtypes = [ctypes.c_uint32]
+    return loaded
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_compiled_table_and_start_values_are_those_of_the_description(scene_folder, scene):
+    loaded = load(scene_folder(scene))
+    wanted = describe(scene)
+    count = ctypes.c_int.in_dll(loaded, "scene_variable_count").value
+    table = (Variable * count).in_dll(loaded, "scene_variables")
+    values = ctypes.create_string_buffer(b"\xff" * 65536, 65536)
+    loaded.scene_start(values)
+    assert [entry.name.decode() for entry in table] == list(wanted)
+    used = set()
+    for entry in table:
+        name = entry.name.decode()
+        said = wanted[name]
+        assert (entry.reference, entry.min, entry.max) == (said["reference"], said["min"], said["max"]), name
+        kind = ctypes.c_double if said["base"] == "Real" else ctypes.c_int32
+        place = range(entry.offset, entry.offset + ctypes.sizeof(kind))
+        assert used.isdisjoint(place), name
+        used.update(place)
+        start = {"true": 1, "false": 0, None: 0}.get(said["start"], said["start"])
+        assert kind.from_buffer(values, entry.offset).value == float(start), name
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_every_reference_is_found_and_no_other(scene_folder, scene):
+    loaded = load(scene_folder(scene))
+    names = {entry["reference"]: name for name, entry in describe(scene).items()}
+    for reference in [*range(1000), 65535, 65536, 2**31, 2**32 - 1]:
+        found = loaded.scene_variable(reference)
+        assert (found.contents.name.decode() if found else None) == names.get(reference)
+
+
+PROBE = """
+#include <stdio.h>
+#include "scene.h"
+int main(void)
+{
+    struct scene_values v;
+    scene_start(&v);
+    put_body_velocity(&v, 1, vec3_make(1.0, 2.0, 3.0));
+    put_body_velocity(&v, 2, vec3_make(7.0, 8.0, 9.0)); /* of a fixed body: goes nowhere */
+    put_contact_point(&v, 1, vec3_make(4.0, 5.0, 6.0));
+    put_contact_point(&v, 0, vec3_make(7.0, 8.0, 9.0)); /* left out */
+    put_solver_relative_tolerance(&v, 1e-5);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        printf("%d %d %g %g %g; ", (int)body_shape(i), body_motion(&v, i), body_radius(&v, i),
+               body_axis(&v, i).z, v.body[i].velocity[2]);
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        printf("%d %d %d %d %g; ", contact_source(j), contact_destination(j), contact_dashpot(&v, j),
+               contact_penalty_control(&v, j), v.contact[j].point[0]);
+    }
+    printf("%g %d %d", solver_relative_tolerance(&v), HAS_body_displacement, HAS_contact_point);
+    return 0;
+}
+"""
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_accessors_of_longer_lists_tell_the_elements_apart(scene_folder, tmp_path, compiler):
+    folder = scene_folder("Chain")
+    (tmp_path / "probe.c").write_text(PROBE)
+    compiled(compiler, folder, tmp_path / "probe.c", tmp_path / "probe", folder / "scene_variables.c", "-lm")
+    done = subprocess.run([tmp_path / "probe"], capture_output=True, text=True, timeout=60)
+    assert done.stdout == (
+        "0 3 0.1 1 0; 0 3 0.1 1 3; 1 1 0.5 1 0; "  # shape, motion, radius, axis z, velocity z
+        "0 1 2 2 0; 1 2 1 1 4; "  # source, destination, dashpot, penalty_control, point x
+        "1e-05 0 1"
+    )
+
+
+def test_both_compilers_are_there():
+    assert COMPILERS == ["gcc", "clang"]
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_pinned_choices_are_constants_of_the_header(scene_folder, scene):
+    header = (scene_folder(scene) / "scene.h").read_text()
+    for name in scene_file(scene).get("pinned", {}):
+        field = name.partition(".")[2]
+        others = [other for other in describe(scene) if other.endswith(f".{field}")]
+        assert f" {field};" not in header, name
+        assert others == [], name

@@ -1,0 +1,225 @@
+"""modelDescription.xml: FMI 2.0 schema, structure of a co-simulation slave, what a scene has and has not."""
+
+import re
+import shutil
+from pathlib import Path
+
+import fmpy
+import pytest
+from fmpy import read_model_description
+from generated import FOLDER, ROOT, SCENES, describe, generate, run, scene_file, table
+from lxml import etree
+
+PINNED = [scene for scene in SCENES if scene_file(scene).get("pinned")]
+UNIVERSAL = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    root = tmp_path_factory.mktemp("scenes")
+    for scene in SCENES:
+        generate(scene, root / scene)
+    return root
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_description_follows_the_fmi_2_schema(folder, scene):
+    schema = etree.XMLSchema(
+        etree.parse(Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd")
+    )
+    document = etree.parse(folder / scene / "modelDescription.xml")
+    assert schema.validate(document), schema.error_log
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_description_is_ascii(folder, scene):
+    """VDMCheck2 takes one byte for one character; symbols are written as character references."""
+    assert (folder / scene / "modelDescription.xml").read_bytes().isascii()
+    assert describe(scene)["contact.gap_rate"]["description"].endswith("(ġ)")
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_fmpy_finds_no_fault(folder, scene):
+    description = read_model_description(
+        str(folder / scene / "modelDescription.xml"),
+        validate=True,
+        validate_variable_names=True,
+        validate_model_structure=True,
+    )
+    assert description.modelName == scene
+    assert description.modelExchange is None
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_attributes_of_the_slave(folder, scene):
+    root = etree.parse(folder / scene / "modelDescription.xml").getroot()
+    slave = dict(root.find("CoSimulation").attrib)
+    moves = any(name.endswith(".velocity[1]") for name in describe(scene))
+    assert slave == {
+        "modelIdentifier": scene,
+        "canHandleVariableCommunicationStepSize": "true",
+        "canInterpolateInputs": "true",
+        "maxOutputDerivativeOrder": "1" if moves else "0",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+    }
+    for attribute in ("description", "author", "version", "copyright", "license", "generationTool"):
+        assert root.get(attribute)
+    assert root.get("variableNamingConvention") == "structured"
+    assert root.get("generationDateAndTime") is None
+    categories = [category.get("name") for category in root.find("LogCategories")]
+    levels = ["Warning", "Discard", "Error", "Fatal"]
+    assert categories == ["logEvents", *(f"logStatus{level}" for level in levels), "logAll"]
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_model_structure_lists_all_outputs_and_all_unknowns(folder, scene):
+    root = etree.parse(folder / scene / "modelDescription.xml").getroot()
+    names = list(describe(scene))
+    listed = {
+        part: [names[int(entry.get("index")) - 1] for entry in root.find(f"ModelStructure/{part}")]
+        for part in ("Outputs", "InitialUnknowns")
+    }
+    of = {name: entry["causality"] for name, entry in describe(scene).items()}
+    assert listed["Outputs"] == [name for name in names if of[name] == "output"]
+    assert listed["InitialUnknowns"] == [
+        name for name in names if of[name] in ("output", "calculatedParameter")
+    ]
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_variability_and_initial_follow_from_causality(scene):
+    for name, entry in describe(scene).items():
+        varies = "continuous" if entry["base"] == "Real" else "discrete"
+        assert (entry["variability"], entry["initial"]) == {
+            "parameter": ("fixed", "exact"),
+            "calculatedParameter": ("fixed", "calculated"),
+            "input": (varies, None),
+            "output": (varies, "calculated"),
+        }[entry["causality"]], name
+
+
+# Units by hand from the definitions of the SI: exponents of kg, m, s.
+SI = {
+    "1": (0, 0, 0), "m": (0, 1, 0), "s": (0, 0, 1), "kg": (1, 0, 0), "m/s": (0, 1, -1), "m/s2": (0, 1, -2),
+    "N": (1, 1, -2), "N/m": (1, 0, -2), "N.s/m": (1, 0, -1), "Pa": (1, -1, -2), "J": (1, 2, -2),
+}  # fmt: skip
+PREFIX = {
+    "mm": 1e3,
+    "ms": 1e3,
+    "g": 1e3,
+    "mm/s": 1e3,
+    "kN": 1e-3,
+    "N/mm": 1e-3,
+    "N.s/mm": 1e-3,
+    "MPa": 1e-6,
+    "mJ": 1e3,
+}
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_units_are_those_of_the_si(folder, scene):
+    root = etree.parse(folder / scene / "modelDescription.xml").getroot()
+    units = {unit.get("name"): unit for unit in root.find("UnitDefinitions")}
+    assert units.keys() == {entry["unit"] for entry in describe(scene).values() if entry["unit"]}
+    for name, unit in units.items():
+        base = unit.find("BaseUnit").attrib
+        assert tuple(int(base.get(key, 0)) for key in ("kg", "m", "s")) == SI[name]
+        for display in unit.iterchildren("DisplayUnit"):
+            assert float(display.get("factor")) == PREFIX[display.get("name")]
+
+
+@pytest.mark.parametrize("scene", PINNED)
+def test_a_pinned_scene_has_fewer_variables_than_the_universal_one(scene):
+    universal = UNIVERSAL[scene_file(scene)["body"][1]["shape"]]
+    assert describe(scene).keys() < describe(universal).keys()
+    assert table()[scene]["variables"] == len(describe(scene)) < table()[universal]["variables"]
+    assert table()[scene]["value_bytes"] < table()[universal]["value_bytes"]
+
+
+def test_the_force_element_has_at_most_40_percent_of_the_variables():
+    assert len(describe("ForceElement")) <= 0.4 * len(describe("SphereCylinder"))
+
+
+def test_the_force_element_has_no_solver_and_no_energies(folder):
+    groups = {name.partition(".")[0].partition("[")[0] for name in describe("ForceElement")}
+    assert groups == {"source", "contact", "destination"}
+    assert "set(SCENE_HAS_CVODE OFF)" in (folder / "ForceElement" / "scene.cmake").read_text()
+    assert "SUNDIALS" not in (folder / "ForceElement" / "documentation" / "index.html").read_text()
+
+
+def test_what_is_not_offered_is_not_in_the_description():
+    methods = describe("SphereSphere")["solver.method"]["items"]
+    assert methods == {"cvode_bdf": 2, "cvode_adams": 3}
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_page_explains_only_what_the_scene_has(folder, scene):
+    page = (folder / scene / "documentation" / "index.html").read_text(encoding="utf-8")
+    names = {name.partition("[")[0] for name in describe(scene)}
+    cylinder = scene_file(scene)["body"][1]["shape"] == "cylinder"
+    assert ("cylinder from the side" in page) == cylinder
+    assert ("gap_beyond_ends" in page) == ("contact.gap_beyond_ends" in names)
+    assert ("<code>approach_only</code>" in page) == ("contact.dashpot" in names)
+    assert ("Automatic factors" in page) == ("contact.reference_modulus" in names)
+    assert ("Motion and energy" in page) == ("energy.total" in names)
+    assert (
+        "prescribed_velocity" in page if "source.prescribed_velocity" in names else "prescribed_" not in page
+    )
+    for name in re.findall(r"<code>((?:source|destination|contact|energy|solver)\.\w+)", page):
+        assert name in names or name in scene_file(scene)["pinned"]
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_same_input_gives_the_same_bytes_anywhere(folder, tmp_path, scene):
+    """From a copy of modelDescription in another folder, called from there."""
+    copy = tmp_path / "another place" / "modelDescription"
+    shutil.copytree(FOLDER, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "LICENSE", copy.parent)
+    again = generate(copy / "scenes" / f"{scene}.toml", tmp_path / "out")
+    first = {
+        p.relative_to(folder / scene).as_posix(): p.read_text()
+        for p in (folder / scene).rglob("*")
+        if p.is_file()
+    }
+    assert again == first
+
+
+def test_the_guid_changes_with_what_is_compiled_in(tmp_path):
+    """A constant shows nowhere in the description, and yet makes another FMU."""
+    text = (FOLDER / "scenes" / "BallOnSphere.toml").read_text()
+    (tmp_path / "scene.toml").write_text(text)
+    (tmp_path / "other.toml").write_text(text.replace("[pinned]", '[pinned]\n"source.mass" = 2.0'))
+    (tmp_path / "third.toml").write_text(text.replace("[pinned]", '[pinned]\n"source.mass" = 3.0'))
+    guids = set()
+    for name in ("scene", "other", "third"):
+        files = generate(tmp_path / f"{name}.toml", tmp_path / name)
+        guid = re.search(r'guid="(\{[0-9a-f-]{36}\})"', files["modelDescription.xml"])[1]
+        assert f'#define SCENE_GUID "{guid}"' in files["scene.h"]
+        assert f"#define SCENE_HASH 0x{guid[1:9]}u" in files["scene.h"]
+        guids.add(guid)
+    assert len(guids) == 3
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_every_licence_of_what_is_inside_is_named(folder, scene):
+    page = (folder / scene / "documentation" / "index.html").read_text(encoding="utf-8")
+    for link in re.findall(r'href="(licenses/[^"]+)"', page):
+        assert (folder / scene / "documentation" / link).is_file() or (
+            FOLDER / "documentation" / link
+        ).is_file()
+    licence = (folder / scene / "documentation" / "licenses" / "license.txt").read_text(encoding="utf-8")
+    assert licence == (ROOT / "LICENSE").read_text(encoding="utf-8")
+
+
+def test_unchanged_files_are_not_written_again(tmp_path):
+    generate("ForceElement", tmp_path)
+    before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
+    generate("ForceElement", tmp_path)
+    assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")} == before
+
+
+def test_wrong_arguments_say_what_is_needed():
+    done = run("--scene", FOLDER / "scenes" / "BallOnSphere.toml")
+    assert done.returncode == 2
+    assert "--output" in done.stderr

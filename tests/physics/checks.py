@@ -1,0 +1,66 @@
+"""Comparisons that print both values and fail on NaN, and runs of an FMU from a configuration."""
+
+import numpy as np
+
+METHODS = ["cvode_bdf", "cvode_adams"]
+
+
+def differences(what, value, expected, allowed):
+    """Empty when every |value - expected| <= allowed (scalars or vectors); otherwise a line with both
+    values.
+    """
+    value, expected = np.asarray(value, np.longdouble), np.asarray(expected, np.longdouble)
+    error = np.max(np.abs(value - expected))
+    if error <= allowed:  # False for NaN
+        return []
+    return [
+        f"{what}: got {shown(value)}, expected {shown(expected)}, "
+        f"off by {float(error):.3g} > {float(allowed):.3g}"
+    ]
+
+
+def shown(values):
+    text = ", ".join(f"{float(x):.17g}" for x in np.atleast_1d(values))
+    return f"({text})" if np.ndim(values) else text
+
+
+def check_close(what, value, expected, allowed):
+    wrong = differences(what, value, expected, allowed)
+    assert not wrong, wrong[0]
+
+
+def check_relative(what, value, expected, relative):
+    check_close(what, value, expected, relative * float(np.max(np.abs(np.asarray(expected, np.longdouble)))))
+
+
+def start(fmu, configuration, tolerance=None, method=None):
+    """A fresh run at time 0. "<input>.derivatives" lists the first and second derivatives given at time 0."""
+    fmu.reset()
+    fmu.messages.clear()
+    values = {name: value for name, value in configuration.items() if not name.endswith(".derivatives")}
+    if method:
+        values["solver.method"] = method
+    if (
+        "solver.max_internal_steps" in fmu
+    ):  # far more than any run here needs: a run that is stuck fails within seconds
+        values.setdefault("solver.max_internal_steps", 300_000)
+    fmu.start(values, tolerance=tolerance)
+    for name, rows in configuration.items():
+        if name.endswith(".derivatives"):
+            for order, row in enumerate(rows, start=1):
+                fmu.set_derivative(name.removesuffix(".derivatives"), row, order=order)
+    return fmu
+
+
+def run(fmu, configuration, end, steps=10, tolerance=1e-10, method="cvode_bdf", each=None):
+    """From 0 to `end` in equal communication steps; `each(fmu)` is called at the start and after every
+    step.
+    """
+    start(fmu, configuration, tolerance, method)
+    if each:
+        each(fmu)
+    for k in range(steps):
+        fmu.step(end * (k + 1) / steps - fmu.time)
+        if each:
+            each(fmu)
+    return fmu

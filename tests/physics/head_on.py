@@ -1,0 +1,82 @@
+"""Head-on contacts without gravity: how they are set up, and what the linear oscillator says about them.
+
+While the bodies overlap, the penetration s = -g obeys m s'' + c s' + k s = 0, s(0) = 0, s'(0) = v, with m
+the effective mass. With zeta = c / (2 sqrt(k m)) = sin(phi), omega = sqrt(k/m), theta = omega t cos(phi):
+
+    s   =  v / (omega cos phi) exp(-theta tan phi) sin(theta)
+    s'  =  v / cos phi         exp(-theta tan phi) cos(theta + phi)
+    F   = -m s'' = m omega v / cos phi exp(-theta tan phi) sin(theta + 2 phi)
+
+(each derivative turns the phase by phi). phi is complex for zeta > 1 and the formulas stay, with real
+results.
+"""
+
+import cmath
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+GEOMETRIES = [(shape, location) for shape in ("sphere", "cylinder") for location in ("outside", "inside")]
+FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
+DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
+AXIS = np.array([2.0, -1.0, 2.0]) / 3.0
+ACROSS = np.array([1.0, 2.0, 0.0]) / math.sqrt(5.0)  # perpendicular to AXIS
+GAP, SPEED = 0.05, 1.0
+RADII = {"source.radius": 0.1, "destination.radius": 0.5}
+
+
+def head_on(shape, location, gap=GAP, speed=SPEED, **more):
+    """The source comes along ACROSS and closes `gap` with `speed`; `more` is added with _ for the first
+    dot of the names.
+    """
+    inside = location == "inside"
+    distance = 0.4 - gap if inside else 0.6 + gap
+    values = {
+        **RADII,
+        "source.motion": "free",
+        "destination.motion": "fixed",
+        "source.center": (distance * ACROSS).tolist(),
+        "source.initial_velocity": ((1 if inside else -1) * speed * ACROSS).tolist(),
+        "contact.location": location,
+        "contact.method": "penalty",
+        "contact.penalty_factor": 1e6,
+        "gravity": [0.0, 0.0, 0.0],
+    }
+    if shape == "cylinder":
+        values["destination.axis"] = AXIS.tolist()
+    values.update({name.replace("_", ".", 1): value for name, value in more.items()})
+    return values
+
+
+def approach(location):
+    """Unit vector of the source's velocity before the contact."""
+    return ACROSS if location == "inside" else -ACROSS
+
+
+class HeadOn(NamedTuple):
+    """What the oscillator says: speed after / before, how long g < 0, and the peaks."""
+
+    restitution: float
+    duration: float
+    peak_penetration: float
+    peak_force: float
+
+
+def oscillator(dashpot, mass, stiffness, damping, speed=SPEED):
+    omega = math.sqrt(stiffness / mass)
+    zeta = damping / (2 * math.sqrt(stiffness * mass))
+    phi = cmath.asin(zeta)
+    slope, rate = cmath.tan(phi), omega * cmath.cos(phi)
+    turned = math.pi / 2 - phi  # theta where s' = 0
+    deepest = speed / omega * cmath.exp(-slope * turned)
+    if dashpot == "unclamped":  # until s = 0
+        restitution, duration = cmath.exp(-slope * math.pi), math.pi / rate
+    elif (
+        dashpot == "non_adhesive"
+    ):  # F = 0 at theta = pi - 2 phi, then on with constant speed; s / s' there is 2 zeta / omega
+        restitution, duration = cmath.exp(-slope * 2 * turned), 2 * turned / rate + 2 * zeta / omega
+    else:  # from the deepest point on undamped
+        restitution, duration = cmath.exp(-slope * turned), turned / rate + math.pi / (2 * omega)
+    force = mass * omega * speed * cmath.exp(-slope * (turned - 2 * phi)) if zeta < 0.5 else damping * speed
+    return HeadOn(*(complex(x).real for x in (restitution, duration, deepest, force)))

@@ -1,0 +1,241 @@
+"""The contact law of DESIGN section 1, written a second time and on its own: geometry, factors and force in
+extended precision.
+
+A configuration is a flat dictionary of FMI variable names (DESIGN section 2), as it is given to an FMU;
+whatever is left out has the start value of DESIGN section 2. Everything is computed with numpy.longdouble,
+so that what differs from an FMU is the FMU's.
+
+Every result comes with the *size of its terms*: the sum of the magnitudes that were added up to get it.
+Rounding errors are relative to that size, not to a result that may have cancelled to nothing.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+REAL = np.longdouble
+
+START_VALUES = {
+    "source.radius": 0.1,
+    "destination.radius": 0.5,
+    "source.mass": 1.0,
+    "destination.mass": 1.0,
+    "source.center": [0.0, 0.0, 1.1],
+    "destination.center": [0.0, 0.0, 0.0],
+    "source.motion": "free",
+    "destination.motion": "fixed",
+    **{
+        f"{body}.{row}": [0.0, 0.0, 0.0]
+        for body in ("source", "destination")
+        for row in (
+            "initial_displacement",
+            "initial_velocity",
+            "prescribed_displacement",
+            "prescribed_velocity",
+            "external_force",
+        )
+    },
+    "destination.axis": [0.0, 0.0, 1.0],
+    "destination.finite_length": False,
+    "destination.length": 1.0,
+    "contact.location": "automatic",
+    "contact.method": "penalty_dynamic",
+    "contact.penalty_control": "user_defined",
+    "contact.penalty_multiplier": 1.0,
+    "contact.penalty_factor": 1e6,
+    "contact.viscous_control": "user_defined",
+    "contact.characteristic_time": 1e-4,
+    "contact.viscous_penalty_factor": 100.0,
+    "contact.reference_modulus": 1e9,
+    "contact.dashpot": "non_adhesive",
+    "contact.gap_beyond_ends": 1e30,
+    "gravity": [0.0, 0.0, -9.81],
+}
+
+
+def complete(configuration):
+    """The configuration with DESIGN's start values for everything it leaves out; an unknown name is a
+    mistake of the test.
+    """
+    return {**START_VALUES, **{k: v for k, v in configuration.items() if not k.startswith("solver.")}}
+
+
+def vector(values):
+    return np.array([REAL(value) for value in values], dtype=REAL)
+
+
+def norm(values):
+    """Euclidean length, scaled by the largest component: neither 1e150 nor 1e-150 is squared."""
+    largest = np.max(np.abs(values))
+    if largest == 0:
+        return REAL(0)
+    return largest * np.sqrt(np.sum((values / largest) ** 2))
+
+
+@dataclass
+class Motion:
+    """Displacement and velocity of both bodies at one instant."""
+
+    source_displacement: np.ndarray
+    source_velocity: np.ndarray
+    destination_displacement: np.ndarray
+    destination_velocity: np.ndarray
+
+
+def start_motion(configuration):
+    """Displacements and velocities at the end of initialization, by each body's kind of motion."""
+    values = {}
+    for body in ("source", "destination"):
+        kind = configuration[f"{body}.motion"]
+        prefix = {"free": "initial", "prescribed": "prescribed"}.get(kind)
+        for row in ("displacement", "velocity"):
+            start = configuration[f"{body}.{prefix}_{row}"] if prefix else (0.0, 0.0, 0.0)
+            values[f"{body}_{row}"] = vector(start)
+    return Motion(**values)
+
+
+class ReferenceContact:
+    """What initialization fixes: the axis, the location and the two factors in force."""
+
+    def __init__(self, configuration, shape):
+        self.values = values = complete(configuration)
+        self.shape = shape
+        self.source_radius = REAL(values["source.radius"])
+        self.destination_radius = REAL(values["destination.radius"])
+        self.axis = None
+        self.half_length = None
+        if shape == "cylinder":
+            axis = vector(values["destination.axis"])
+            self.axis = axis / norm(axis)
+            if values["destination.finite_length"]:
+                self.half_length = REAL(values["destination.length"]) / 2
+        start = start_motion(values)
+        self.location = values["contact.location"]
+        if self.location == "automatic":
+            fits = self.source_radius < self.destination_radius
+            hollow = fits and self.separation(start)[0] < self.destination_radius
+            self.location = "inside" if hollow else "outside"
+        self.diagonal = self.bounding_box_diagonal(start)
+        self.penalty, self.viscous = self.factors()
+
+    def connection(self, motion):
+        """c = x_dst - x_src and the size of its terms; a common offset of the centres cancels
+        before anything is added.
+        """
+        offset = vector(self.values["destination.center"]) - vector(self.values["source.center"])
+        moved = motion.destination_displacement - motion.source_displacement
+        return offset + moved, norm(offset) + norm(moved)
+
+    def separation(self, motion):
+        """d, the vector it is the length of (c or its part across the axis), c.e_d, and the size of
+        the terms.
+        """
+        across, size = self.connection(motion)
+        along = REAL(0)
+        if self.axis is not None:
+            along = np.dot(across, self.axis)
+            across = across - along * self.axis
+        return norm(across), across, along, size
+
+    def bounding_box_diagonal(self, motion):
+        """Axis-parallel box around both bodies; an infinite cylinder enters with its cross-section,
+        a disc, only.
+        """
+        if self.axis is None:
+            reach = np.full(3, self.destination_radius, dtype=REAL)
+        else:
+            reach = self.destination_radius * np.sqrt(np.maximum(0, 1 - self.axis**2))
+            if self.half_length is not None:
+                reach = reach + self.half_length * np.abs(self.axis)
+        apart, _ = self.connection(motion)
+        lowest = np.minimum(-self.source_radius, apart - reach)
+        highest = np.maximum(self.source_radius, apart + reach)
+        return norm(highest - lowest)
+
+    def factors(self):
+        """p_n and p_nv in force; p_n is 0 for viscous only, p_nv is 0 for the method without a dashpot."""
+        values = self.values
+        modulus_length = REAL(values["contact.reference_modulus"]) * self.diagonal
+        control = values["contact.penalty_control"]
+        if control == "user_defined":
+            penalty = REAL(values["contact.penalty_factor"])
+        elif control == "automatic":
+            penalty = REAL(values["contact.penalty_multiplier"]) * modulus_length
+        else:
+            penalty = REAL(0)
+        if values["contact.method"] == "penalty":
+            viscous = REAL(0)
+        elif values["contact.viscous_control"] == "user_defined":
+            viscous = REAL(values["contact.viscous_penalty_factor"])
+        else:
+            scale = modulus_length if control == "viscous_only" else penalty
+            viscous = REAL(values["contact.characteristic_time"]) * scale
+        return penalty, viscous
+
+    def normal_force(self, gap, gap_rate):
+        """F_n of the laws and dashpots of DESIGN section 1."""
+        if not gap < 0:
+            return REAL(0)
+        dashpot = self.values["contact.dashpot"]
+        rate = min(gap_rate, REAL(0)) if dashpot == "approach_only" else gap_rate
+        force = -self.penalty * gap - self.viscous * rate
+        return max(force, REAL(0)) if dashpot == "non_adhesive" else force
+
+    def evaluate(self, motion):
+        """FMI output name -> (value, size of its terms) at one instant. Not for d = 0, where no
+        direction exists.
+        """
+        distance, across, along, length = self.separation(motion)
+        inside = self.location == "inside"
+        radii = self.source_radius + self.destination_radius
+        gap = self.destination_radius - self.source_radius - distance if inside else distance - radii
+        normal = across / distance
+        velocity = motion.destination_velocity - motion.source_velocity
+        distance_rate = np.dot(normal, velocity)
+        gap_rate = -distance_rate if inside else distance_rate
+        within = self.half_length is None or abs(along) <= self.half_length
+        if self.shape == "cylinder":
+            direction = -normal if inside else normal  # towards the contact point
+            away = -direction
+        else:
+            direction = normal  # towards the destination's centre
+            away = direction if inside else -direction
+
+        # The direction's error is that of `across` over d, and everything projected on it inherits it.
+        sharpness = length / distance
+        speed = norm(velocity) * sharpness
+        force = self.normal_force(gap, gap_rate) if within else REAL(0)
+        force_size = self.penalty * (length + radii) + self.viscous * speed
+        vector_size = force_size + abs(force) * sharpness
+        source = vector(self.values["source.center"]) + motion.source_displacement
+        # Point of the destination's surface nearest to the source's centre, for all four geometries.
+        point = source + across - self.destination_radius * normal
+        reach = norm(vector(self.values["source.center"])) + norm(motion.source_displacement)
+        results = {
+            "contact.distance": (distance, length),
+            "contact.direction": (direction, sharpness),
+            "contact.normal_force": (force, force_size),
+            "contact.source_force": (force * away, vector_size),
+            "contact.destination_force": (-force * away, vector_size),
+            "contact.active": (bool(within and gap < 0), None),
+        }
+        if within:
+            results["contact.gap"] = (gap, length + radii)
+            results["contact.gap_rate"] = (gap_rate, speed)
+            results["contact.point"] = (point, reach + length + radii * (1 + sharpness))
+        else:
+            results["contact.gap"] = (REAL(self.values["contact.gap_beyond_ends"]), REAL(0))
+        if self.shape == "cylinder":
+            results["contact.within_extents"] = (bool(within), None)
+        return results
+
+    def constants(self):
+        """FMI calculated parameter -> (value, size of its terms)."""
+        _, length = self.connection(start_motion(self.values))
+        size = length + self.diagonal
+        share = size / self.diagonal  # the factors inherit the diagonal's error where they are made from it
+        return {
+            "contact.diagonal": (self.diagonal, size),
+            "contact.effective_penalty_factor": (self.penalty, self.penalty * share),
+            "contact.effective_viscous_penalty_factor": (self.viscous, self.viscous * share),
+        }

@@ -1,0 +1,46 @@
+"""The peers' problems P1, P2, P3 and P3b through the FMU, at tolerance 1e-10, whatever the communication
+steps.
+"""
+
+from functools import cache
+
+import pytest
+from benchmarks import BENCHMARKS
+from checks import METHODS, check_close, run
+
+ALLOWED = 1e-6  # m
+TOLERANCE = 1e-10
+
+
+@pytest.fixture(scope="module")
+def final_position(opened):
+    @cache
+    def position(name, method, steps):
+        problem = BENCHMARKS[name]
+        fmu = run(opened(problem.fmu), problem.configuration, problem.end, steps, TOLERANCE, method)
+        return fmu["source.position"]
+
+    return position
+
+
+@pytest.mark.parametrize("steps", [1, 10, 1000])
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_end_of_the_run_is_the_reference(final_position, name, method, steps):
+    check_close(f"{name} position", final_position(name, method, steps), BENCHMARKS[name].position, ALLOWED)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_one_huge_step_and_a_thousand_small_ones_agree(final_position, name, method):
+    huge, small = final_position(name, method, 1), final_position(name, method, 1000)
+    check_close(f"{name} position", huge, small, ALLOWED)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_the_error_follows_the_tolerance(opened, name, method):
+    """At the everyday tolerance 1e-8 the runs are still right to a tenth of a millimetre."""
+    problem = BENCHMARKS[name]
+    fmu = run(opened(problem.fmu), problem.configuration, problem.end, 10, 1e-8, method)
+    check_close(f"{name} position", fmu["source.position"], problem.position, 1e-4)

@@ -1,0 +1,234 @@
+"""Contacts whose end is known in closed form: duration, restitution, exchange, rest, peaks, mean force."""
+
+import math
+
+import numpy as np
+import pytest
+from checks import METHODS, check_close, check_relative, run
+from head_on import ACROSS, DASHPOTS, FMU, GAP, GEOMETRIES, SPEED, approach, head_on, oscillator
+
+RELATIVE = 1e-8  # at tolerance 1e-10
+GAP_ERROR = (
+    2e-10  # m, the tolerance on distances of 0.6 m; decides when a contact ends while its dashpot still acts
+)
+STIFFNESS = 1e6
+END = 0.1  # onset at 0.05 s, contact over well before
+
+MASSES = {  # source, destination, effective mass
+    "source free": ("free", "fixed", 2.0, 1.0, 2.0),
+    "destination free": ("fixed", "free", 1.0, 3.0, 3.0),
+    "both free": ("free", "free", 1.0, 3.0, 0.75),
+}
+
+
+def with_masses(configuration, motions):
+    """The pair closes with the same speed whoever moves; both free: with the centre of mass at rest."""
+    source, destination, m_s, m_d, effective = MASSES[motions]
+    v = np.array(configuration["source.initial_velocity"])
+    shares = {
+        "source free": (1, 0),
+        "destination free": (0, 1),
+        "both free": (m_d / (m_s + m_d), m_s / (m_s + m_d)),
+    }
+    share_s, share_d = shares[motions]
+    configuration.update(
+        {
+            "source.motion": source,
+            "destination.motion": destination,
+            "source.mass": m_s,
+            "destination.mass": m_d,
+            "source.initial_velocity": (share_s * v).tolist(),
+            "destination.initial_velocity": (-share_d * v).tolist(),
+        }
+    )
+    return effective
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("motions", MASSES)
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_undamped_contact_lasts_pi_root_m_over_k(opened, shape, location, motions, method):
+    configuration = head_on(shape, location)
+    effective = with_masses(configuration, motions)
+    fmu = run(opened(FMU[shape]), configuration, END, 1, method=method)
+    assert fmu["contact.onsets"] == 1
+    check_relative(
+        "duration", fmu["contact.last_duration"], math.pi * math.sqrt(effective / STIFFNESS), RELATIVE
+    )
+    rebound = fmu["destination.velocity"] - fmu["source.velocity"]
+    check_close("relative velocity", rebound, SPEED * approach(location), RELATIVE * SPEED)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("zeta", [0.05, 0.4, 0.9, 1.5])
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_restitution_duration_and_peaks_are_the_damped_oscillators(
+    opened, shape, location, dashpot, zeta, method
+):
+    if (
+        dashpot == "unclamped" and zeta > 0.9
+    ):  # the bodies part at exp(-pi tan phi) of their speed: at 1 never
+        zeta = 0.7
+    mass = 0.75
+    damping = 2 * zeta * math.sqrt(STIFFNESS * mass)
+    configuration = head_on(
+        shape,
+        location,
+        contact_method="penalty_dynamic",
+        contact_viscous_penalty_factor=damping,
+        contact_dashpot=dashpot,
+    )
+    with_masses(configuration, "both free")
+    fmu = run(opened(FMU[shape]), configuration, 2 * END, 1, method=method)
+    expected = oscillator(dashpot, mass, STIFFNESS, damping)
+    speed = (fmu["destination.velocity"] - fmu["source.velocity"]) @ approach(location)
+    check_close(
+        "restitution", speed / SPEED, expected.restitution, RELATIVE + GAP_ERROR * damping / mass / SPEED
+    )
+    late = GAP_ERROR / (expected.restitution * SPEED)
+    check_close(
+        "duration", fmu["contact.last_duration"], expected.duration, RELATIVE * expected.duration + late
+    )
+    check_relative("peak penetration", fmu["contact.peak_penetration"], expected.peak_penetration, RELATIVE)
+    check_relative("peak force", fmu["contact.peak_force"], expected.peak_force, RELATIVE)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+def test_viscous_only_stops_the_body_where_its_momentum_is_spent(opened, dashpot, method):
+    """m v' = -c v: depth m v / c, reached exponentially and never left."""
+    damping = 200.0
+    configuration = head_on("sphere", "outside", contact_method="penalty_dynamic", contact_dashpot=dashpot)
+    configuration.update(
+        {
+            "contact.penalty_control": "viscous_only",
+            "contact.viscous_penalty_factor": damping,
+            "source.mass": 1.0,
+        }
+    )
+    fmu = run(opened("SphereSphere"), configuration, GAP / SPEED + 0.05, 10, method=method)
+    travelled = math.exp(-damping * 0.05)
+    check_close("gap", fmu["contact.gap"], -SPEED / damping * (1 - travelled), 1e-8)
+    check_close("velocity", fmu["source.velocity"], -SPEED * travelled * ACROSS, 1e-8)
+    assert fmu["contact.active"] is True
+    assert fmu["contact.effective_penalty_factor"] == 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_equal_masses_exchange_their_velocities(opened, shape, location, method):
+    configuration = head_on(shape, location, destination_motion="free")
+    fmu = run(opened(FMU[shape]), configuration, END, 1, tolerance=1e-14, method=method)
+    before = SPEED * approach(location)
+    check_close("source.velocity", fmu["source.velocity"], [0, 0, 0], 1e-12)
+    check_close("destination.velocity", fmu["destination.velocity"], before, 1e-12)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_momentum_and_angular_momentum_of_two_free_bodies_stay(opened, shape, location, dashpot, method):
+    """An oblique contact with gravity off; the angular momentum about the origin stays for spheres,
+    about the axis for both.
+    """
+    configuration = head_on(
+        shape, location, contact_method="penalty_dynamic", contact_dashpot=dashpot, destination_motion="free"
+    )
+    configuration.update({"source.mass": 1.0, "destination.mass": 2.5})
+    configuration["source.initial_velocity"] = (np.array([0.3, 0.1, -0.2]) + 2 * approach(location)).tolist()
+    configuration["destination.initial_velocity"] = [0.1, -0.2, 0.3]
+    momenta, spins = [], []
+
+    def record(fmu):
+        rows = [
+            (m, fmu[f"{b}.position"], fmu[f"{b}.velocity"])
+            for b, m in (("source", 1.0), ("destination", 2.5))
+        ]
+        momenta.append(sum(m * v for m, _, v in rows))
+        spins.append(sum(m * np.cross(x, v) for m, x, v in rows))
+
+    fmu = run(opened(FMU[shape]), configuration, END, 20, method=method, each=record)
+    assert fmu["contact.onsets"] >= 1
+    check_close("momentum", momenta, [momenta[0]] * len(momenta), 1e-12)
+    if shape == "sphere":
+        check_close("angular momentum", spins, [spins[0]] * len(spins), 1e-9)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_a_body_at_rest_sinks_in_by_weight_over_stiffness(opened, shape, location, dashpot, method):
+    mass, stiffness, weight = 2.0, 1e4, 9.81
+    damping = 0.4 * 2 * math.sqrt(stiffness * mass)
+    down = approach(location)
+    configuration = head_on(
+        shape, location, gap=1e-3, speed=0.0, contact_method="penalty_dynamic", contact_dashpot=dashpot
+    )
+    configuration.update(
+        {"source.mass": mass, "contact.penalty_factor": stiffness, "gravity": (weight * down).tolist()}
+    )
+    configuration["contact.viscous_penalty_factor"] = damping
+    fmu = run(opened(FMU[shape]), configuration, 2.0, 4, method=method)
+    check_close("gap", fmu["contact.gap"], -mass * weight / stiffness, 1e-9)
+    check_close("normal_force", fmu["contact.normal_force"], mass * weight, 1e-9 * stiffness)
+    check_close("source_force", fmu["contact.source_force"], -mass * weight * down, 1e-9 * stiffness)
+    check_close("mean_force", fmu["contact.mean_force"], -mass * weight * down, 1e-5)
+    check_close("velocity", fmu["source.velocity"], [0, 0, 0], 1e-7)
+
+
+@pytest.mark.parametrize("steps", [1, 7, 100])
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_mean_force_is_what_changes_the_momentum(opened, shape, location, steps):
+    """mean_force h = m (v1 - v0) - (m gravity + external force) h, in every communication step."""
+    mass, gravity, force = 1.5, np.array([0.0, 0.0, -9.81]), np.array([1.0, -2.0, 0.5])
+    configuration = head_on(shape, location, contact_method="penalty_dynamic")
+    configuration.update(
+        {"source.mass": mass, "gravity": gravity.tolist(), "source.external_force": force.tolist()}
+    )
+    velocities, means, peaks = [], [], []
+
+    def record(fmu):
+        velocities.append(fmu["source.velocity"])
+        means.append(fmu["contact.mean_force"])
+        peaks.append(fmu["contact.peak_force"])
+
+    run(opened(FMU[shape]), configuration, END, steps, each=record)
+    assert max(peaks) > 100
+    step = END / steps
+    for before, after, mean in zip(velocities[:-1], velocities[1:], means[1:], strict=True):
+        expected = mass * (after - before) / step - mass * gravity - force
+        check_close("mean_force", mean, expected, 1e-8 * mass * SPEED / step)
+
+
+@pytest.mark.parametrize("steps", [1, 5, 500])
+def test_peaks_are_of_the_last_communication_step_and_none_is_missed(opened, steps):
+    """The peak of the whole is v/omega and v sqrt(k m) however it is cut; a step without contact has none."""
+    depths, forces = [], []
+
+    def record(fmu):
+        depths.append(fmu["contact.peak_penetration"])
+        forces.append(fmu["contact.peak_force"])
+
+    fmu = run(opened("SphereSphere"), head_on("sphere", "outside"), END, steps, each=record)
+    check_relative("peak penetration", max(depths), SPEED * math.sqrt(1 / STIFFNESS), RELATIVE)
+    check_relative("peak force", max(forces), SPEED * math.sqrt(STIFFNESS), RELATIVE)
+    fmu.step(0.01)
+    assert (fmu["contact.peak_penetration"], fmu["contact.peak_force"]) == (0, 0)
+
+
+def test_automatic_factors_are_those_of_the_bounding_box(opened):
+    """Box of radii 0.1 and 0.5 with centres 2 m apart along x: 2.6 x 1 x 1 m."""
+    values = {
+        "source.center": [2.0, 0.0, 0.0],
+        "contact.penalty_control": "automatic",
+        "contact.penalty_multiplier": 2.0,
+        "contact.viscous_control": "automatic",
+        "contact.characteristic_time": 1e-3,
+        "contact.reference_modulus": 1e6,
+    }
+    fmu = run(opened("SphereSphere"), values, 0.0, steps=0)
+    diagonal = math.sqrt(2.6**2 + 1 + 1)
+    check_relative("diagonal", fmu["contact.diagonal"], diagonal, 1e-15)
+    check_relative("penalty", fmu["contact.effective_penalty_factor"], 2e6 * diagonal, 1e-15)
+    check_relative("viscous", fmu["contact.effective_viscous_penalty_factor"], 2e3 * diagonal, 1e-15)

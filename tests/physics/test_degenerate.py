@@ -1,0 +1,198 @@
+"""Concentric bodies, automatic location, kinds of motion that mean the same, and starts in the middle of a
+contact.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from checks import METHODS, check_close, check_relative, run, start
+from head_on import ACROSS, AXIS, FMU, GEOMETRIES, approach, head_on
+
+PRESCRIBED = {"source.motion": "prescribed", "destination.motion": "prescribed"}
+ORIGIN = {"source.center": [0.0, 0.0, 0.0], "destination.center": [0.0, 0.0, 0.0]}
+READ = [
+    f"contact.{row}"
+    for row in (
+        "gap",
+        "gap_rate",
+        "distance",
+        "direction",
+        "normal_force",
+        "source_force",
+        "destination_force",
+        "point",
+    )
+]
+
+
+def check_finite(fmu):
+    for name in READ:
+        assert np.all(np.isfinite(fmu[name])), f"{name} = {fmu[name]}"
+
+
+def warnings(fmu):
+    return [message for message in fmu.messages if message.category == "logStatusWarning"]
+
+
+def concentric(shape, **more):
+    values = {**PRESCRIBED, **ORIGIN, "source.radius": 0.1, "destination.radius": 0.5}
+    if shape == "cylinder":
+        values["destination.axis"] = AXIS.tolist()
+    return {**values, **{name.replace("_", ".", 1): value for name, value in more.items()}}
+
+
+@pytest.mark.parametrize("location", ["automatic", "inside"])
+@pytest.mark.parametrize("shape", FMU)
+def test_concentric_hollow_bodies_do_not_touch(opened, shape, location):
+    fmu = start(
+        opened(FMU[shape]), concentric(shape, contact_location=location, source_prescribed_velocity=[1, 2, 3])
+    )
+    for _ in range(3):
+        check_finite(fmu)
+        check_close("gap", fmu["contact.gap"], 0.4, 1e-15)
+        assert fmu["contact.active"] is False
+        check_close(
+            "forces", [fmu["contact.source_force"], fmu["contact.destination_force"]], np.zeros((2, 3)), 0
+        )
+        fmu.step(0.1)
+    assert not warnings(fmu)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("shape", FMU)
+def test_a_ball_flies_through_the_middle_of_a_hollow_body(opened, shape, method):
+    """Head-on back and forth through d = 0: four bounces of an undamped ball, one communication step."""
+    values = head_on(shape, "inside", gap=0.4)
+    fmu = run(opened(FMU[shape]), values, 4.0, 1, method=method)
+    period = 0.8 + math.pi * 1e-3
+    assert fmu["contact.onsets"] == 5
+    check_close("last_onset_time", fmu["contact.last_onset_time"], 0.4 + 4 * period, 1e-7)
+    left = 4.0 - (0.4 + 4 * period + math.pi * 1e-3)
+    check_close("position", fmu["source.position"], (0.4 - left) * ACROSS, 1e-6)
+
+
+@pytest.mark.parametrize("shape", FMU)
+def test_overlapping_solids_at_the_same_place_push_along_a_fixed_direction(opened, shape):
+    """No normal is defined: a documented unit vector (across a cylinder's axis), one warning, nothing
+    that is not finite.
+    """
+    fmu = start(opened(FMU[shape]), concentric(shape, contact_location="outside", contact_method="penalty"))
+    directions = []
+    for _ in range(3):
+        check_finite(fmu)
+        check_relative("gap", fmu["contact.gap"], -0.6, 1e-15)
+        check_relative("normal_force", fmu["contact.normal_force"], 0.6e6, 1e-14)
+        directions.append(fmu["contact.direction"])
+        check_close("length of direction", np.linalg.norm(directions[-1]), 1.0, 1e-14)
+        check_close("action and reaction", fmu["contact.source_force"], -fmu["contact.destination_force"], 0)
+        check_relative("force", np.linalg.norm(fmu["contact.source_force"]), 0.6e6, 1e-14)
+        fmu.step(0.1)
+    check_close("direction", directions, [directions[0]] * 3, 0)
+    if shape == "cylinder":
+        check_close("direction along the axis", directions[0] @ AXIS, 0.0, 1e-15)
+    assert len(warnings(fmu)) == 1, fmu.messages
+
+
+@pytest.mark.parametrize("shape", FMU)
+def test_overlapping_solids_keep_the_last_direction(opened, shape):
+    fmu = opened(FMU[shape])
+    start(
+        fmu,
+        concentric(shape, contact_location="outside", source_prescribed_displacement=(0.3 * ACROSS).tolist()),
+    )
+    fmu.step(0.1)
+    before = fmu["contact.direction"]
+    check_close("direction", before, -ACROSS, 1e-14)
+    fmu["source.prescribed_displacement"] = [0.0, 0.0, 0.0]
+    fmu.step(0.1)
+    check_close("direction", fmu["contact.direction"], before, 0)
+    check_finite(fmu)
+    assert len(warnings(fmu)) == 1, fmu.messages
+    fmu["source.prescribed_displacement"] = (-0.3 * ACROSS).tolist()
+    check_close("direction", fmu["contact.direction"], ACROSS, 1e-14)
+    fmu["source.prescribed_displacement"] = [0.0, 0.0, 0.0]
+    fmu.step(0.1)
+    assert len(warnings(fmu)) == 1, "warned more than once"
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("shape", FMU)
+def test_a_free_ball_let_go_at_the_centre_of_a_solid_is_thrown_out(opened, shape, method):
+    """The energy p_n g^2/2 of the start becomes speed, whichever way the ball leaves."""
+    values = concentric(
+        shape, contact_location="outside", contact_method="penalty", contact_penalty_factor=100.0
+    )
+    values.update(
+        {
+            "source.motion": "free",
+            "destination.motion": "fixed",
+            "source.mass": 2.0,
+            "gravity": [0.0, 0.0, 0.0],
+        }
+    )
+    fmu = run(opened(FMU[shape]), values, 2.0, 4, method=method)
+    check_close("gap", fmu["contact.active"], False, 0)
+    check_relative("speed", np.linalg.norm(fmu["source.velocity"]), 0.6 * math.sqrt(100 / 2.0), 1e-7)
+    check_close("onsets", fmu["contact.onsets"], 1, 0)
+
+
+LOCATIONS = {  # r_s, r_d, d -> location
+    "centre inside, fits": (0.1, 0.5, 0.45, "inside"),
+    "centre just inside": (0.1, 0.5, 0.4999999, "inside"),
+    "centre just outside": (0.1, 0.5, 0.5000001, "outside"),
+    "far outside": (0.1, 0.5, 5.0, "outside"),
+    "does not fit": (0.6, 0.5, 0.2, "outside"),
+    "just does not fit": (0.5, 0.5, 0.2, "outside"),
+}
+
+
+@pytest.mark.parametrize("case", LOCATIONS)
+@pytest.mark.parametrize("motion", ["prescribed", "free"])
+@pytest.mark.parametrize("shape", FMU)
+def test_automatic_location_is_inside_if_the_centre_starts_inside_and_fits(opened, shape, motion, case):
+    """Where the displacement puts the body at the start counts, not the undeformed centre alone."""
+    r_s, r_d, distance, location = LOCATIONS[case]
+    values = concentric(shape, source_radius=r_s, destination_radius=r_d, source_motion=motion)
+    row = "prescribed" if motion == "prescribed" else "initial"
+    values["source.center"] = (10 * ACROSS).tolist()
+    values[f"source.{row}_displacement"] = ((distance - 10) * ACROSS).tolist()
+    fmu = start(opened(FMU[shape]), values)
+    gap = r_d - r_s - distance if location == "inside" else distance - r_s - r_d
+    check_close("gap", fmu["contact.gap"], gap, 1e-14)
+
+
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_location_stays_what_it_was_at_the_start(opened, shape, location):
+    """A body pressed through the wall is still inside (outside)."""
+    values = {**head_on(shape, location), **PRESCRIBED, "contact.location": "automatic"}
+    fmu = start(opened(FMU[shape]), values)
+    first = fmu["contact.gap"]
+    fmu["source.prescribed_displacement"] = (0.3 * approach(location)).tolist()
+    fmu.step(0.1)
+    check_close("gap", fmu["contact.gap"], first - 0.3, 1e-14)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_fixed_and_prescribed_at_rest_are_the_same(opened, shape, location, method):
+    values = head_on(shape, location, contact_method="penalty_dynamic", gravity=[1.0, -2.0, 0.5])
+    ends = []
+    for motion in ("fixed", "prescribed"):
+        fmu = run(opened(FMU[shape]), {**values, "destination.motion": motion}, 0.3, 3, method=method)
+        ends.append([fmu["source.position"], fmu["source.velocity"]])
+    check_close("position and velocity", ends[0], ends[1], 1e-8)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_a_start_in_the_middle_of_a_contact_counts_as_an_onset(opened, shape, location, method):
+    """Let go at depth s with zero speed: it leaves with omega s after a quarter of a period."""
+    depth, stiffness = 1e-3, 1e6
+    values = head_on(shape, location, gap=-depth, speed=0.0)
+    fmu = start(opened(FMU[shape]), values, 1e-10, method)
+    assert (fmu["contact.onsets"], fmu["contact.active"], fmu["contact.last_onset_time"]) == (1, True, 0)
+    fmu.step(0.01)
+    check_close("last_duration", fmu["contact.last_duration"], math.pi / 2 / math.sqrt(stiffness), 1e-10)
+    check_close("velocity", fmu["source.velocity"], -depth * math.sqrt(stiffness) * approach(location), 1e-8)
+    assert fmu["contact.onsets"] == 1

@@ -1,0 +1,223 @@
+"""Contacts begin when they must, none is missed however long the communication step, and finite cylinders
+end where they end.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from checks import METHODS, check_close, check_relative, run
+from head_on import ACROSS, AXIS, FMU, GAP, GEOMETRIES, SPEED, approach, head_on
+from reference_integrator import Reference
+
+EXACT = 1e-11  # s
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("steps", [1, 3, 100])
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_onset_times_are_exact(opened, shape, location, steps, method):
+    """Straight fall with start speed v: t = (sqrt(v^2 + 2 a gap) - v) / a."""
+    weight = 9.81
+    values = head_on(shape, location, gravity=(weight * approach(location)).tolist())
+    fmu = run(opened(FMU[shape]), values, 0.045, steps, method=method)
+    onset = (math.sqrt(SPEED**2 + 2 * weight * GAP) - SPEED) / weight
+    check_close("last_onset_time", fmu["contact.last_onset_time"], onset, EXACT)
+    assert fmu["contact.onsets"] == 1
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("distance", [1.0, 1e3, 1e6])
+def test_a_bullet_hits_a_grain_in_one_communication_step(opened, distance, method):
+    """1 mm grains, 10 km/s: the overlap lasts 1e-8 of the step at most."""
+    speed, mass, radius, stiffness = 1e4, 1e-3, 1e-3, 1e13
+    values = {
+        "source.radius": radius,
+        "destination.radius": radius,
+        "source.mass": mass,
+        "source.center": (distance * ACROSS).tolist(),
+        "source.initial_velocity": (-speed * ACROSS).tolist(),
+        "contact.method": "penalty",
+        "contact.penalty_factor": stiffness,
+        "gravity": [0.0, 0.0, 0.0],
+    }
+    onset = (distance - 2 * radius) / speed
+    fmu = run(opened("SphereSphere"), values, 2 * onset, 1, method=method)
+    assert fmu["contact.onsets"] == 1
+    check_close("last_onset_time", fmu["contact.last_onset_time"], onset, 1e-10 * onset)
+    depth = speed * math.sqrt(mass / stiffness)
+    # The tolerance 1e-10 of the distance flown over the depth of the contact, of which a hundredth is asked.
+    allowed = 1e-7 + 1e-2 * 1e-10 * distance / depth
+    check_relative("peak_penetration", fmu["contact.peak_penetration"], depth, allowed)
+    check_close("velocity", fmu["source.velocity"], speed * ACROSS, allowed * speed)
+
+
+def passing(shape, miss, speed=3.0):
+    """A straight pass whose closest approach to the touching distance is `miss` (negative: overlap),
+    gravity off.
+    """
+    values = head_on(shape, "outside")
+    across = np.cross(AXIS, ACROSS)
+    along = 0.3 * AXIS if shape == "cylinder" else 0.0
+    values["source.center"] = ((0.6 + miss) * ACROSS - 2.0 * across + along).tolist()
+    values["source.initial_velocity"] = (speed * across).tolist()
+    return values
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("miss", [-1e-3, -1e-6, -1e-9, 1e-9, 1e-6])
+@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+def test_a_grazing_pass_touches_if_and_only_if_it_overlaps(opened, shape, miss, method):
+    values = passing(shape, miss)
+    end = 1.5
+    fmu = run(opened(FMU[shape]), values, end, 1, method=method)
+    expected = Reference(values, shape).run(end)
+    assert fmu["contact.onsets"] == expected.onsets == (1 if miss < 0 else 0)
+    check_close("position", fmu["source.position"], expected.position["source"], 1e-7)
+    if miss < 0:
+        check_close("last_onset_time", fmu["contact.last_onset_time"], expected.onset_times[-1], 1e-9)
+        check_relative("peak_penetration", fmu["contact.peak_penetration"], deepest(values, shape, end), 1e-5)
+
+
+def deepest(values, shape, end):
+    """Largest penetration of the first contact: the overlap is a parabola of time about its middle in
+    so short a pass.
+    """
+    expected = Reference(values, shape).run(end)
+    middle = expected.onset_times[0] + expected.durations[0] / 2
+    return -min(
+        Reference(values, shape).run(middle + k * expected.durations[0] / 200).present()[0]
+        for k in range(-9, 10)
+    )
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+def test_a_long_throw_comes_down_on_a_small_body_in_one_step(opened, shape, seed, method):
+    """A parabola of many seconds aimed within a radius or so of a small body: hit or miss as in the
+    reference.
+    """
+    random = np.random.default_rng(seed)
+    flight, gravity = random.uniform(5, 20), np.array([0.0, 0.0, -9.81])
+    aim = 0.012 * random.uniform(-1, 1, size=3)
+    velocity = np.array([*random.uniform(-20, 20, size=2), 9.81 * flight * random.uniform(0.2, 0.8)])
+    values = {
+        "source.radius": 0.002,
+        "destination.radius": 0.01,
+        "source.mass": 0.1,
+        "source.center": (aim - velocity * flight - gravity * flight**2 / 2).tolist(),
+        "source.initial_velocity": velocity.tolist(),
+        "contact.penalty_factor": 1e9,
+        "contact.method": "penalty_dynamic",
+        "contact.viscous_penalty_factor": 300.0,
+    }
+    if shape == "cylinder":
+        values["destination.axis"] = random.normal(size=3).tolist()
+    end = flight + 0.1
+    expected = Reference(values, shape).run(end)
+    fmu = run(opened(FMU[shape]), values, end, 1, method=method)
+    assert fmu["contact.onsets"] == expected.onsets
+    if not expected.onsets:
+        check_close("position", fmu["source.position"], expected.position["source"], 1e-6)
+        return
+    # 1e-10 of a throw of 1000 m, at 100 m/s; where it hits the 1 cm body decides where it goes.
+    check_close("last_onset_time", fmu["contact.last_onset_time"], expected.onset_times[-1], 1e-8)
+    check_close("position", fmu["source.position"], expected.position["source"], 1e-3)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+def test_a_body_moved_past_hits_what_stands_in_its_way(opened, shape, method):
+    """The destination goes on with its prescribed velocity inside the step; the ball leaves with twice
+    its speed.
+    """
+    speed, distance, mass, stiffness = 100.0, 50.0, 1.0, 1e8
+    values = {
+        "source.center": [0.0, 0.0, 0.0],
+        "destination.center": (-distance * ACROSS).tolist(),
+        "destination.motion": "prescribed",
+        "destination.prescribed_velocity": (speed * ACROSS).tolist(),
+        "contact.method": "penalty",
+        "contact.penalty_factor": stiffness,
+        "source.mass": mass,
+        "gravity": [0.0, 0.0, 0.0],
+    }
+    if shape == "cylinder":
+        values["destination.axis"] = AXIS.tolist()
+    fmu = run(opened(FMU[shape]), values, 1.0, 1, method=method)
+    onset, duration = (distance - 0.6) / speed, math.pi * math.sqrt(mass / stiffness)
+    assert fmu["contact.onsets"] == 1
+    check_close("last_onset_time", fmu["contact.last_onset_time"], onset, EXACT)
+    check_relative("velocity", fmu["source.velocity"], 2 * speed * ACROSS, 1e-8)
+    check_relative("destination", fmu["destination.position"], (speed - distance) * ACROSS, 1e-12)
+    travelled = speed * duration + 2 * speed * (1 - onset - duration)
+    check_relative("position", fmu["source.position"], travelled * ACROSS, 1e-7)
+    check_relative("external work", fmu["energy.external_work"], 2 * mass * speed**2, 1e-7)
+
+
+def tube(**more):
+    """A ball lying at the bottom of a finite tube along y, sunk in by m g / k, sliding along with 1 m/s."""
+    values = {
+        "source.radius": 0.1,
+        "source.center": [0.0, 0.0, -0.4 - 9.81e-4],
+        "source.initial_velocity": [0.0, 1.0, 0.0],
+        "destination.radius": 0.5,
+        "destination.axis": [0.0, 1.0, 0.0],
+        "destination.finite_length": True,
+        "destination.length": 1.0,
+        "contact.penalty_factor": 1e4,
+        "contact.method": "penalty_dynamic",
+    }
+    return {**values, **more}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("steps", [1, 10, 1000])
+def test_a_ball_slides_to_the_tubes_end_and_falls(opened, steps, method):
+    """The force ends at t = L / 2v = 0.5 s; from there on free fall, and the stored energy is booked as
+    dissipated.
+    """
+    fmu = run(opened("SphereCylinder"), tube(), 1.0, steps, method=method)
+    expected = [0.0, 1.0, -0.4 - 9.81e-4 - 9.81 * 0.5**2 / 2]
+    check_close("position", fmu["source.position"], expected, 1e-9)
+    check_close("velocity", fmu["source.velocity"], [0.0, 1.0, -9.81 * 0.5], 1e-8)
+    assert (fmu["contact.onsets"], fmu["contact.within_extents"], fmu["contact.active"]) == (1, False, False)
+    check_close("last_duration", fmu["contact.last_duration"], 0.5, EXACT)
+    check_close("dissipated", fmu["energy.dissipated"], 1e4 * 9.81e-4**2 / 2, 1e-10)
+    assert fmu["contact.gap"] == fmu["contact.gap_beyond_ends"] == 1e30
+    assert (fmu["energy.contact"], fmu["contact.normal_force"]) == (0, 0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_ball_that_enters_overlapping_gets_the_stored_energy(opened, method):
+    """Sliding in from outside at a depth held by nothing: the booked work is minus the energy the
+    contact then stores.
+    """
+    depth, stiffness = 1e-3, 1e4
+    values = tube(**{"gravity": [0.0, 0.0, 0.0], "contact.method": "penalty"})
+    values.update({"source.center": [0.0, -0.7, -0.4 - depth]})
+    fmu = run(opened("SphereCylinder"), values, 0.2 + 1e-9, 1, method=method)
+    check_close("energy.dissipated", fmu["energy.dissipated"], -stiffness * depth**2 / 2, 1e-12)
+    check_close("last_onset_time", fmu["contact.last_onset_time"], 0.2, EXACT)
+    fmu.step(0.1)  # half an oscillation at most: thrown off the wall with all of it
+    check_close("speed off the wall", fmu["source.velocity"][2], depth * math.sqrt(stiffness), 1e-8)
+    check_close("speed along", fmu["source.velocity"][1], 1.0, 1e-13)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_tube_drawn_over_a_resting_ball_begins_and_ends_with_its_ends(opened, method):
+    """The cylinder moves, the ball floats at its wall's depth: within while |c.e_d| <= L/2, 0.1 s to
+    0.6 s.
+    """
+    values = tube(**{"gravity": [0.0, 0.0, 0.0], "source.initial_velocity": [0.0, 0.0, 0.0]})
+    values.update({"source.center": [0.0, 0.0, -0.3], "destination.center": [0.0, -0.7, 0.0]})
+    values.update({"destination.motion": "prescribed", "destination.prescribed_velocity": [0.0, 2.0, 0.0]})
+    fmu = run(opened("SphereCylinder"), values, 0.05, 1, method=method)
+    inside = []
+    for end in (0.0999999, 0.1000001, 0.5999999, 0.6000001):
+        fmu.step(end - fmu.time)
+        inside.append(fmu["contact.within_extents"])
+    assert inside == [False, True, True, False]
+    assert fmu["contact.onsets"] == 0
+    check_close("position", fmu["source.position"], [0.0, 0.0, -0.3], 1e-12)

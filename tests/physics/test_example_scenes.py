@@ -1,0 +1,70 @@
+"""The example scenes, whose choices are compiled in, move as the reference and as the universal FMU do."""
+
+import pytest
+from benchmarks import BALL, DASHPOT
+from checks import METHODS, check_close, run
+from reference_integrator import Reference
+
+FREE_ON_FIXED = {"source.motion": "free", "destination.motion": "fixed"}
+EXAMPLES = {  # shape, everything pinned and everything set, end
+    "BallOnSphere": (
+        "sphere",
+        {**BALL, **DASHPOT, "contact.location": "outside", "source.center": [0.03, 0.04, 1.1]},
+        1.5,
+    ),
+    "BallInShell": (
+        "sphere",
+        {
+            **FREE_ON_FIXED,
+            "contact.location": "inside",
+            "source.center": [0.2, 0.0, 0.1],
+            "source.initial_velocity": [0.0, 0.5, 0.0],
+            "contact.penalty_control": "automatic",
+            "contact.penalty_multiplier": 1e-4,
+            "contact.viscous_control": "automatic",
+            "contact.characteristic_time": 1e-4,
+        },
+        1.0,
+    ),
+    "BallOffRoller": (
+        "cylinder",
+        {
+            **FREE_ON_FIXED,
+            "contact.location": "outside",
+            "source.center": [0.02, 0.0, 0.61],
+            "source.initial_velocity": [0.0, 1.0, 0.0],
+            "destination.axis": [0.0, 1.0, 0.0],
+            "destination.finite_length": True,
+            "destination.length": 1.0,
+            "contact.penalty_factor": 1e5,
+            "contact.viscous_penalty_factor": 50.0,
+        },
+        1.0,
+    ),
+}
+UNIVERSAL = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
+ENDS = ["source.position", "source.velocity"]
+COMPARED = [*ENDS, "contact.gap", "contact.onsets", "energy.dissipated", "energy.total"]
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_an_example_scene_moves_as_the_reference(opened, name, method):
+    shape, configuration, end = EXAMPLES[name]
+    fmu = opened(name)
+    run(fmu, {n: value for n, value in configuration.items() if n in fmu}, end, 10, method=method)
+    expected = Reference(configuration, shape).run(end)
+    check_close("source.position", fmu["source.position"], expected.position["source"], 1e-6)
+    check_close("source.velocity", fmu["source.velocity"], expected.velocity["source"], 1e-5)
+    assert fmu["contact.onsets"] == expected.onsets
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_what_is_compiled_in_computes_what_is_open(opened, name, method):
+    shape, configuration, end = EXAMPLES[name]
+    pinned = opened(name)
+    run(pinned, {n: value for n, value in configuration.items() if n in pinned}, end, 10, method=method)
+    universal = run(opened(UNIVERSAL[shape]), configuration, end, 10, method=method)
+    for output in COMPARED:
+        check_close(output, pinned[output], universal[output], 1e-7)

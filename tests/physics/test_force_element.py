@@ -1,0 +1,185 @@
+"""The force element against the independent recomputation of reference_law.py, on 10,000 random
+configurations.
+
+Each configuration is read three times: after initialization, after new inputs without a step, and after a
+step in which the inputs move as polynomials. Equality to 1e-12 of the size of the terms that are added up.
+"""
+
+import numpy as np
+import pytest
+from checks import differences, start
+from reference_law import Motion, ReferenceContact, start_motion, vector
+
+RELATIVE = 1e-12
+CHUNKS = 10
+SHAPES = {"SphereSphere": "sphere", "SphereCylinder": "cylinder", "ForceElement": "cylinder"}
+CONFIGURATIONS = {"SphereSphere": 4000, "SphereCylinder": 4000, "ForceElement": 2000}
+INPUTS = [
+    f"{body}.prescribed_{row}" for body in ("source", "destination") for row in ("displacement", "velocity")
+]
+
+
+def unit_vector(random):
+    direction = random.normal(size=3)
+    return direction / np.linalg.norm(direction)
+
+
+def random_separation(random, values, shape, inside):
+    """x_dst - x_src with a gap of either sign; beyond a finite cylinder's ends now and then."""
+    r_s, r_d = values["source.radius"], values["destination.radius"]
+    small = min(r_s, r_d)
+    gap = random.choice([-1, 1], p=[0.7, 0.3]) * small * 10 ** random.uniform(-6, -0.1)
+    distance = max(r_d - r_s - gap, 0.01 * small) if inside else r_d + r_s + gap
+    if shape == "sphere":
+        return distance * unit_vector(random)
+    axis = np.array(values["destination.axis"]) / np.linalg.norm(values["destination.axis"])
+    across = np.cross(axis, unit_vector(random))
+    along = random.uniform(-0.7, 0.7) * values["destination.length"]
+    return distance * across / np.linalg.norm(across) + along * axis
+
+
+def random_configuration(random, shape, scale=1.0, offset=0.0):
+    """Every choice at random; lengths of about `scale`, both centres moved by about `offset`."""
+    radii = scale * 10 ** random.uniform(-1.5, 0.5, size=2)
+    location = str(random.choice(["automatic", "outside", "inside"]))
+    inside = location == "inside" or (location == "automatic" and random.random() < 0.5)
+    if inside:
+        radii = np.sort(radii) * [1.0, 1.1]
+    control = str(random.choice(["user_defined", "automatic", "viscous_only"]))
+    values = {
+        "source.motion": "prescribed",
+        "destination.motion": "prescribed",
+        "source.radius": radii[0],
+        "destination.radius": radii[1],
+        "contact.location": location,
+        "contact.penalty_control": control,
+        "contact.method": "penalty_dynamic"
+        if control == "viscous_only"
+        else str(random.choice(["penalty", "penalty_dynamic"])),
+        "contact.viscous_control": str(random.choice(["automatic", "user_defined"])),
+        "contact.dashpot": str(random.choice(["non_adhesive", "unclamped", "approach_only"])),
+        "contact.penalty_multiplier": 10 ** random.uniform(-3, 1),
+        "contact.penalty_factor": 10 ** random.uniform(2, 9),
+        "contact.characteristic_time": 10 ** random.uniform(-6, -2),
+        "contact.viscous_penalty_factor": 10 ** random.uniform(0, 5),
+        "contact.reference_modulus": 10 ** random.uniform(5, 10),
+    }
+    if shape == "cylinder":
+        values["destination.axis"] = (unit_vector(random) * 10 ** random.uniform(-3, 3)).tolist()
+        values["destination.finite_length"] = bool(random.random() < 0.5)
+        values["destination.length"] = scale * 10 ** random.uniform(-1, 1)
+    common = offset * random.uniform(-1, 1, size=3)
+    source = common + scale * random.normal(size=3)
+    values["source.center"] = source.tolist()
+    values["destination.center"] = source.tolist()
+    values.update(random_inputs(random, values, shape, inside, scale))
+    # The centres take up what the displacements leave of the separation wanted.
+    wanted = random_separation(random, values, shape, inside)
+    shift = np.array(values["destination.prescribed_displacement"]) - values["source.prescribed_displacement"]
+    values["destination.center"] = (source + (wanted - shift)).tolist()
+    return values, inside
+
+
+def random_inputs(random, values, shape, inside, scale):
+    """Displacements and velocities that put the bodies to a random separation, given their centres."""
+    wanted = random_separation(random, values, shape, inside)
+    apart = np.subtract(values["destination.center"], values["source.center"])
+    source = scale * random.normal(size=3)
+    return {
+        "source.prescribed_displacement": source.tolist(),
+        "destination.prescribed_displacement": (wanted - apart + source).tolist(),
+        "source.prescribed_velocity": random.normal(size=3).tolist(),
+        "destination.prescribed_velocity": (random.normal(size=3) * 10 ** random.uniform(-3, 1)).tolist(),
+    }
+
+
+def motion_of(inputs):
+    return Motion(*(vector(inputs[name]) for name in INPUTS))
+
+
+def outputs_that_differ(fmu, when, expected):
+    wrong = []
+    for name, (value, size) in expected.items():
+        if name not in fmu:
+            continue
+        got = fmu[name]
+        if size is None:
+            wrong += [] if got is value else [f"{when}: {name}: got {got}, expected {value}"]
+        else:
+            wrong += differences(f"{when}: {name}", got, value, RELATIVE * size)
+    return wrong
+
+
+def wrong_in(fmu, random, values, shape, inside, scale=1.0):
+    """Everything that differs in the three readings of one configuration."""
+    contact = ReferenceContact(values, shape)
+    assert (contact.location == "inside") == inside
+    start(fmu, {name: value for name, value in values.items() if name in fmu})
+    wrong = outputs_that_differ(fmu, "initialized", contact.constants())
+    wrong += outputs_that_differ(fmu, "initialized", contact.evaluate(start_motion(values)))
+
+    inputs = random_inputs(random, values, shape, inside, scale)
+    for name in INPUTS:
+        fmu[name] = inputs[name]
+    wrong += outputs_that_differ(fmu, "inputs set", contact.evaluate(motion_of(inputs)))
+
+    step = random.choice([1e-3, 0.5])
+    moved = {name: vector(value) for name, value in inputs.items()}
+    for name in random.permutation(INPUTS)[: random.integers(0, 3)]:
+        for order in (1, 2):
+            rate = 0.01 * random.normal(size=3) * (scale if name.endswith("displacement") else 1.0)
+            fmu.set_derivative(str(name), rate, order=order)
+            moved[str(name)] = moved[str(name)] + vector(rate) * np.longdouble(step) ** order / order
+    fmu.step(step)
+    return wrong + outputs_that_differ(fmu, "stepped", contact.evaluate(motion_of(moved)))
+
+
+def check_random(fmu, name, seed, count, scale=1.0, offset=0.0):
+    random = np.random.default_rng(seed)
+    for k in range(count):
+        values, inside = random_configuration(random, SHAPES[name], scale, offset)
+        if name == "ForceElement":  # pinned
+            pinned = {"contact.penalty_control": "user_defined", "contact.viscous_control": "user_defined"}
+            values.update(pinned, **{"contact.method": "penalty_dynamic"})
+        wrong = wrong_in(fmu, random, values, SHAPES[name], inside, scale)
+        assert not wrong, f"configuration {k} of seed {seed}: {values}\n" + "\n".join(wrong)
+
+
+@pytest.mark.parametrize("chunk", range(CHUNKS))
+@pytest.mark.parametrize("name", SHAPES)
+def test_force_element_equals_the_recomputation(opened, name, chunk):
+    check_random(opened(name), name, seed=chunk, count=CONFIGURATIONS[name] // CHUNKS)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_a_common_offset_of_a_million_metres_costs_no_digits(opened, name):
+    """X_dst - X_src is rounded once, relative to itself; the offset itself appears in no tolerance but
+    the point's.
+    """
+    check_random(opened(name), name, seed=100, count=200, offset=1e6)
+
+
+@pytest.mark.parametrize("exponent", [-140, -100, 100, 140])
+@pytest.mark.parametrize("name", SHAPES)
+def test_sizes_neither_overflow_nor_underflow(opened, name, exponent):
+    check_random(opened(name), name, seed=200, count=100, scale=10.0**exponent)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_inputs_hold_their_value_over_a_step_where_no_derivative_is_given(opened, name):
+    """A pure force element is moved by explicit derivatives only, not by its velocity input."""
+    values, _ = random_configuration(np.random.default_rng(5), SHAPES[name])
+    fmu = start(opened(name), {key: value for key, value in values.items() if key in opened(name)})
+    before = fmu["contact.gap"], fmu["contact.gap_rate"], fmu["contact.normal_force"]
+    fmu.step(0.7)
+    assert (fmu["contact.gap"], fmu["contact.gap_rate"], fmu["contact.normal_force"]) == before
+
+
+def test_derivatives_are_forgotten_when_the_input_is_set_again(opened):
+    fmu = start(opened("ForceElement"), {"source.prescribed_displacement": [0.0, 0.0, 0.0]})
+    fmu.set_derivative("source.prescribed_displacement", [1.0, 0.0, 0.0], order=1)
+    fmu.step(0.5)
+    fmu["source.prescribed_displacement"] = [0.25, 0.0, 0.0]
+    gap = fmu["contact.gap"]
+    fmu.step(0.5)
+    assert fmu["contact.gap"] == gap

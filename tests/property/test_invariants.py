@@ -1,0 +1,124 @@
+"""What holds for every scene: no pull, action and reaction, steps that may be cut, fixed and prescribed at
+rest, nothing but numbers.
+"""
+
+import numpy as np
+import pytest
+from checks import METHODS, check_close, run, start
+from hypothesis import given
+from hypothesis import strategies as st
+from strategies import BOUNDED, FMU, RESULTS, scenes
+
+ENDS = ["source.position", "source.velocity", "destination.position", "destination.velocity"]
+ALLOWED = 1e-7
+
+
+def ends_of(fmu, names):
+    return {name: fmu[name] for name in names}
+
+
+def check_same(ends, expected):
+    for name in expected:
+        check_close(name, ends[name], expected[name], ALLOWED)
+
+
+@BOUNDED
+@given(scene=scenes(dashpots=["non_adhesive"]))
+def test_a_non_adhesive_contact_never_pulls(opened, scene):
+    def check(fmu):
+        assert fmu["contact.normal_force"] >= 0, fmu["contact.normal_force"]
+        push = fmu["contact.source_force"] @ (fmu["source.position"] - fmu["contact.point"])
+        assert push >= 0, f"pulled towards the contact point: {push}"
+
+    run(opened(FMU[scene.shape]), scene.configuration, scene.end, 50, each=check)
+
+
+@BOUNDED
+@given(scene=scenes())
+def test_action_equals_reaction(opened, scene):
+    """To the last bit, along the contact direction, with the size of the normal force; none without
+    overlap.
+    """
+
+    def check(fmu):
+        force, reaction = fmu["contact.source_force"], fmu["contact.destination_force"]
+        assert np.array_equal(force, -reaction), (force, reaction)
+        size = abs(fmu["contact.normal_force"])
+        check_close("size of the force", np.linalg.norm(force), size, 1e-14 * size)
+        check_close("force across e_c", np.cross(force, fmu["contact.direction"]), np.zeros(3), 1e-14 * size)
+        assert fmu["contact.active"] or size == 0
+        assert fmu["contact.active"] == (fmu["contact.gap"] < 0)
+
+    run(opened(FMU[scene.shape]), scene.configuration, scene.end, 50, each=check)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@BOUNDED
+@given(scene=scenes(), cuts=st.lists(st.floats(0.001, 0.999), max_size=12))
+def test_communication_steps_may_be_cut_anywhere(opened, method, scene, cuts):
+    fmu = run(opened(FMU[scene.shape]), scene.configuration, scene.end, 1, method=method)
+    names = [*ENDS, "energy.dissipated", "contact.onsets", "contact.last_duration", "contact.last_onset_time"]
+    whole = ends_of(fmu, names)
+    impulse = fmu["contact.mean_force"] * scene.end
+    start(fmu, scene.configuration, 1e-10, method)
+    pieces = np.zeros(3)
+    for cut in [*sorted(set(cuts)), 1.0]:
+        size = cut * scene.end - fmu.time
+        fmu.step(size)
+        pieces += size * fmu["contact.mean_force"]
+    check_same(ends_of(fmu, names), whole)
+    check_close("sum of the impulses", pieces, impulse, ALLOWED)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@BOUNDED
+@given(scene=scenes(motions=["fixed"]))
+def test_fixed_and_prescribed_at_rest_are_the_same(opened, method, scene):
+    ends = []
+    for motion in ("fixed", "prescribed"):
+        values = {**scene.configuration, "destination.motion": motion}
+        fmu = run(opened(FMU[scene.shape]), values, scene.end, 2, method=method)
+        ends.append(ends_of(fmu, [*ENDS, *RESULTS]))
+    check_same(ends[1], ends[0])
+
+
+@pytest.mark.parametrize("method", METHODS)
+@BOUNDED
+@given(scene=scenes(motions=["fixed", "free"]), speed=st.sampled_from([0.5, -3.0]))
+def test_the_same_motion_is_seen_from_a_moving_frame(opened, method, scene, speed):
+    """Galilei: all bodies get the same velocity; a fixed destination becomes one prescribed with that
+    velocity.
+    """
+    drift = speed * np.array([0.6, -0.48, 0.64])
+    values = dict(scene.configuration)
+    moving = dict(values)
+    moving["source.initial_velocity"] = (np.array(values["source.initial_velocity"]) + drift).tolist()
+    if values["destination.motion"] == "free":
+        moving["destination.initial_velocity"] = (
+            np.array(values["destination.initial_velocity"]) + drift
+        ).tolist()
+    else:
+        moving.update({"destination.motion": "prescribed", "destination.prescribed_velocity": drift.tolist()})
+    names = [*ENDS, *RESULTS]
+    still = ends_of(run(opened(FMU[scene.shape]), values, scene.end, 1, method=method), names)
+    again = ends_of(run(opened(FMU[scene.shape]), moving, scene.end, 1, method=method), names)
+    for name in ENDS:
+        again[name] = again[name] - (drift * scene.end if name.endswith("position") else drift)
+    check_same(again, still)
+
+
+@BOUNDED
+@given(scene=scenes())
+def test_no_output_is_ever_anything_but_a_number(opened, scene):
+    fmu = opened(FMU[scene.shape])
+    outputs = [
+        name
+        for name, variable in fmu.variables.items()
+        if variable.causality == "output" and variable.type == "Real"
+    ]
+
+    def check(fmu):
+        for name in outputs:
+            assert np.all(np.isfinite(fmu[name])), f"{name} = {fmu[name]}"
+
+    run(fmu, scene.configuration, scene.end, 5, each=check)

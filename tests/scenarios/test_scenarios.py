@@ -1,0 +1,76 @@
+"""Every scenario of scripts/scenarios on the FMUs just built; and a wrong expectation does fail"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from contact_scenarios.__main__ import main
+from contact_scenarios.claims import Outcome
+from contact_scenarios.runner import run_scenario
+from contact_scenarios.scenario import Claim, read_scenario
+
+FOLDER = Path(__file__).resolve().parents[2] / "scripts" / "scenarios"
+SHIPPED = sorted(FOLDER.glob("*.toml"))
+
+
+def ignore(_steps):
+    pass
+
+
+@pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
+def test_every_claim_of_the_scenario_holds_in_every_run(file):
+    result = run_scenario(read_scenario(file), None, ignore)
+    assert result.failures == []
+    broken = [
+        (one.variant.label, one.claim.text, one.outcome, one.error) for one in result.results if not one.holds
+    ]
+    assert broken == []
+
+
+def test_a_run_writes_its_plot_and_a_page_that_shows_it(tmp_path, capsys):
+    assert main(["run", str(FOLDER / "force_element.toml"), "--output", str(tmp_path)]) == 0
+    page = (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert 'src="plots/force_element.png"' in page
+    assert (tmp_path / "plots" / "force_element.png").stat().st_size > 10_000
+    assert "0 do not hold" in capsys.readouterr().out
+
+
+def test_a_wrong_expectation_fails_and_the_exit_status_says_so(tmp_path, capsys):
+    text = (FOLDER / "ball_on_sphere.toml").read_text(encoding="utf-8")
+    file = tmp_path / "wrong.toml"
+    file.write_text(text.replace("1.202543835278544", "1.202544"), encoding="utf-8")
+    assert main(["run", str(file), "--no-plots", "--output", str(tmp_path)]) == 0  # within 1e-6 m
+    file.write_text(text.replace("1.202543835278544", "1.202546"), encoding="utf-8")
+    assert main(["run", str(file), "--no-plots", "--output", str(tmp_path)]) == 1
+    assert "2 do not hold" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            '"contact.dashpot" = "unclamped"',
+            '"contact.dashpots" = "unclamped"',
+            "no variable 'contact.dashpots'",
+        ),
+        ('"contact.dashpot" = "unclamped"', '"contact.dashpot" = "soft"', "one of non_adhesive, unclamped"),
+        ('"source.center" = [0.03, 0.04, 1.1]', '"source.radius" = -1.0', "source.radius"),
+        ('fmu = "BallOnSphere"', 'fmu = "BallOnCone"', "BallOnCone.fmu does not exist"),
+    ],
+)
+def test_what_the_fmu_refuses_is_reported_with_the_run_and_fails(old, new, message, tmp_path, capsys):
+    text = (FOLDER / "ball_on_sphere.toml").read_text(encoding="utf-8")
+    assert old in text
+    file = tmp_path / "wrong.toml"
+    file.write_text(text.replace(old, new), encoding="utf-8")
+    assert main(["run", str(file), "--no-plots", "--output", str(tmp_path)]) == 1
+    out = " ".join(capsys.readouterr().out.split())
+    assert "FAILED wrong (cvode_bdf):" in out
+    assert message in out
+
+
+def test_nan_never_passes():
+    claim = Claim("final_value", "", 1e300, False)
+    assert not Outcome(np.nan, 0.0, "m").holds(claim)
+    assert not Outcome([0.0, np.nan], [0.0, 0.0], "m").holds(claim)
+    assert Outcome([0.0, 1.0], [0.0, 0.0], "m").holds(claim)

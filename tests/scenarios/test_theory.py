@@ -1,0 +1,103 @@
+"""closed_forms.py against numerical integration of the same equations, and against each other"""
+
+import math
+
+import numpy as np
+import pytest
+from contact_scenarios import closed_forms
+from scipy.integrate import solve_ivp
+
+DAMPING_RATIOS = (0.0, 1e-3, 0.05, 0.3, 0.7, 0.99, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.01, 2.5, 20.0)
+
+
+def integrate_contact(dashpot, zeta):
+    """Speed after / before and duration of the overlap of s'' = -F(s, s') with k = m = 1, hence c = 2 zeta"""
+
+    def force(s, rate):
+        viscous = 2.0 * zeta * (max(rate, 0.0) if dashpot == "approach_only" else rate)
+        return max(s + viscous, 0.0) if dashpot == "non_adhesive" else s + viscous
+
+    def parted(_t, y):
+        return y[0]
+
+    def switches(_t, y):
+        return y[1] if dashpot == "approach_only" else y[0] + 2.0 * zeta * y[1]
+
+    parted.terminal, parted.direction = True, -1
+    switches.terminal, switches.direction = True, -1
+    # Stops where the force has a corner and goes on behind it: the integrator never crosses the corner.
+    time, state = 0.0, [0.0, 1.0]
+    for events in ([switches, parted], [parted]):
+        run = solve_ivp(
+            lambda _t, y: [y[1], -force(*y)],
+            (time, 400.0),
+            state,
+            events=events,
+            method="DOP853",
+            rtol=1e-12,
+            atol=1e-14,
+        )
+        time, state = run.t[-1], run.y[:, -1]
+        if state[0] < 1e-12:
+            break
+    return -state[1], time
+
+
+@pytest.mark.parametrize("zeta", DAMPING_RATIOS)
+@pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])
+def test_restitution_and_duration_are_those_of_the_integrated_oscillator(dashpot, zeta):
+    if dashpot == "unclamped" and zeta > 0.98:
+        assert closed_forms.restitution(dashpot, zeta) < 1e-9
+        return
+    speed, duration = integrate_contact(dashpot, zeta)
+    assert closed_forms.restitution(dashpot, zeta) == pytest.approx(speed, rel=1e-8)
+    assert closed_forms.overlap_duration(dashpot, 1.0, 1.0, 2.0 * zeta) == pytest.approx(duration, rel=1e-8)
+
+
+def test_an_unclamped_dashpot_at_or_above_critical_damping_never_parts():
+    assert closed_forms.restitution("unclamped", 1.0) == 0.0
+    assert math.isinf(closed_forms.overlap_duration("unclamped", 1.0, 1.0, 2.0))
+
+
+def test_restitution_of_non_adhesive_is_the_square_of_approach_only():
+    for zeta in DAMPING_RATIOS:
+        approach = closed_forms.restitution("approach_only", zeta)
+        assert closed_forms.restitution("non_adhesive", zeta) == pytest.approx(approach**2, rel=1e-14)
+
+
+def test_undamped_contact_lasts_half_a_period():
+    for dashpot in ("non_adhesive", "unclamped", "approach_only"):
+        duration = closed_forms.overlap_duration(dashpot, 2.0, 8e6, 0.0)
+        assert duration == pytest.approx(math.pi * math.sqrt(2.0 / 8e6), rel=1e-14)
+
+
+def test_elastic_bounce_is_that_of_the_quadruple_precision_reference():
+    """P1: dropped from a gap of 0.5 m, the centres 0.6 m apart when touching, after 5 s"""
+    gap = closed_forms.elastic_bounce_gap(np.array([5.0]), 0.5, 1.0, 9.81, 1e6)[0]
+    assert 0.6 + gap == pytest.approx(1.0124643381657108, abs=1e-12)
+
+
+def test_velocities_after_conserve_momentum_and_set_the_restitution():
+    after = closed_forms.velocities_after(2.0, 3.0, 5.0, -1.0, e=0.4)
+    assert 2.0 * after[0] + 5.0 * after[1] == pytest.approx(2.0 * 3.0 - 5.0, rel=1e-14)
+    assert after[1] - after[0] == pytest.approx(0.4 * 4.0, rel=1e-14)
+    assert closed_forms.velocities_after(2.0, 3.0, math.inf, -1.0) == (-5.0, -1.0)
+
+
+def test_viscous_sinking_is_the_integrated_motion():
+    run = solve_ivp(lambda _t, y: [y[1], 9.81 - 40.0 * y[1]], (0.0, 0.3), [0.0, 0.0], rtol=1e-12, atol=1e-14)
+    assert closed_forms.viscous_sinking(np.array([0.3]), 2.0, 9.81, 80.0)[0] == pytest.approx(
+        run.y[0, -1], rel=1e-9
+    )
+
+
+def test_cylinder_extent_contains_the_cylinder_and_touches_it():
+    rng = np.random.default_rng(1)
+    axis = rng.normal(size=3)
+    unit = axis / np.linalg.norm(axis)
+    side = np.linalg.svd(unit[None])[2][1:]
+    angle = np.linspace(0.0, 2.0 * math.pi, 4001)
+    rim = 0.3 * (np.outer(np.cos(angle), side[0]) + np.outer(np.sin(angle), side[1])) + 0.7 * unit
+    extent = closed_forms.cylinder_extent(0.3, axis, 1.4)
+    assert np.max(np.abs(rim), axis=0) == pytest.approx(extent, abs=1e-6)
+    assert closed_forms.cylinder_extent(0.3, [0.0, 0.0, 2.0], 0.0) == pytest.approx([0.3, 0.3, 0.0])
