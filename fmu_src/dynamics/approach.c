@@ -1,5 +1,7 @@
 #include "dynamics/approach.h"
 
+#if SCENE_ANY_FREE
+
 static void add_free(const struct scene_values *v, const struct motion *q, const struct system_instant *at,
                      double clock, int body, double sign, struct separation *out)
 {
@@ -119,3 +121,5 @@ bool approach_within(const struct approach *path, double s)
     return !SCENE_ANY_CYLINDER || !path->has_ends ||
            fabs(polynomial_at(&path->axial, s)) <= path->half_length;
 }
+
+#endif

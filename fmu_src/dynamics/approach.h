@@ -7,6 +7,8 @@
 #include "contact/polynomial.h"
 #include "dynamics/system.h"
 
+#if SCENE_ANY_FREE
+
 /* Constant, linear or quadratic force and prescribed velocity: displacements of degree four at most. */
 enum { SEPARATION_DEGREE = 4 };
 
@@ -44,9 +46,10 @@ bool approach_has_ends(const struct contact_shape *shape);
 
 /* Gap [scale] and its slope in s; a bracket_function of a struct approach. From the vectors: the difference of squares
  * would lose all digits where bodies come from further away than 1e8 times their size. */
-void approach_gap(const void *approach, double s, double *gap, double *slope);
+void approach_gap(const void *data, double s, double *gap, double *slope);
 
 /* Whether the source is between the end planes. */
 bool approach_within(const struct approach *path, double s);
 
+#endif
 #endif

@@ -1,5 +1,7 @@
 #include "dynamics/encounter.h"
 
+#if SCENE_ANY_FREE
+
 #include <float.h>
 
 #include "contact/bracket.h"
@@ -176,6 +178,9 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     const struct separation separation = separation_of(v, q, at, clock, contact);
     const struct approach path = approach_make(&shape, &separation, horizon);
     const double resolution = system_gap_resolution(v, at, contact);
+    const double found = (q->contact[contact].settled_clock - clock) / horizon;
     const double settle = settling_time(&path, &shape, &law, now, resolution, &separation, present);
-    return first_change(&path, &shape, &law, present, ends_only, settle);
+    return first_change(&path, &shape, &law, present, ends_only, fmax(settle, found));
 }
+
+#endif

@@ -14,6 +14,8 @@
 
 #include "dynamics/system.h"
 
+#if SCENE_ANY_FREE
+
 struct encounter {
     double after; /* seconds from the present; INFINITY when nothing changes within the horizon */
     enum contact_regime regime; /* the regime from then on */
@@ -27,4 +29,5 @@ struct encounter {
 struct encounter encounter_next(const struct scene_values *v, const struct motion *q,
                                 const struct system_instant *at, double clock, int contact, double horizon);
 
+#endif
 #endif

@@ -61,6 +61,7 @@ void motion_rebase(struct motion *q)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].touch_clock -= q->clock;
         q->contact[j].change_clock -= q->clock;
+        q->contact[j].settled_clock -= q->clock;
     }
     q->horizon_clock -= q->clock;
 #endif

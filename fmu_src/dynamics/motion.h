@@ -47,6 +47,8 @@ struct contact_state {
     double touch_clock;       /* the clock at that onset (negative once rebased), for exact durations [s] */
     double
         change_clock; /* the regime changes at this clock in closed form; INFINITY: not before the horizon */
+    double
+        settled_clock; /* before this clock a root finder cannot tell the regime from the one it followed */
     int32_t change_regime; /* and becomes this */
     int32_t onsets;
 #endif

@@ -144,6 +144,22 @@ void model_start_paths(struct model *m)
     }
 }
 
+static bool same_coefficients(const struct vec3 *a, const struct vec3 *b, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        if (a[i].x != b[i].x || a[i].y != b[i].y || a[i].z != b[i].z) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool same_path(const struct body_path *a, const struct body_path *b)
+{
+    return same_coefficients(a->displacement, b->displacement, 4) &&
+           same_coefficients(a->velocity, b->velocity, 3) && same_coefficients(a->force, b->force, 3);
+}
+
 void model_apply_inputs(struct model *m)
 {
     struct motion *q = &m->state.motion;
@@ -159,7 +175,7 @@ void model_apply_inputs(struct model *m)
         path_shift(next[i].force, 3, q->clock);
         const struct body_path before = next[i];
         renew_path(m, i, m->state.marks[i], &next[i]);
-        same = same && memcmp(&before, &next[i], sizeof before) == 0;
+        same = same && same_path(&before, &next[i]);
     }
     m->state.signals_changed = 0;
     if (same) {

@@ -3,6 +3,7 @@
 #if SCENE_ANY_FREE
 
 #include <cvode/cvode.h>
+#include <float.h>
 
 #include "dynamics/energy.h"
 #include "dynamics/flight.h"
@@ -49,6 +50,21 @@ static double tolerance_share(enum solver_method method)
     return method == SOLVER_METHOD_CVODE_BDF ? 0.02 : 0.1;
 }
 
+/* What is added to the roots so that they start above zero although the phase begins at zero, give or take rounding: a
+ * root that starts below is never seen to fall. */
+static void arm_roots(struct cvode_problem *p, const struct system_instant *at)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_law law = system_law(p->values, p->motion, j);
+        const struct contact_geometry *g = &at->geometry[j];
+        const enum contact_regime regime = (enum contact_regime)p->motion->contact[j].regime;
+        const double margin = contact_regime_margin(&law, regime, g->gap, g->gap_rate);
+        /* Twice: the gap at the start may be off by one resolution. */
+        p->gap_armour[j] = 2.0 * system_gap_resolution(p->values, at, j);
+        p->margin_armour[j] = margin < 0.0 ? -2.0 * margin : 0.0;
+    }
+}
+
 /* Starts CVODE from the motion, whose clock has just been set to zero. */
 static bool restart(struct cvode *c, const struct scene_values *v, struct motion *q)
 {
@@ -58,10 +74,7 @@ static bool restart(struct cvode *c, const struct scene_values *v, struct motion
     c->problem.absolute = tolerance_share(c->method) * solver_absolute_tolerance(v);
     c->problem.energy_scale = energy_kinetic_of(v, &at);
     c->problem.momentum_scale = momentum_scale(v, &at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        /* Twice: the gap at the start may be off by one. */
-        c->problem.resolution[j] = 2.0 * system_gap_resolution(v, &at, j);
-    }
+    arm_roots(&c->problem, &at);
     cvode_pack(&c->problem, c->y);
     c->steps = c->evaluations = c->rejected = 0;
     q->integrator_fresh = 0;
@@ -84,6 +97,14 @@ static void book_counters(struct cvode *c, struct motion *q, struct advance *ste
     c->steps = steps;
     c->evaluations = evaluations;
     c->rejected = failures;
+}
+
+/* CVODE places a root within 100 roundings of its time and step; four times that is beyond doubt in the new regime. */
+static double settled_clock(struct cvode *c, double clock)
+{
+    double step = 0.0;
+    CVodeGetLastStep(c->memory, &step);
+    return clock + 400.0 * DBL_EPSILON * (clock + step);
 }
 
 /* Which contact leaves its regime at the root just found; false when the root is only a peak. */
@@ -146,6 +167,7 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
                 projection_close_gap(v, q, step->contact);
             }
             projection_restore_energy(v, q, step->contact);
+            q->contact[step->contact].settled_clock = settled_clock(c, q->clock);
             return ADVANCE_EVENT;
         }
         struct system_instant at;

@@ -10,10 +10,10 @@ struct cvode;
 
 /* Makes, or makes anew when the method or the number of free bodies differs, the integrator's memory. On failure returns
  * false with a message (SOLVER_MESSAGE_SIZE bytes) and leaves *c closed. */
-bool cvode_open(struct cvode **c, const struct scene_values *v, const struct solver_memory *memory,
+bool cvode_open(struct cvode **slot, const struct scene_values *v, const struct solver_memory *memory,
                 char *message);
 
-void cvode_close(struct cvode **c);
+void cvode_close(struct cvode **slot);
 
 enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v, struct motion *q,
                                   struct advance *step);

@@ -223,8 +223,8 @@ int cvode_roots(double clock, N_Vector y, double *roots, void *problem)
         if (regime == REGIME_PRESSING || regime == REGIME_RECEDING) {
             const struct contact_law law = system_law(p->values, p->motion, j);
             const struct contact_geometry *g = &at.geometry[j];
-            out[0] = not_zero(p->resolution[j] - g->gap);
-            out[1] = not_zero(contact_regime_margin(&law, regime, g->gap, g->gap_rate));
+            out[0] = not_zero(p->gap_armour[j] - g->gap);
+            out[1] = not_zero(p->margin_armour[j] + contact_regime_margin(&law, regime, g->gap, g->gap_rate));
             out[2] = not_zero(-g->gap_rate);
             out[3] = not_zero(system_force_rate(p->values, p->motion, &at, j));
         }

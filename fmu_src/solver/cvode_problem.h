@@ -4,11 +4,12 @@
  *   y = (moved, v of each free body; impulse on the source of each contact; dissipated energy; external work)
  *
  * Roots, four for each contact, all of them falling through zero where they matter:
- *   0  resolution - g     the bodies part; the root is armed wherever rounding let the phase begin
+ *   0  -g                 the bodies part
  *   1  the regime margin  the law changes (contact_regime_margin)
  *   2  -g'                the deepest penetration (rising gap rate)
  *   3  dF_n/dt            the largest force
- * The first two end the phase, the last two only feed the peaks. Without contact all are held at 1.
+ * The first two start with a trifle added, so that they are above zero wherever rounding let the phase begin; they end the
+ * phase, the last two only feed the peaks. Without contact all are held at 1.
  */
 #ifndef CONTACT_CVODE_PROBLEM_H
 #define CONTACT_CVODE_PROBLEM_H
@@ -24,10 +25,11 @@ enum { CVODE_ROOTS_EACH = 4, CVODE_ROOTS = CVODE_ROOTS_EACH * SCENE_CONTACTS };
 
 struct cvode_problem {
     const struct scene_values *values;
-    const struct motion *motion;         /* regimes, paths; its body states are not read */
-    double relative, absolute;           /* tolerances [1], [m, m/s, ...] */
-    double resolution[SCENE_CONTACTS];   /* of the gaps, see system_gap_resolution [m] */
-    double energy_scale, momentum_scale; /* of the free bodies at the start of the phase [J], [N s] */
+    const struct motion *motion;          /* regimes, paths; its body states are not read */
+    double relative, absolute;            /* tolerances [1], [m, m/s, ...] */
+    double gap_armour[SCENE_CONTACTS];    /* added to roots 0 [m] */
+    double margin_armour[SCENE_CONTACTS]; /* added to roots 1 [as the margin] */
+    double energy_scale, momentum_scale;  /* of the free bodies at the start of the phase [J], [N s] */
 };
 
 int cvode_problem_size(const struct scene_values *v);

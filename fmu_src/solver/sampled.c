@@ -176,14 +176,12 @@ enum advance_result sampled_advance(const struct scene_values *v, struct motion 
         const struct panel left = integrate(v, q, q->clock, middle);
         const struct panel right = integrate(v, q, middle, to);
         if (middle > q->clock && middle < to && !agree(v, q, &whole, &left, &right, to - q->clock)) {
-            q->counters.rejected_steps += 1;
             width *= 0.5;
             continue;
         }
         add_panel(q, &left);
         add_panel(q, &right);
         note_peaks_between(v, q, q->clock, to);
-        q->counters.steps += 1;
         q->clock = to;
         width *= 2.0;
     }
