@@ -50,18 +50,29 @@ static double tolerance_share(enum solver_method method)
     return method == SOLVER_METHOD_CVODE_BDF ? 0.02 : 0.1;
 }
 
+/* How far rounding alone may move the regime margin, given that of the gap: g' = n.w turns with n. */
+static double margin_resolution(const struct contact_law *law, enum contact_regime regime,
+                                const struct system_instant *at, int contact, double gap_resolution)
+{
+    const double turn = 8.0 * DBL_EPSILON + gap_resolution / at->geometry[contact].distance;
+    const double rate = vec3_norm(at->rate[contact]) * fmin(turn, 1.0);
+    const bool is_force = regime == REGIME_PRESSING && law->dashpot == DASHPOT_NON_ADHESIVE;
+    return is_force ? law->stiffness * gap_resolution + law->damping * rate : rate;
+}
+
 /* What is added to the roots so that they start above zero although the phase begins at zero, give or take rounding: a
- * root that starts below is never seen to fall. */
+ * root that starts below is never seen to fall, and one that hovers about zero falls too early. Twice the resolution: the
+ * start itself may be off by one. */
 static void arm_roots(struct cvode_problem *p, const struct system_instant *at)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_law law = system_law(p->values, p->motion, j);
         const struct contact_geometry *g = &at->geometry[j];
         const enum contact_regime regime = (enum contact_regime)p->motion->contact[j].regime;
+        const double resolution = system_gap_resolution(p->values, at, j);
         const double margin = contact_regime_margin(&law, regime, g->gap, g->gap_rate);
-        /* Twice: the gap at the start may be off by one resolution. */
-        p->gap_armour[j] = 2.0 * system_gap_resolution(p->values, at, j);
-        p->margin_armour[j] = margin < 0.0 ? -2.0 * margin : 0.0;
+        p->gap_armour[j] = 2.0 * resolution;
+        p->margin_armour[j] = 2.0 * (fmax(-margin, 0.0) + margin_resolution(&law, regime, at, j, resolution));
     }
 }
 
