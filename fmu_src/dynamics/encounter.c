@@ -172,7 +172,7 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
     const bool ends_only =
         present != REGIME_APART && present != REGIME_RELEASED && !system_is_force_element(v);
-    if (ends_only && !approach_has_ends(&shape)) {
+    if ((ends_only && !approach_has_ends(&shape)) || contact_is_coupled(v, q, contact)) {
         return (struct encounter){(double)INFINITY, present};
     }
     const struct separation separation = separation_of(v, q, at, clock, contact);

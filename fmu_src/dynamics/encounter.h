@@ -7,7 +7,7 @@
  * no change is missed however long the interval is. The same holds in every regime when no body is free.
  *
  * With a contact force between free bodies only the passage of an end is known in advance: the force is perpendicular to
- * the axis.
+ * the axis. Where another contact presses on one of the bodies nothing is; the integrator then finds the change as a root.
  */
 #ifndef CONTACT_ENCOUNTER_H
 #define CONTACT_ENCOUNTER_H

@@ -4,15 +4,10 @@
 
 #include "dynamics/energy.h"
 
-static bool transmits(const struct motion *q, int contact)
-{
-    return q->contact[contact].regime == REGIME_PRESSING || q->contact[contact].regime == REGIME_RECEDING;
-}
-
 bool flight_is_free(const struct motion *q)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (transmits(q, j)) {
+        if (contact_transmits(q, j)) {
             return false;
         }
     }
@@ -69,34 +64,32 @@ void flight_advance(const struct scene_values *v, struct motion *q, double clock
     q->dissipated += stored - stored_now(v, q);
 }
 
-static bool touches_another(const struct motion *q, int contact, int body)
-{
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (j != contact && transmits(q, j) &&
-            (contact_source(j) == body || contact_destination(j) == body)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static struct vec3 with_axial_of(struct vec3 a, struct vec3 exact, struct vec3 axis)
 {
     return vec3_axpy(a, vec3_dot(vec3_sub(exact, a), axis), axis);
 }
 
-void flight_restore_axial(const struct scene_values *v, struct motion *q)
+static void restore_axial(const struct scene_values *v, struct motion *q, int contact, int body)
 {
+    const struct contact_shape shape = system_shape(v, q, contact);
+    if (isfinite(shape.half_length) && body_is_free(v, body) && !body_is_pressed(q, body, contact)) {
+        const struct body_state exact = flight_body_at(v, q, body, q->clock);
+        q->body[body].moved = with_axial_of(q->body[body].moved, exact.moved, shape.axis);
+        q->body[body].velocity = with_axial_of(q->body[body].velocity, exact.velocity, shape.axis);
+    }
+}
+
+void flight_restore(const struct scene_values *v, struct motion *q)
+{
+    for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i) && !body_is_pressed(q, i, -1)) {
+            q->body[i] = flight_body_at(v, q, i, q->clock);
+        }
+    }
     for (int j = 0; SCENE_ANY_CYLINDER && j < SCENE_CONTACTS; ++j) {
-        const struct contact_shape shape = system_shape(v, q, j);
-        const int ends[2] = {contact_source(j), contact_destination(j)};
-        for (int end = 0; end < 2 && isfinite(shape.half_length) && transmits(q, j); ++end) {
-            if (body_is_free(v, ends[end]) && !touches_another(q, j, ends[end])) {
-                struct body_state *body = &q->body[ends[end]];
-                const struct body_state exact = flight_body_at(v, q, ends[end], q->clock);
-                body->moved = with_axial_of(body->moved, exact.moved, shape.axis);
-                body->velocity = with_axial_of(body->velocity, exact.velocity, shape.axis);
-            }
+        if (contact_transmits(q, j)) {
+            restore_axial(v, q, j, contact_source(j));
+            restore_axial(v, q, j, contact_destination(j));
         }
     }
 }

@@ -21,10 +21,10 @@ struct body_state flight_body_at(const struct scene_values *v, const struct moti
  * that is lost. Only while flight_is_free. */
 void flight_advance(const struct scene_values *v, struct motion *q, double clock);
 
-/* Contact with a cylinder pushes perpendicularly to its axis, so the axial motion of bodies that touch nothing else is
- * still the flight's. Puts it there, whatever an integrator made of it; the ends are then passed exactly when
- * encounter_next said. */
-void flight_restore_axial(const struct scene_values *v, struct motion *q);
+/* Puts right what an integrator made of motion that is known in closed form: bodies that nothing presses on, and the axial
+ * motion of bodies that only a cylinder presses on, which it does perpendicularly to its axis. Touches and ends are then
+ * passed exactly when encounter_next said. */
+void flight_restore(const struct scene_values *v, struct motion *q);
 
 #endif
 #endif

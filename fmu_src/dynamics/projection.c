@@ -51,8 +51,10 @@ static const double LARGEST_CORRECTION = 1e-3;
 
 void projection_restore_energy(const struct scene_values *v, struct motion *q, int contact)
 {
-    if (system_law(v, q, contact).damping > 0.0) {
-        return;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (system_law(v, q, j).damping > 0.0) {
+            return;
+        }
     }
     struct system_instant at;
     system_now(v, q, &at);

@@ -22,6 +22,30 @@ bool system_is_force_element(const struct scene_values *v)
     return true;
 }
 
+bool contact_transmits(const struct motion *q, int contact)
+{
+    return q->contact[contact].regime == REGIME_PRESSING || q->contact[contact].regime == REGIME_RECEDING;
+}
+
+bool body_is_pressed(const struct motion *q, int body, int except)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const bool touches = contact_source(j) == body || contact_destination(j) == body;
+        if (j != except && touches && contact_transmits(q, j)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool contact_is_coupled(const struct scene_values *v, const struct motion *q, int contact)
+{
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    return SCENE_CONTACTS > 1 && ((body_is_free(v, source) && body_is_pressed(q, source, contact)) ||
+                                  (body_is_free(v, destination) && body_is_pressed(q, destination, contact)));
+}
+
 struct contact_shape system_shape(const struct scene_values *v, const struct motion *q, int contact)
 {
     const int destination = contact_destination(contact);

@@ -27,6 +27,14 @@ bool body_is_prescribed(const struct scene_values *v, int body);
 /* Whether no body is free: the scene is a force element and has no states. */
 bool system_is_force_element(const struct scene_values *v);
 
+/* Whether a contact transmits a force (it presses or recedes), whether any contact but `except` presses on a body. */
+bool contact_transmits(const struct motion *q, int contact);
+bool body_is_pressed(const struct motion *q, int body, int except);
+
+/* Whether a free body of the contact is pressed by another contact, so that its motion is no polynomial even while this one
+ * is apart. Never, at compile time, in scenes of one contact. */
+bool contact_is_coupled(const struct scene_values *v, const struct motion *q, int contact);
+
 struct contact_shape system_shape(const struct scene_values *v, const struct motion *q, int contact);
 struct contact_law system_law(const struct scene_values *v, const struct motion *q, int contact);
 

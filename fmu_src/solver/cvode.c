@@ -14,19 +14,29 @@
  * step would need it to turn by more. */
 static const double LARGEST_TURN = 0.1;
 
-/* Bound on the internal step [s]; 0: none. Speeds up to sqrt(w^2 + 4 a d) are reached within a turn around a body. */
+/* The time in which the direction of a contact turns that far, or in which bodies that approach unforeseen move by that
+ * part of the source's radius [s]. Speeds up to sqrt(w^2 + 4 a d) are reached within a turn around a body. */
+static double largest_step_of(const struct scene_values *v, const struct motion *q,
+                              const struct system_instant *at, int contact)
+{
+    const int source = contact_source(contact);
+    const double distance = at->geometry[contact].distance;
+    const struct vec3 pull = vec3_sub(path_at(q->path[source].force, 3, q->clock),
+                                      path_at(q->path[contact_destination(contact)].force, 3, q->clock));
+    const double a = vec3_norm(gravity(v)) + vec3_norm(pull) / body_mass(v, source);
+    const double speed = sqrt(vec3_dot(at->rate[contact], at->rate[contact]) + 4.0 * a * distance);
+    const double length = contact_transmits(q, contact) ? distance : body_radius(v, source);
+    return LARGEST_TURN * length / speed;
+}
+
+/* Bound on the internal step [s]; 0: none. */
 static double largest_step(const struct scene_values *v, const struct motion *q,
                            const struct system_instant *at)
 {
     double bound = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime == REGIME_PRESSING || q->contact[j].regime == REGIME_RECEDING) {
-            const double distance = at->geometry[j].distance;
-            const struct vec3 pull = vec3_sub(path_at(q->path[contact_source(j)].force, 3, q->clock),
-                                              path_at(q->path[contact_destination(j)].force, 3, q->clock));
-            const double a = vec3_norm(gravity(v)) + vec3_norm(pull) / body_mass(v, contact_source(j));
-            const double speed = sqrt(vec3_dot(at->rate[j], at->rate[j]) + 4.0 * a * distance);
-            const double step = LARGEST_TURN * distance / speed;
+        if (contact_transmits(q, j) || contact_is_coupled(v, q, j)) {
+            const double step = largest_step_of(v, q, at, j);
             bound = step > 0.0 && isfinite(step) && (bound == 0.0 || step < bound) ? step : bound;
         }
     }
@@ -56,7 +66,7 @@ static double margin_resolution(const struct contact_law *law, enum contact_regi
 {
     const double turn = 8.0 * DBL_EPSILON + gap_resolution / at->geometry[contact].distance;
     const double rate = vec3_norm(at->rate[contact]) * fmin(turn, 1.0);
-    const bool is_force = regime == REGIME_PRESSING && law->dashpot == DASHPOT_NON_ADHESIVE;
+    const bool is_force = regime != REGIME_RECEDING && law->dashpot == DASHPOT_NON_ADHESIVE;
     return is_force ? law->stiffness * gap_resolution + law->damping * rate : rate;
 }
 
@@ -70,7 +80,9 @@ static void arm_roots(struct cvode_problem *p, const struct system_instant *at)
         const struct contact_geometry *g = &at->geometry[j];
         const enum contact_regime regime = (enum contact_regime)p->motion->contact[j].regime;
         const double resolution = system_gap_resolution(p->values, at, j);
-        const double margin = contact_regime_margin(&law, regime, g->gap, g->gap_rate);
+        const double margin = regime == REGIME_RELEASED
+                                  ? law.stiffness * g->gap + law.damping * g->gap_rate
+                                  : contact_regime_margin(&law, regime, g->gap, g->gap_rate);
         p->gap_armour[j] = 2.0 * resolution;
         p->margin_armour[j] = 2.0 * (fmax(-margin, 0.0) + margin_resolution(&law, regime, at, j, resolution));
     }
@@ -118,6 +130,28 @@ static double settled_clock(struct cvode *c, double clock)
     return clock + 400.0 * DBL_EPSILON * (clock + step);
 }
 
+/* The regime behind root 0: apart where there was contact, and the other way round. */
+static enum contact_regime regime_beyond(const struct scene_values *v, const struct motion *q, int contact)
+{
+    if (q->contact[contact].regime != REGIME_APART) {
+        return REGIME_APART;
+    }
+    struct system_instant at;
+    system_now(v, q, &at);
+    const struct contact_law law = system_law(v, q, contact);
+    const double gap = fmin(at.geometry[contact].gap, -DBL_MIN);
+    return contact_regime_of(&law, gap, at.geometry[contact].gap_rate, true);
+}
+
+/* The regime behind root 1: the law's own next one. */
+static enum contact_regime regime_after(const struct scene_values *v, const struct motion *q, int contact)
+{
+    if (q->contact[contact].regime != REGIME_PRESSING) {
+        return REGIME_PRESSING;
+    }
+    return contact_dashpot(v, contact) == DASHPOT_NON_ADHESIVE ? REGIME_RELEASED : REGIME_RECEDING;
+}
+
 /* Which contact leaves its regime at the root just found; false when the root is only a peak. */
 static bool root_event(struct cvode *c, const struct scene_values *v, const struct motion *q,
                        struct advance *step)
@@ -128,18 +162,29 @@ static bool root_event(struct cvode *c, const struct scene_values *v, const stru
         const int *roots = found + CVODE_ROOTS_EACH * j;
         step->contact = j;
         if (roots[0]) {
-            step->regime = REGIME_APART;
+            step->regime = regime_beyond(v, q, j);
             return true;
         }
         if (roots[1]) {
-            const bool clips = contact_dashpot(v, j) == DASHPOT_NON_ADHESIVE;
-            step->regime = q->contact[j].regime == REGIME_RECEDING ? REGIME_PRESSING
-                           : clips                                 ? REGIME_RELEASED
-                                                                   : REGIME_RECEDING;
+            step->regime = regime_after(v, q, j);
             return true;
         }
     }
     return false;
+}
+
+/* What the integrator's error left at an event is put right where that can be done exactly. */
+static void tidy_event(struct cvode *c, const struct scene_values *v, struct motion *q,
+                       const struct advance *step)
+{
+    struct system_instant at;
+    system_now(v, q, &at);
+    const bool at_gap = fabs(at.geometry[step->contact].gap) <= 4.0 * c->problem.gap_armour[step->contact];
+    if (step->regime == REGIME_APART && at_gap) {
+        projection_close_gap(v, q, step->contact);
+    }
+    projection_restore_energy(v, q, step->contact);
+    q->contact[step->contact].settled_clock = settled_clock(c, q->clock);
 }
 
 enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v, struct motion *q,
@@ -169,16 +214,12 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
         if (flag == CV_TOO_MUCH_WORK) {
             return ADVANCE_STEP_LIMIT;
         }
-        flight_restore_axial(v, q);
+        flight_restore(v, q);
         if (flag != CV_ROOT_RETURN) {
             return ADVANCE_REACHED;
         }
         if (root_event(c, v, q, step)) {
-            if (step->regime == REGIME_APART) {
-                projection_close_gap(v, q, step->contact);
-            }
-            projection_restore_energy(v, q, step->contact);
-            q->contact[step->contact].settled_clock = settled_clock(c, q->clock);
+            tidy_event(c, v, q, step);
             return ADVANCE_EVENT;
         }
         struct system_instant at;

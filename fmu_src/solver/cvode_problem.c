@@ -211,6 +211,28 @@ static double not_zero(double value)
     return value == 0.0 ? -1e-100 : value;
 }
 
+/* Beyond the ends (positive) or within [m]; of no account, minus infinity, without ends. */
+static double beyond_ends(const struct contact_shape *shape, const struct contact_geometry *g)
+{
+    return SCENE_ANY_CYLINDER ? fabs(g->axial) - shape->half_length : -(double)INFINITY;
+}
+
+/* Of a contact that closed forms do not foresee, because another contact presses on its bodies. */
+static void coupled_roots(const struct cvode_problem *p, const struct contact_shape *shape,
+                          const struct contact_law *law, const struct contact_geometry *g, int j,
+                          double out[4])
+{
+    const enum contact_regime regime = (enum contact_regime)p->motion->contact[j].regime;
+    if (regime == REGIME_APART) {
+        out[0] = not_zero(p->gap_armour[j] + fmax(g->gap, beyond_ends(shape, g)));
+    } else {
+        out[0] = not_zero(p->gap_armour[j] - fmax(g->gap, beyond_ends(shape, g)));
+    }
+    if (regime == REGIME_RELEASED) {
+        out[1] = not_zero(p->margin_armour[j] + law->stiffness * g->gap + law->damping * g->gap_rate);
+    }
+}
+
 int cvode_roots(double clock, N_Vector y, double *roots, void *problem)
 {
     const struct cvode_problem *p = problem;
@@ -219,14 +241,18 @@ int cvode_roots(double clock, N_Vector y, double *roots, void *problem)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         double *out = roots + CVODE_ROOTS_EACH * j;
         const enum contact_regime regime = (enum contact_regime)p->motion->contact[j].regime;
+        const struct contact_law law = system_law(p->values, p->motion, j);
+        const struct contact_geometry *g = &at.geometry[j];
         out[0] = out[1] = out[2] = out[3] = 1.0;
-        if (regime == REGIME_PRESSING || regime == REGIME_RECEDING) {
-            const struct contact_law law = system_law(p->values, p->motion, j);
-            const struct contact_geometry *g = &at.geometry[j];
+        if (contact_transmits(p->motion, j)) {
             out[0] = not_zero(p->gap_armour[j] - g->gap);
             out[1] = not_zero(p->margin_armour[j] + contact_regime_margin(&law, regime, g->gap, g->gap_rate));
             out[2] = not_zero(-g->gap_rate);
             out[3] = not_zero(system_force_rate(p->values, p->motion, &at, j));
+        }
+        if (contact_is_coupled(p->values, p->motion, j)) {
+            const struct contact_shape shape = system_shape(p->values, p->motion, j);
+            coupled_roots(p, &shape, &law, g, j, out);
         }
     }
     return 0;

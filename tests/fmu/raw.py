@@ -1,7 +1,7 @@
 """FMI 2.0 calls by ctypes, without an importer's kindness: any function, any arguments, statuses as they are.
 
-An Instance records what the FMU told its logger; it never raises for a refused call, `ok` does. What the FMU is
-as a file comes from raw_fmu.py; the tests take the names of both from here.
+An Instance records what the FMU told its logger; it never raises for a refused call, `ok` does. What the FMU
+is as a file comes from raw_fmu.py; the tests take the names of both from here.
 """
 
 from __future__ import annotations

@@ -1,0 +1,227 @@
+/* vec3 and geometry against long double, from 1e-140 m to 1e140 m, and the conventions of directions. */
+#include <float.h>
+
+#include "check.h"
+#include "long_vec3.h"
+#include "random.h"
+
+enum { CONFIGURATIONS = 20000 };
+
+static const struct vec3 FALLBACK = {0.0, 0.6, -0.8};
+
+/* A contact of size `scale`: radii, either side, either shape, c up to a few radii, along the axis too. */
+static struct contact_shape random_shape(struct random *r, double scale)
+{
+    struct contact_shape shape = {.source_radius = scale * random_power(r, -3.0, 0.0),
+                                  .half_length = random_index(r, 2) == 0 ? (double)INFINITY : scale,
+                                  .side = random_index(r, 2) == 0 ? 1 : -1,
+                                  .destination = random_index(r, 2) == 0 ? SHAPE_SPHERE : SHAPE_CYLINDER};
+    shape.other_radius = shape.source_radius + scale * random_power(r, -3.0, 0.0);
+    if (shape.destination == SHAPE_CYLINDER) {
+        shape.axis = random_direction(r);
+    }
+    return shape;
+}
+
+static void sums_products_and_components(void)
+{
+    struct random r = {1};
+    for (int i = 0; i < CONFIGURATIONS; ++i) {
+        const double size = random_power(&r, -140.0, 140.0);
+        const struct vec3 a = random_vector(&r, size);
+        const struct vec3 b = random_vector(&r, size);
+        const double s = random_between(&r, -2.0, 2.0);
+        const double tolerance = 2.0 * DBL_EPSILON * 3.0 * size;
+        const struct vec3 sum = vec3_axpy(a, s, b);
+        const struct long_vec3 expected = long_axpy(long_of(a), s, long_of(b));
+        CHECK_CLOSE("x of a + s b", sum.x, expected.x, tolerance);
+        CHECK_CLOSE("y of a + s b", sum.y, expected.y, tolerance);
+        CHECK_CLOSE("z of a + s b", sum.z, expected.z, tolerance);
+        const struct vec3 difference = vec3_sub(vec3_add(a, vec3_scale(s, b)), sum);
+        CHECK_CLOSE("a + (s b) - (a + s b)", vec3_max_abs(difference), 0.0, 0.0);
+        CHECK_CLOSE("a.b", vec3_dot(a, b), long_dot(long_of(a), long_of(b)), 3.0 * tolerance * size);
+        CHECK(vec3_get(a, 0) == a.x && vec3_get(a, 1) == a.y && vec3_get(a, 2) == a.z);
+    }
+}
+
+static void the_norm_neither_overflows_nor_underflows(void)
+{
+    struct random r = {2};
+    for (int i = 0; i < CONFIGURATIONS; ++i) {
+        struct vec3 a = random_vector(&r, random_power(&r, -300.0, 300.0));
+        a.y *= random_power(&r, -20.0, 0.0);
+        const long double expected = long_norm(long_of(a));
+        CHECK_CLOSE("|a|", vec3_norm(a), expected, 4.0 * DBL_EPSILON * expected);
+    }
+    CHECK_CLOSE("|0|", vec3_norm(vec3_make(0.0, -0.0, 0.0)), 0.0, 0.0);
+    CHECK_CLOSE("norm of the smallest double", vec3_norm(vec3_make(0.0, -DBL_TRUE_MIN, 0.0)), DBL_TRUE_MIN,
+                0.0);
+    CHECK(isnan(vec3_norm(vec3_make((double)NAN, 1.0, 1.0))));
+}
+
+static void check_against_long_double(const struct contact_shape *shape, struct vec3 c, struct vec3 w)
+{
+    const struct contact_geometry at = contact_geometry_at(shape, c, w, FALLBACK);
+    const struct long_geometry expected = long_geometry_at(shape, long_of(c), long_of(w));
+    /* Taking the axial part off costs roundings of c; where little is left they turn the normal. */
+    const long double noise = 8.0L * DBL_EPSILON * vec3_norm(c);
+    const long double turned = noise / expected.distance;
+    CHECK(!at.degenerate);
+    CHECK_CLOSE("d", at.distance, expected.distance, noise);
+    CHECK_CLOSE("c.e_d", at.axial, expected.axial, noise);
+    CHECK_CLOSE("x of rho", at.offset.x, expected.offset.x, noise);
+    CHECK_CLOSE("y of rho", at.offset.y, expected.offset.y, noise);
+    CHECK_CLOSE("z of rho", at.offset.z, expected.offset.z, noise);
+    CHECK_CLOSE("x of n", at.normal.x, expected.normal.x, turned);
+    CHECK_CLOSE("y of n", at.normal.y, expected.normal.y, turned);
+    CHECK_CLOSE("z of n", at.normal.z, expected.normal.z, turned);
+    CHECK_CLOSE("g", at.gap, expected.gap, noise + 2.0 * DBL_EPSILON * fabsl(expected.gap));
+    CHECK_CLOSE("g'", at.gap_rate, expected.gap_rate, 4.0L * turned * vec3_norm(w));
+    CHECK_CLOSE("|n|", vec3_norm(at.normal), 1.0, 4.0 * DBL_EPSILON);
+}
+
+static void geometry_is_that_of_long_double_at_every_scale(void)
+{
+    struct random r = {3};
+    for (int i = 0; i < CONFIGURATIONS; ++i) {
+        const double scale = random_power(&r, -140.0, 140.0);
+        const struct contact_shape shape = random_shape(&r, scale);
+        const struct vec3 c = random_vector(&r, 3.0 * scale);
+        const struct vec3 w = random_vector(&r, random_power(&r, -140.0, 140.0));
+        check_against_long_double(&shape, c, w);
+    }
+}
+
+/* d - r_s - r_d and r_d - d - r_s without a rounding: what is subtracted is within a factor of two (Sterbenz). */
+static void the_gap_of_bodies_that_almost_touch_has_no_rounding(void)
+{
+    struct random r = {4};
+    for (int i = 0; i < CONFIGURATIONS; ++i) {
+        struct contact_shape shape = {.source_radius = random_between(&r, 0.01, 0.4),
+                                      .other_radius = random_between(&r, 1.0, 2.0),
+                                      .half_length = (double)INFINITY,
+                                      .side = random_index(&r, 2) == 0 ? 1 : -1};
+        const double off = 1.0 + random_sign(&r) * random_power(&r, -17.0, -3.0);
+        const double d = off * contact_reach(&shape);
+        const struct contact_geometry at =
+            contact_geometry_at(&shape, vec3_make(0.0, -d, 0.0), vec3_make(0.0, 0.0, 0.0), FALLBACK);
+        const long double r_s = shape.source_radius;
+        const long double r_d = shape.other_radius;
+        CHECK_CLOSE("d", at.distance, d, 0.0);
+        CHECK_CLOSE("g", at.gap, shape.side > 0 ? d - r_s - r_d : r_d - r_s - d, 0.0);
+    }
+}
+
+static void the_normal_is_perpendicular_to_a_cylinders_axis(void)
+{
+    struct random r = {5};
+    for (int i = 0; i < CONFIGURATIONS; ++i) {
+        struct contact_shape shape = random_shape(&r, 1.0);
+        shape.destination = SHAPE_CYLINDER;
+        shape.axis = random_direction(&r);
+        const struct vec3 c = random_vector(&r, 3.0);
+        const struct vec3 w = random_vector(&r, 1.0);
+        const struct contact_geometry at = contact_geometry_at(&shape, c, w, FALLBACK);
+        const double turned = 16.0 * DBL_EPSILON * vec3_norm(c) / at.distance;
+        CHECK_CLOSE("n.e_d", vec3_dot(at.normal, shape.axis), 0.0, turned);
+        const struct vec3 across = contact_tangential(&shape, at.normal, w);
+        CHECK_CLOSE("tangential.n", vec3_dot(across, at.normal), 0.0, 16.0 * DBL_EPSILON + 2.0 * turned);
+        CHECK_CLOSE("tangential.e_d", vec3_dot(across, shape.axis), 0.0, 16.0 * DBL_EPSILON + 2.0 * turned);
+        const double along = vec3_dot(w, at.normal);
+        const double axial = vec3_dot(w, shape.axis);
+        CHECK_CLOSE("Pythagoras of w", vec3_dot(across, across) + along * along + axial * axial,
+                    vec3_dot(w, w), 64.0 * DBL_EPSILON + 8.0 * turned);
+    }
+}
+
+/* e_c starts at the source's centre. Of a sphere it ends at the destination's centre; of a cylinder r_s e_c is the
+ * source's contact point: nearest to the axis outside, farthest from it inside. */
+static void directions_are_those_of_the_design(void)
+{
+    struct random r = {6};
+    for (int i = 0; i < CONFIGURATIONS; ++i) {
+        const struct contact_shape shape = random_shape(&r, 1.0);
+        const struct vec3 c = random_vector(&r, 3.0);
+        const struct contact_geometry at = contact_geometry_at(&shape, c, vec3_make(0.0, 0.0, 0.0), FALLBACK);
+        const struct vec3 e = contact_direction_of(&shape, &at);
+        const double noise = 32.0 * DBL_EPSILON * (vec3_norm(c) + 1.0) / fmin(1.0, at.distance);
+        if (shape.destination == SHAPE_SPHERE) {
+            CHECK_CLOSE("e_c.c", vec3_dot(e, c), vec3_norm(c), noise);
+            continue;
+        }
+        const struct vec3 from_point = vec3_axpy(c, -shape.source_radius, e);
+        const struct long_geometry point =
+            long_geometry_at(&shape, long_of(from_point), (struct long_vec3){0.0L, 0.0L, 0.0L});
+        const double along =
+            shape.side > 0 ? fabs(at.distance - shape.source_radius) : at.distance + shape.source_radius;
+        CHECK_CLOSE("axis to the contact point", point.distance, along, noise);
+        CHECK_CLOSE("e_c.e_d", vec3_dot(e, shape.axis), 0.0, noise);
+    }
+}
+
+static void on_the_axis_or_at_the_centre_the_fallback_is_the_normal(void)
+{
+    const enum shape shapes[] = {SHAPE_SPHERE, SHAPE_CYLINDER};
+    for (int i = 0; i < 4; ++i) {
+        const struct contact_shape shape = {.axis = {1.0, 0.0, 0.0},
+                                            .source_radius = 0.25,
+                                            .other_radius = 0.75,
+                                            .half_length = (double)INFINITY,
+                                            .side = i % 2 == 0 ? 1 : -1,
+                                            .destination = shapes[i / 2]};
+        const struct vec3 c = {shape.destination == SHAPE_CYLINDER ? 3.0 : 0.0, 0.0, 0.0};
+        const struct contact_geometry at = contact_geometry_at(&shape, c, vec3_make(7.0, 1.0, 2.0), FALLBACK);
+        CHECK(at.degenerate);
+        CHECK_CLOSE("d", at.distance, 0.0, 0.0);
+        CHECK_CLOSE("g", at.gap, shape.side > 0 ? -1.0 : 0.5, 0.0);
+        CHECK_CLOSE("n is the fallback", vec3_max_abs(vec3_sub(at.normal, FALLBACK)), 0.0, 0.0);
+        CHECK_CLOSE("g'", at.gap_rate, shape.side * (0.6 - 1.6), 4.0 * DBL_EPSILON);
+    }
+}
+
+static void end_planes_belong_to_the_cylinder(void)
+{
+    struct contact_shape shape = {.axis = {0.0, 0.0, 1.0}, .half_length = 0.7, .destination = SHAPE_CYLINDER};
+    CHECK(contact_within_extents(&shape, 0.0));
+    CHECK(contact_within_extents(&shape, 0.7));
+    CHECK(contact_within_extents(&shape, -0.7));
+    CHECK(!contact_within_extents(&shape, nextafter(0.7, 1.0)));
+    CHECK(!contact_within_extents(&shape, nextafter(-0.7, -1.0)));
+    shape.half_length = (double)INFINITY;
+    CHECK(contact_within_extents(&shape, 1e308));
+}
+
+static void the_default_normal_is_the_documented_one(void)
+{
+    struct contact_shape shape = {.destination = SHAPE_SPHERE, .side = 1};
+    const struct vec3 down = contact_default_normal(&shape);
+    CHECK(down.x == 0.0 && down.y == 0.0 && down.z == -1.0);
+    struct random r = {7};
+    shape.destination = SHAPE_CYLINDER;
+    for (int i = 0; i < CONFIGURATIONS; ++i) {
+        shape.axis = random_direction(&r);
+        const double e[3] = {shape.axis.x, shape.axis.y, shape.axis.z};
+        const struct vec3 n = contact_default_normal(&shape);
+        CHECK_CLOSE("|n|", vec3_norm(n), 1.0, 4.0 * DBL_EPSILON);
+        CHECK_CLOSE("n.e_d", vec3_dot(n, shape.axis), 0.0, 8.0 * DBL_EPSILON);
+        /* A unit vector made perpendicular to e_d keeps the part sqrt(1 - e_i^2) along itself; it is the largest of
+         * the three for the least |e_i|. */
+        const double least = fmin(fabs(e[0]), fmin(fabs(e[1]), fabs(e[2])));
+        const double lowest = fmin(n.x, fmin(n.y, n.z));
+        CHECK_CLOSE("along the axis least aligned", lowest, -sqrt(1.0 - least * least), 8.0 * DBL_EPSILON);
+    }
+}
+
+int main(void)
+{
+    CHECK_TEST(sums_products_and_components);
+    CHECK_TEST(the_norm_neither_overflows_nor_underflows);
+    CHECK_TEST(geometry_is_that_of_long_double_at_every_scale);
+    CHECK_TEST(the_gap_of_bodies_that_almost_touch_has_no_rounding);
+    CHECK_TEST(the_normal_is_perpendicular_to_a_cylinders_axis);
+    CHECK_TEST(directions_are_those_of_the_design);
+    CHECK_TEST(on_the_axis_or_at_the_centre_the_fallback_is_the_normal);
+    CHECK_TEST(end_planes_belong_to_the_cylinder);
+    CHECK_TEST(the_default_normal_is_the_documented_one);
+    return check_summary("geometry");
+}
