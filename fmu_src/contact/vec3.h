@@ -55,7 +55,7 @@ static inline double vec3_norm(struct vec3 a)
 {
     const double scale = vec3_max_abs(a);
     if (!(scale > 0.0)) {
-        return scale;
+        return fabs(a.x) + fabs(a.y) + fabs(a.z); /* zero, or NaN, which fmax passes over */
     }
     const struct vec3 s = {a.x / scale, a.y / scale, a.z / scale};
     return scale * sqrt(vec3_dot(s, s));

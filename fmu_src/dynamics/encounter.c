@@ -116,6 +116,16 @@ static double leaving_time(double value, double noise, double speed, double bend
     return isfinite(soonest) ? soonest : 0.0;
 }
 
+/* d/dt of p_n g + p_nv g' in flight, with g'' = side (n.c'' + |w across n|^2 / d). */
+static double margin_slope(const struct contact_shape *shape, const struct contact_law *law,
+                           const struct contact_geometry *now, const struct separation *separation)
+{
+    const struct vec3 across = contact_tangential(shape, now->normal, separation->w[0]);
+    const double turning = now->degenerate ? 0.0 : vec3_dot(across, across) / now->distance;
+    const double bend = shape->side * (2.0 * vec3_dot(now->normal, separation->c[2]) + turning);
+    return law->stiffness * now->gap_rate + law->damping * bend;
+}
+
 /* Until then the present regime, whose boundary has just been crossed, is taken to last. */
 static double settling_time(const struct approach *path, const struct contact_shape *shape,
                             const struct contact_law *law, const struct contact_geometry *now,
@@ -134,7 +144,7 @@ static double settling_time(const struct approach *path, const struct contact_sh
         const double margin = law->stiffness * now->gap + law->damping * now->gap_rate;
         const double noise =
             law->stiffness * resolution + 8.0 * DBL_EPSILON * law->damping * vec3_norm(separation->w[0]);
-        settle = fmax(settle, leaving_time(margin, noise, law->stiffness * now->gap_rate, 0.0));
+        settle = fmax(settle, leaving_time(margin, noise, margin_slope(shape, law, now, separation), 0.0));
     }
     return settle / path->horizon;
 }

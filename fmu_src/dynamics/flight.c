@@ -14,34 +14,49 @@ bool flight_is_free(const struct motion *q)
     return true;
 }
 
-struct body_state flight_body_at(const struct scene_values *v, const struct motion *q, int body, double clock)
+struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,
+                              const struct vec3 force[3], double time)
 {
-    const struct vec3 *force = q->path[body].force;
     const double inverse_mass = 1.0 / body_mass(v, body);
-    const struct vec3 velocity[4] = {q->origin[body].velocity, vec3_axpy(gravity(v), inverse_mass, force[0]),
+    const struct vec3 velocity[4] = {start.velocity, vec3_axpy(gravity(v), inverse_mass, force[0]),
                                      vec3_scale(inverse_mass / 2.0, force[1]),
                                      vec3_scale(inverse_mass / 3.0, force[2])};
     struct vec3 mean[4];
     for (int i = 0; i < 4; ++i) {
         mean[i] = vec3_scale(1.0 / (i + 1), velocity[i]);
     }
-    return (struct body_state){vec3_scale(clock, path_at(mean, 4, clock)), path_at(velocity, 4, clock)};
+    return (struct body_state){vec3_axpy(start.moved, time, path_at(mean, 4, time)),
+                               path_at(velocity, 4, time)};
 }
 
 /* Force times velocity has degree five: exact with three Gauss-Legendre nodes, 0 and +-sqrt(3/5). */
-static double work_of_force(const struct scene_values *v, const struct motion *q, int body, double from,
-                            double to)
+double flight_work(const struct scene_values *v, int body, struct body_state start,
+                   const struct vec3 force[3], double time)
 {
     const double node = 0.77459666924148338;
     const double nodes[3] = {-node, 0.0, node};
     const double weights[3] = {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
     double sum = 0.0;
     for (int i = 0; i < 3; ++i) {
-        const double clock = 0.5 * ((from + to) + (to - from) * nodes[i]);
-        const struct body_state at = flight_body_at(v, q, body, clock);
-        sum += weights[i] * vec3_dot(path_at(q->path[body].force, 3, clock), at.velocity);
+        const double at = 0.5 * time * (1.0 + nodes[i]);
+        const struct body_state then = flight_from(v, body, start, force, at);
+        sum += weights[i] * vec3_dot(path_at(force, 3, at), then.velocity);
     }
-    return 0.5 * (to - from) * sum;
+    return 0.5 * time * sum;
+}
+
+struct body_state flight_body_at(const struct scene_values *v, const struct motion *q, int body, double clock)
+{
+    const struct body_state start = {.velocity = q->origin[body].velocity};
+    return flight_from(v, body, start, q->path[body].force, clock);
+}
+
+/* From the present to another clock. */
+static double work_until(const struct scene_values *v, const struct motion *q, int body, double clock)
+{
+    struct vec3 force[3] = {q->path[body].force[0], q->path[body].force[1], q->path[body].force[2]};
+    path_shift(force, 3, q->clock);
+    return flight_work(v, body, q->body[body], force, clock - q->clock);
 }
 
 static double stored_now(const struct scene_values *v, const struct motion *q)
@@ -56,7 +71,7 @@ void flight_advance(const struct scene_values *v, struct motion *q, double clock
     const double stored = stored_now(v, q);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            q->external_work += work_of_force(v, q, i, q->clock, clock);
+            q->external_work += work_until(v, q, i, clock);
             q->body[i] = flight_body_at(v, q, i, clock);
         }
     }

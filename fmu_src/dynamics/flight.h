@@ -13,6 +13,12 @@
 /* No contact transmits a force: all are apart or released. */
 bool flight_is_free(const struct motion *q);
 
+/* A free body's state `time` after `start`, and the work of the external force until then; `force` has its origin there. */
+struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,
+                              const struct vec3 force[3], double time);
+double flight_work(const struct scene_values *v, int body, struct body_state start,
+                   const struct vec3 force[3], double time);
+
 /* A free body's state at a clock, from its origin. */
 struct body_state flight_body_at(const struct scene_values *v, const struct motion *q, int body,
                                  double clock);

@@ -202,6 +202,22 @@ enum contact_regime system_regime(const struct scene_values *v, const struct mot
     return contact_regime_of(&law, g->gap, g->gap_rate, system_within_extents(&shape, g));
 }
 
+/* How far rounding alone may move the regime margin, given that of the gap: g' = n.w turns with n. */
+static double margin_resolution(const struct contact_law *law, enum contact_regime regime,
+                                const struct system_instant *at, int contact, double gap_resolution)
+{
+    const double turn = 8.0 * DBL_EPSILON + gap_resolution / at->geometry[contact].distance;
+    const double rate = vec3_norm(at->rate[contact]) * fmin(turn, 1.0);
+    const bool is_force = regime != REGIME_RECEDING && law->dashpot == DASHPOT_NON_ADHESIVE;
+    return is_force ? law->stiffness * gap_resolution + law->damping * rate : rate;
+}
+
+double contact_margin_armour(const struct contact_law *law, enum contact_regime regime, double margin,
+                             const struct system_instant *at, int contact, double gap_resolution)
+{
+    return 2.0 * (fmax(-margin, 0.0) + margin_resolution(law, regime, at, contact, gap_resolution));
+}
+
 double system_force_rate(const struct scene_values *v, const struct motion *q,
                          const struct system_instant *at, int contact)
 {

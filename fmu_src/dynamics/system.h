@@ -61,6 +61,11 @@ double system_gap_resolution(const struct scene_values *v, const struct system_i
 enum contact_regime system_regime(const struct scene_values *v, const struct motion *q,
                                   const struct system_instant *at, int contact);
 
+/* What is added to a regime margin so that it starts above zero although the phase begins at zero, give or take rounding: a
+ * margin that starts below is never seen to fall, and one that hovers about zero falls too early. */
+double contact_margin_armour(const struct contact_law *law, enum contact_regime regime, double margin,
+                             const struct system_instant *at, int contact, double gap_resolution);
+
 /* d/dt of F_n within the regime: -(k g' + c g'') [N/s]. */
 double system_force_rate(const struct scene_values *v, const struct motion *q,
                          const struct system_instant *at, int contact);

@@ -30,16 +30,19 @@ struct experiment {
     bool set_up;       /* fmi2SetupExperiment was accepted */
 };
 
+struct state_block; /* state_list.h */
+
 struct instance {
     struct model *model;
     struct model_host host;
     fmi2CallbackFunctions callbacks;
     struct experiment experiment;
     enum phase phase;
-    fmi2Status step_status;  /* of the last fmi2DoStep */
-    unsigned log_categories; /* bits of enum log_category */
-    bool logging_on;         /* as instantiated; fmi2Reset returns to it */
-    const char *name;        /* kept behind the struct, in the same allocation */
+    struct state_block *states; /* handed out and not freed, the newest first; fmi2Reset keeps them */
+    fmi2Status step_status;     /* of the last fmi2DoStep */
+    unsigned log_categories;    /* bits of enum log_category */
+    bool logging_on;            /* as instantiated; fmi2Reset returns to it */
+    const char *name;           /* kept behind the struct, in the same allocation */
 };
 
 /* The model's statuses are fmi2Status values by another name. */

@@ -5,6 +5,7 @@
 
 #include "fmi2/call_order.h"
 #include "fmi2/log.h"
+#include "fmi2/state_list.h"
 #include "scene.h"
 
 const char *fmi2GetTypesPlatform(void)
@@ -107,6 +108,7 @@ void fmi2FreeInstance(fmi2Component c)
     struct instance *instance = c;
     if (instance != NULL) {
         void (*release)(void *) = instance->host.release;
+        state_list_clear(instance); /* what the importer forgot */
         model_destroy(instance->model);
         release(instance);
     }

@@ -1,7 +1,7 @@
 /*
- * Saved states: one flat block without pointers, a header of the adapter followed by the model's bytes. What
- * the importer serializes is this block as it stands; what it brings back is checked as a whole before it is
- * used.
+ * Saved states: one flat row of bytes without pointers, a header of the adapter followed by the model's part.
+ * What the importer serializes are these bytes as they stand; what it brings back is checked as a whole before
+ * it is used. In memory they follow a link (state_list.h), by which the importer's pointers are recognised.
  */
 #include <math.h>
 #include <stddef.h>
@@ -10,6 +10,7 @@
 
 #include "fmi2/call_order.h"
 #include "fmi2/log.h"
+#include "fmi2/state_list.h"
 #include "scene.h"
 
 /* "CONT" on a little-endian machine; a block of the other byte order does not match. */
@@ -120,22 +121,38 @@ static fmi2Status check_block(struct instance *instance, enum call call, const v
     return fmi2OK;
 }
 
-static bool state_given(struct instance *instance, enum call call, fmi2FMUstate state)
+/* The block of an importer's state, or NULL after a message. */
+static struct state_block *given_block(struct instance *instance, enum call call, fmi2FMUstate state)
 {
-    return call_array_given(instance, call, "FMUstate", state, 1);
+    if (!call_array_given(instance, call, "FMUstate", state, 1)) {
+        return NULL;
+    }
+    struct state_block *block = state_list_find(instance, state);
+    if (block == NULL) {
+        log_report(instance, fmi2Error,
+                   "%s: FMUstate is unknown, expected a state that this instance gave and that is not freed",
+                   call_name(call));
+    }
+    return block;
 }
 
-/* The block an importer's state pointer leads to, allocated when it is still null; NULL after a message. */
-static void *block_of(struct instance *instance, enum call call, fmi2FMUstate *state)
+/*
+ * The block to write for an importer's state pointer: the one it leads to, or a new one where it is null or,
+ * from an importer that never initialised it, leads anywhere else. NULL after a message.
+ */
+static struct state_block *block_to_write(struct instance *instance, enum call call, fmi2FMUstate *state)
 {
-    if (*state == NULL) {
-        *state = instance->host.allocate(1, block_size());
-        if (*state == NULL) {
+    struct state_block *block = state_list_find(instance, *state);
+    if (block == NULL) {
+        block = state_list_add(instance, block_size());
+        if (block == NULL) {
             log_report(instance, fmi2Error, "%s: no memory for %lu bytes", call_name(call),
                        (unsigned long)block_size());
+            return NULL;
         }
+        *state = block;
     }
-    return *state;
+    return block;
 }
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
@@ -145,26 +162,29 @@ fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
         !call_array_given(instance, CALL_GetFMUstate, "FMUstate", FMUstate, 1)) {
         return fmi2Error;
     }
-    void *block = block_of(instance, CALL_GetFMUstate, FMUstate);
+    struct state_block *block = block_to_write(instance, CALL_GetFMUstate, FMUstate);
     if (block == NULL) {
         return fmi2Error;
     }
-    write_block(instance, block);
+    write_block(instance, block->bytes);
     return fmi2OK;
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
 {
     struct instance *instance = c;
-    if (!call_allowed(instance, CALL_SetFMUstate) || !state_given(instance, CALL_SetFMUstate, FMUstate) ||
-        check_block(instance, CALL_SetFMUstate, FMUstate, block_size()) != fmi2OK) {
+    if (!call_allowed(instance, CALL_SetFMUstate)) {
+        return fmi2Error;
+    }
+    struct state_block *block = given_block(instance, CALL_SetFMUstate, FMUstate);
+    if (block == NULL || check_block(instance, CALL_SetFMUstate, block->bytes, block_size()) != fmi2OK) {
         return fmi2Error;
     }
     const fmi2Status status =
-        status_of(model_restore(instance->model, model_bytes(FMUstate), model_state_size()));
+        status_of(model_restore(instance->model, model_bytes(block->bytes), model_state_size()));
     if (status <= fmi2Warning) {
         struct block_header header;
-        memcpy(&header, FMUstate, sizeof header);
+        memcpy(&header, block->bytes, sizeof header);
         instance->experiment.start_time = header.start_time;
         instance->experiment.stop_time = header.stop_time;
         instance->experiment.set_up = header.set_up != 0;
@@ -179,10 +199,15 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
     if (!call_allowed(instance, CALL_FreeFMUstate)) {
         return fmi2Error;
     }
-    if (FMUstate != NULL && *FMUstate != NULL) {
-        instance->host.release(*FMUstate);
-        *FMUstate = NULL;
+    if (FMUstate == NULL || *FMUstate == NULL) {
+        return fmi2OK;
     }
+    struct state_block *block = given_block(instance, CALL_FreeFMUstate, *FMUstate);
+    if (block == NULL) {
+        return fmi2Error;
+    }
+    state_list_remove(instance, block);
+    *FMUstate = NULL;
     return fmi2OK;
 }
 
@@ -190,7 +215,7 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, si
 {
     struct instance *instance = c;
     if (!call_allowed(instance, CALL_SerializedFMUstateSize) ||
-        !state_given(instance, CALL_SerializedFMUstateSize, FMUstate) ||
+        given_block(instance, CALL_SerializedFMUstateSize, FMUstate) == NULL ||
         !call_array_given(instance, CALL_SerializedFMUstateSize, "size", size, 1)) {
         return fmi2Error;
     }
@@ -202,17 +227,19 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byt
                                  size_t size)
 {
     struct instance *instance = c;
-    if (!call_allowed(instance, CALL_SerializeFMUstate) ||
-        !state_given(instance, CALL_SerializeFMUstate, FMUstate) ||
-        !call_array_given(instance, CALL_SerializeFMUstate, "serializedState", serializedState,
-                          block_size())) {
+    if (!call_allowed(instance, CALL_SerializeFMUstate)) {
+        return fmi2Error;
+    }
+    struct state_block *block = given_block(instance, CALL_SerializeFMUstate, FMUstate);
+    if (block == NULL || !call_array_given(instance, CALL_SerializeFMUstate, "serializedState",
+                                           serializedState, block_size())) {
         return fmi2Error;
     }
     if (size < block_size()) {
         return log_report(instance, fmi2Error, "fmi2SerializeFMUstate: room for %lu bytes, expected %lu",
                           (unsigned long)size, (unsigned long)block_size());
     }
-    memcpy(serializedState, FMUstate, block_size());
+    memcpy(serializedState, block->bytes, block_size());
     return fmi2OK;
 }
 
@@ -226,10 +253,10 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedSta
         check_block(instance, CALL_DeSerializeFMUstate, serializedState, size) != fmi2OK) {
         return fmi2Error;
     }
-    void *block = block_of(instance, CALL_DeSerializeFMUstate, FMUstate);
+    struct state_block *block = block_to_write(instance, CALL_DeSerializeFMUstate, FMUstate);
     if (block == NULL) {
         return fmi2Error;
     }
-    memcpy(block, serializedState, size);
+    memcpy(block->bytes, serializedState, size);
     return fmi2OK;
 }

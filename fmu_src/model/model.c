@@ -145,9 +145,8 @@ static enum model_status advance_motion(struct model *m, double end_time)
                             model_time(m), m->solver.message);
     }
     if (m->state.motion.counters.events != events) {
-        model_report(m, MODEL_OK, "%d changes of contact up to %.17g s; %d since initialization.",
-                     (int)(m->state.motion.counters.events - events), end_time,
-                     (int)m->state.motion.counters.events);
+        model_report(m, MODEL_OK, "Changes of contact up to %.17g s: %d; since initialization: %d.", end_time,
+                     (int)(m->state.motion.counters.events - events), (int)m->state.motion.counters.events);
     }
     return MODEL_OK;
 }

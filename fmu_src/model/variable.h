@@ -18,7 +18,7 @@ enum variable_causality {
 
 struct variable {
     const char *name;
-    double min, max;    /* inclusive; of an enumeration the first and last item offered */
+    double min, max;    /* inclusive; of an enumeration the first and last item */
     uint32_t reference; /* FMI value reference */
     uint16_t offset;    /* bytes into struct scene_values; a double for VARIABLE_REAL, else an int32_t */
     uint16_t row;       /* enum variable_row of scene.h */

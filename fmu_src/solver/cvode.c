@@ -57,22 +57,10 @@ static double momentum_scale(const struct scene_values *v, const struct system_i
  * a cylinder (scripts/scenarios/p3b.toml) closes to better than 2e-9 of its largest term. */
 static double tolerance_share(enum solver_method method)
 {
-    return method == SOLVER_METHOD_CVODE_BDF ? 0.02 : 0.1;
+    return method == SOLVER_METHOD_CVODE_ADAMS ? 0.1 : 0.02;
 }
 
-/* How far rounding alone may move the regime margin, given that of the gap: g' = n.w turns with n. */
-static double margin_resolution(const struct contact_law *law, enum contact_regime regime,
-                                const struct system_instant *at, int contact, double gap_resolution)
-{
-    const double turn = 8.0 * DBL_EPSILON + gap_resolution / at->geometry[contact].distance;
-    const double rate = vec3_norm(at->rate[contact]) * fmin(turn, 1.0);
-    const bool is_force = regime != REGIME_RECEDING && law->dashpot == DASHPOT_NON_ADHESIVE;
-    return is_force ? law->stiffness * gap_resolution + law->damping * rate : rate;
-}
-
-/* What is added to the roots so that they start above zero although the phase begins at zero, give or take rounding: a
- * root that starts below is never seen to fall, and one that hovers about zero falls too early. Twice the resolution: the
- * start itself may be off by one. */
+/* See contact_margin_armour. Twice the gap's resolution: the start itself may be off by one. */
 static void arm_roots(struct cvode_problem *p, const struct system_instant *at)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -84,7 +72,7 @@ static void arm_roots(struct cvode_problem *p, const struct system_instant *at)
                                   ? law.stiffness * g->gap + law.damping * g->gap_rate
                                   : contact_regime_margin(&law, regime, g->gap, g->gap_rate);
         p->gap_armour[j] = 2.0 * resolution;
-        p->margin_armour[j] = 2.0 * (fmax(-margin, 0.0) + margin_resolution(&law, regime, at, j, resolution));
+        p->margin_armour[j] = contact_margin_armour(&law, regime, margin, at, j, resolution);
     }
 }
 

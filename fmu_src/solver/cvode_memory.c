@@ -79,7 +79,7 @@ static bool configure(struct cvode *c)
     return silence(c) && CVodeInit(c->memory, cvode_rhs, 0.0, c->y) == CV_SUCCESS &&
            CVodeSetUserData(c->memory, &c->problem) == CV_SUCCESS &&
            CVodeWFtolerances(c->memory, cvode_weights) == CV_SUCCESS &&
-           (c->method == SOLVER_METHOD_CVODE_BDF ? attach_newton(c) : attach_fixed_point(c)) &&
+           (c->method != SOLVER_METHOD_CVODE_ADAMS ? attach_newton(c) : attach_fixed_point(c)) &&
            CVodeRootInit(c->memory, CVODE_ROOTS, cvode_roots) == CV_SUCCESS &&
            CVodeSetRootDirection(c->memory, falling) == CV_SUCCESS &&
            CVodeSetNoInactiveRootWarn(c->memory) == CV_SUCCESS;
@@ -97,7 +97,7 @@ static bool create(struct cvode *c, const struct scene_values *v)
         return false;
     }
     N_VConst(0.0, c->y);
-    c->memory = CVodeCreate(c->method == SOLVER_METHOD_CVODE_BDF ? CV_BDF : CV_ADAMS, c->context);
+    c->memory = CVodeCreate(c->method != SOLVER_METHOD_CVODE_ADAMS ? CV_BDF : CV_ADAMS, c->context);
     return c->memory && configure(c);
 }
 

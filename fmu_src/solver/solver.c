@@ -6,6 +6,7 @@
 #include "dynamics/flight.h"
 #include "dynamics/projection.h"
 #include "solver/cvode.h"
+#include "solver/event_driven.h"
 #include "solver/sampled.h"
 
 bool solver_open(struct solver *s, const struct scene_values *v, const struct solver_memory *memory)
@@ -63,6 +64,13 @@ static enum advance_result advance_phase(struct solver *s, const struct scene_va
     if (flight_is_free(q)) {
         flight_advance(v, q, step->clock_end);
         return ADVANCE_REACHED;
+    }
+    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN) {
+        const enum advance_result result = event_driven_advance(v, q, step);
+        if (result != ADVANCE_FAILED) {
+            return result;
+        }
+        motion_rebase(q);
     }
     return cvode_advance(s->cvode, v, q, step);
 }

@@ -3,10 +3,10 @@
  * (a smooth problem) and stops at the first change of regime; solver_run strings these phases together.
  *
  *   flight      no contact transmits a force: closed form (dynamics/flight.c), whatever the method
+ *   event_driven.c  a pair presses: Taylor series exact to rounding, one radian of the contact's oscillation a step or two
  *   cvode.c     bodies press: SUNDIALS CVODE, BDF with an analytic Jacobian or Adams
  *   sampled.c   no free body: the motion is given, only the integrals over it are needed
  *
- * The event-driven method takes its place beside them: the same advance call, chosen by solver.method.
  */
 #ifndef CONTACT_SOLVER_H
 #define CONTACT_SOLVER_H

@@ -20,7 +20,6 @@ class Item:
     name: str
     value: int
     description: str
-    offered: bool
 
 
 @dataclass(frozen=True)
@@ -38,12 +37,8 @@ class Type:
     nominal: float | None = None
     items: tuple[Item, ...] = ()
 
-    @property
-    def offered(self) -> tuple[Item, ...]:
-        return tuple(item for item in self.items if item.offered)
-
     def item(self, name: str) -> Item | None:
-        return next((item for item in self.offered if item.name == name), None)
+        return next((item for item in self.items if item.name == name), None)
 
 
 @dataclass(frozen=True)
@@ -86,9 +81,9 @@ class Row:
 
     @property
     def limits(self) -> tuple:
-        """(min, max), of an enumeration the first and last item offered."""
+        """(min, max), of an enumeration the first and last item."""
         if self.type.base == "Enumeration":
-            values = [item.value for item in self.type.offered]
+            values = [item.value for item in self.type.items]
             return min(values), max(values)
         if self.type.base == "Boolean":
             return 0, 1
@@ -148,8 +143,7 @@ def _type(name: str, entry: dict, shown: str) -> Type:
         raise InputError(shown, f"[type.{name}]: unknown base '{entry['base']}' {allowed(BASES)}")
     items = entry.pop("items", {})
     entry["items"] = tuple(
-        Item(item, fields["value"], fields["description"], fields.get("offered", True))
-        for item, fields in items.items()
+        Item(item, fields["value"], fields["description"]) for item, fields in items.items()
     )
     return Type(name, **entry)
 

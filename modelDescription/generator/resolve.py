@@ -161,7 +161,7 @@ def checked(scene: Scene, where: str, cell: Cell, value):
     """`value` of the scene file as numbers, or the error that says what is allowed."""
     row, base = cell.row, cell.row.type.base
     if base == "Enumeration":
-        items = [item.name for item in row.type.offered]
+        items = [item.name for item in row.type.items]
         if value not in items:
             raise scene.error(f"{where}: '{cell.name}' is {value!r} {allowed(items)}")
         return row.type.item(value).value

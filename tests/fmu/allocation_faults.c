@@ -79,6 +79,9 @@ typedef int (*step_function)(void *, double, double, int);
 typedef int (*set_integer_function)(void *, const unsigned *, size_t, const int *);
 typedef int (*state_function)(void *, void **);
 typedef int (*set_state_function)(void *, void *);
+typedef int (*size_function)(void *, void *, size_t *);
+typedef int (*serialize_function)(void *, void *, char *, size_t);
+typedef int (*deserialize_function)(void *, const char *, size_t, void **);
 
 static void *library;
 static const char *guid;
@@ -170,20 +173,43 @@ static void run(void *instance)
     during_steps += allocations - before;
 }
 
-/* A saved state restored in a second instance, which has to open its solver for it */
-static void copy(void *instance)
+/* Room for a serialized state, outside the counted memory */
+static char bytes[16384];
+
+/* Saves a state as bytes and frees it; the size */
+static size_t save(void *instance)
 {
     state_function get, release;
-    set_state_function set;
-    free_function free_instance;
+    size_function get_size;
+    serialize_function serialize;
     find("fmi2GetFMUstate", &get);
     find("fmi2FreeFMUstate", &release);
-    find("fmi2SetFMUstate", &set);
-    find("fmi2FreeInstance", &free_instance);
+    find("fmi2SerializedFMUstateSize", &get_size);
+    find("fmi2SerializeFMUstate", &serialize);
     void *state = NULL;
     if (get(instance, &state) > 1 && (!enough_memory_now() || get(instance, &state) > 1)) {
         fail("fmi2GetFMUstate");
     }
+    size_t size = 0;
+    if (get_size(instance, state, &size) != 0 || serialize(instance, state, bytes, sizeof bytes) != 0) {
+        fail("fmi2SerializeFMUstate");
+    }
+    if (release(instance, &state) != 0 || state != NULL) {
+        fail("fmi2FreeFMUstate");
+    }
+    return size;
+}
+
+/* A saved state restored in a second instance, which opens its solver for it; its end has to free the state */
+static void copy(void *instance)
+{
+    set_state_function set;
+    deserialize_function deserialize;
+    free_function free_instance;
+    find("fmi2SetFMUstate", &set);
+    find("fmi2DeSerializeFMUstate", &deserialize);
+    find("fmi2FreeInstance", &free_instance);
+    const size_t size = save(instance);
     const struct callbacks callbacks = {0};
     instantiate_function instantiate;
     find("fmi2Instantiate", &instantiate);
@@ -192,13 +218,15 @@ static void copy(void *instance)
         (!enough_memory_now() || !(other = instantiate("other", 1, guid, NULL, &callbacks, 0, 0)))) {
         fail("fmi2Instantiate, a second one");
     }
+    void *state = NULL;
+    if (deserialize(other, bytes, size, &state) > 1 &&
+        (!enough_memory_now() || deserialize(other, bytes, size, &state) > 1)) {
+        fail("fmi2DeSerializeFMUstate");
+    }
     if (set(other, state) > 1 && (!enough_memory_now() || set(other, state) > 1)) {
         fail("fmi2SetFMUstate");
     }
     free_instance(other);
-    if (release(instance, &state) != 0 || state != NULL) {
-        fail("fmi2FreeFMUstate");
-    }
 }
 
 static long live(long from, long to)

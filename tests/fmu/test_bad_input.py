@@ -221,14 +221,6 @@ def test_every_range_of_the_description_is_enforced(fmu):
             assert instance.set_one(variable, variable.start_value) == OK
 
 
-def test_the_reserved_solver_method_is_refused(universal):
-    with raw.Instance(universal) as instance:
-        method = universal.variables["solver.method"]
-        assert "event_driven" not in method.items
-        with instance.expect(DISCARD, "solver.method", "1") as got:
-            got(instance.set_one(method, 1))
-
-
 def test_an_axis_of_no_length_is_refused(universal):
     with raw.Instance(universal) as instance:
         instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)

@@ -15,7 +15,7 @@ from raw import DISCARD, array
 FREE = {"gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 50.0], "source.mass": 2.0}
 # Both solvers run at this tolerance; a hundred times of it is allowed on numbers of the order of one.
 TOLERANCE = 1e-10
-METHODS = ["cvode_bdf", "cvode_adams"]
+METHODS = ["event_driven", "cvode_bdf", "cvode_adams"]
 
 
 def feed(instance: raw.Instance, name: str, order: int, values: list[float]) -> None:

@@ -1,46 +1,16 @@
 """The importer's memory functions are used, all memory comes back, and too little of it is told."""
 
-import ctypes
 import os
 import shutil
 import subprocess
-from ctypes import byref, c_int, c_size_t, c_void_p
+from ctypes import byref, c_int, c_void_p
 from pathlib import Path
 
 import pytest
 import raw
+from heap import Heap
 from raw import ALLOCATE, DISCARD, ERROR, FREE, OK
 from runs import RUNS, begin, go_on
-
-LIBC = ctypes.CDLL(None)
-LIBC.calloc.restype = c_void_p
-LIBC.calloc.argtypes = [c_size_t, c_size_t]
-LIBC.free.argtypes = [c_void_p]
-
-
-class Heap:
-    """An importer's memory functions that keep count; the n-th allocation fails where asked"""
-
-    def __init__(self, failing: int = -1):
-        self.failing = failing
-        self.count = 0
-        self.living: dict[int, int] = {}
-        self.foreign: list[int] = []
-        self.functions = (ALLOCATE(self._allocate), FREE(self._free))
-
-    def _allocate(self, count: int, size: int) -> int | None:
-        self.count += 1
-        if self.count - 1 == self.failing:
-            return None
-        address = LIBC.calloc(count, size)
-        self.living[address] = count * size
-        return address
-
-    def _free(self, address: int | None) -> None:
-        if self.living.pop(address, None) is None:
-            self.foreign.append(address)
-        else:
-            LIBC.free(address)
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -60,6 +30,27 @@ def test_the_importers_memory_is_used_and_all_of_it_comes_back(name):
     instance.restore(blob)
     instance.ok("FreeFMUstate", byref(state))
     instance.ok("Reset")
+    instance.free()
+    assert (heap.living, heap.foreign) == ({}, [])
+
+
+def test_states_the_importer_forgot_come_back_with_the_instance(fmu):
+    """Of four states one is freed and three are left; to one of them no pointer leads any more"""
+    heap = Heap()
+    instance = raw.Instance(fmu, memory=heap.functions).initialize()
+    before = set(heap.living)
+    blob = instance.save()
+    assert set(heap.living) == before
+    states = [c_void_p() for _ in range(3)]
+    for state in states:
+        instance.ok("GetFMUstate", byref(state))
+    status, brought = instance.deserialize(blob)
+    assert status == OK
+    instance.ok("FreeFMUstate", byref(states[1]))
+    states[0].value = None
+    left = set(heap.living) - before
+    assert len(left) == 3
+    assert {states[2].value, brought.value} < left
     instance.free()
     assert (heap.living, heap.foreign) == ({}, [])
 

@@ -146,25 +146,6 @@ def test_the_stop_time_is_part_of_the_state(fmu):
             got(other.call("DoStep", 0.0, 1.5, 1))
 
 
-def test_a_state_pointer_is_used_again(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        state = c_void_p()
-        instance.ok("GetFMUstate", byref(state))
-        address = state.value
-        instance.run([0.1])
-        instance.ok("GetFMUstate", byref(state))
-        assert state.value == address
-        blob = instance.save()
-        instance.run([0.1], start=0.1)
-        instance.ok("DeSerializeFMUstate", blob, len(blob), byref(state))
-        assert state.value == address
-        instance.ok("SetFMUstate", state)
-        assert instance.save() == blob
-        instance.ok("FreeFMUstate", byref(state))
-        assert state.value is None
-
-
 # damaged states
 
 

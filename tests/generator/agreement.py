@@ -17,9 +17,7 @@ def expected(name: str, scene: dict) -> dict:
     hit_only = owner in targets - {contact["source"] for contact in scene["contact"]}
     start = row.get("start_destination", row.get("start")) if hit_only else row.get("start")
     start = scene.get("start", {}).get(name.partition("[")[0], start)
-    items = {
-        item: entry["value"] for item, entry in kind.get("items", {}).items() if entry.get("offered", True)
-    }
+    items = {item: entry["value"] for item, entry in kind.get("items", {}).items()}
     low, high = {
         "Enumeration": lambda: (min(items.values()), max(items.values())),
         "Boolean": lambda: (0, 1),

@@ -148,9 +148,9 @@ def test_the_force_element_has_no_solver_and_no_energies(folder):
     assert "SUNDIALS" not in (folder / "ForceElement" / "documentation" / "index.html").read_text()
 
 
-def test_what_is_not_offered_is_not_in_the_description():
+def test_the_methods_offered_are_those_of_the_solver():
     methods = describe("SphereSphere")["solver.method"]["items"]
-    assert methods == {"cvode_bdf": 2, "cvode_adams": 3}
+    assert methods == {"event_driven": 1, "cvode_bdf": 2, "cvode_adams": 3}
 
 
 @pytest.mark.parametrize("scene", SCENES)

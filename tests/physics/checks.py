@@ -2,7 +2,7 @@
 
 import numpy as np
 
-METHODS = ["cvode_bdf", "cvode_adams"]
+METHODS = ["event_driven", "cvode_bdf", "cvode_adams"]
 
 
 def differences(what, value, expected, allowed):

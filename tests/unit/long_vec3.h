@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "check.h"
 #include "contact/geometry.h"
 
 struct long_vec3 {

@@ -1,0 +1,86 @@
+#include "contact/series.h"
+
+double series_dot(const struct vec3_series *a, const struct vec3_series *b, int order)
+{
+    double sum = 0.0;
+    for (int i = 0; i <= order; ++i) {
+        sum += vec3_dot(a->at[i], b->at[order - i]);
+    }
+    return sum;
+}
+
+double series_multiply(const double *a, const double *b, int order)
+{
+    double sum = 0.0;
+    for (int i = 0; i <= order; ++i) {
+        sum += a[i] * b[order - i];
+    }
+    return sum;
+}
+
+double series_root(const double *s, const double *r, int order)
+{
+    if (order == 0) {
+        return sqrt(s[0]);
+    }
+    double sum = s[order];
+    for (int i = 1; i < order; ++i) {
+        sum -= r[i] * r[order - i];
+    }
+    return sum / (2.0 * r[0]);
+}
+
+double series_divide(const double *a, const double *b, const double *q, int order)
+{
+    double sum = a[order];
+    for (int i = 1; i <= order; ++i) {
+        sum -= b[i] * q[order - i];
+    }
+    return sum / b[0];
+}
+
+struct vec3 series_divide_vec3(const struct vec3_series *a, const double *b, const struct vec3_series *q,
+                               int order)
+{
+    struct vec3 sum = a->at[order];
+    for (int i = 1; i <= order; ++i) {
+        sum = vec3_axpy(sum, -b[i], q->at[order - i]);
+    }
+    return vec3_scale(1.0 / b[0], sum);
+}
+
+double series_at(const double *a, int terms, double s)
+{
+    double sum = 0.0;
+    for (int i = terms - 1; i >= 0; --i) {
+        sum = sum * s + a[i];
+    }
+    return sum;
+}
+
+struct vec3 series_at_vec3(const struct vec3_series *a, int terms, double s)
+{
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    for (int i = terms - 1; i >= 0; --i) {
+        sum = vec3_axpy(a->at[i], s, sum);
+    }
+    return sum;
+}
+
+double series_slope(const double *a, int terms, double s)
+{
+    double sum = 0.0;
+    for (int i = terms - 1; i >= 1; --i) {
+        sum = sum * s + i * a[i];
+    }
+    return sum;
+}
+
+double series_integral(const double *a, int terms, double s)
+{
+    double sum = 0.0;
+    for (int i = terms - 1; i >= 0; --i) {
+        sum = sum * s + a[i] / (i + 1);
+    }
+    return sum * s;
+}

@@ -1,0 +1,215 @@
+/* The force law against DESIGN's formulas, on a grid of depth, rate, factors, dashpot and regime. */
+#include "contact/law.h"
+
+#include <float.h>
+
+#include "check.h"
+#include "random.h"
+
+static const double GAPS[] = {-1e-12, -1e-6, -3e-4, -0.02, -1.0, -50.0, 0.0, 1e-9, 2.0};
+static const double RATES[] = {-300.0, -1.0, -1e-3, -1e-9, -0.0, 0.0, 1e-9, 1e-3, 0.5, 40.0};
+static const double FACTORS[] = {0.0, 1.0, 1e3, 1e8};
+static const enum dashpot DASHPOTS[] = {DASHPOT_NON_ADHESIVE, DASHPOT_UNCLAMPED, DASHPOT_APPROACH_ONLY};
+
+enum { GAP_COUNT = 9, RATE_COUNT = 10, FACTOR_COUNT = 4, DASHPOT_COUNT = 3 };
+
+typedef void law_claim(const struct contact_law *law, double gap, double rate);
+
+/* Stiffness 0 is viscous only, damping 0 the undamped penalty method. */
+static void on_the_grid(law_claim *claim)
+{
+    const int total = GAP_COUNT * RATE_COUNT * FACTOR_COUNT * FACTOR_COUNT * DASHPOT_COUNT;
+    for (int i = 0; i < total; ++i) {
+        int rest = i / GAP_COUNT;
+        const double gap = GAPS[i % GAP_COUNT];
+        const double rate = RATES[rest % RATE_COUNT];
+        rest /= RATE_COUNT;
+        const struct contact_law law = {FACTORS[rest % FACTOR_COUNT],
+                                        FACTORS[rest / FACTOR_COUNT % FACTOR_COUNT],
+                                        DASHPOTS[rest / FACTOR_COUNT / FACTOR_COUNT]};
+        claim(&law, gap, rate);
+    }
+}
+
+/* F_n as DESIGN has it: spring and dashpot, then what the dashpot's kind does to them. */
+static long double design_force(const struct contact_law *law, double gap, double rate, bool within)
+{
+    if (gap >= 0.0 || !within) {
+        return 0.0L;
+    }
+    const long double spring = -(long double)law->stiffness * gap;
+    const long double viscous = -(long double)law->damping * rate;
+    switch (law->dashpot) {
+    case DASHPOT_NON_ADHESIVE:
+        return spring + viscous > 0.0L ? spring + viscous : 0.0L;
+    case DASHPOT_APPROACH_ONLY:
+        return rate < 0.0 ? spring + viscous : spring;
+    case DASHPOT_UNCLAMPED:
+    default:
+        return spring + viscous;
+    }
+}
+
+static double law_force(const struct contact_law *law, double gap, double rate, bool within)
+{
+    return contact_normal_force_of(law, contact_regime_of(law, gap, rate, within), gap, rate);
+}
+
+static double force_noise(const struct contact_law *law, double gap, double rate)
+{
+    return 2.0 * DBL_EPSILON * (fabs(law->stiffness * gap) + fabs(law->damping * rate));
+}
+
+static void check_force(const struct contact_law *law, double gap, double rate)
+{
+    const double force = law_force(law, gap, rate, true);
+    CHECK_CLOSE("F_n", force, design_force(law, gap, rate, true), force_noise(law, gap, rate));
+    CHECK_CLOSE("F_n beyond the ends", law_force(law, gap, rate, false), 0.0, 0.0);
+    CHECK(force >= 0.0 || (law->dashpot == DASHPOT_UNCLAMPED && law->damping > 0.0));
+    CHECK(gap < 0.0 || force == 0.0);
+}
+
+static void the_force_is_that_of_the_design_and_attracts_only_unclamped(void)
+{
+    on_the_grid(check_force);
+    struct random r = {11};
+    for (int i = 0; i < 50000; ++i) {
+        const struct contact_law law = {random_power(&r, -6.0, 12.0), random_power(&r, -9.0, 9.0),
+                                        DASHPOTS[random_index(&r, 3)]};
+        check_force(&law, -random_power(&r, -15.0, 1.0), random_sign(&r) * random_power(&r, -12.0, 3.0));
+    }
+}
+
+/* F_n = -(k g + c g') with the regime's constants. */
+static void check_coefficients(const struct contact_law *law, double gap, double rate)
+{
+    const enum contact_regime regime = contact_regime_of(law, gap, rate, true);
+    const struct contact_coefficients by = contact_coefficients_of(law, regime);
+    CHECK_CLOSE("-(k g + c g')", -(by.k * gap + by.c * rate), design_force(law, gap, rate, true),
+                force_noise(law, gap, rate));
+}
+
+static void a_regimes_constants_give_its_force(void)
+{
+    on_the_grid(check_coefficients);
+}
+
+/* Whether a regime still holds is the sign of its margin. */
+static void check_margin(const struct contact_law *law, double gap, double rate)
+{
+    if (gap >= 0.0) {
+        return;
+    }
+    const enum contact_regime regime = contact_regime_of(law, gap, rate, true);
+    CHECK(regime != REGIME_APART);
+    if (law->damping == 0.0 || law->dashpot == DASHPOT_UNCLAMPED) {
+        CHECK(regime == REGIME_PRESSING);
+    }
+    const bool pressing = contact_regime_margin(law, REGIME_PRESSING, gap, rate) > 0.0;
+    CHECK(pressing == (regime == REGIME_PRESSING));
+    if (law->dashpot == DASHPOT_APPROACH_ONLY && law->damping > 0.0 && rate != 0.0) {
+        const bool receding = contact_regime_margin(law, REGIME_RECEDING, gap, rate) > 0.0;
+        CHECK(receding == (regime == REGIME_RECEDING));
+    }
+    CHECK(contact_regime_margin(law, REGIME_APART, gap, rate) > 0.0);
+    CHECK(contact_regime_margin(law, REGIME_RELEASED, gap, rate) > 0.0);
+}
+
+static void a_regime_lasts_while_its_margin_is_positive(void)
+{
+    on_the_grid(check_margin);
+}
+
+static void regimes_change_where_the_design_says(void)
+{
+    const struct contact_law clipped = {8.0, 2.0, DASHPOT_NON_ADHESIVE};
+    CHECK(contact_regime_of(&clipped, 0.0, -1.0, true) == REGIME_APART);
+    CHECK(contact_regime_of(&clipped, -0.0, -1.0, true) == REGIME_APART);
+    CHECK(contact_regime_of(&clipped, (double)NAN, -1.0, true) == REGIME_APART);
+    CHECK(contact_regime_of(&clipped, -DBL_TRUE_MIN, -1.0, true) == REGIME_PRESSING);
+    CHECK(contact_regime_of(&clipped, -0.25, 0.0, false) == REGIME_APART);
+    /* 8 g + 2 g' = 0 without rounding */
+    CHECK(contact_regime_of(&clipped, -0.25, 1.0, true) == REGIME_RELEASED);
+    CHECK(contact_regime_of(&clipped, -0.25, nextafter(1.0, 2.0), true) == REGIME_RELEASED);
+    CHECK(contact_regime_of(&clipped, -0.25, nextafter(1.0, 0.0), true) == REGIME_PRESSING);
+    const struct contact_law approach = {8.0, 2.0, DASHPOT_APPROACH_ONLY};
+    CHECK(contact_regime_of(&approach, -0.25, 0.0, true) == REGIME_RECEDING);
+    CHECK(contact_regime_of(&approach, -0.25, -0.0, true) == REGIME_RECEDING);
+    CHECK(contact_regime_of(&approach, -0.25, -DBL_TRUE_MIN, true) == REGIME_PRESSING);
+    const struct contact_law pulling = {8.0, 2.0, DASHPOT_UNCLAMPED};
+    CHECK_CLOSE("unclamped pull", law_force(&pulling, -0.25, 3.0, true), -4.0, 0.0);
+    /* A clipped force stays at zero when the regime is a little behind the motion. */
+    CHECK_CLOSE("clip", contact_normal_force_of(&clipped, REGIME_PRESSING, -0.25, 3.0), 0.0, 0.0);
+}
+
+/* d/dt E_c + dissipated power = -F_n g', the power that goes into the contact. */
+static void check_energy(const struct contact_law *law, double gap, double rate)
+{
+    const enum contact_regime regime = contact_regime_of(law, gap, rate, true);
+    const double force = law_force(law, gap, rate, true);
+    const double energy = contact_stored_energy(law, regime, gap);
+    const double lost = contact_dissipated_power(law, regime, force, gap, rate);
+    const bool touching = gap < 0.0;
+    const long double p_n = law->stiffness;
+    const long double noise = 2.0L * force_noise(law, gap, rate) * fabs(rate);
+    CHECK_CLOSE("E_c", energy, touching ? p_n * gap * gap / 2.0L : 0.0L, 2.0 * DBL_EPSILON * energy);
+    CHECK_CLOSE("power balance", touching ? p_n * gap * rate + lost : lost, -(long double)force * rate,
+                noise);
+    if (touching && law->dashpot == DASHPOT_UNCLAMPED) {
+        CHECK_CLOSE("p_nv g'^2", lost, (long double)law->damping * rate * rate, noise);
+    }
+    /* Clipping gives up less than the spring would return: no energy appears. */
+    CHECK(lost >= (double)-noise);
+}
+
+static void energy_is_stored_or_dissipated_and_never_made(void)
+{
+    on_the_grid(check_energy);
+}
+
+static const struct contact_factors CHOSEN = {.multiplier = 3.0,
+                                              .penalty_factor = 5e4,
+                                              .characteristic_time = 2e-3,
+                                              .viscous_penalty_factor = 70.0,
+                                              .reference_modulus = 1e7};
+
+static void check_factors(enum method method, enum penalty_control penalty, enum viscous_control viscous,
+                          double diagonal)
+{
+    struct contact_factors factors = CHOSEN;
+    factors.method = method;
+    factors.penalty_control = penalty;
+    factors.viscous_control = viscous;
+    const long double scale = 1e7L * diagonal;
+    const long double p_n = penalty == PENALTY_CONTROL_AUTOMATIC ? 3.0L * scale : 5e4L;
+    const long double based_on = penalty == PENALTY_CONTROL_VISCOUS_ONLY ? scale : p_n;
+    const long double p_nv = viscous == VISCOUS_CONTROL_AUTOMATIC ? 2e-3L * based_on : 70.0L;
+    const long double spring = penalty == PENALTY_CONTROL_VISCOUS_ONLY ? 0.0L : p_n;
+    const long double dashpot = method == METHOD_PENALTY ? 0.0L : p_nv;
+    const struct contact_law law = contact_law_of(&factors, DASHPOT_APPROACH_ONLY, diagonal);
+    CHECK_CLOSE("p_n", law.stiffness, spring, 4.0L * DBL_EPSILON * spring);
+    CHECK_CLOSE("p_nv", law.damping, dashpot, 4.0L * DBL_EPSILON * dashpot);
+    CHECK(law.dashpot == DASHPOT_APPROACH_ONLY);
+}
+
+static void the_factors_follow_method_and_controls(void)
+{
+    for (double diagonal = 1e-6; diagonal < 1e7; diagonal *= 10.0) {
+        for (int i = 0; i < 12; ++i) {
+            check_factors((enum method)(METHOD_PENALTY + i % 2),
+                          (enum penalty_control)(PENALTY_CONTROL_AUTOMATIC + i / 2 % 3),
+                          (enum viscous_control)(VISCOUS_CONTROL_AUTOMATIC + i / 6), diagonal);
+        }
+    }
+}
+
+int main(void)
+{
+    CHECK_TEST(the_force_is_that_of_the_design_and_attracts_only_unclamped);
+    CHECK_TEST(a_regimes_constants_give_its_force);
+    CHECK_TEST(a_regime_lasts_while_its_margin_is_positive);
+    CHECK_TEST(regimes_change_where_the_design_says);
+    CHECK_TEST(energy_is_stored_or_dissipated_and_never_made);
+    CHECK_TEST(the_factors_follow_method_and_controls);
+    return check_summary("law");
+}

@@ -1,0 +1,51 @@
+/* A model of the scene without an adapter: values are written where the accessors read them. */
+#ifndef SCENE_MODEL_H
+#define SCENE_MODEL_H
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "dynamics/system.h"
+#include "model/state.h"
+
+enum { SOURCE = 0, DESTINATION = 1 };
+
+static inline void *scene_allocate(size_t count, size_t size)
+{
+    return calloc(count, size);
+}
+
+/* A model with start values and gravity off; it is complete without memory of its own until it has to step. */
+static inline struct model scene_model(void)
+{
+    struct model m;
+    memset(&m, 0, sizeof m);
+    m.host.allocate = scene_allocate;
+    m.host.release = free;
+    model_reset(&m);
+    m.state.values.world.gravity[2] = 0.0;
+    return m;
+}
+
+static inline void scene_put(double *to, double x, double y, double z)
+{
+    to[0] = x;
+    to[1] = y;
+    to[2] = z;
+}
+
+static inline void scene_put_vector(double *to, struct vec3 a)
+{
+    scene_put(to, a.x, a.y, a.z);
+}
+
+/* The position and velocity a free body starts with. */
+static inline void scene_start_free(struct model *m, int body, struct vec3 centre, struct vec3 velocity)
+{
+    struct scene_body_values *values = &m->state.values.body[body];
+    values->motion = MOTION_FREE;
+    scene_put_vector(values->center, centre);
+    scene_put_vector(values->initial_velocity, velocity);
+}
+
+#endif
