@@ -17,11 +17,6 @@ struct recurrence {
     double speed[SERIES_TERMS];   /* c.w / d = n.w */
 };
 
-static double inverse_mass_of(const struct scene_values *v, int body)
-{
-    return body_is_free(v, body) ? 1.0 / body_mass(v, body) : 0.0;
-}
-
 static struct vec3 across(const struct contact_shape *shape, struct vec3 a)
 {
     if (SCENE_ANY_CYLINDER && shape->destination == SHAPE_CYLINDER) {
@@ -72,8 +67,7 @@ void press_make(struct press *p, const struct scene_values *v, const struct moti
         contact_coefficients_of(&law, (enum contact_regime)q->contact[contact].regime);
     const struct separation flight = separation_of(v, q, at, q->clock, contact);
     struct recurrence z;
-    p->reduced_mass = 1.0 / (inverse_mass_of(v, contact_source(contact)) +
-                             inverse_mass_of(v, contact_destination(contact)));
+    p->reduced_mass = 1.0 / system_inverse_mass(v, contact);
     p->unit = natural_unit(&law, p->reduced_mass, at, contact);
     p->r.at[0] = p->r.at[1] = vec3_make(0.0, 0.0, 0.0);
     double power = 1.0;

@@ -40,10 +40,13 @@ bool body_is_pressed(const struct motion *q, int body, int except)
 
 bool contact_is_coupled(const struct scene_values *v, const struct motion *q, int contact)
 {
-    const int source = contact_source(contact);
-    const int destination = contact_destination(contact);
-    return SCENE_CONTACTS > 1 && ((body_is_free(v, source) && body_is_pressed(q, source, contact)) ||
-                                  (body_is_free(v, destination) && body_is_pressed(q, destination, contact)));
+    const int ends[2] = {contact_source(contact), contact_destination(contact)};
+    for (int end = 0; SCENE_CONTACTS > 1 && end < 2; ++end) {
+        if (body_is_free(v, ends[end]) && body_is_pressed(q, ends[end], contact)) {
+            return true;
+        }
+    }
+    return false;
 }
 
 struct contact_shape system_shape(const struct scene_values *v, const struct motion *q, int contact)
@@ -202,20 +205,40 @@ enum contact_regime system_regime(const struct scene_values *v, const struct mot
     return contact_regime_of(&law, g->gap, g->gap_rate, system_within_extents(&shape, g));
 }
 
-/* How far rounding alone may move the regime margin, given that of the gap: g' = n.w turns with n. */
-static double margin_resolution(const struct contact_law *law, enum contact_regime regime,
-                                const struct system_instant *at, int contact, double gap_resolution)
+double system_inverse_mass(const struct scene_values *v, int contact)
 {
-    const double turn = 8.0 * DBL_EPSILON + gap_resolution / at->geometry[contact].distance;
-    const double rate = vec3_norm(at->rate[contact]) * fmin(turn, 1.0);
-    const bool is_force = regime != REGIME_RECEDING && law->dashpot == DASHPOT_NON_ADHESIVE;
-    return is_force ? law->stiffness * gap_resolution + law->damping * rate : rate;
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    return (body_is_free(v, source) ? 1.0 / body_mass(v, source) : 0.0) +
+           (body_is_free(v, destination) ? 1.0 / body_mass(v, destination) : 0.0);
 }
 
-double contact_margin_armour(const struct contact_law *law, enum contact_regime regime, double margin,
-                             const struct system_instant *at, int contact, double gap_resolution)
+/* How little of g' means anything: what rounding makes of n.w, what an oscillation of the gap by its own resolution has,
+ * and what the integrator lets pass. */
+static double rate_resolution(const struct scene_values *v, const struct contact_law *law,
+                              const struct system_instant *at, int contact, double tolerated)
 {
-    return 2.0 * (fmax(-margin, 0.0) + margin_resolution(law, regime, at, contact, gap_resolution));
+    const double gap_resolution = system_gap_resolution(v, at, contact);
+    const double turn = 8.0 * DBL_EPSILON + gap_resolution / at->geometry[contact].distance;
+    const double oscillation = sqrt(law->stiffness * system_inverse_mass(v, contact));
+    return vec3_norm(at->rate[contact]) * fmin(turn, 1.0) + oscillation * gap_resolution + tolerated;
+}
+
+double system_margin_armour(const struct scene_values *v, const struct motion *q,
+                            const struct system_instant *at, int contact, double tolerated)
+{
+    const struct contact_law law = system_law(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const bool is_force = regime != REGIME_RECEDING && law.dashpot == DASHPOT_NON_ADHESIVE;
+    const double margin = regime == REGIME_RELEASED
+                              ? law.stiffness * g->gap + law.damping * g->gap_rate
+                              : contact_regime_margin(&law, regime, g->gap, g->gap_rate);
+    double resolution = rate_resolution(v, &law, at, contact, tolerated);
+    if (is_force) {
+        resolution = law.stiffness * system_gap_resolution(v, at, contact) + law.damping * resolution;
+    }
+    return 2.0 * (fmax(-margin, 0.0) + resolution);
 }
 
 double system_force_rate(const struct scene_values *v, const struct motion *q,

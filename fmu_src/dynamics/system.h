@@ -61,10 +61,14 @@ double system_gap_resolution(const struct scene_values *v, const struct system_i
 enum contact_regime system_regime(const struct scene_values *v, const struct motion *q,
                                   const struct system_instant *at, int contact);
 
-/* What is added to a regime margin so that it starts above zero although the phase begins at zero, give or take rounding: a
- * margin that starts below is never seen to fall, and one that hovers about zero falls too early. */
-double contact_margin_armour(const struct contact_law *law, enum contact_regime regime, double margin,
-                             const struct system_instant *at, int contact, double gap_resolution);
+/* Sum of the inverse masses of a contact's free bodies: 1 / m_eff [1/kg]. */
+double system_inverse_mass(const struct scene_values *v, int contact);
+
+/* What is added to a regime margin so that it starts above zero although the phase begins at zero, give or take rounding
+ * and the integrator's tolerance of speeds, `tolerated` [m/s]: a margin that starts below is never seen to fall, and one that
+ * hovers about zero, as at rest, falls again and again. The force is continuous there, so little depends on the moment. */
+double system_margin_armour(const struct scene_values *v, const struct motion *q,
+                            const struct system_instant *at, int contact, double tolerated);
 
 /* d/dt of F_n within the regime: -(k g' + c g'') [N/s]. */
 double system_force_rate(const struct scene_values *v, const struct motion *q,

@@ -1,7 +1,7 @@
 /*
  * Inputs between communication points: each goes on from where it was last set, as a polynomial of the derivatives given
- * with it. A prescribed body goes on with its prescribed velocity unless its displacement has derivatives of its own;
- * without any free body (a force element) only given derivatives move it.
+ * with it. A prescribed body goes on with its prescribed velocity unless its displacement has derivatives of its own; where
+ * all bodies are prescribed (a force element) only given derivatives move them.
  */
 #include <string.h>
 
@@ -62,9 +62,9 @@ enum model_status model_set_input_derivative(struct model *m, const struct varia
                             "Derivative %d of %s cannot be set (allowed: orders 1 and 2 of inputs).", order,
                             variable->name);
     }
-    if (!isfinite(value)) {
-        return model_report(m, MODEL_DISCARD, "Derivative %d of %s = %g refused (allowed: finite values).",
-                            order, variable->name, value);
+    if (!(value >= variable->min && value <= variable->max)) {
+        return model_report(m, MODEL_DISCARD, "Derivative %d of %s = %g refused (allowed: %g .. %g).", order,
+                            variable->name, value, variable->min, variable->max);
     }
     uint8_t *marks = &m->state.marks[variable->element][index];
     struct input_signal *signal = &m->state.signals[variable->element][index];
@@ -113,6 +113,16 @@ static void put_displacement(struct body_path *path, int k, double value, const 
     }
 }
 
+static bool all_prescribed(const struct scene_values *v)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (!body_is_prescribed(v, i)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 /* The body's paths from now on; `path` comes with its origin at the present. */
 static void renew_path(const struct model *m, int body, const uint8_t *marks, struct body_path *path)
 {
@@ -121,7 +131,7 @@ static void renew_path(const struct model *m, int body, const uint8_t *marks, st
     const struct vec3 displacement = body_prescribed_displacement(v, body);
     const struct vec3 velocity = body_prescribed_velocity(v, body);
     const struct vec3 force = body_external_force(v, body);
-    const bool follows_velocity = !system_is_force_element(v);
+    const bool follows_velocity = !all_prescribed(v);
     for (int k = 0; k < 3; ++k) {
         if (body_is_prescribed(v, body)) {
             put_signal(path->velocity, k, vec3_get(velocity, k), &signals[3 + k], marks[3 + k]);

@@ -73,10 +73,12 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
 {
     enum model_status status = MODEL_OK;
     if (!isfinite(start_time)) {
-        return model_report(m, MODEL_ERROR, "The start time %g s is not finite.", start_time);
+        return model_report(m, MODEL_ERROR, "The start time %g s is refused (allowed: finite times).",
+                            start_time);
     }
     if (tolerance_defined && !(tolerance > 0.0 && isfinite(tolerance))) {
-        return model_report(m, MODEL_ERROR, "The tolerance %g is not a positive finite number.", tolerance);
+        return model_report(m, MODEL_ERROR, "The tolerance %g is refused (allowed: positive finite numbers).",
+                            tolerance);
     }
     m->state.importer_tolerance = 0.0;
     for (int i = 0; tolerance_defined && i < scene_variable_count; ++i) {
@@ -160,6 +162,35 @@ static enum model_status advance_motion(struct model *m, double end_time)
 }
 #endif
 
+/* Whether the motion, and the energies that follow from it, are still numbers. */
+static bool motion_is_finite(const struct model *m)
+{
+    double sum = motion_time(&m->state.motion);
+#if SCENE_ANY_FREE
+    const struct motion *q = &m->state.motion;
+    sum += q->dissipated + q->external_work;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(&m->state.values, i)) {
+            const struct vec3 speed = q->body[i].velocity;
+            sum += body_mass(&m->state.values, i) * vec3_dot(speed, speed) + vec3_norm(q->body[i].moved);
+        }
+    }
+#endif
+    return isfinite(sum);
+}
+
+/* The step has not been: the motion is as before, the integrator starts afresh. */
+static enum model_status step_refused(struct model *m, const struct motion *before, double end_time)
+{
+    m->state.motion = *before;
+    motion_rebase(&m->state.motion);
+    return model_report(
+        m, MODEL_DISCARD,
+        "The step to %.17g s takes the motion beyond the range of numbers; it stays at %.17g s "
+        "(allowed: steps with finite speeds, displacements and energies).",
+        end_time, model_time(m));
+}
+
 enum model_status model_step(struct model *m, double end_time)
 {
     if (!m->state.initialized) {
@@ -167,7 +198,11 @@ enum model_status model_step(struct model *m, double end_time)
                             end_time);
     }
     model_apply_inputs(m);
-    const enum model_status status = advance_motion(m, end_time);
+    const struct motion before = m->state.motion;
+    enum model_status status = advance_motion(m, end_time);
+    if (!motion_is_finite(m)) {
+        status = step_refused(m, &before, end_time);
+    }
     model_close_inputs(m);
     m->outputs_current = false;
     return status;

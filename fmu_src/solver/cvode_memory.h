@@ -21,6 +21,7 @@ struct cvode {
     struct cvode_problem problem;
     enum solver_method method;
     int size;
+    double longest_step;               /* of the phase [s]; 0: no bound */
     long steps, evaluations, rejected; /* CVODE's counters already booked in the motion's */
     void (*release)(void *memory);     /* of this struct */
     char *message;                     /* the solver's, SOLVER_MESSAGE_SIZE bytes */

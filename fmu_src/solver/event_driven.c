@@ -117,9 +117,7 @@ static struct ending first_ending(const struct press *p, const struct scene_valu
     struct ending first = {first_fall(&parting, end), REGIME_APART};
     if (law.damping > 0.0 && law.dashpot != DASHPOT_UNCLAMPED) {
         struct watched margin = margin_of(p, &law, regime);
-        const double start = value_at(&margin, 0.0);
-        margin.offset =
-            contact_margin_armour(&law, regime, start, at, contact, system_gap_resolution(v, at, contact));
+        margin.offset = system_margin_armour(v, q, at, contact, 0.0);
         const double s = first_fall(&margin, end);
         if (s < first.s) {
             first.s = s;

@@ -1,0 +1,63 @@
+"""What only shows with time or at the edge: rest without events, a wall of given velocity, huge steps."""
+
+import math
+
+import pytest
+from checks import METHODS, check_close
+from contact_scenarios.fmu import FmuError
+
+
+@pytest.mark.parametrize("damping", [100.0, 1000.0])
+@pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_ball_at_rest_makes_no_events_and_does_not_drift(opened, method, dashpot, damping):
+    fmu = opened("SphereSphere")
+    fmu.reset()
+    drop = {"source.center": [0, 0, 0.61], "contact.viscous_penalty_factor": damping}
+    fmu.start({**drop, "contact.dashpot": dashpot, "solver.method": method}, tolerance=1e-8)
+    for _ in range(200):
+        fmu.step(0.02)
+    settled, onsets = fmu["solver.events"], fmu["contact.onsets"]
+    for _ in range(200):
+        fmu.step(0.02)
+    assert fmu["contact.onsets"] == onsets
+    assert fmu["solver.events"] == settled
+    check_close("gap", fmu["contact.gap"], -9.81e-6, 1e-14)
+
+
+def test_a_prescribed_body_reaches_a_fixed_one_within_the_step(opened):
+    """Without a free body the motion is still the prescribed velocity's, and forces are integrated over it."""
+    fmu = opened("SphereSphere")
+    fmu.reset()
+    fmu.start({"source.motion": "prescribed", "destination.motion": "fixed", "contact.method": "penalty"})
+    fmu["source.prescribed_displacement"] = [0, 0, 0]
+    fmu["source.prescribed_velocity"] = [0, 0, -1.0]
+    fmu.step(0.6)  # touches after 0.5 s
+    assert fmu["contact.onsets"] == 1
+    check_close("last_onset_time", fmu["contact.last_onset_time"], 0.5, 1e-15)
+    check_close("gap", fmu["contact.gap"], -0.1, 1e-15)
+    check_close("mean_force", fmu["contact.mean_force"][2], 1e6 * 0.1**2 / 2 / 0.6, 1e-9)
+    check_close("external_work", fmu["energy.external_work"], 1e6 * 0.1**2 / 2, 1e-9)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_step_beyond_the_range_of_numbers_is_refused_and_nothing_is_lost(opened, method):
+    fmu = opened("SphereSphere")
+    fmu.reset()
+    fmu.start({"solver.method": method})
+    fmu.step(0.1)
+    for size in (1e160, 1e300):
+        with pytest.raises(FmuError, match="beyond the range of numbers"):
+            fmu.step(size)
+    check_close("time", fmu.time, 0.1, 0.0)
+    fmu.step(0.1)
+    check_close("position", fmu["source.position"][2], 1.1 - 9.81 * 0.2**2 / 2, 1e-15)
+    assert math.isfinite(fmu["energy.total"])
+
+
+def test_an_input_derivative_out_of_range_is_refused(opened):
+    fmu = opened("SphereSphere")
+    fmu.reset()
+    fmu.start({})
+    with pytest.raises(FmuError, match=r"source\.external_force\[1\].*1e\+300.*allowed"):
+        fmu.set_derivative("source.external_force", [1e300, 0, 0], order=1)
