@@ -40,13 +40,15 @@ bool body_is_pressed(const struct motion *q, int body, int except)
 
 bool contact_is_coupled(const struct scene_values *v, const struct motion *q, int contact)
 {
-    const int ends[2] = {contact_source(contact), contact_destination(contact)};
-    for (int end = 0; SCENE_CONTACTS > 1 && end < 2; ++end) {
-        if (body_is_free(v, ends[end]) && body_is_pressed(q, ends[end], contact)) {
-            return true;
-        }
-    }
+#if SCENE_CONTACTS > 1
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    return (body_is_free(v, source) && body_is_pressed(q, source, contact)) ||
+           (body_is_free(v, destination) && body_is_pressed(q, destination, contact));
+#else
+    (void)v, (void)q, (void)contact;
     return false;
+#endif
 }
 
 struct contact_shape system_shape(const struct scene_values *v, const struct motion *q, int contact)

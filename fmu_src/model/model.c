@@ -162,13 +162,15 @@ static enum model_status advance_motion(struct model *m, double end_time)
 }
 #endif
 
-/* Whether the motion, and the energies that follow from it, are still numbers. */
+/* Whether the motion of free bodies, and the energies that go with it, are still numbers. */
 static bool motion_is_finite(const struct model *m)
 {
     double sum = motion_time(&m->state.motion);
 #if SCENE_ANY_FREE
     const struct motion *q = &m->state.motion;
-    sum += q->dissipated + q->external_work;
+    if (!system_is_force_element(&m->state.values)) {
+        sum += q->dissipated + q->external_work;
+    }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(&m->state.values, i)) {
             const struct vec3 speed = q->body[i].velocity;

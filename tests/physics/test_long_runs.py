@@ -26,7 +26,7 @@ def test_a_ball_at_rest_makes_no_events_and_does_not_drift(opened, method, dashp
 
 
 def test_a_prescribed_body_reaches_a_fixed_one_within_the_step(opened):
-    """Without a free body the motion is still the prescribed velocity's, and forces are integrated over it."""
+    """Without a free body the motion is still the prescribed velocity's, and the force is integrated."""
     fmu = opened("SphereSphere")
     fmu.reset()
     fmu.start({"source.motion": "prescribed", "destination.motion": "fixed", "contact.method": "penalty"})

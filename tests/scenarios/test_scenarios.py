@@ -42,7 +42,7 @@ def test_a_wrong_expectation_fails_and_the_exit_status_says_so(tmp_path, capsys)
     assert main(["run", str(file), "--no-plots", "--output", str(tmp_path)]) == 0  # within 1e-6 m
     file.write_text(text.replace("1.202543835278544", "1.202546"), encoding="utf-8")
     assert main(["run", str(file), "--no-plots", "--output", str(tmp_path)]) == 1
-    assert "2 do not hold" in capsys.readouterr().out
+    assert "3 do not hold" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
