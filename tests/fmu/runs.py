@@ -58,6 +58,12 @@ RUNS = {
         True,
         tolerance=1e-10,
     ),
+    "event driven in contact": Run(
+        "SphereSphere",
+        {**SOFT, "solver.method": "event_driven", "source.center": [0.05, 0, 1.1]},
+        46,
+        True,
+    ),
     "adams in flight": Run("SphereSphere", {"solver.method": "cvode_adams"}, 30, False),
     "two free bodies": Run(
         "SphereSphere",
