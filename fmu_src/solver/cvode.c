@@ -43,18 +43,19 @@ static double largest_step(const struct scene_values *v, const struct motion *q,
     return bound;
 }
 
-static double momentum_scale(const struct scene_values *v, const struct system_instant *at)
+/* What the lightest free body would have of momentum with that energy: sqrt(2 m E) [N s]. */
+static double momentum_scale(const struct scene_values *v, double energy)
 {
-    double sum = 0.0;
+    double lightest = (double)INFINITY;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        sum += body_is_free(v, i) ? body_mass(v, i) * vec3_norm(at->velocity[i]) : 0.0;
+        lightest = body_is_free(v, i) ? fmin(lightest, body_mass(v, i)) : lightest;
     }
-    return sum;
+    return sqrt(2.0 * lightest * energy);
 }
 
 /* What the local error of one internal step may take of the tolerance: the errors of some hundred steps of a contact add
  * up, BDF's all with the sign of its damping. Chosen so that at 1e-10 the energy balance after the 63 impacts of a ball in
- * a cylinder (scripts/scenarios/p3b.toml) closes to better than 1e-9 of its largest term. */
+ * a cylinder (scripts/scenarios/p3b_bouncing_in_cylinder.toml) closes to better than 1e-9 of its largest term. */
 static double tolerance_share(enum solver_method method)
 {
     return method == SOLVER_METHOD_CVODE_ADAMS ? 0.02 : 0.005;
@@ -77,8 +78,8 @@ static bool restart(struct cvode *c, const struct scene_values *v, struct motion
     system_now(v, q, &at);
     c->problem.relative = tolerance_share(c->method) * solver_relative_tolerance(v);
     c->problem.absolute = tolerance_share(c->method) * solver_absolute_tolerance(v);
-    c->problem.energy_scale = energy_kinetic_of(v, &at);
-    c->problem.momentum_scale = momentum_scale(v, &at);
+    c->problem.energy_scale = energy_kinetic_of(v, &at) + energy_stored(v, q, &at);
+    c->problem.momentum_scale = momentum_scale(v, c->problem.energy_scale);
     arm_roots(&c->problem, &at);
     cvode_pack(&c->problem, c->y);
     c->steps = c->evaluations = c->rejected = 0;

@@ -30,7 +30,7 @@ struct cvode_problem {
     double relative, absolute;            /* tolerances [1], [m, m/s, ...] */
     double gap_armour[SCENE_CONTACTS];    /* added to roots 0 [m] */
     double margin_armour[SCENE_CONTACTS]; /* added to roots 1 [as the margin] */
-    double energy_scale, momentum_scale;  /* of the free bodies at the start of the phase [J], [N s] */
+    double energy_scale, momentum_scale;  /* of the motion as the phase begins [J], [N s] */
 };
 
 int cvode_problem_size(const struct scene_values *v);
