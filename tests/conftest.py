@@ -29,7 +29,7 @@ def fmu_path():
 
 @pytest.fixture(scope="session")
 def opened(fmu_path):
-    """FMU by name, one instance a session; `started` of tests/physics/running.py resets it before each
+    """FMU by name, one instance a session; `run` and `start` of tests/physics/checks.py reset it before each
     run.
     """
     from contact_scenarios.fmu import ContactFmu

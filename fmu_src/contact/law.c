@@ -58,6 +58,14 @@ double contact_regime_margin(const struct contact_law *law, enum contact_regime 
     return 1.0;
 }
 
+enum contact_regime contact_regime_after(const struct contact_law *law, enum contact_regime regime)
+{
+    if (regime != REGIME_PRESSING) {
+        return REGIME_PRESSING;
+    }
+    return law->dashpot == DASHPOT_NON_ADHESIVE ? REGIME_RELEASED : REGIME_RECEDING;
+}
+
 double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap)
 {
     return regime == REGIME_APART ? 0.0 : 0.5 * law->stiffness * gap * gap;

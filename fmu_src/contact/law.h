@@ -49,6 +49,9 @@ double contact_normal_force_of(const struct contact_law *law, enum contact_regim
 double contact_regime_margin(const struct contact_law *law, enum contact_regime regime, double gap,
                              double gap_rate);
 
+/* The regime that follows where the margin has fallen (or, released, where the law has come back to zero). */
+enum contact_regime contact_regime_after(const struct contact_law *law, enum contact_regime regime);
+
 /* E_c = p_n g^2 / 2 while overlapping [J]. */
 double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap);
 

@@ -17,25 +17,20 @@ double projection_balance(const struct scene_values *v, const struct motion *q)
     return sum;
 }
 
-static double inverse_mass(const struct scene_values *v, int body)
-{
-    return body_is_free(v, body) ? 1.0 / body_mass(v, body) : 0.0;
-}
-
 void projection_close_gap(const struct scene_values *v, struct motion *q, int contact)
 {
     struct system_instant at;
     system_now(v, q, &at);
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    const double by_source = inverse_mass(v, source);
-    const double by_destination = inverse_mass(v, destination);
     const struct contact_shape shape = system_shape(v, q, contact);
     /* g = side (d - reach): the separation has to grow by -side g along n. */
-    const struct vec3 grow = vec3_scale(-shape.side * at.geometry[contact].gap / (by_source + by_destination),
-                                        at.geometry[contact].normal);
-    q->body[source].moved = vec3_axpy(q->body[source].moved, -by_source, grow);
-    q->body[destination].moved = vec3_axpy(q->body[destination].moved, by_destination, grow);
+    const struct vec3 grow =
+        vec3_scale(-shape.side * at.geometry[contact].gap / system_inverse_mass(v, contact),
+                   at.geometry[contact].normal);
+    q->body[source].moved = vec3_axpy(q->body[source].moved, -body_inverse_mass(v, source), grow);
+    q->body[destination].moved =
+        vec3_axpy(q->body[destination].moved, body_inverse_mass(v, destination), grow);
 }
 
 /* An impulse j along the normal, positive where it speeds the bodies apart, changes the balance by
@@ -60,9 +55,7 @@ void projection_restore_energy(const struct scene_values *v, struct motion *q, i
     system_now(v, q, &at);
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    const double by_source = inverse_mass(v, source);
-    const double by_destination = inverse_mass(v, destination);
-    const double by_both = by_source + by_destination;
+    const double by_both = system_inverse_mass(v, contact);
     const double gap_rate = at.geometry[contact].gap_rate;
     const double missing = q->phase_energy - projection_balance(v, q);
     if (!(fabs(missing) <= LARGEST_CORRECTION * 0.5 * gap_rate * gap_rate / by_both)) {
@@ -71,8 +64,9 @@ void projection_restore_energy(const struct scene_values *v, struct motion *q, i
     const struct contact_shape shape = system_shape(v, q, contact);
     const double j = shape.side * impulse_for(missing, gap_rate, by_both);
     const struct vec3 n = at.geometry[contact].normal;
-    q->body[source].velocity = vec3_axpy(q->body[source].velocity, -j * by_source, n);
-    q->body[destination].velocity = vec3_axpy(q->body[destination].velocity, j * by_destination, n);
+    q->body[source].velocity = vec3_axpy(q->body[source].velocity, -j * body_inverse_mass(v, source), n);
+    q->body[destination].velocity =
+        vec3_axpy(q->body[destination].velocity, j * body_inverse_mass(v, destination), n);
     q->contact[contact].impulse = vec3_axpy(q->contact[contact].impulse, -j, n);
     if (body_is_prescribed(v, source)) {
         q->external_work += j * vec3_dot(n, at.velocity[source]);

@@ -207,12 +207,14 @@ enum contact_regime system_regime(const struct scene_values *v, const struct mot
     return contact_regime_of(&law, g->gap, g->gap_rate, system_within_extents(&shape, g));
 }
 
+double body_inverse_mass(const struct scene_values *v, int body)
+{
+    return body_is_free(v, body) ? 1.0 / body_mass(v, body) : 0.0;
+}
+
 double system_inverse_mass(const struct scene_values *v, int contact)
 {
-    const int source = contact_source(contact);
-    const int destination = contact_destination(contact);
-    return (body_is_free(v, source) ? 1.0 / body_mass(v, source) : 0.0) +
-           (body_is_free(v, destination) ? 1.0 / body_mass(v, destination) : 0.0);
+    return body_inverse_mass(v, contact_source(contact)) + body_inverse_mass(v, contact_destination(contact));
 }
 
 /* How little of g' means anything: what rounding makes of n.w, what an oscillation of the gap by its own resolution has,

@@ -61,7 +61,10 @@ double system_gap_resolution(const struct scene_values *v, const struct system_i
 enum contact_regime system_regime(const struct scene_values *v, const struct motion *q,
                                   const struct system_instant *at, int contact);
 
-/* Sum of the inverse masses of a contact's free bodies: 1 / m_eff [1/kg]. */
+/* 1 / m of a free body, 0 of any other [1/kg]. */
+double body_inverse_mass(const struct scene_values *v, int body);
+
+/* Sum of the inverse masses of a contact's bodies: 1 / m_eff [1/kg]. */
 double system_inverse_mass(const struct scene_values *v, int contact);
 
 /* What is added to a regime margin so that it starts above zero although the phase begins at zero, give or take rounding

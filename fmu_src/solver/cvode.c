@@ -135,15 +135,6 @@ static enum contact_regime regime_beyond(const struct scene_values *v, const str
     return contact_regime_of(&law, gap, at.geometry[contact].gap_rate, true);
 }
 
-/* The regime behind root 1: the law's own next one. */
-static enum contact_regime regime_after(const struct scene_values *v, const struct motion *q, int contact)
-{
-    if (q->contact[contact].regime != REGIME_PRESSING) {
-        return REGIME_PRESSING;
-    }
-    return contact_dashpot(v, contact) == DASHPOT_NON_ADHESIVE ? REGIME_RELEASED : REGIME_RECEDING;
-}
-
 /* Which contact leaves its regime at the root just found; false when the root is only a peak. */
 static bool root_event(struct cvode *c, const struct scene_values *v, const struct motion *q,
                        struct advance *step)
@@ -158,7 +149,8 @@ static bool root_event(struct cvode *c, const struct scene_values *v, const stru
             return true;
         }
         if (roots[1]) {
-            step->regime = regime_after(v, q, j);
+            const struct contact_law law = system_law(v, q, j);
+            step->regime = contact_regime_after(&law, (enum contact_regime)q->contact[j].regime);
             return true;
         }
     }

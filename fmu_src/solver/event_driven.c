@@ -121,9 +121,7 @@ static struct ending first_ending(const struct press *p, const struct scene_valu
         const double s = first_fall(&margin, end);
         if (s < first.s) {
             first.s = s;
-            first.regime = regime == REGIME_RECEDING             ? REGIME_PRESSING
-                           : law.dashpot == DASHPOT_NON_ADHESIVE ? REGIME_RELEASED
-                                                                 : REGIME_RECEDING;
+            first.regime = contact_regime_after(&law, regime);
         }
     }
     return first;

@@ -2,11 +2,10 @@
  * Moves a scene through time. One interface for every method: a method integrates within fixed regimes of the contacts
  * (a smooth problem) and stops at the first change of regime; solver_run strings these phases together.
  *
- *   flight      no contact transmits a force: closed form (dynamics/flight.c), whatever the method
- *   event_driven.c  a pair presses: Taylor series exact to rounding, one radian of the contact's oscillation a step or two
- *   cvode.c     bodies press: SUNDIALS CVODE, BDF with an analytic Jacobian or Adams
- *   sampled.c   no free body: the motion is given, only the integrals over it are needed
- *
+ *   flight.c        no contact transmits a force: closed form (in dynamics/), whatever the method
+ *   event_driven.c  a pair presses: Taylor series exact to rounding, some two radians of the contact's oscillation a step
+ *   cvode.c         bodies press: SUNDIALS CVODE, BDF with an analytic Jacobian or Adams
+ *   sampled.c       no free body: the motion is given, only the integrals over it are needed
  */
 #ifndef CONTACT_SOLVER_H
 #define CONTACT_SOLVER_H
