@@ -1,38 +1,68 @@
 /*
- * A contact that presses, as a power series of time.
+ * A pair that presses, from one instant on, within one regime of its contact.
  *
- * Without the contact force the separation of a pair would follow the polynomial C(t), its rate W(t) (approach.h). With it
- * c = C + r, w = W + r', and m_red r'' = side F_n n with 1/m_red the sum of the free bodies' inverse masses. F_n and n follow
- * from c and w by products, a square root and quotients, so the series of r is had coefficient by coefficient. Momentum
- * is exact: the bodies leave their flights by -r m_red/m_s and +r m_red/m_d, and the impulse on the source is -m_red r'.
- *
- * Series variable s = time / unit, dimensionless.
+ * Without the contact force the separation would follow the polynomial C(t), its rate W(t) (approach.h). With it c = C + r, w = W + r',
+ * and m_red r'' = side F_n n with 1/m_red the sum of the free bodies' inverse masses. Momentum is exact: the bodies leave
+ * their flights by -r m_red/m_s and +r m_red/m_d, and the impulse on the source is -m_red r'. Two ways to r: press_series.h,
+ * press_collocation.h.
  */
 #ifndef CONTACT_PRESS_H
 #define CONTACT_PRESS_H
 
-#include "contact/series.h"
 #include "dynamics/approach.h"
 
 #if SCENE_ANY_FREE
 
-struct press {
-    struct vec3_series r;       /* deviation of the separation from flight [m] */
-    double gap[SERIES_TERMS];   /* g [m] */
-    double rate[SERIES_TERMS];  /* g' as the law sees it [m/s] */
-    double force[SERIES_TERMS]; /* F_n [N] */
-    double unit;                /* [s] */
-    double reduced_mass;        /* m_red [kg] */
-    double step;                /* the sums are exact to rounding up to this s */
+enum { PRESS_ENDS = 2 }; /* source, destination */
+
+/* What the contact's deviation from flight adds to the external work done on one of the bodies: factor times the integral of
+ * path(t).d^order r/dt^order dt. Free: its external force on the way (order 1). Prescribed: whatever moves it, against the
+ * contact force (order 2). Fixed: nothing (order 0). */
+struct press_work {
+    struct vec3 path[3]; /* coefficients of time from the instant */
+    double factor;
+    int order;
 };
 
-/* The series from the present instant `at`, taken at q->clock, for a contact in a pressing or receding regime. */
+struct press {
+    struct contact_shape shape;
+    struct contact_law law;
+    struct contact_coefficients by; /* F_n = -(k g + c g') */
+    struct separation flight;       /* C, W; of a cylinder all of it, the part along its axis too */
+    struct vec3 normal;             /* n */
+    double distance, gap;           /* d [m], g as carried along [m] */
+    double rounded;      /* by how much d must grow for its gap to be the carried one: rounding [m] */
+    double reduced_mass; /* m_red [kg] */
+    struct press_work work[PRESS_ENDS];
+};
+
+/* The three quantities that decide what happens to a contact, each with its first two derivatives with respect to the piece's own
+ * variable s. */
+enum press_quantity { PRESS_GAP, PRESS_RATE, PRESS_FORCE, PRESS_QUANTITIES };
+
+struct press_sample {
+    double of[PRESS_QUANTITIES][3]; /* g [m], g' as the law sees it [m/s], F_n [N] */
+};
+
+/* What has happened since the instant. */
+struct press_change {
+    double time;             /* [s] */
+    struct vec3 r, r_rate;   /* [m], [m/s] */
+    double gap;              /* g now [m] */
+    double dissipated;       /* by the dashpot [J] */
+    double work[PRESS_ENDS]; /* the integrals of press_work [J] */
+};
+
+/* From the present instant `at`, taken at q->clock, for a contact in a pressing or receding regime. */
 void press_make(struct press *p, const struct scene_values *v, const struct motion *q,
                 const struct system_instant *at, int contact);
 
-/* Moves the pair of bodies to `s`, with impulse, dissipated energy and external work. */
-void press_advance(const struct press *p, const struct scene_values *v, struct motion *q, int contact,
-                   double s);
+/* c without a cylinder's axial part. */
+struct vec3 press_across(const struct press *p, struct vec3 c);
+
+/* Moves the bodies, books impulse, dissipated energy and external work, advances the clock. */
+void press_apply(const struct press *p, const struct press_change *change, const struct scene_values *v,
+                 struct motion *q, int contact);
 
 #endif
 #endif

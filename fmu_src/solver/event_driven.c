@@ -4,93 +4,15 @@
 
 #include <float.h>
 
-#include "contact/bracket.h"
-#include "dynamics/press.h"
-
-/* A step is a fifth of the radius of convergence at most (SERIES_ORDER); within a quarter of it, a twentieth of the radius,
- * no quantity of the contact turns twice. */
-enum { PIECES = 4 };
-
-/* A series and what is added to it, as bracket_root wants it. */
-struct watched {
-    const double *series;
-    double factor, offset;
-};
-
-static void watched_at(const void *data, double s, double *value, double *slope)
-{
-    const struct watched *f = data;
-    *value = f->factor * series_at(f->series, SERIES_TERMS, s) + f->offset;
-    *slope = f->factor * series_slope(f->series, SERIES_TERMS, s);
-}
-
-static double value_at(const struct watched *f, double s)
-{
-    return f->factor * series_at(f->series, SERIES_TERMS, s) + f->offset;
-}
-
-static double slope_at(const struct watched *f, double s)
-{
-    return f->factor * series_slope(f->series, SERIES_TERMS, s);
-}
-
-static void slope_watched(const void *data, double s, double *value, double *slope)
-{
-    const struct watched *f = data;
-    double second = 0.0;
-    for (int i = SERIES_TERMS - 1; i >= 2; --i) {
-        second = second * s + i * (i - 1) * f->series[i];
-    }
-    *value = slope_at(f, s);
-    *slope = f->factor * second;
-}
-
-/* The first s in (0, end] at which f falls through zero, end excluded only by not falling; INFINITY if it does not. */
-static double first_fall(const struct watched *f, double end)
-{
-    double low = 0.0;
-    double at_low = value_at(f, low);
-    for (int i = 1; i <= PIECES; ++i) {
-        const double high = end * i / PIECES;
-        const double at_high = value_at(f, high);
-        if (at_low > 0.0 && at_high <= 0.0) {
-            return bracket_root(watched_at, f, low, high);
-        }
-        if (at_low > 0.0 && slope_at(f, low) < 0.0 && slope_at(f, high) > 0.0) {
-            const double dip = bracket_root(slope_watched, f, low, high);
-            if (value_at(f, dip) <= 0.0) {
-                return bracket_root(watched_at, f, low, dip);
-            }
-        }
-        low = high;
-        at_low = at_high;
-    }
-    return (double)INFINITY;
-}
-
-/* Largest value of a series in [0, end]: at the ends of the pieces or where the slope passes zero between them. */
-static double largest_of(const double *series, double factor, double end)
-{
-    const struct watched f = {series, factor, 0.0};
-    double largest = fmax(value_at(&f, 0.0), value_at(&f, end));
-    for (int i = 1; i <= PIECES; ++i) {
-        const double low = end * (i - 1) / PIECES;
-        const double high = end * i / PIECES;
-        if (slope_at(&f, low) > 0.0 && slope_at(&f, high) < 0.0) {
-            largest = fmax(largest, value_at(&f, bracket_root(slope_watched, &f, low, high)));
-        }
-    }
-    return largest;
-}
+#include "solver/piece.h"
 
 /* What ends the regime by the law: see contact_regime_margin. */
-static struct watched margin_of(const struct press *p, const struct contact_law *law,
-                                enum contact_regime regime)
+static struct watched margin_of(const struct contact_law *law, enum contact_regime regime)
 {
     if (regime == REGIME_PRESSING && law->dashpot == DASHPOT_NON_ADHESIVE) {
-        return (struct watched){p->force, 1.0, 0.0};
+        return (struct watched){PRESS_FORCE, 1.0, 0.0};
     }
-    return (struct watched){p->rate, regime == REGIME_RECEDING ? 1.0 : -1.0, 0.0};
+    return (struct watched){PRESS_RATE, regime == REGIME_RECEDING ? 1.0 : -1.0, 0.0};
 }
 
 static int pressing_contact(const struct motion *q)
@@ -108,30 +30,45 @@ struct ending {
     enum contact_regime regime;
 };
 
-static struct ending first_ending(const struct press *p, const struct scene_values *v, const struct motion *q,
-                                  const struct system_instant *at, int contact, double end)
+static struct ending first_ending(const struct piece *p, const struct scene_values *v, const struct motion *q,
+                                  const struct system_instant *at, int contact)
 {
-    const struct contact_law law = system_law(v, q, contact);
+    const struct contact_law *law = &p->press.law;
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
-    const struct watched parting = {p->gap, -1.0, 2.0 * system_gap_resolution(v, at, contact)};
-    struct ending first = {first_fall(&parting, end), REGIME_APART};
-    if (law.damping > 0.0 && law.dashpot != DASHPOT_UNCLAMPED) {
-        struct watched margin = margin_of(p, &law, regime);
+    const struct watched parting = {PRESS_GAP, -1.0, 2.0 * system_gap_resolution(v, at, contact)};
+    struct ending first = {(double)INFINITY, REGIME_APART};
+    if (p->spans) {
+        return first;
+    }
+    first.s = watch_first_fall(&p->watch, &parting);
+    if (law->damping > 0.0 && law->dashpot != DASHPOT_UNCLAMPED) {
+        struct watched margin = margin_of(law, regime);
         margin.offset = system_margin_armour(v, q, at, contact, 0.0);
-        const double s = first_fall(&margin, end);
+        const double s = watch_first_fall(&p->watch, &margin);
         if (s < first.s) {
             first.s = s;
-            first.regime = contact_regime_after(&law, regime);
+            first.regime = contact_regime_after(law, regime);
         }
     }
     return first;
 }
 
-static void note_peaks(const struct press *p, struct motion *q, int contact, double end)
+static void note_peaks(const struct piece *p, struct motion *q, int contact, double end)
 {
+    const struct watched force = {PRESS_FORCE, 1.0, 0.0};
+    const struct watched penetration = {PRESS_GAP, -1.0, 0.0};
     struct contact_state *state = &q->contact[contact];
-    state->peak_force = fmax(state->peak_force, largest_of(p->force, 1.0, end));
-    state->peak_penetration = fmax(state->peak_penetration, largest_of(p->gap, -1.0, end));
+    state->peak_force = fmax(state->peak_force, watch_largest(&p->watch, &force, end));
+    state->peak_penetration = fmax(state->peak_penetration, watch_largest(&p->watch, &penetration, end));
+}
+
+/* The error allowed in a piece: of what the user asks for a thousandth, for impacts multiply errors, and no less than what
+ * rounding leaves. */
+static double tolerance_of(const struct scene_values *v, const struct system_instant *at, int contact)
+{
+    const double size = at->geometry[contact].distance;
+    const double asked = solver_relative_tolerance(v) * size + solver_absolute_tolerance(v);
+    return fmax(1e-3 * asked, 8.0 * DBL_EPSILON * size);
 }
 
 enum advance_result event_driven_advance(const struct scene_values *v, struct motion *q, struct advance *step)
@@ -142,32 +79,29 @@ enum advance_result event_driven_advance(const struct scene_values *v, struct mo
     }
     while (q->clock < step->clock_end) {
         struct system_instant at;
-        struct press p;
+        struct piece p;
         if (step->budget-- <= 0) {
             return ADVANCE_STEP_LIMIT;
         }
         system_now(v, q, &at);
-        if (at.geometry[contact].degenerate) {
+        const double left = step->clock_end - q->clock;
+        if (at.geometry[contact].degenerate ||
+            !piece_make(&p, v, q, &at, contact, left, tolerance_of(v, &at, contact))) {
             return ADVANCE_FAILED;
         }
-        press_make(&p, v, q, &at, contact);
-        const double left = (step->clock_end - q->clock) / p.unit;
-        const double end = fmin(p.step, left);
-        if (!(end > 0.0)) {
-            return ADVANCE_FAILED;
-        }
-        const struct ending ending = first_ending(&p, v, q, &at, contact, end);
-        const double s = fmin(ending.s, end);
+        const struct ending ending = first_ending(&p, v, q, &at, contact);
+        const double s = fmin(ending.s, p.end);
         note_peaks(&p, q, contact, s);
-        press_advance(&p, v, q, contact, s);
+        const struct press_change change = piece_change(&p, s);
+        press_apply(&p.press, &change, v, q, contact);
         q->counters.steps += 1;
         q->counters.force_evaluations += 1;
-        if (ending.s <= end) {
+        if (ending.s <= p.end) {
             step->contact = contact;
             step->regime = ending.regime;
             return ADVANCE_EVENT;
         }
-        if (end == left) {
+        if (p.end * p.unit >= left) {
             q->clock = step->clock_end;
         }
     }

@@ -1,4 +1,4 @@
-/* Contacts by Taylor series of high order, exact to rounding; what ends a phase is a root of a series. */
+/* Contacts to an accuracy of their own, not by steps that follow their oscillation: see event_driven.c. */
 #ifndef CONTACT_EVENT_DRIVEN_H
 #define CONTACT_EVENT_DRIVEN_H
 
@@ -7,7 +7,7 @@
 #if SCENE_ANY_FREE
 
 /*
- * Advances the pair that presses. ADVANCE_FAILED where the series cannot go on, because the centres meet (d = 0), or where
+ * Advances the pair that presses. ADVANCE_FAILED where no piece of motion can be had, because the centres meet (d = 0), or where
  * the scene has more than one contact; solver.c then lets CVODE take over.
  */
 enum advance_result event_driven_advance(const struct scene_values *v, struct motion *q,

@@ -1,5 +1,5 @@
 /* A pressing contact as a series: one step of it against closed forms and against what it must keep. */
-#include "dynamics/press.h"
+#include "dynamics/press_series.h"
 
 #include <float.h>
 
@@ -39,7 +39,9 @@ static void the_gap_is_that_of_a_damped_oscillator(void)
     for (int k = 0; k < 5; ++k) {
         const double damping = 400.0 * k;
         const struct model m = head_on(speed, damping);
-        const struct press p = press_of(&m);
+        const struct press from = press_of(&m);
+        struct press_series p;
+        press_series_make(&p, &from);
         const long double decay = damping / (2.0L * mass);
         const long double omega = sqrtl(stiffness / mass - decay * decay);
         CHECK(p.step * p.unit > 1.0 / sqrt(stiffness / mass));
@@ -85,8 +87,11 @@ static void a_step_keeps_momentum_and_energy(void)
         const struct scene_values *v = &m.state.values;
         const struct vec3 before = q->body[SOURCE].velocity;
         const double energy = balance(&m);
-        const struct press p = press_of(&m);
-        press_advance(&p, v, q, 0, p.step);
+        const struct press from = press_of(&m);
+        struct press_series p;
+        press_series_make(&p, &from);
+        const struct press_change change = press_series_change(&p, p.step);
+        press_apply(&from, &change, v, q, 0);
         const double t = q->clock;
         const struct vec3 pull =
             vec3_axpy(gravity(v), 1.0 / v->body[SOURCE].mass, body_external_force(v, SOURCE));

@@ -1,0 +1,236 @@
+#include "contact/collocation.h"
+
+#include <string.h>
+
+/* The iteration gains a factor of the angle turned in a step, some two radians, divided by the count of sweeps; where it needs
+ * more than this, a shorter step is cheaper. */
+enum { MAX_SWEEPS = 30 };
+
+/* What stays the same from sweep to sweep. */
+struct node_table {
+    struct vec3_row pull;          /* A */
+    struct vec3_row drive;         /* A - damping E */
+    struct vec3_row lead;          /* half E */
+    lobatto_row y_of_y, y_of_rate; /* of the oscillation, resolved */
+};
+
+static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
+{
+    struct vec3 sum = a[terms - 1];
+    for (int i = terms - 2; i >= 0; --i) {
+        sum = vec3_axpy(a[i], t, sum);
+    }
+    return sum;
+}
+
+static struct oscillator oscillator_of(const struct collocation *p)
+{
+    return (struct oscillator){p->from.square * p->half * p->half, p->from.damping * p->half};
+}
+
+static void fill_table(const struct collocation *p, struct node_table *table)
+{
+    const struct oscillator oscillator = oscillator_of(p);
+    for (int i = 0; i < LOBATTO_POINTS; ++i) {
+        const double s = 1.0 + lobatto_node[i];
+        const struct vec3 pull = polynomial_of_time(p->from.pull, COLLOCATION_PULL_TERMS, p->half * s);
+        const struct vec3 lead = polynomial_of_time(p->from.lead, COLLOCATION_LEAD_TERMS, p->half * s);
+        row_put_vec3(&table->pull, i, pull);
+        row_put_vec3(&table->drive, i, vec3_axpy(pull, -p->from.damping, lead));
+        row_put_vec3(&table->lead, i, vec3_scale(p->half, lead));
+        if (p->resolved) {
+            const struct oscillator_basis basis = oscillator_basis_at(&oscillator, s);
+            table->y_of_y[i] = basis.y_of_y;
+            table->y_of_rate[i] = basis.y_of_rate;
+        }
+    }
+}
+
+/* The load into x; returns the largest change of a coefficient. */
+static double follow(struct collocation *p, const struct node_table *table, const double *values,
+                     double softening)
+{
+    lobatto_row before;
+    memcpy(before, p->slow, sizeof before);
+    p->oscillator = oscillator_of(p);
+    row_coefficients(values, p->load);
+    oscillator_follow(&p->oscillator, p->load, p->slow, LOBATTO_POINTS);
+    p->oscillator.square += softening;
+    p->y = p->from.excess - row_at(p->slow, 0.0);
+    p->y_rate = p->half * vec3_dot(p->from.normal, p->from.rate) - row_slope(p->slow, 0.0);
+    row_at_nodes(p->slow, p->x);
+    double change = 0.0;
+    for (int i = 0; i < LOBATTO_POINTS; ++i) {
+        change = fmax(change, fabs(p->slow[i] - before[i]));
+        if (p->resolved) {
+            p->x[i] += p->y * table->y_of_y[i] + p->y_rate * table->y_of_rate[i];
+        }
+    }
+    return change;
+}
+
+/* f at the nodes, and x that answers. */
+static double respond(struct collocation *p, const struct node_table *table)
+{
+    const double half2 = p->half * p->half;
+    const struct vec3 n = vec3_sub(p->from.normal, p->turned);
+    const struct vec3 h = vec3_sub(p->momentum, p->spun);
+    lobatto_row values;
+    double softening = 0.0;
+    for (int i = 0; i < LOBATTO_POINTS; ++i) {
+        const double hx = h.x + p->h.x[i];
+        const double hy = h.y + p->h.y[i];
+        const double hz = h.z + p->h.z[i];
+        const double inverse = 1.0 / (p->from.reach + p->x[i]);
+        const double spin = half2 * (hx * hx + hy * hy + hz * hz) * inverse * inverse * inverse;
+        values[i] =
+            spin + half2 * ((n.x + p->n.x[i]) * table->drive.x[i] + (n.y + p->n.y[i]) * table->drive.y[i] +
+                            (n.z + p->n.z[i]) * table->drive.z[i]);
+        /* -df/dx of the spin, averaged over the step: integral / 2 */
+        softening += lobatto_integral[i][LOBATTO_POINTS - 1] * 1.5 * spin * inverse;
+    }
+    return follow(p, table, values, p->resolved ? 0.0 : softening);
+}
+
+/* The integral of P y, P slow, is -P (y' + damping y) / square but for a part smaller by the slow rate over the
+ * oscillation's: times P of n' and H', what oscillates in n and H. */
+static void split_oscillation(const struct collocation *p, double y, double y_rate, struct vec3 n,
+                              struct vec3 h, struct vec3 pull, double d, struct vec3 *turned,
+                              struct vec3 *spun)
+{
+    const double wave = -p->half * (y_rate + p->oscillator.damping * y) / p->oscillator.square;
+    *turned = vec3_scale(-2.0 * wave / (d * d * d), vec3_cross(h, n));
+    *spun = vec3_scale(wave, vec3_cross(n, pull));
+}
+
+static double spin_up(struct collocation *p, const struct node_table *table)
+{
+    const struct vec3 n = vec3_sub(p->from.normal, p->turned);
+    for (int i = 0; i < LOBATTO_POINTS; ++i) {
+        const double nx = n.x + p->n.x[i];
+        const double ny = n.y + p->n.y[i];
+        const double nz = n.z + p->n.z[i];
+        const double arm = p->half * (p->from.reach + p->x[i]);
+        p->h_rate.x[i] = arm * (ny * table->pull.z[i] - nz * table->pull.y[i]);
+        p->h_rate.y[i] = arm * (nz * table->pull.x[i] - nx * table->pull.z[i]);
+        p->h_rate.z[i] = arm * (nx * table->pull.y[i] - ny * table->pull.x[i]);
+    }
+    return 2.0 * p->half / p->distance * row_integrate(&p->h_rate, &p->h);
+}
+
+static double turn(struct collocation *p)
+{
+    const struct vec3 n = vec3_sub(p->from.normal, p->turned);
+    const struct vec3 h = vec3_sub(p->momentum, p->spun);
+    for (int i = 0; i < LOBATTO_POINTS; ++i) {
+        const double nx = n.x + p->n.x[i];
+        const double ny = n.y + p->n.y[i];
+        const double nz = n.z + p->n.z[i];
+        const double hx = h.x + p->h.x[i];
+        const double hy = h.y + p->h.y[i];
+        const double hz = h.z + p->h.z[i];
+        const double d = p->from.reach + p->x[i];
+        const double by = p->half / (d * d);
+        p->n_rate.x[i] = by * (hy * nz - hz * ny);
+        p->n_rate.y[i] = by * (hz * nx - hx * nz);
+        p->n_rate.z[i] = by * (hx * ny - hy * nx);
+    }
+    return p->distance * row_integrate(&p->n_rate, &p->n);
+}
+
+static double tail_of_all(const struct collocation *p)
+{
+    const double by_turn = p->distance * row_tail3(&p->n_rate);
+    const double by_spin = 2.0 * p->half / p->distance * row_tail3(&p->h_rate);
+    const double of_load = fmax(fabs(p->load[LOBATTO_POINTS - 1]), fabs(p->load[LOBATTO_POINTS - 2]));
+    const double by_load = ldexp(of_load, 2 - LOBATTO_POINTS) / fmax(p->oscillator.square, 1.0);
+    return fmax(by_load, fmax(by_turn, by_spin));
+}
+
+static void keep_lead(struct collocation *p, const struct node_table *table)
+{
+    const struct vec3 n = vec3_sub(p->from.normal, p->turned);
+    lobatto_row values;
+    for (int i = 0; i < LOBATTO_POINTS; ++i) {
+        values[i] = (n.x + p->n.x[i]) * table->lead.x[i] + (n.y + p->n.y[i]) * table->lead.y[i] +
+                    (n.z + p->n.z[i]) * table->lead.z[i];
+    }
+    row_coefficients(values, p->led);
+}
+
+/* The first guess: n and H go on as they begin. */
+static void start(struct collocation *p, const struct node_table *table)
+{
+    for (int i = 0; i < LOBATTO_POINTS; ++i) {
+        p->x[i] = p->from.excess;
+    }
+    (void)turn(p);
+    (void)spin_up(p, table);
+}
+
+bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
+                      bool resolved, double tolerance)
+{
+    struct node_table table;
+    memset(p, 0, sizeof *p);
+    p->from = *from;
+    p->half = 0.5 * step;
+    p->resolved = resolved;
+    p->distance = from->reach + from->excess;
+    p->momentum = vec3_scale(p->distance, vec3_cross(from->normal, from->rate));
+    fill_table(p, &table);
+    start(p, &table);
+    for (int i = 0; i < MAX_SWEEPS; ++i) {
+        const double by_load = respond(p, &table);
+        if (!resolved) {
+            split_oscillation(p, p->y, p->y_rate, from->normal, p->momentum, from->pull[0], p->distance,
+                              &p->turned, &p->spun);
+        }
+        const double by_spin = spin_up(p, &table);
+        if (fmax(by_load, fmax(by_spin, turn(p))) <= tolerance) {
+            p->interior_error = tail_of_all(p);
+            if (from->leads) {
+                keep_lead(p, &table);
+            }
+            return true;
+        }
+    }
+    return false;
+}
+
+struct collocation_change collocation_change_at(const struct collocation *p, double s)
+{
+    struct collocation_change change;
+    double x[4];
+    collocation_excess(p, s, x);
+    struct vec3 turned = vec3_sub(row_integral3(&p->n, &p->n_rate, s), p->turned);
+    struct vec3 spun = vec3_sub(row_integral3(&p->h, &p->h_rate, s), p->spun);
+    const double d = p->from.reach + x[0];
+    if (!p->resolved) {
+        double slow[4];
+        struct vec3 wave_n;
+        struct vec3 wave_h;
+        collocation_slow_excess(p, s, slow);
+        const struct vec3 pull = polynomial_of_time(p->from.pull, COLLOCATION_PULL_TERMS, p->half * s);
+        split_oscillation(p, x[0] - slow[0], x[1] - slow[1], vec3_add(p->from.normal, turned),
+                          vec3_add(p->momentum, spun), pull, d, &wave_n, &wave_h);
+        turned = vec3_add(turned, wave_n);
+        spun = vec3_add(spun, wave_h);
+    }
+    /* n keeps its length: |normal + turned|^2 = 1 + longer */
+    const double longer = vec3_dot(vec3_axpy(turned, 2.0, p->from.normal), turned);
+    const double root = sqrt(1.0 + longer);
+    turned = vec3_axpy(turned, -longer / (root * (1.0 + root)), vec3_add(p->from.normal, turned));
+    /* Differences of c = d n and c' = x' n + H x n / d, so that a short step keeps its digits. */
+    const double grown = x[0] - p->from.excess;
+    change.moved = vec3_axpy(vec3_scale(d, turned), grown, p->from.normal);
+    const double radial = x[1] / p->half;
+    const double faster = radial - vec3_dot(p->from.normal, p->from.rate);
+    const struct vec3 n = vec3_add(p->from.normal, turned);
+    const struct vec3 swing = vec3_add(vec3_cross(spun, n), vec3_cross(p->momentum, turned));
+    change.gained = vec3_axpy(vec3_scale(radial, turned), faster, p->from.normal);
+    change.gained = vec3_axpy(change.gained, 1.0 / d, swing);
+    change.gained =
+        vec3_axpy(change.gained, -grown / (d * p->distance), vec3_cross(p->momentum, p->from.normal));
+    return change;
+}

@@ -1,0 +1,87 @@
+/*
+ * A pressing contact in local coordinates: exponential collocation.
+ *
+ *   c = d n across a cylinder's axis,   d = reach + x,   H = c x c'
+ *   n' = H x n / d^2,   H' = d n x A(t),
+ *   x'' + damping x' + square x = f = |H|^2 / d^3 + n.A(t) - damping n.E(t)
+ *
+ * A is the acceleration of the separation without the contact, E the part of its rate that the law sees beside c',
+ * square = p_n / m_red, damping = p_nv / m_red. The left side is solved exactly (oscillator.h), whatever its stiffness; f, n
+ * and H are polynomials collocated at the Lobatto nodes (exponential collocation: Hochbruck and Ostermann, Acta Numerica 19
+ * (2010) 209; Lobatto IIIA: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5).
+ *
+ * Resolved: a step so short that the nodes see the oscillation of x; f, n and H feel all of it. Not resolved: the step
+ * spans many oscillations, so small that they are felt to first order only, which is integrated in closed form.
+ *
+ * Variable s in [0, 2] over the step: time = half s. Derivatives of x are taken with respect to s.
+ */
+#ifndef CONTACT_COLLOCATION_H
+#define CONTACT_COLLOCATION_H
+
+#include <stdbool.h>
+
+#include "contact/lobatto_row.h"
+#include "contact/oscillator.h"
+#include "contact/vec3.h"
+
+enum { COLLOCATION_PULL_TERMS = 3, COLLOCATION_LEAD_TERMS = 4 };
+
+/* Polynomials: coefficients of time from the start. */
+struct collocation_problem {
+    struct vec3 normal;                       /* n, unit */
+    struct vec3 rate;                         /* c' [m/s] */
+    double reach;                             /* [m] */
+    double excess;                            /* x [m] */
+    double square;                            /* > 0 [1/s^2] */
+    double damping;                           /* [1/s] */
+    struct vec3 pull[COLLOCATION_PULL_TERMS]; /* A [m/s^2, ...] */
+    struct vec3 lead[COLLOCATION_LEAD_TERMS]; /* E [m/s, ...] */
+    bool leads;                               /* whether E is other than zero */
+};
+
+struct collocation {
+    struct collocation_problem from;
+    double half; /* half the step [s] */
+    bool resolved;
+    double distance;                /* d at the start [m] */
+    struct vec3 momentum;           /* H at the start [m^2/s] */
+    struct vec3 turned, spun;       /* not resolved: what of n and H at the start is oscillation */
+    struct vec3_row n, h;           /* at the nodes: what has been added to n and H, oscillation apart */
+    struct vec3_row n_rate, h_rate; /* d/ds of these */
+    lobatto_row x;                  /* at the nodes; not resolved: without y */
+    lobatto_row load;               /* half^2 f, coefficients of s - 1 [m] */
+    lobatto_row slow;               /* what of x follows the load, likewise [m] */
+    lobatto_row led;                /* half n.E, likewise [m] */
+    struct oscillator
+        oscillator;        /* of the rest, y, per s; not resolved: softened by the load's answer to y */
+    double y, y_rate;      /* at the start [m] */
+    double interior_error; /* estimate of what the polynomials leave out between the ends [m] */
+};
+
+/* Whether the iteration converged to `tolerance` [m]. `step` > 0 must span three units of the oscillator's slower rate or
+ * more, resolved ones not much more than four (oscillator_follow; the nodes). */
+bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
+                      bool resolved, double tolerance);
+
+/* x and its first three derivatives; n.E half and its first two. */
+void collocation_excess(const struct collocation *p, double s, double x[4]);
+void collocation_lead(const struct collocation *p, double s, double led[3]);
+
+/* x without y, and its derivatives. */
+void collocation_slow_excess(const struct collocation *p, double s, double x[4]);
+
+struct collocation_change {
+    struct vec3 moved;  /* c(s) - c(0) [m] */
+    struct vec3 gained; /* c'(s) - c'(0) [m/s] */
+};
+
+/* Exact at s = 2 to the collocation's order at its ends, before that to its interior error. */
+struct collocation_change collocation_change_at(const struct collocation *p, double s);
+
+/* The integral from 0 to s of damping (x' + n.E)^2 dt: the energy the dashpot has taken, per unit of mass [m^2/s^2]. */
+double collocation_dissipated(const struct collocation *p, double s);
+
+/* The integral from 0 to s of weight(t).(c - c(0)) dt, weight = weight[0] + weight[1] t; the oscillation left out. */
+double collocation_moment(const struct collocation *p, const struct vec3 weight[2], double s);
+
+#endif

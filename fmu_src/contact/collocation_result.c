@@ -1,0 +1,113 @@
+/* What a collocated step says: x between its ends, energies, moments. */
+#include <string.h>
+
+#include "contact/collocation.h"
+
+void collocation_slow_excess(const struct collocation *p, double s, double x[4])
+{
+    row_derivatives(p->slow, s, x);
+}
+
+void collocation_excess(const struct collocation *p, double s, double x[4])
+{
+    const struct oscillator_basis by = oscillator_basis_at(&p->oscillator, s);
+    double y[4];
+    y[0] = p->y * by.y_of_y + p->y_rate * by.y_of_rate;
+    y[1] = p->y * by.rate_of_y + p->y_rate * by.rate_of_rate;
+    y[2] = -p->oscillator.damping * y[1] - p->oscillator.square * y[0];
+    y[3] = -p->oscillator.damping * y[2] - p->oscillator.square * y[1];
+    row_derivatives(p->slow, s, x);
+    for (int i = 0; i < 4; ++i) {
+        x[i] += y[i];
+    }
+}
+
+void collocation_lead(const struct collocation *p, double s, double led[3])
+{
+    double all[4] = {0.0, 0.0, 0.0, 0.0};
+    if (p->from.leads) {
+        row_derivatives(p->led, s, all);
+    }
+    memcpy(led, all, 3 * sizeof *led);
+}
+
+/* The integral from 0 to s of (polynomial) dx: over the slow part as polynomials, over the oscillation y in closed form:
+ * (Q y + Q' y' / square)' = a y' where Q + Q'' / square - damping Q' / square = a. */
+static double along_excess(const struct collocation *p, const double *a, double s)
+{
+    const struct oscillator mirrored = {p->oscillator.square, -p->oscillator.damping};
+    lobatto_row scaled;
+    lobatto_row big;
+    lobatto_row product;
+    lobatto_row coefficients;
+    lobatto_row values;
+    lobatto_row slope;
+    for (int k = 0; k < LOBATTO_POINTS; ++k) {
+        scaled[k] = p->oscillator.square * a[k];
+        coefficients[k] = k + 1 < LOBATTO_POINTS ? (k + 1) * p->slow[k + 1] : 0.0;
+    }
+    oscillator_follow(&mirrored, scaled, big, LOBATTO_POINTS);
+    row_at_nodes(a, values);
+    row_at_nodes(coefficients, slope);
+    for (int i = 0; i < LOBATTO_POINTS; ++i) {
+        values[i] *= slope[i];
+    }
+    row_coefficients(values, product);
+    double now[4];
+    double slow[4];
+    collocation_excess(p, s, now);
+    collocation_slow_excess(p, s, slow);
+    const double square = p->oscillator.square;
+    const double after =
+        row_at(big, s) * (now[0] - slow[0]) + row_slope(big, s) * (now[1] - slow[1]) / square;
+    const double before = row_at(big, 0.0) * p->y + row_slope(big, 0.0) * p->y_rate / square;
+    return row_integral(product, s) + after - before;
+}
+
+/* From the oscillator's own balance of energy, exact however fast it turns:
+ * damping x'^2 = -(x'^2 / 2 + square x^2 / 2)' + f x', and (x' + e)^2 = x'^2 + 2 e x' + e^2. */
+double collocation_dissipated(const struct collocation *p, double s)
+{
+    const double damping = p->from.damping * p->half;
+    const double square = p->from.square * p->half * p->half;
+    const double softening = p->oscillator.square - square;
+    double x[4];
+    double slow[4];
+    lobatto_row a;
+    collocation_excess(p, s, x);
+    collocation_slow_excess(p, s, slow);
+    for (int k = 0; k < LOBATTO_POINTS; ++k) {
+        a[k] = p->load[k] + (p->from.leads ? 2.0 * damping * p->led[k] : 0.0);
+    }
+    const double start_rate = p->half * vec3_dot(p->from.normal, p->from.rate);
+    const double x0 = p->from.excess;
+    const double y = x[0] - slow[0];
+    const double released = 0.5 * ((start_rate - x[1]) * (start_rate + x[1]) +
+                                   square * (x0 - x[0]) * (x0 + x[0]) + softening * (p->y - y) * (p->y + y));
+    double sum = released + along_excess(p, a, s);
+    if (p->from.leads) {
+        lobatto_row values;
+        row_at_nodes(p->led, values);
+        for (int i = 0; i < LOBATTO_POINTS; ++i) {
+            values[i] *= values[i];
+        }
+        row_coefficients(values, a);
+        sum += damping * row_integral(a, s);
+    }
+    return sum / (p->half * p->half);
+}
+
+double collocation_moment(const struct collocation *p, const struct vec3 weight[2], double s)
+{
+    lobatto_row values;
+    lobatto_row a;
+    for (int i = 0; i < LOBATTO_POINTS; ++i) {
+        const double at = 1.0 + lobatto_node[i];
+        const struct vec3 turned = vec3_sub(vec3_make(p->n.x[i], p->n.y[i], p->n.z[i]), p->turned);
+        const double d = p->from.reach + p->x[i];
+        const struct vec3 moved = vec3_axpy(vec3_scale(d, turned), p->x[i] - p->from.excess, p->from.normal);
+        values[i] = vec3_dot(vec3_axpy(weight[0], p->half * at, weight[1]), moved);
+    }
+    row_coefficients(values, a);
+    return p->half * row_integral(a, s);
+}

@@ -1,0 +1,67 @@
+#include "contact/oscillator.h"
+
+#include <math.h>
+
+static struct oscillator_basis turning(double decay, double turn, double square, double z)
+{
+    const double shrink = exp(-decay * z);
+    const double sine = shrink * sin(turn * z) / turn;
+    const double cosine = shrink * cos(turn * z);
+    return (struct oscillator_basis){cosine + decay * sine, sine, -square * sine, cosine - decay * sine};
+}
+
+/* Two real rates, fast and slow; their difference may vanish. */
+static struct oscillator_basis creeping(double decay, double spread, double square, double z)
+{
+    const double fast = -(decay + spread);
+    const double slow = -square / (decay + spread);
+    const double by_slow = exp(slow * z);
+    const double difference = 2.0 * spread;
+    const double sine = difference * z > 0.0 ? by_slow * -expm1(-difference * z) / difference : by_slow * z;
+    return (struct oscillator_basis){by_slow - slow * sine, sine, -square * sine, by_slow + fast * sine};
+}
+
+struct oscillator_basis oscillator_basis_at(const struct oscillator *o, double z)
+{
+    const double decay = 0.5 * o->damping;
+    const double turn_square = o->square - decay * decay;
+    return turn_square > 0.0 ? turning(decay, sqrt(turn_square), o->square, z)
+                             : creeping(decay, sqrt(-turn_square), o->square, z);
+}
+
+double oscillator_slower_rate(const struct oscillator *o)
+{
+    const double decay = 0.5 * o->damping;
+    const double spread_square = decay * decay - o->square;
+    return spread_square > 0.0 ? o->square / (decay + sqrt(spread_square)) : sqrt(o->square);
+}
+
+struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, double y, double y_rate)
+{
+    const double decay = 0.5 * o->damping;
+    const double turn_square = o->square - decay * decay;
+    const double start = y_rate + decay * y; /* y = exp(-decay z) (y cos + start sin / turn) */
+    if (fabs(turn_square) * 16.0 <= decay * decay) {
+        /* |sin / turn| <= z cosh(decay z / 4), and z exp(-decay z / 4) <= 4 / (e decay) */
+        return (struct oscillator_envelope){fabs(y) + fabs(start) * 4.0 / (2.718281828459045 * decay),
+                                            0.5 * decay};
+    }
+    if (turn_square > 0.0) {
+        return (struct oscillator_envelope){hypot(y, start / sqrt(turn_square)), decay};
+    }
+    const double spread = sqrt(-turn_square);
+    const double slow = 0.5 * (y + start / spread);
+    const double fast = 0.5 * (y - start / spread);
+    return (struct oscillator_envelope){fabs(slow) + fabs(fast), o->square / (decay + spread)};
+}
+
+void oscillator_follow(const struct oscillator *o, const double *load, double *s, int terms)
+{
+    double next = 0.0; /* s[k + 1] */
+    double next_but_one = 0.0;
+    for (int k = terms - 1; k >= 0; --k) {
+        s[k] = (load[k] - (k + 1) * (o->damping * next + (k + 2) * next_but_one)) / o->square;
+        next_but_one = next;
+        next = s[k];
+    }
+}

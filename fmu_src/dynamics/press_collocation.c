@@ -1,0 +1,175 @@
+#include "dynamics/press_collocation.h"
+
+#if SCENE_ANY_FREE
+
+/* A: second derivative of C. E = W - C'. Both across a cylinder's axis. */
+static void set_paths(const struct press *p, struct collocation_problem *problem)
+{
+    for (int i = 0; i < COLLOCATION_PULL_TERMS; ++i) {
+        problem->pull[i] = vec3_scale((i + 1) * (i + 2), press_across(p, p->flight.c[i + 2]));
+    }
+    for (int i = 0; i < COLLOCATION_LEAD_TERMS; ++i) {
+        const struct vec3 lead = vec3_axpy(p->flight.w[i], -(i + 1), p->flight.c[i + 1]);
+        problem->lead[i] = press_across(p, lead);
+        problem->leads = problem->leads || vec3_max_abs(lead) > 0.0;
+    }
+}
+
+struct press_outlook press_outlook_of(const struct press *p)
+{
+    struct press_outlook out = {.turning = 0.0};
+    struct collocation_problem *problem = &out.problem;
+    problem->normal = p->normal;
+    problem->rate = press_across(p, p->flight.c[1]);
+    problem->reach = contact_reach(&p->shape);
+    problem->excess = p->shape.side * p->gap;
+    problem->square = p->by.k / p->reduced_mass;
+    problem->damping = p->by.c / p->reduced_mass;
+    set_paths(p, problem);
+    const double d = problem->reach + problem->excess;
+    const struct vec3 along = contact_tangential(&p->shape, p->normal, problem->rate);
+    const double radial = vec3_dot(p->normal, problem->rate);
+    const double load = vec3_dot(along, along) / d + vec3_dot(p->normal, problem->pull[0]) -
+                        problem->damping * vec3_dot(p->normal, problem->lead[0]);
+    const struct oscillator oscillator = {problem->square, problem->damping};
+    out.turning = vec3_norm(along) / d + sqrt(vec3_norm(problem->pull[0]) / d);
+    out.settling = oscillator_slower_rate(&oscillator);
+    out.load_depth = -p->shape.side * load / problem->square;
+    out.swings = 4.0 * problem->square > problem->damping * problem->damping;
+    out.oscillation =
+        oscillator_envelope_of(&oscillator, problem->excess - load / problem->square, radial).amplitude;
+    return out;
+}
+
+bool press_collocation_make(struct press_collocation *p, const struct press *from,
+                            const struct press_outlook *outlook, double step, bool resolved, double tolerance)
+{
+    p->from = from;
+    return collocation_make(&p->step, &outlook->problem, step, resolved, tolerance);
+}
+
+/* F_n = -(k g + c g'). */
+static void add_force(const struct press *from, struct press_sample *sample)
+{
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PRESS_FORCE][i] =
+            -(from->by.k * sample->of[PRESS_GAP][i] + from->by.c * sample->of[PRESS_RATE][i]);
+    }
+}
+
+static void fill_sample(const struct press_collocation *p, const double x[4], double s,
+                        struct press_sample *sample)
+{
+    const double side = p->from->shape.side;
+    double led[3];
+    collocation_lead(&p->step, s, led);
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PRESS_GAP][i] = side * x[i];
+        sample->of[PRESS_RATE][i] = side * (x[i + 1] + led[i]) / p->step.half;
+    }
+    add_force(p->from, sample);
+}
+
+void press_collocation_sample(const void *press_collocation, double s, struct press_sample *sample)
+{
+    const struct press_collocation *p = press_collocation;
+    double x[4];
+    collocation_excess(&p->step, s, x);
+    fill_sample(p, x, s, sample);
+}
+
+/* What the oscillation alone brings to a quantity: y, its rate and its force all solve the oscillator's equation. */
+static struct oscillator_envelope envelope_of(const struct press_collocation *p, enum press_quantity quantity)
+{
+    const struct oscillator *o = &p->step.oscillator;
+    const double half = p->step.half;
+    const double y = p->step.y;
+    const double rate = p->step.y_rate;
+    const double bend = -o->damping * rate - o->square * y;
+    const double k = p->from->by.k;
+    const double c = p->from->by.c / half;
+    switch (quantity) {
+    case PRESS_RATE:
+        return oscillator_envelope_of(o, rate / half, bend / half);
+    case PRESS_FORCE:
+        return oscillator_envelope_of(o, k * y + c * rate, k * rate + c * bend);
+    default:
+        return oscillator_envelope_of(o, y, rate);
+    }
+}
+
+void press_reserve_at(const void *press_reserve, double s, double *value, double *slope)
+{
+    const struct press_reserve *reserve = press_reserve;
+    const struct press_collocation *p = reserve->of;
+    const struct oscillator_envelope all = envelope_of(p, reserve->quantity);
+    const double envelope = all.amplitude * exp(-all.decay * s);
+    struct press_sample slow;
+    double x[4];
+    collocation_slow_excess(&p->step, s, x);
+    fill_sample(p, x, s, &slow);
+    *value = reserve->factor * slow.of[reserve->quantity][0] - envelope;
+    *slope = reserve->factor * slow.of[reserve->quantity][1] + all.decay * envelope;
+}
+
+/* By parts, so that the oscillation of r' and r'' need not be seen: (path r)' = path' r + path r', and again. What is left
+ * under the integral is path' or path'', linear in time, times r = c - c(0) - (C - C(0)). */
+static double work_by_parts(const struct press_collocation *p, const struct press_work *work,
+                            const struct press_change *change, double s)
+{
+    const double t = change->time;
+    const struct vec3 path = path_at(work->path, 3, t);
+    const struct vec3 slope = vec3_axpy(work->path[1], 2.0 * t, work->path[2]);
+    struct vec3 weight[2] = {work->path[1], vec3_scale(2.0, work->path[2])};
+    if (work->order == 0) {
+        return 0.0;
+    }
+    double boundary = vec3_dot(path, change->r);
+    double sign = -1.0;
+    if (work->order == 2) {
+        boundary = vec3_dot(path, change->r_rate) - vec3_dot(slope, change->r);
+        sign = 1.0;
+        weight[0] = weight[1];
+        weight[1] = vec3_make(0.0, 0.0, 0.0);
+    }
+    if (!(vec3_max_abs(weight[0]) + vec3_max_abs(weight[1]) > 0.0)) {
+        return boundary;
+    }
+    /* C - C(0) has degree four, the weight one: five Gauss-Legendre nodes would be more than enough; term by term it is exact. */
+    double flown = 0.0;
+    double power = t;
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        const struct vec3 c = press_across(p->from, p->from->flight.c[i]);
+        power *= t;
+        flown += power * (vec3_dot(weight[0], c) / (i + 1) + t * vec3_dot(weight[1], c) / (i + 2));
+    }
+    return boundary + sign * (collocation_moment(&p->step, weight, s) - flown);
+}
+
+struct press_change press_collocation_change(const struct press_collocation *p, double s)
+{
+    const struct press *from = p->from;
+    const struct collocation_change step = collocation_change_at(&p->step, s);
+    struct press_change change = {.time = p->step.half * s, .r = step.moved, .r_rate = step.gained};
+    double power = 1.0;
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        const struct vec3 c = press_across(from, from->flight.c[i]);
+        if (i > 1) {
+            change.r_rate = vec3_axpy(change.r_rate, -i * power, c);
+        }
+        power *= change.time;
+        change.r = vec3_axpy(change.r, -power, c);
+    }
+    double x[4];
+    collocation_excess(&p->step, s, x);
+    change.gap = from->shape.side * x[0];
+    if (from->by.c > 0.0) {
+        change.dissipated = from->reduced_mass * collocation_dissipated(&p->step, s);
+    }
+    for (int end = 0; end < PRESS_ENDS; ++end) {
+        change.work[end] = work_by_parts(p, &from->work[end], &change, s);
+    }
+    return change;
+}
+
+#endif

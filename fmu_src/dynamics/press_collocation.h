@@ -1,0 +1,50 @@
+/* A pair that presses, in local coordinates (contact/collocation.h): steps as long as the motion along the contact allows,
+ * whatever the penalty factor. Variable s in [0, 2], time = half s. */
+#ifndef CONTACT_PRESS_COLLOCATION_H
+#define CONTACT_PRESS_COLLOCATION_H
+
+#include "contact/collocation.h"
+#include "dynamics/press.h"
+
+#if SCENE_ANY_FREE
+
+/* What the motion is like at the start of a step. */
+struct press_outlook {
+    struct collocation_problem problem;
+    double turning; /* the rate at which the motion along the contact turns [1/s] */
+    double
+        settling; /* the slower rate of the radial oscillator, sqrt(p_n / m_red) below critical damping [1/s] */
+    double oscillation; /* bound of how far x will deviate from what follows the load [m] */
+    bool swings;        /* below critical damping */
+    double load_depth;  /* how deep the load alone presses, -side f / square [m] */
+};
+
+struct press_outlook press_outlook_of(const struct press *p);
+
+struct press_collocation {
+    const struct press *from;
+    struct collocation step;
+};
+
+/* False where the iteration does not converge. */
+bool press_collocation_make(struct press_collocation *p, const struct press *from,
+                            const struct press_outlook *outlook, double step, bool resolved,
+                            double tolerance);
+
+void press_collocation_sample(const void *press_collocation, double s, struct press_sample *sample);
+
+/* Not resolved: the quantities without the oscillation, each less all the oscillation may add where only its sign counts:
+ * what is left of -g, of F_n and of the rate (factor: the sign in which it is watched). */
+struct press_reserve {
+    const struct press_collocation *of;
+    enum press_quantity quantity;
+    double factor;
+};
+
+/* Value and slope at s of factor quantity - envelope; a bracket_function of a struct press_reserve. */
+void press_reserve_at(const void *press_reserve, double s, double *value, double *slope);
+
+struct press_change press_collocation_change(const struct press_collocation *p, double s);
+
+#endif
+#endif

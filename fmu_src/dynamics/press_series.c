@@ -1,0 +1,157 @@
+#include "dynamics/press_series.h"
+
+#if SCENE_ANY_FREE
+
+#include <float.h>
+
+/* Everything that the recurrence needs besides the results. */
+struct recurrence {
+    struct vec3_series c; /* separation; of a cylinder the part across its axis */
+    struct vec3_series w; /* its rate */
+    struct vec3_series n;
+    double square[SERIES_TERMS]; /* c.c */
+    double d[SERIES_TERMS];
+    double closing[SERIES_TERMS]; /* c.w */
+    double speed[SERIES_TERMS];   /* c.w / d = n.w */
+};
+
+/* One radian of the spring's or the dashpot's own motion, whichever is shorter; with neither, of the passage. */
+static double natural_unit(const struct press *from)
+{
+    const double spring = sqrt(from->reduced_mass / from->law.stiffness);
+    const double dashpot = from->reduced_mass / from->law.damping;
+    const double passage = from->distance / vec3_norm(from->flight.w[0]);
+    const double unit = fmin(spring, fmin(dashpot, passage));
+    return isfinite(unit) && unit > 0.0 ? unit : 1.0;
+}
+
+/* Jorba and Zou: from the last two coefficients, the step at which they are a rounding of `whole`. */
+static double convergent_step(double last_but_one, double last, double whole)
+{
+    const double rounding = 0.5 * DBL_EPSILON * whole;
+    return fmin(pow(rounding / fabs(last_but_one), 1.0 / (SERIES_ORDER - 1)),
+                pow(rounding / fabs(last), 1.0 / SERIES_ORDER));
+}
+
+/* Both the motion, to a rounding of its largest term, and the gap, to a rounding of the distance, must have converged: a
+ * contact without force at the moment has no r, but a distance all the same. */
+static double reliable_step(const struct press_series *p)
+{
+    double largest = 0.0;
+    for (int i = 2; i < SERIES_TERMS; ++i) {
+        largest = fmax(largest, vec3_norm(p->r.at[i]));
+    }
+    const double by_gap = convergent_step(p->gap[SERIES_ORDER - 1], p->gap[SERIES_ORDER], p->from->distance);
+    const double by_motion =
+        convergent_step(vec3_norm(p->r.at[SERIES_ORDER - 1]), vec3_norm(p->r.at[SERIES_ORDER]), largest);
+    return largest > 0.0 ? fmin(by_gap, by_motion) : by_gap;
+}
+
+/* Coefficient i of everything, from r[0..i + 1]; then r[i + 2]. */
+static void next_coefficient(struct press_series *p, struct recurrence *z, int i, double power)
+{
+    const struct press *from = p->from;
+    const int side = from->shape.side;
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    const struct vec3 c = i <= SEPARATION_DEGREE ? vec3_scale(power, from->flight.c[i]) : none;
+    const struct vec3 w = i < SEPARATION_DEGREE ? vec3_scale(power, from->flight.w[i]) : none;
+    const struct vec3 next = i + 1 < SERIES_TERMS ? p->r.at[i + 1] : none;
+    z->c.at[i] = press_across(from, vec3_add(c, p->r.at[i]));
+    z->w.at[i] = vec3_axpy(w, (i + 1) / p->unit, next);
+    z->square[i] = series_dot(&z->c, &z->c, i);
+    z->d[i] = series_root(z->square, z->d, i);
+    z->closing[i] = series_dot(&z->c, &z->w, i);
+    z->speed[i] = series_divide(z->closing, z->d, z->speed, i);
+    z->n.at[i] = series_divide_vec3(&z->c, z->d, &z->n, i);
+    p->gap[i] = i == 0 ? from->gap : side * z->d[i];
+    p->rate[i] = side * z->speed[i];
+    p->force[i] = -(from->by.k * p->gap[i] + from->by.c * p->rate[i]);
+    if (i + 2 < SERIES_TERMS) {
+        struct vec3 push = {0.0, 0.0, 0.0};
+        for (int k = 0; k <= i; ++k) {
+            push = vec3_axpy(push, p->force[k], z->n.at[i - k]);
+        }
+        p->r.at[i + 2] =
+            vec3_scale(side * p->unit * p->unit / (from->reduced_mass * (i + 1) * (i + 2)), push);
+    }
+}
+
+void press_series_make(struct press_series *p, const struct press *from)
+{
+    struct recurrence z;
+    p->from = from;
+    p->unit = natural_unit(from);
+    p->r.at[0] = p->r.at[1] = vec3_make(0.0, 0.0, 0.0);
+    double power = 1.0;
+    for (int i = 0; i < SERIES_TERMS; ++i) {
+        next_coefficient(p, &z, i, power);
+        power *= p->unit;
+    }
+    p->step = reliable_step(p);
+}
+
+static void sample_series(const double *series, double s, double out[3])
+{
+    out[0] = out[1] = out[2] = 0.0;
+    for (int i = SERIES_TERMS - 1; i >= 0; --i) {
+        out[2] = out[2] * s + 2.0 * out[1];
+        out[1] = out[1] * s + out[0];
+        out[0] = out[0] * s + series[i];
+    }
+}
+
+void press_series_sample(const void *press_series, double s, struct press_sample *sample)
+{
+    const struct press_series *p = press_series;
+    sample_series(p->gap, s, sample->of[PRESS_GAP]);
+    sample_series(p->rate, s, sample->of[PRESS_RATE]);
+    sample_series(p->force, s, sample->of[PRESS_FORCE]);
+}
+
+/* The integral of press_work over [0, s]. */
+static double work_along_series(const struct press_series *p, const struct press_work *work, double s)
+{
+    double sum[SERIES_TERMS + 2] = {0.0};
+    double power = 1.0;
+    if (work->order == 0) {
+        return 0.0;
+    }
+    for (int j = 0; j < 3; ++j) {
+        for (int i = work->order; i < SERIES_TERMS; ++i) {
+            const double factor = work->order == 1 ? i : i * (i - 1);
+            sum[i - work->order + j] += power * factor * vec3_dot(work->path[j], p->r.at[i]);
+        }
+        power *= p->unit;
+    }
+    /* dt = unit ds; r' and r'' bring 1/unit and 1/unit^2 */
+    return series_integral(sum, SERIES_TERMS + 2 - work->order, s) / (work->order == 1 ? 1.0 : p->unit);
+}
+
+static double dissipated(const struct press_series *p, double s)
+{
+    double square[SERIES_TERMS];
+    if (!(p->from->by.c > 0.0)) {
+        return 0.0;
+    }
+    for (int i = 0; i < SERIES_TERMS; ++i) {
+        square[i] = series_multiply(p->rate, p->rate, i);
+    }
+    return p->from->by.c * p->unit * series_integral(square, SERIES_TERMS, s);
+}
+
+struct press_change press_series_change(const struct press_series *p, double s)
+{
+    struct vec3_series slope;
+    for (int i = 1; i < SERIES_TERMS; ++i) {
+        slope.at[i - 1] = vec3_scale(i / p->unit, p->r.at[i]);
+    }
+    return (struct press_change){
+        .time = p->unit * s,
+        .r = series_at_vec3(&p->r, SERIES_TERMS, s),
+        .r_rate = series_at_vec3(&slope, SERIES_ORDER, s),
+        .gap = series_at(p->gap, SERIES_TERMS, s),
+        .dissipated = dissipated(p, s),
+        .work = {work_along_series(p, &p->from->work[0], s), work_along_series(p, &p->from->work[1], s)}};
+}
+
+#endif

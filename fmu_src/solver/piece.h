@@ -1,0 +1,38 @@
+/*
+ * One piece of pressing motion, by whichever way takes it furthest for its cost:
+ *
+ *   a long collocated step   the oscillation is small and stays clear of parting: as far as the motion along the contact allows
+ *   a resolved one           most of an impact: half a turn of the oscillation and more
+ *   a power series           soft contacts, short remainders: two radians of the contact or of its passage
+ */
+#ifndef CONTACT_PIECE_H
+#define CONTACT_PIECE_H
+
+#include "dynamics/press_collocation.h"
+#include "dynamics/press_series.h"
+#include "solver/watch.h"
+
+#if SCENE_ANY_FREE
+
+struct piece {
+    struct press press;
+    union {
+        struct press_series series;
+        struct press_collocation collocation;
+    } by;
+    bool collocated;
+    bool spans;         /* a long step: nothing happens in it */
+    double unit;        /* time per s [s] */
+    double end;         /* s */
+    struct watch watch; /* sampled up to `end` */
+};
+
+/* A piece from the present instant over at most `longest` > 0 seconds. `tolerance` is the error allowed in it [m]. False where
+ * there is none. */
+bool piece_make(struct piece *p, const struct scene_values *v, const struct motion *q,
+                const struct system_instant *at, int contact, double longest, double tolerance);
+
+struct press_change piece_change(const struct piece *p, double s);
+
+#endif
+#endif

@@ -1,0 +1,38 @@
+/* What happens within a piece of pressing motion: first falls through zero and largest values of its quantities. */
+#ifndef CONTACT_WATCH_H
+#define CONTACT_WATCH_H
+
+#include "dynamics/press.h"
+
+#if SCENE_ANY_FREE
+
+typedef void watch_sampler(const void *piece, double s, struct press_sample *sample);
+
+enum { WATCH_POINTS = 16 };
+
+/* A piece sampled at ascending places so close that no quantity turns twice between two of them. */
+struct watch {
+    watch_sampler *sampler;
+    const void *piece;
+    int count;
+    double s[WATCH_POINTS];
+    struct press_sample at[WATCH_POINTS];
+};
+
+/* Samples at the first `count` places already in w->s. */
+void watch_sample(struct watch *w);
+
+/* factor quantity + offset */
+struct watched {
+    enum press_quantity quantity;
+    double factor, offset;
+};
+
+/* The first s at which it falls through zero, also where it rises from zero first; INFINITY if it does not. */
+double watch_first_fall(const struct watch *w, const struct watched *what);
+
+/* Largest value of factor quantity up to `end`, which may be less than the last place. */
+double watch_largest(const struct watch *w, const struct watched *what, double end);
+
+#endif
+#endif
