@@ -38,7 +38,7 @@ static void fill_table(const struct collocation *p, struct node_table *table)
         row_put_vec3(&table->pull, i, pull);
         row_put_vec3(&table->drive, i, vec3_axpy(pull, -p->from.damping, lead));
         row_put_vec3(&table->lead, i, vec3_scale(p->half, lead));
-        if (p->resolved) {
+        if (p->kind == COLLOCATION_RESOLVED) {
             const struct oscillator_basis basis = oscillator_basis_at(&oscillator, s);
             table->y_of_y[i] = basis.y_of_y;
             table->y_of_rate[i] = basis.y_of_rate;
@@ -46,25 +46,58 @@ static void fill_table(const struct collocation *p, struct node_table *table)
     }
 }
 
-/* The load into x; returns the largest change of a coefficient. */
-static double follow(struct collocation *p, const struct node_table *table, const double *values,
-                     double softening)
+/* s follows the load, y is the rest. */
+static void follow(struct collocation *p, const struct node_table *table, double softening)
 {
-    lobatto_row before;
-    memcpy(before, p->slow, sizeof before);
-    p->oscillator = oscillator_of(p);
-    row_coefficients(values, p->load);
     oscillator_follow(&p->oscillator, p->load, p->slow, LOBATTO_POINTS);
+    row_at_nodes(p->slow, p->x);
     p->oscillator.square += softening;
     p->y = p->from.excess - row_at(p->slow, 0.0);
     p->y_rate = p->half * vec3_dot(p->from.normal, p->from.rate) - row_slope(p->slow, 0.0);
-    row_at_nodes(p->slow, p->x);
+    for (int i = 0; i < LOBATTO_POINTS && p->kind == COLLOCATION_RESOLVED; ++i) {
+        p->x[i] += p->y * table->y_of_y[i] + p->y_rate * table->y_of_rate[i];
+    }
+}
+
+/* (D + slower)(D + faster) x = load: u = (D + slower) x follows the load but for a fast decay, and X follows u. */
+static void creep(struct collocation *p)
+{
+    const struct oscillator_rates rates = oscillator_rates_of(&p->oscillator);
+    lobatto_row u;
+    lobatto_row u_at_nodes;
+    lobatto_row rate;
+    relaxation_follow(rates.faster, p->load, u, LOBATTO_POINTS);
+    row_at_nodes(u, u_at_nodes);
+    const double start_rate = p->half * vec3_dot(p->from.normal, p->from.rate);
+    const double fast = start_rate + rates.slower * p->from.excess - u_at_nodes[0];
+    p->y = -fast / (rates.faster - rates.slower);
+    p->y_rate = -rates.faster * p->y;
+    for (int i = 0; i < LOBATTO_POINTS; ++i) {
+        rate[i] = u_at_nodes[i] - rates.slower * p->x[i];
+    }
+    row_integrate_one(rate, p->x);
+    for (int i = 0; i < LOBATTO_POINTS; ++i) {
+        p->x[i] += p->from.excess - p->y;
+    }
+    row_coefficients(p->x, p->slow);
+}
+
+/* The load into x; returns the largest change of a coefficient. */
+static double answer(struct collocation *p, const struct node_table *table, const double *values,
+                     double softening)
+{
+    lobatto_row before;
     double change = 0.0;
+    memcpy(before, p->slow, sizeof before);
+    p->oscillator = oscillator_of(p);
+    row_coefficients(values, p->load);
+    if (p->kind == COLLOCATION_CREEPING) {
+        creep(p);
+    } else {
+        follow(p, table, p->kind == COLLOCATION_SPANNING ? softening : 0.0);
+    }
     for (int i = 0; i < LOBATTO_POINTS; ++i) {
         change = fmax(change, fabs(p->slow[i] - before[i]));
-        if (p->resolved) {
-            p->x[i] += p->y * table->y_of_y[i] + p->y_rate * table->y_of_rate[i];
-        }
     }
     return change;
 }
@@ -89,7 +122,7 @@ static double respond(struct collocation *p, const struct node_table *table)
         /* -df/dx of the spin, averaged over the step: integral / 2 */
         softening += lobatto_integral[i][LOBATTO_POINTS - 1] * 1.5 * spin * inverse;
     }
-    return follow(p, table, values, p->resolved ? 0.0 : softening);
+    return answer(p, table, values, softening);
 }
 
 /* The integral of P y, P slow, is -P (y' + damping y) / square but for a part smaller by the slow rate over the
@@ -98,7 +131,11 @@ static void split_oscillation(const struct collocation *p, double y, double y_ra
                               struct vec3 h, struct vec3 pull, double d, struct vec3 *turned,
                               struct vec3 *spun)
 {
-    const double wave = -p->half * (y_rate + p->oscillator.damping * y) / p->oscillator.square;
+    /* A single decay has y' = -faster y: the same, but also good without a spring. */
+    const double integral = p->kind == COLLOCATION_CREEPING
+                                ? -y / oscillator_rates_of(&p->oscillator).faster
+                                : -(y_rate + p->oscillator.damping * y) / p->oscillator.square;
+    const double wave = p->half * integral;
     *turned = vec3_scale(-2.0 * wave / (d * d * d), vec3_cross(h, n));
     *spun = vec3_scale(wave, vec3_cross(n, pull));
 }
@@ -169,20 +206,20 @@ static void start(struct collocation *p, const struct node_table *table)
 }
 
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
-                      bool resolved, double tolerance)
+                      enum collocation_kind kind, double tolerance)
 {
     struct node_table table;
     memset(p, 0, sizeof *p);
     p->from = *from;
     p->half = 0.5 * step;
-    p->resolved = resolved;
+    p->kind = kind;
     p->distance = from->reach + from->excess;
     p->momentum = vec3_scale(p->distance, vec3_cross(from->normal, from->rate));
     fill_table(p, &table);
     start(p, &table);
     for (int i = 0; i < MAX_SWEEPS; ++i) {
         const double by_load = respond(p, &table);
-        if (!resolved) {
+        if (kind != COLLOCATION_RESOLVED) {
             split_oscillation(p, p->y, p->y_rate, from->normal, p->momentum, from->pull[0], p->distance,
                               &p->turned, &p->spun);
         }
@@ -206,7 +243,7 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
     struct vec3 turned = vec3_sub(row_integral3(&p->n, &p->n_rate, s), p->turned);
     struct vec3 spun = vec3_sub(row_integral3(&p->h, &p->h_rate, s), p->spun);
     const double d = p->from.reach + x[0];
-    if (!p->resolved) {
+    if (p->kind != COLLOCATION_RESOLVED) {
         double slow[4];
         struct vec3 wave_n;
         struct vec3 wave_h;

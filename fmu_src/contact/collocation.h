@@ -10,8 +10,11 @@
  * and H are polynomials collocated at the Lobatto nodes (exponential collocation: Hochbruck and Ostermann, Acta Numerica 19
  * (2010) 209; Lobatto IIIA: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5).
  *
- * Resolved: a step so short that the nodes see the oscillation of x; f, n and H feel all of it. Not resolved: the step
- * spans many oscillations, so small that they are felt to first order only, which is integrated in closed form.
+ * x = s + y: s follows f, y is the free oscillation that makes up for the start. Three kinds of step:
+ *   resolved   so short that the nodes see y; f, n and H feel all of it
+ *   spanning   many oscillations, so small that f, n and H feel them to first order only, which is integrated in closed form
+ *   creeping   far beyond critical damping: x = X + y with y the fast decay alone, felt like a small oscillation, and X slow,
+ *              X' = -slower X + u where u follows f against the faster rate; also without any spring
  *
  * Variable s in [0, 2] over the step: time = half s. Derivatives of x are taken with respect to s.
  */
@@ -23,6 +26,8 @@
 #include "contact/lobatto_row.h"
 #include "contact/oscillator.h"
 #include "contact/vec3.h"
+
+enum collocation_kind { COLLOCATION_RESOLVED, COLLOCATION_SPANNING, COLLOCATION_CREEPING };
 
 enum { COLLOCATION_PULL_TERMS = 3, COLLOCATION_LEAD_TERMS = 4 };
 
@@ -42,26 +47,27 @@ struct collocation_problem {
 struct collocation {
     struct collocation_problem from;
     double half; /* half the step [s] */
-    bool resolved;
+    enum collocation_kind kind;
     double distance;                /* d at the start [m] */
     struct vec3 momentum;           /* H at the start [m^2/s] */
-    struct vec3 turned, spun;       /* not resolved: what of n and H at the start is oscillation */
+    struct vec3 turned, spun;       /* what of n and H at the start is y; zero if resolved */
     struct vec3_row n, h;           /* at the nodes: what has been added to n and H, oscillation apart */
     struct vec3_row n_rate, h_rate; /* d/ds of these */
-    lobatto_row x;                  /* at the nodes; not resolved: without y */
+    lobatto_row x;                  /* at the nodes; with y only if resolved */
     lobatto_row load;               /* half^2 f, coefficients of s - 1 [m] */
     lobatto_row slow;               /* what of x follows the load, likewise [m] */
     lobatto_row led;                /* half n.E, likewise [m] */
-    struct oscillator
-        oscillator;        /* of the rest, y, per s; not resolved: softened by the load's answer to y */
-    double y, y_rate;      /* at the start [m] */
-    double interior_error; /* estimate of what the polynomials leave out between the ends [m] */
+    struct oscillator oscillator;   /* of y, per s; spanning: softened by the load's answer to y */
+    double y, y_rate;               /* at the start [m] */
+    double interior_error;          /* estimate of what the polynomials leave out between the ends [m] */
 };
 
-/* Whether the iteration converged to `tolerance` [m]. `step` > 0 must span three units of the oscillator's slower rate or
- * more, resolved ones not much more than four (oscillator_follow; the nodes). */
+/* Whether the iteration converged to `tolerance` [m]. Of the step > 0 [s] times the oscillator's rates (oscillator_rates_of) must be
+ *   resolved   3 or more (oscillator_follow), not much more than 4 (the nodes), below critical damping
+ *   spanning   the slower 3 or more
+ *   creeping   the faster 3 or more and four times the slower or more, the slower not much more than 3 */
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
-                      bool resolved, double tolerance);
+                      enum collocation_kind kind, double tolerance);
 
 /* x and its first three derivatives; n.E half and its first two. */
 void collocation_excess(const struct collocation *p, double s, double x[4]);

@@ -31,37 +31,44 @@ void collocation_lead(const struct collocation *p, double s, double led[3])
     memcpy(led, all, 3 * sizeof *led);
 }
 
-/* The integral from 0 to s of (polynomial) dx: over the slow part as polynomials, over the oscillation y in closed form:
- * (Q y + Q' y' / square)' = a y' where Q + Q'' / square - damping Q' / square = a. */
-static double along_excess(const struct collocation *p, const double *a, double s)
+/* The integral from 0 to s of (polynomial) X' or s' ds. */
+static double along_slow(const struct collocation *p, const double *a, double s)
 {
-    const struct oscillator mirrored = {p->oscillator.square, -p->oscillator.damping};
-    lobatto_row scaled;
-    lobatto_row big;
     lobatto_row product;
-    lobatto_row coefficients;
-    lobatto_row values;
     lobatto_row slope;
+    lobatto_row values;
+    lobatto_row values_of_slope;
     for (int k = 0; k < LOBATTO_POINTS; ++k) {
-        scaled[k] = p->oscillator.square * a[k];
-        coefficients[k] = k + 1 < LOBATTO_POINTS ? (k + 1) * p->slow[k + 1] : 0.0;
+        slope[k] = k + 1 < LOBATTO_POINTS ? (k + 1) * p->slow[k + 1] : 0.0;
     }
-    oscillator_follow(&mirrored, scaled, big, LOBATTO_POINTS);
     row_at_nodes(a, values);
-    row_at_nodes(coefficients, slope);
+    row_at_nodes(slope, values_of_slope);
     for (int i = 0; i < LOBATTO_POINTS; ++i) {
-        values[i] *= slope[i];
+        values[i] *= values_of_slope[i];
     }
     row_coefficients(values, product);
-    double now[4];
-    double slow[4];
-    collocation_excess(p, s, now);
-    collocation_slow_excess(p, s, slow);
-    const double square = p->oscillator.square;
-    const double after =
-        row_at(big, s) * (now[0] - slow[0]) + row_slope(big, s) * (now[1] - slow[1]) / square;
-    const double before = row_at(big, 0.0) * p->y + row_slope(big, 0.0) * p->y_rate / square;
-    return row_integral(product, s) + after - before;
+    return row_integral(product, s);
+}
+
+/* The integral of (polynomial a) y' in closed form. With a spring: (Q y + Q' y' / square)' = a y' where
+ * Q + Q'' / square - damping Q' / square = a. A single decay: (Q y)' = a y' where Q - Q' / faster = a. */
+static double along_rest(const struct collocation *p, const double *a, double s, double y, double y_rate)
+{
+    lobatto_row scaled;
+    lobatto_row q;
+    const bool decays = p->kind == COLLOCATION_CREEPING;
+    const struct oscillator mirrored = {p->oscillator.square, -p->oscillator.damping};
+    const double factor = decays ? -oscillator_rates_of(&p->oscillator).faster : mirrored.square;
+    for (int k = 0; k < LOBATTO_POINTS; ++k) {
+        scaled[k] = factor * a[k];
+    }
+    if (decays) {
+        relaxation_follow(factor, scaled, q, LOBATTO_POINTS);
+        return row_at(q, s) * y - row_at(q, 0.0) * p->y;
+    }
+    oscillator_follow(&mirrored, scaled, q, LOBATTO_POINTS);
+    return row_at(q, s) * y + row_slope(q, s) * y_rate / mirrored.square -
+           (row_at(q, 0.0) * p->y + row_slope(q, 0.0) * p->y_rate / mirrored.square);
 }
 
 /* From the oscillator's own balance of energy, exact however fast it turns:
@@ -84,7 +91,7 @@ double collocation_dissipated(const struct collocation *p, double s)
     const double y = x[0] - slow[0];
     const double released = 0.5 * ((start_rate - x[1]) * (start_rate + x[1]) +
                                    square * (x0 - x[0]) * (x0 + x[0]) + softening * (p->y - y) * (p->y + y));
-    double sum = released + along_excess(p, a, s);
+    double sum = released + along_slow(p, a, s) + along_rest(p, a, s, y, x[1] - slow[1]);
     if (p->from.leads) {
         lobatto_row values;
         row_at_nodes(p->led, values);

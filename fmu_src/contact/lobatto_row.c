@@ -63,7 +63,7 @@ void row_derivatives(const double *a, double s, double out[4])
     }
 }
 
-static double row_integrate_one(const double *rate, double *sum)
+double row_integrate_one(const double *rate, double *sum)
 {
     lobatto_row now = {0.0};
     double change = 0.0;

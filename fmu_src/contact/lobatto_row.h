@@ -23,6 +23,7 @@ double row_slope(const double *a, double s);
 void row_derivatives(const double *a, double s, double out[4]);
 
 /* Of values at the nodes: the integrals from the start to each node; returns the largest change of `sum`. */
+double row_integrate_one(const double *rate, double *sum);
 double row_integrate(const struct vec3_row *rate, struct vec3_row *sum);
 
 /* The integral to s, where `sum` at the nodes is known: exact at the step's end to the order of the nodes' quadrature. */

@@ -11,7 +11,7 @@ static struct oscillator_basis turning(double decay, double turn, double square,
 }
 
 /* Two real rates, fast and slow; their difference may vanish. */
-static struct oscillator_basis creeping(double decay, double spread, double square, double z)
+static struct oscillator_basis decaying(double decay, double spread, double square, double z)
 {
     const double fast = -(decay + spread);
     const double slow = -square / (decay + spread);
@@ -26,14 +26,18 @@ struct oscillator_basis oscillator_basis_at(const struct oscillator *o, double z
     const double decay = 0.5 * o->damping;
     const double turn_square = o->square - decay * decay;
     return turn_square > 0.0 ? turning(decay, sqrt(turn_square), o->square, z)
-                             : creeping(decay, sqrt(-turn_square), o->square, z);
+                             : decaying(decay, sqrt(-turn_square), o->square, z);
 }
 
-double oscillator_slower_rate(const struct oscillator *o)
+struct oscillator_rates oscillator_rates_of(const struct oscillator *o)
 {
     const double decay = 0.5 * o->damping;
     const double spread_square = decay * decay - o->square;
-    return spread_square > 0.0 ? o->square / (decay + sqrt(spread_square)) : sqrt(o->square);
+    if (!(spread_square > 0.0)) {
+        return (struct oscillator_rates){sqrt(o->square), sqrt(o->square)};
+    }
+    const double faster = decay + sqrt(spread_square);
+    return (struct oscillator_rates){o->square / faster, faster};
 }
 
 struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, double y, double y_rate)
@@ -62,6 +66,15 @@ void oscillator_follow(const struct oscillator *o, const double *load, double *s
     for (int k = terms - 1; k >= 0; --k) {
         s[k] = (load[k] - (k + 1) * (o->damping * next + (k + 2) * next_but_one)) / o->square;
         next_but_one = next;
+        next = s[k];
+    }
+}
+
+void relaxation_follow(double rate, const double *load, double *s, int terms)
+{
+    double next = 0.0;
+    for (int k = terms - 1; k >= 0; --k) {
+        s[k] = (load[k] - (k + 1) * next) / rate;
         next = s[k];
     }
 }

@@ -19,8 +19,12 @@ struct oscillator_basis {
 
 struct oscillator_basis oscillator_basis_at(const struct oscillator *o, double z);
 
-/* The slower of the two rates at which y decays or turns: sqrt(square) up to critical damping, less beyond. */
-double oscillator_slower_rate(const struct oscillator *o);
+/* The slower and the faster of the two rates at which y decays or turns: both sqrt(square) up to critical damping. */
+struct oscillator_rates {
+    double slower, faster;
+};
+
+struct oscillator_rates oscillator_rates_of(const struct oscillator *o);
 
 /* |y| <= amplitude exp(-decay z) for the free oscillation that starts with y and y'. Holds for y' and any sum of both too, as they
  * solve the same equation. Exact below critical damping, near it and beyond the sum of the parts. */
@@ -33,5 +37,8 @@ struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, do
 /* s for a load of `terms` coefficients. The sum ends with the polynomial; its coefficients are of the load's size where the
  * slower rate exceeds the polynomial's degree, and grow as k! / rate^k below. */
 void oscillator_follow(const struct oscillator *o, const double *load, double *s, int terms);
+
+/* The same for x' + rate x = load. */
+void relaxation_follow(double rate, const double *load, double *s, int terms);
 
 #endif

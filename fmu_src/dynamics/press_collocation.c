@@ -33,7 +33,7 @@ struct press_outlook press_outlook_of(const struct press *p)
                         problem->damping * vec3_dot(p->normal, problem->lead[0]);
     const struct oscillator oscillator = {problem->square, problem->damping};
     out.turning = vec3_norm(along) / d + sqrt(vec3_norm(problem->pull[0]) / d);
-    out.settling = oscillator_slower_rate(&oscillator);
+    out.rates = oscillator_rates_of(&oscillator);
     out.load_depth = -p->shape.side * load / problem->square;
     out.swings = 4.0 * problem->square > problem->damping * problem->damping;
     out.oscillation =
@@ -42,10 +42,11 @@ struct press_outlook press_outlook_of(const struct press *p)
 }
 
 bool press_collocation_make(struct press_collocation *p, const struct press *from,
-                            const struct press_outlook *outlook, double step, bool resolved, double tolerance)
+                            const struct press_outlook *outlook, double step, enum collocation_kind kind,
+                            double tolerance)
 {
     p->from = from;
-    return collocation_make(&p->step, &outlook->problem, step, resolved, tolerance);
+    return collocation_make(&p->step, &outlook->problem, step, kind, tolerance);
 }
 
 /* F_n = -(k g + c g'). */

@@ -12,8 +12,8 @@
 struct press_outlook {
     struct collocation_problem problem;
     double turning; /* the rate at which the motion along the contact turns [1/s] */
-    double
-        settling; /* the slower rate of the radial oscillator, sqrt(p_n / m_red) below critical damping [1/s] */
+    struct oscillator_rates
+        rates;          /* of the radial oscillator; sqrt(p_n / m_red) below critical damping [1/s] */
     double oscillation; /* bound of how far x will deviate from what follows the load [m] */
     bool swings;        /* below critical damping */
     double load_depth;  /* how deep the load alone presses, -side f / square [m] */
@@ -28,12 +28,12 @@ struct press_collocation {
 
 /* False where the iteration does not converge. */
 bool press_collocation_make(struct press_collocation *p, const struct press *from,
-                            const struct press_outlook *outlook, double step, bool resolved,
+                            const struct press_outlook *outlook, double step, enum collocation_kind kind,
                             double tolerance);
 
 void press_collocation_sample(const void *press_collocation, double s, struct press_sample *sample);
 
-/* Not resolved: the quantities without the oscillation, each less all the oscillation may add where only its sign counts:
+/* Of a spanning step: the quantities without the oscillation, each less all the oscillation may add where only its sign counts:
  * what is left of -g, of F_n and of the rate (factor: the sign in which it is watched). */
 struct press_reserve {
     const struct press_collocation *of;

@@ -13,6 +13,9 @@ static const double LONG_STEP = 2.5;
  * a correction to the load of relative size (turning / settling)^2, is then known to 3e-7. */
 static const double RESOLVED_STEP = 4.0;
 
+/* Radians of the motion along the contact in a creeping step, which must be exact in between too. */
+static const double CREEPING_STEP = 1.0;
+
 /* Below this many radians of the oscillator a series is exact in one step, and the load's response loses digits
  * (oscillator_follow). */
 static const double SHORTEST_STEP = 3.0;
@@ -20,7 +23,7 @@ static const double SHORTEST_STEP = 3.0;
 /* The oscillator must be faster than the motion along the contact by so much for the two to be told apart. */
 static const double SEPARATION_OF_RATES = 20.0;
 
-enum { ATTEMPTS = 12, LONG_PEAKS = 9 };
+enum { ATTEMPTS = 12 };
 
 static void series_piece(struct piece *p, double longest)
 {
@@ -39,30 +42,83 @@ static void series_piece(struct piece *p, double longest)
     }
 }
 
-static void collocated_piece(struct piece *p, bool spans)
+/* Halvings of the fast decay, as long as they come before the nodes: no quantity turns twice between them. */
+static void add_decay_places(struct piece *p)
+{
+    const struct oscillator_rates rates = oscillator_rates_of(&p->by.collocation.step.oscillator);
+    p->watch.s[p->watch.count++] = 0.0;
+    for (double s = 0.5 / rates.faster;
+         s < 1.0 + lobatto_node[2] && p->watch.count < WATCH_POINTS - LOBATTO_POINTS; s *= 2.0) {
+        p->watch.s[p->watch.count++] = s;
+    }
+}
+
+static void collocated_piece(struct piece *p)
 {
     p->collocated = true;
-    p->spans = spans;
+    p->spans = p->by.collocation.step.kind == COLLOCATION_SPANNING;
     p->unit = p->by.collocation.step.half;
     p->end = 2.0;
     p->watch.sampler = press_collocation_sample;
     p->watch.piece = &p->by.collocation;
-    p->watch.count = LOBATTO_POINTS;
-    for (int i = 0; i < p->watch.count; ++i) {
-        p->watch.s[i] = 1.0 + lobatto_node[i];
+    p->watch.count = 0;
+    if (p->by.collocation.step.kind == COLLOCATION_CREEPING) {
+        add_decay_places(p);
     }
+    for (int i = 0; i < LOBATTO_POINTS; ++i) {
+        const double s = 1.0 + lobatto_node[i];
+        if (p->watch.count == 0 || s > p->watch.s[p->watch.count - 1]) {
+            p->watch.s[p->watch.count++] = s;
+        }
+    }
+}
+
+/* Not more than the tolerance off anywhere in the step, since it may end anywhere. */
+static bool watched_piece(struct piece *p, const struct press_outlook *outlook, double step,
+                          enum collocation_kind kind, double tolerance)
+{
+    if (!press_collocation_make(&p->by.collocation, &p->press, outlook, step, kind, 0.1 * tolerance) ||
+        p->by.collocation.step.interior_error > tolerance) {
+        return false;
+    }
+    collocated_piece(p);
+    return true;
 }
 
 static bool resolved_piece(struct piece *p, const struct press_outlook *outlook, double longest,
                            double tolerance)
 {
-    const double step = fmin(longest, RESOLVED_STEP / outlook->settling);
-    if (!press_collocation_make(&p->by.collocation, &p->press, outlook, step, true, 0.1 * tolerance) ||
-        p->by.collocation.step.interior_error > tolerance) {
+    const double step = fmin(longest, RESOLVED_STEP / outlook->rates.slower);
+    return outlook->swings && outlook->rates.slower * step >= SHORTEST_STEP &&
+           watched_piece(p, outlook, step, COLLOCATION_RESOLVED, tolerance);
+}
+
+/* What a step leaves out that feels an oscillation or fast decay of amplitude `a` [m] to first order only: the next order of
+ * its closed-form part, smaller by the ratio of the rates once more, and the mean of (a/d)^2 in n' for as long as it lasts, in
+ * radians of the motion along the contact. */
+static double left_out(double a, double ratio, double distance, double radians)
+{
+    return 4.0 * a * ratio * ratio + 3.0 * a * a / distance * radians;
+}
+
+static bool creeping_piece(struct piece *p, const struct press_outlook *outlook, double longest,
+                           double tolerance)
+{
+    const double faster = outlook->rates.faster;
+    const double slower = outlook->rates.slower;
+    if (outlook->swings || faster < 4.0 * slower) {
         return false;
     }
-    collocated_piece(p, false);
-    return true;
+    double step = fmin(longest, fmin(CREEPING_STEP / outlook->turning, SHORTEST_STEP / slower));
+    for (int i = 0; i < ATTEMPTS && step * faster >= SHORTEST_STEP; ++i) {
+        if (watched_piece(p, outlook, step, COLLOCATION_CREEPING, tolerance)) {
+            const double decay = fabs(p->by.collocation.step.y);
+            return left_out(decay, outlook->turning / faster, outlook->problem.reach,
+                            outlook->turning / faster) <= tolerance;
+        }
+        step *= 0.5;
+    }
+    return false;
 }
 
 static void reserve_slope(const void *data, double s, double *value, double *slope)
@@ -125,26 +181,19 @@ static struct press_reserve reserve_of_law(const struct piece *p, enum contact_r
     return (struct press_reserve){&p->by.collocation, PRESS_RATE, regime == REGIME_RECEDING ? 1.0 : -1.0};
 }
 
-/* What second-order effects of the oscillation a long step leaves out: the mean of (y/d)^2 in n', and the oscillation's own
- * answer to what it does to n and H. */
-static double left_out(const struct press_outlook *outlook, double distance, double step)
-{
-    const double a = outlook->oscillation;
-    const double ratio = outlook->turning / outlook->settling;
-    return 3.0 * a * a / distance * outlook->turning * step + a * ratio * ratio;
-}
-
 static bool long_piece(struct piece *p, const struct press_outlook *outlook, enum contact_regime regime,
                        double longest, double tolerance)
 {
     const double d = outlook->problem.reach;
     double step = fmin(longest, LONG_STEP / outlook->turning);
-    if (!(outlook->oscillation < outlook->load_depth) || left_out(outlook, d, step) > tolerance) {
+    const double ratio = outlook->turning / outlook->rates.slower;
+    if (!(outlook->oscillation < outlook->load_depth) ||
+        left_out(outlook->oscillation, ratio, d, outlook->turning * step) > tolerance) {
         return false;
     }
-    for (int i = 0; i < ATTEMPTS && step * outlook->settling >= SHORTEST_STEP; ++i) {
+    for (int i = 0; i < ATTEMPTS && step * outlook->rates.slower >= SHORTEST_STEP; ++i) {
         struct press_collocation *made = &p->by.collocation;
-        if (!press_collocation_make(made, &p->press, outlook, step, false, 0.1 * tolerance)) {
+        if (!press_collocation_make(made, &p->press, outlook, step, COLLOCATION_SPANNING, 0.1 * tolerance)) {
             step *= 0.5;
             continue;
         }
@@ -157,27 +206,29 @@ static bool long_piece(struct piece *p, const struct press_outlook *outlook, enu
         const struct press_reserve margin = reserve_of_law(p, regime);
         const double until = nothing_until(p, &margin);
         if (until >= 2.0) {
-            collocated_piece(p, true);
+            collocated_piece(p);
             return true;
         }
         /* Stop short of it by some turns of the oscillation. */
-        step = until * made->step.half - 2.0 * RESOLVED_STEP / outlook->settling;
+        step = until * made->step.half - 2.0 * RESOLVED_STEP / outlook->rates.slower;
     }
     return false;
 }
 
 static bool collocate(struct piece *p, enum contact_regime regime, double longest, double tolerance)
 {
-    if (!(p->press.by.k > 0.0)) {
-        return false;
-    }
     const struct press_outlook outlook = press_outlook_of(&p->press);
-    if (!(outlook.settling * longest >= SHORTEST_STEP) ||
-        !(outlook.settling >= SEPARATION_OF_RATES * outlook.turning) || !(outlook.problem.reach > 0.0)) {
+    if (!(outlook.rates.faster * longest >= SHORTEST_STEP) || !(outlook.problem.reach > 0.0)) {
         return false;
     }
-    return long_piece(p, &outlook, regime, longest, tolerance) ||
-           (outlook.swings && resolved_piece(p, &outlook, longest, tolerance));
+    if (!(outlook.rates.faster >= SEPARATION_OF_RATES * outlook.turning)) {
+        return false;
+    }
+    if (outlook.rates.slower >= SEPARATION_OF_RATES * outlook.turning &&
+        long_piece(p, &outlook, regime, longest, tolerance)) {
+        return true;
+    }
+    return resolved_piece(p, &outlook, longest, tolerance) || creeping_piece(p, &outlook, longest, tolerance);
 }
 
 bool piece_make(struct piece *p, const struct scene_values *v, const struct motion *q,

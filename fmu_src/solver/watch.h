@@ -8,7 +8,7 @@
 
 typedef void watch_sampler(const void *piece, double s, struct press_sample *sample);
 
-enum { WATCH_POINTS = 16 };
+enum { WATCH_POINTS = 24 };
 
 /* A piece sampled at ascending places so close that no quantity turns twice between two of them. */
 struct watch {
