@@ -20,6 +20,13 @@ static void set_regime(struct motion *q, int contact, enum contact_regime regime
     state->regime = (int32_t)regime;
 }
 
+/* Bodies that touch do so at g = 0, not at what rounding makes of it; after a release, or beyond a cylinder's end, the positions
+ * are all there is. */
+static double gap_to_carry(const struct system_instant *at, int contact, enum contact_regime before)
+{
+    return before == REGIME_APART ? 0.0 : at->geometry[contact].gap;
+}
+
 /* A smooth piece of the motion starts here: nothing is known ahead, the integrator forgets, the balance is taken. */
 static void begin_phase(const struct scene_values *v, struct motion *q)
 {
@@ -35,6 +42,10 @@ void event_change_regime(const struct scene_values *v, struct motion *q, int con
     system_now(v, q, &at);
     event_note_peaks(q, &at);
     const double before = energy_stored(v, q, &at);
+    if (!contact_transmits(q, contact)) {
+        q->contact[contact].carried_gap =
+            gap_to_carry(&at, contact, (enum contact_regime)q->contact[contact].regime);
+    }
     set_regime(q, contact, regime);
     q->dissipated += before - energy_stored(v, q, &at);
     q->counters.events += 1;

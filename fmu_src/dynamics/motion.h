@@ -44,7 +44,7 @@ struct contact_state {
     double peak_penetration;  /* likewise, max(-g) >= 0 [m] */
     double onset_time;        /* when the contact under way, or the last one, began [s] */
     double last_duration;     /* of the last finished contact [s] */
-    double carried_gap;       /* g as the integration knows it, finer than positions tell; see system_carry_gap */
+    double carried_gap;       /* g while it presses, as integrated: finer than positions tell [m] */
     double touch_clock;       /* the clock at that onset (negative once rebased), for exact durations [s] */
     double
         change_clock; /* the regime changes at this clock in closed form; INFINITY: not before the horizon */
@@ -59,7 +59,7 @@ struct contact_state {
 };
 
 struct solver_counters {
-    int32_t steps, force_evaluations, events, rejected_steps;
+    int32_t steps, force_evaluations, events, rejected_steps, fallbacks;
 };
 
 struct motion {

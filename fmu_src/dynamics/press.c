@@ -79,7 +79,6 @@ void press_apply(const struct press *p, const struct press_change *change, const
     q->dissipated += change->dissipated;
     state->impulse = vec3_axpy(state->impulse, -p->reduced_mass, change->r_rate);
     state->carried_gap = change->gap;
-    q->clock += change->time;
 }
 
 #endif

@@ -60,7 +60,7 @@ void press_make(struct press *p, const struct scene_values *v, const struct moti
 /* c without a cylinder's axial part. */
 struct vec3 press_across(const struct press *p, struct vec3 c);
 
-/* Moves the bodies, books impulse, dissipated energy and external work, advances the clock. */
+/* Moves the bodies, books impulse, dissipated energy and external work; the clock is the caller's. */
 void press_apply(const struct press *p, const struct press_change *change, const struct scene_values *v,
                  struct motion *q, int contact);
 

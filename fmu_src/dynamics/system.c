@@ -145,10 +145,10 @@ static struct vec3 path_rate(const struct motion *q, double clock, int body)
     return vec3_axpy(q->path[body].velocity[1], 2.0 * clock, q->path[body].velocity[2]);
 }
 
-void system_evaluate(const struct scene_values *v, const struct motion *q, double clock,
-                     const struct body_state *bodies, struct system_instant *at)
+/* Forces and accelerations from the geometry. */
+static void evaluate_forces(const struct scene_values *v, const struct motion *q, double clock,
+                            struct system_instant *at)
 {
-    system_kinematics(v, q, clock, bodies, at);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         at->acceleration[i] = body_is_free(v, i) ? free_acceleration(v, q, clock, i) : path_rate(q, clock, i);
     }
@@ -173,13 +173,37 @@ void system_evaluate(const struct scene_values *v, const struct motion *q, doubl
     }
 }
 
+void system_evaluate(const struct scene_values *v, const struct motion *q, double clock,
+                     const struct body_state *bodies, struct system_instant *at)
+{
+    system_kinematics(v, q, clock, bodies, at);
+    evaluate_forces(v, q, clock, at);
+}
+
+#if SCENE_ANY_FREE
+/* Where the integration has carried the gap along, its digits are finer than those of positions: a stiff contact at rest is
+ * pressed in by less than the rounding of d. Positions that have been changed since show it by a larger difference. */
+static void take_carried_gaps(const struct scene_values *v, const struct motion *q, struct system_instant *at)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const double carried = q->contact[j].carried_gap;
+        if (contact_transmits(q, j) &&
+            fabs(carried - at->geometry[j].gap) <= system_gap_resolution(v, at, j)) {
+            at->geometry[j].gap = carried;
+        }
+    }
+}
+#endif
+
 void system_now(const struct scene_values *v, const struct motion *q, struct system_instant *at)
 {
 #if SCENE_ANY_FREE
-    system_evaluate(v, q, q->clock, q->body, at);
+    system_kinematics(v, q, q->clock, q->body, at);
+    take_carried_gaps(v, q, at);
 #else
-    system_evaluate(v, q, q->clock, 0, at);
+    system_kinematics(v, q, q->clock, 0, at);
 #endif
+    evaluate_forces(v, q, q->clock, at);
 }
 
 bool system_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry)

@@ -80,6 +80,7 @@ static void put_world(struct scene_values *v, const struct motion *q, const stru
     put_solver_force_evaluations(v, q->counters.force_evaluations);
     put_solver_events(v, q->counters.events);
     put_solver_rejected_steps(v, q->counters.rejected_steps);
+    put_solver_fallbacks(v, q->counters.fallbacks);
 }
 #endif
 

@@ -3,7 +3,7 @@
  * (a smooth problem) and stops at the first change of regime; solver_run strings these phases together.
  *
  *   flight.c        no contact transmits a force: closed form (in dynamics/), whatever the method
- *   event_driven.c  a pair presses: Taylor series exact to rounding, some two radians of the contact's oscillation a step
+ *   event_driven.c  pairs press: exponential collocation and power series (piece.h)
  *   cvode.c         bodies press: SUNDIALS CVODE, BDF with an analytic Jacobian or Adams
  *   sampled.c       no free body: the motion is given, only the integrals over it are needed
  */

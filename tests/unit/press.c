@@ -92,6 +92,7 @@ static void a_step_keeps_momentum_and_energy(void)
         press_series_make(&p, &from);
         const struct press_change change = press_series_change(&p, p.step);
         press_apply(&from, &change, v, q, 0);
+        q->clock += change.time;
         const double t = q->clock;
         const struct vec3 pull =
             vec3_axpy(gravity(v), 1.0 / v->body[SOURCE].mass, body_external_force(v, SOURCE));
