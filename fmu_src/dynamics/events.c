@@ -47,6 +47,7 @@ void event_change_regime(const struct scene_values *v, struct motion *q, int con
             gap_to_carry(&at, contact, (enum contact_regime)q->contact[contact].regime);
     }
     set_regime(q, contact, regime);
+    system_now(v, q, &at);
     q->dissipated += before - energy_stored(v, q, &at);
     q->counters.events += 1;
     begin_phase(v, q);
