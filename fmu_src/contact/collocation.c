@@ -205,6 +205,18 @@ static void start(struct collocation *p, const struct node_table *table)
     (void)spin_up(p, table);
 }
 
+/* Numbers all of them, and the centre, where local coordinates end, not reached: d > 0. */
+static bool is_sound(const struct collocation *p)
+{
+    for (int i = 0; i < LOBATTO_POINTS; ++i) {
+        const double sum = p->n.x[i] + p->n.y[i] + p->n.z[i] + p->h.x[i] + p->h.y[i] + p->h.z[i];
+        if (!(p->from.reach + p->x[i] > 0.0) || !isfinite(sum)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
                       enum collocation_kind kind, double tolerance)
 {
@@ -226,6 +238,9 @@ bool collocation_make(struct collocation *p, const struct collocation_problem *f
         const double by_spin = spin_up(p, &table);
         if (fmax(by_load, fmax(by_spin, turn(p))) <= tolerance) {
             p->interior_error = tail_of_all(p);
+            if (!is_sound(p)) {
+                return false;
+            }
             if (from->leads) {
                 keep_lead(p, &table);
             }

@@ -78,7 +78,7 @@ static bool watched_piece(struct piece *p, const struct press_outlook *outlook, 
                           enum collocation_kind kind, double tolerance)
 {
     if (!press_collocation_make(&p->by.collocation, &p->press, outlook, step, kind, 0.1 * tolerance) ||
-        p->by.collocation.step.interior_error > tolerance) {
+        !(p->by.collocation.step.interior_error <= tolerance)) {
         return false;
     }
     collocated_piece(p);
@@ -199,7 +199,7 @@ static bool long_piece(struct piece *p, const struct press_outlook *outlook, enu
         }
         /* At its end a step of this order is off by about the square of what it leaves out in between. */
         const double error = made->step.interior_error * (10.0 * made->step.interior_error / d);
-        if (error > tolerance) {
+        if (!(error <= tolerance)) {
             step *= 0.5;
             continue;
         }
