@@ -1,5 +1,6 @@
 #include "contact/collocation.h"
 
+#include <float.h>
 #include <string.h>
 
 /* The iteration gains a factor of the angle turned in a step, some two radians, divided by the count of sweeps; where it needs
@@ -8,10 +9,9 @@ enum { MAX_SWEEPS = 30 };
 
 /* What stays the same from sweep to sweep. */
 struct node_table {
-    struct vec3_row pull;          /* A */
-    struct vec3_row drive;         /* A - damping E */
-    struct vec3_row lead;          /* half E */
-    lobatto_row y_of_y, y_of_rate; /* of the oscillation, resolved */
+    struct vec3_row pull;  /* A */
+    struct vec3_row drive; /* A - damping E */
+    struct vec3_row lead;  /* half E */
 };
 
 static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
@@ -28,7 +28,7 @@ static struct oscillator oscillator_of(const struct collocation *p)
     return (struct oscillator){p->from.square * p->half * p->half, p->from.damping * p->half};
 }
 
-static void fill_table(const struct collocation *p, struct node_table *table)
+static void fill_table(struct collocation *p, struct node_table *table)
 {
     const struct oscillator oscillator = oscillator_of(p);
     for (int i = 0; i < LOBATTO_POINTS; ++i) {
@@ -40,14 +40,14 @@ static void fill_table(const struct collocation *p, struct node_table *table)
         row_put_vec3(&table->lead, i, vec3_scale(p->half, lead));
         if (p->kind == COLLOCATION_RESOLVED) {
             const struct oscillator_basis basis = oscillator_basis_at(&oscillator, s);
-            table->y_of_y[i] = basis.y_of_y;
-            table->y_of_rate[i] = basis.y_of_rate;
+            p->y_of_y[i] = basis.y_of_y;
+            p->y_of_rate[i] = basis.y_of_rate;
         }
     }
 }
 
 /* s follows the load, y is the rest. */
-static void follow(struct collocation *p, const struct node_table *table, double softening)
+static void follow(struct collocation *p, double softening)
 {
     oscillator_follow(&p->oscillator, p->load, p->slow, LOBATTO_POINTS);
     row_at_nodes(p->slow, p->x);
@@ -55,7 +55,7 @@ static void follow(struct collocation *p, const struct node_table *table, double
     p->y = p->from.excess - row_at(p->slow, 0.0);
     p->y_rate = p->half * vec3_dot(p->from.normal, p->from.rate) - row_slope(p->slow, 0.0);
     for (int i = 0; i < LOBATTO_POINTS && p->kind == COLLOCATION_RESOLVED; ++i) {
-        p->x[i] += p->y * table->y_of_y[i] + p->y_rate * table->y_of_rate[i];
+        p->x[i] += p->y * p->y_of_y[i] + p->y_rate * p->y_of_rate[i];
     }
 }
 
@@ -83,8 +83,7 @@ static void creep(struct collocation *p)
 }
 
 /* The load into x; returns the largest change of a coefficient. */
-static double answer(struct collocation *p, const struct node_table *table, const double *values,
-                     double softening)
+static double answer(struct collocation *p, const double *values, double softening)
 {
     lobatto_row before;
     double change = 0.0;
@@ -94,7 +93,7 @@ static double answer(struct collocation *p, const struct node_table *table, cons
     if (p->kind == COLLOCATION_CREEPING) {
         creep(p);
     } else {
-        follow(p, table, p->kind == COLLOCATION_SPANNING ? softening : 0.0);
+        follow(p, p->kind == COLLOCATION_SPANNING ? softening : 0.0);
     }
     for (int i = 0; i < LOBATTO_POINTS; ++i) {
         change = fmax(change, fabs(p->slow[i] - before[i]));
@@ -122,22 +121,7 @@ static double respond(struct collocation *p, const struct node_table *table)
         /* -df/dx of the spin, averaged over the step: integral / 2 */
         softening += lobatto_integral[i][LOBATTO_POINTS - 1] * 1.5 * spin * inverse;
     }
-    return answer(p, table, values, softening);
-}
-
-/* The integral of P y, P slow, is -P (y' + damping y) / square but for a part smaller by the slow rate over the
- * oscillation's: times P of n' and H', what oscillates in n and H. */
-static void split_oscillation(const struct collocation *p, double y, double y_rate, struct vec3 n,
-                              struct vec3 h, struct vec3 pull, double d, struct vec3 *turned,
-                              struct vec3 *spun)
-{
-    /* A single decay has y' = -faster y: the same, but also good without a spring. */
-    const double integral = p->kind == COLLOCATION_CREEPING
-                                ? -y / oscillator_rates_of(&p->oscillator).faster
-                                : -(y_rate + p->oscillator.damping * y) / p->oscillator.square;
-    const double wave = p->half * integral;
-    *turned = vec3_scale(-2.0 * wave / (d * d * d), vec3_cross(h, n));
-    *spun = vec3_scale(wave, vec3_cross(n, pull));
+    return answer(p, values, softening);
 }
 
 static double spin_up(struct collocation *p, const struct node_table *table)
@@ -175,13 +159,14 @@ static double turn(struct collocation *p)
     return p->distance * row_integrate(&p->n_rate, &p->n);
 }
 
+/* Of the integrals: that of a Chebyshev polynomial is smaller by its degree. */
 static double tail_of_all(const struct collocation *p)
 {
     const double by_turn = p->distance * row_tail3(&p->n_rate);
     const double by_spin = 2.0 * p->half / p->distance * row_tail3(&p->h_rate);
     const double of_load = fmax(fabs(p->load[LOBATTO_POINTS - 1]), fabs(p->load[LOBATTO_POINTS - 2]));
     const double by_load = ldexp(of_load, 2 - LOBATTO_POINTS) / fmax(p->oscillator.square, 1.0);
-    return fmax(by_load, fmax(by_turn, by_spin));
+    return fmax(by_load, fmax(by_turn, by_spin) / LOBATTO_POINTS);
 }
 
 static void keep_lead(struct collocation *p, const struct node_table *table)
@@ -201,8 +186,10 @@ static void start(struct collocation *p, const struct node_table *table)
     for (int i = 0; i < LOBATTO_POINTS; ++i) {
         p->x[i] = p->from.excess;
     }
-    (void)turn(p);
-    (void)spin_up(p, table);
+    if (!p->straight) {
+        (void)turn(p);
+        (void)spin_up(p, table);
+    }
 }
 
 /* Numbers all of them, and the centre, where local coordinates end, not reached: d > 0. */
@@ -217,6 +204,49 @@ static bool is_sound(const struct collocation *p)
     return true;
 }
 
+/* n and H stay: the motion is along the normal and so is the pull. */
+static bool is_straight(const struct collocation *p)
+{
+    double across = vec3_max_abs(p->momentum);
+    for (int i = 0; i < COLLOCATION_PULL_TERMS; ++i) {
+        across = fmax(across, vec3_max_abs(vec3_cross(p->from.normal, p->from.pull[i])));
+    }
+    return !(across > 0.0);
+}
+
+/* One sweep: the load, x that answers, H, n. Returns how far it moved anything [m]. */
+static double sweep(struct collocation *p, const struct node_table *table)
+{
+    const double by_load = respond(p, table);
+    if (p->straight) {
+        return 0.0;
+    }
+    if (p->kind != COLLOCATION_RESOLVED) {
+        const struct collocation_wave wave = collocation_wave_of(p, p->y, p->y_rate, p->from.normal,
+                                                                 p->momentum, p->from.pull[0], p->distance);
+        p->turned = wave.turned;
+        p->spun = wave.spun;
+    }
+    const double by_spin = spin_up(p, table);
+    return fmax(by_load, fmax(by_spin, turn(p)));
+}
+
+static void finish(struct collocation *p, const struct node_table *table)
+{
+    double largest = fabs(p->y) + fabs(p->y_rate);
+    for (int k = 0; k < LOBATTO_POINTS; ++k) {
+        largest = fmax(largest, fabs(p->slow[k]));
+    }
+    p->terms = LOBATTO_POINTS;
+    while (p->terms > 1 && fabs(p->slow[p->terms - 1]) <= DBL_EPSILON * DBL_EPSILON * largest) {
+        p->terms -= 1;
+    }
+    p->interior_error = tail_of_all(p);
+    if (p->from.leads) {
+        keep_lead(p, table);
+    }
+}
+
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
                       enum collocation_kind kind, double tolerance)
 {
@@ -227,62 +257,18 @@ bool collocation_make(struct collocation *p, const struct collocation_problem *f
     p->kind = kind;
     p->distance = from->reach + from->excess;
     p->momentum = vec3_scale(p->distance, vec3_cross(from->normal, from->rate));
+    p->straight = is_straight(p);
     fill_table(p, &table);
     start(p, &table);
+    double before = 0.0;
     for (int i = 0; i < MAX_SWEEPS; ++i) {
-        const double by_load = respond(p, &table);
-        if (kind != COLLOCATION_RESOLVED) {
-            split_oscillation(p, p->y, p->y_rate, from->normal, p->momentum, from->pull[0], p->distance,
-                              &p->turned, &p->spun);
+        const double change = sweep(p, &table);
+        /* A sweep that moved things by so much less than the one before leaves less than this for the next. */
+        if (change <= tolerance || change * change <= tolerance * before) {
+            finish(p, &table);
+            return is_sound(p);
         }
-        const double by_spin = spin_up(p, &table);
-        if (fmax(by_load, fmax(by_spin, turn(p))) <= tolerance) {
-            p->interior_error = tail_of_all(p);
-            if (!is_sound(p)) {
-                return false;
-            }
-            if (from->leads) {
-                keep_lead(p, &table);
-            }
-            return true;
-        }
+        before = change;
     }
     return false;
-}
-
-struct collocation_change collocation_change_at(const struct collocation *p, double s)
-{
-    struct collocation_change change;
-    double x[4];
-    collocation_excess(p, s, x);
-    struct vec3 turned = vec3_sub(row_integral3(&p->n, &p->n_rate, s), p->turned);
-    struct vec3 spun = vec3_sub(row_integral3(&p->h, &p->h_rate, s), p->spun);
-    const double d = p->from.reach + x[0];
-    if (p->kind != COLLOCATION_RESOLVED) {
-        double slow[4];
-        struct vec3 wave_n;
-        struct vec3 wave_h;
-        collocation_slow_excess(p, s, slow);
-        const struct vec3 pull = polynomial_of_time(p->from.pull, COLLOCATION_PULL_TERMS, p->half * s);
-        split_oscillation(p, x[0] - slow[0], x[1] - slow[1], vec3_add(p->from.normal, turned),
-                          vec3_add(p->momentum, spun), pull, d, &wave_n, &wave_h);
-        turned = vec3_add(turned, wave_n);
-        spun = vec3_add(spun, wave_h);
-    }
-    /* n keeps its length: |normal + turned|^2 = 1 + longer */
-    const double longer = vec3_dot(vec3_axpy(turned, 2.0, p->from.normal), turned);
-    const double root = sqrt(1.0 + longer);
-    turned = vec3_axpy(turned, -longer / (root * (1.0 + root)), vec3_add(p->from.normal, turned));
-    /* Differences of c = d n and c' = x' n + H x n / d, so that a short step keeps its digits. */
-    const double grown = x[0] - p->from.excess;
-    change.moved = vec3_axpy(vec3_scale(d, turned), grown, p->from.normal);
-    const double radial = x[1] / p->half;
-    const double faster = radial - vec3_dot(p->from.normal, p->from.rate);
-    const struct vec3 n = vec3_add(p->from.normal, turned);
-    const struct vec3 swing = vec3_add(vec3_cross(spun, n), vec3_cross(p->momentum, turned));
-    change.gained = vec3_axpy(vec3_scale(radial, turned), faster, p->from.normal);
-    change.gained = vec3_axpy(change.gained, 1.0 / d, swing);
-    change.gained =
-        vec3_axpy(change.gained, -grown / (d * p->distance), vec3_cross(p->momentum, p->from.normal));
-    return change;
 }

@@ -57,6 +57,9 @@ struct collocation {
     lobatto_row load;               /* half^2 f, coefficients of s - 1 [m] */
     lobatto_row slow;               /* what of x follows the load, likewise [m] */
     lobatto_row led;                /* half n.E, likewise [m] */
+    lobatto_row y_of_y, y_of_rate;  /* the oscillation's basis at the nodes, if resolved */
+    int terms;                      /* coefficients of `slow` that matter */
+    bool straight;                  /* nothing turns n: head-on along a straight pull */
     struct oscillator oscillator;   /* of y, per s; spanning: softened by the load's answer to y */
     double y, y_rate;               /* at the start [m] */
     double interior_error;          /* estimate of what the polynomials leave out between the ends [m] */
@@ -71,10 +74,20 @@ bool collocation_make(struct collocation *p, const struct collocation_problem *f
 
 /* x and its first three derivatives; n.E half and its first two. */
 void collocation_excess(const struct collocation *p, double s, double x[4]);
+void collocation_excess_at_node(const struct collocation *p, int node, double x[4]);
 void collocation_lead(const struct collocation *p, double s, double led[3]);
 
 /* x without y, and its derivatives. */
 void collocation_slow_excess(const struct collocation *p, double s, double x[4]);
+
+/* What an oscillation (y, its rate) adds to n and H for which the load, pull and distance stay as they are: the integral of P y,
+ * P slow, is -P (y' + damping y) / square but for a part smaller by the slow rate over the oscillation's. */
+struct collocation_wave {
+    struct vec3 turned, spun;
+};
+
+struct collocation_wave collocation_wave_of(const struct collocation *p, double y, double y_rate,
+                                            struct vec3 n, struct vec3 h, struct vec3 pull, double d);
 
 struct collocation_change {
     struct vec3 moved;  /* c(s) - c(0) [m] */

@@ -5,30 +5,106 @@
 
 void collocation_slow_excess(const struct collocation *p, double s, double x[4])
 {
-    row_derivatives(p->slow, s, x);
+    row_derivatives(p->slow, p->terms, s, x);
+}
+
+/* y and its derivatives, added to x. */
+static void add_oscillation(const struct collocation *p, double y, double y_rate, double x[4])
+{
+    const double bend = -p->oscillator.damping * y_rate - p->oscillator.square * y;
+    x[0] += y;
+    x[1] += y_rate;
+    x[2] += bend;
+    x[3] += -p->oscillator.damping * bend - p->oscillator.square * y_rate;
 }
 
 void collocation_excess(const struct collocation *p, double s, double x[4])
 {
     const struct oscillator_basis by = oscillator_basis_at(&p->oscillator, s);
-    double y[4];
-    y[0] = p->y * by.y_of_y + p->y_rate * by.y_of_rate;
-    y[1] = p->y * by.rate_of_y + p->y_rate * by.rate_of_rate;
-    y[2] = -p->oscillator.damping * y[1] - p->oscillator.square * y[0];
-    y[3] = -p->oscillator.damping * y[2] - p->oscillator.square * y[1];
-    row_derivatives(p->slow, s, x);
-    for (int i = 0; i < 4; ++i) {
-        x[i] += y[i];
+    row_derivatives(p->slow, p->terms, s, x);
+    add_oscillation(p, p->y * by.y_of_y + p->y_rate * by.y_of_rate,
+                    p->y * by.rate_of_y + p->y_rate * by.rate_of_rate, x);
+}
+
+void collocation_excess_at_node(const struct collocation *p, int node, double x[4])
+{
+    const double s = 1.0 + lobatto_node[node];
+    if (p->kind != COLLOCATION_RESOLVED) {
+        collocation_excess(p, s, x);
+        return;
     }
+    const double of_y = p->y_of_y[node];
+    const double of_rate = p->y_of_rate[node];
+    row_derivatives(p->slow, p->terms, s, x);
+    add_oscillation(
+        p, p->y * of_y + p->y_rate * of_rate,
+        -p->oscillator.square * p->y * of_rate + p->y_rate * (of_y - p->oscillator.damping * of_rate), x);
 }
 
 void collocation_lead(const struct collocation *p, double s, double led[3])
 {
     double all[4] = {0.0, 0.0, 0.0, 0.0};
     if (p->from.leads) {
-        row_derivatives(p->led, s, all);
+        row_derivatives(p->led, LOBATTO_POINTS, s, all);
     }
     memcpy(led, all, 3 * sizeof *led);
+}
+
+struct collocation_wave collocation_wave_of(const struct collocation *p, double y, double y_rate,
+                                            struct vec3 n, struct vec3 h, struct vec3 pull, double d)
+{
+    /* A single decay has y' = -faster y: the same, but also good without a spring. */
+    const double integral = p->kind == COLLOCATION_CREEPING
+                                ? -y / oscillator_rates_of(&p->oscillator).faster
+                                : -(y_rate + p->oscillator.damping * y) / p->oscillator.square;
+    const double wave = p->half * integral;
+    return (struct collocation_wave){vec3_scale(-2.0 * wave / (d * d * d), vec3_cross(h, n)),
+                                     vec3_scale(wave, vec3_cross(n, pull))};
+}
+
+static struct vec3 pull_at(const struct collocation *p, double t)
+{
+    return vec3_axpy(vec3_axpy(p->from.pull[0], t, p->from.pull[1]), t * t, p->from.pull[2]);
+}
+
+struct collocation_change collocation_change_at(const struct collocation *p, double s)
+{
+    struct collocation_change change;
+    double x[4];
+    collocation_excess(p, s, x);
+    struct vec3 turned = {0.0, 0.0, 0.0};
+    struct vec3 spun = {0.0, 0.0, 0.0};
+    if (!p->straight) {
+        turned = vec3_sub(row_integral3(&p->n, &p->n_rate, s), p->turned);
+        spun = vec3_sub(row_integral3(&p->h, &p->h_rate, s), p->spun);
+    }
+    const double d = p->from.reach + x[0];
+    if (p->kind != COLLOCATION_RESOLVED) {
+        double slow[4];
+        collocation_slow_excess(p, s, slow);
+        const struct vec3 pull = pull_at(p, p->half * s);
+        const struct collocation_wave wave =
+            collocation_wave_of(p, x[0] - slow[0], x[1] - slow[1], vec3_add(p->from.normal, turned),
+                                vec3_add(p->momentum, spun), pull, d);
+        turned = vec3_add(turned, wave.turned);
+        spun = vec3_add(spun, wave.spun);
+    }
+    /* n keeps its length: |normal + turned|^2 = 1 + longer */
+    const double longer = vec3_dot(vec3_axpy(turned, 2.0, p->from.normal), turned);
+    const double root = sqrt(1.0 + longer);
+    turned = vec3_axpy(turned, -longer / (root * (1.0 + root)), vec3_add(p->from.normal, turned));
+    /* Differences of c = d n and c' = x' n + H x n / d, so that a short step keeps its digits. */
+    const double grown = x[0] - p->from.excess;
+    change.moved = vec3_axpy(vec3_scale(d, turned), grown, p->from.normal);
+    const double radial = x[1] / p->half;
+    const double faster = radial - vec3_dot(p->from.normal, p->from.rate);
+    const struct vec3 n = vec3_add(p->from.normal, turned);
+    const struct vec3 swing = vec3_add(vec3_cross(spun, n), vec3_cross(p->momentum, turned));
+    change.gained = vec3_axpy(vec3_scale(radial, turned), faster, p->from.normal);
+    change.gained = vec3_axpy(change.gained, 1.0 / d, swing);
+    change.gained =
+        vec3_axpy(change.gained, -grown / (d * p->distance), vec3_cross(p->momentum, p->from.normal));
+    return change;
 }
 
 /* The integral from 0 to s of (polynomial) X' or s' ds. */

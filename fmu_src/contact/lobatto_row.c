@@ -52,10 +52,10 @@ double row_slope(const double *a, double s)
     return sum;
 }
 
-void row_derivatives(const double *a, double s, double out[4])
+void row_derivatives(const double *a, int terms, double s, double out[4])
 {
     out[0] = out[1] = out[2] = out[3] = 0.0;
-    for (int k = LOBATTO_POINTS - 1; k >= 0; --k) {
+    for (int k = terms - 1; k >= 0; --k) {
         for (int i = 3; i >= 1; --i) {
             out[i] = out[i] * (s - 1.0) + i * out[i - 1];
         }

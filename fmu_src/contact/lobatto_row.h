@@ -17,10 +17,10 @@ void row_put_vec3(struct vec3_row *row, int node, struct vec3 a);
 void row_coefficients(const double *values, double *a);
 void row_at_nodes(const double *a, double *values);
 
-/* A polynomial at s, its slope, and with its first three derivatives. */
+/* A polynomial at s, its slope, and with its first three derivatives of the first `terms` coefficients. */
 double row_at(const double *a, double s);
 double row_slope(const double *a, double s);
-void row_derivatives(const double *a, double s, double out[4]);
+void row_derivatives(const double *a, int terms, double s, double out[4]);
 
 /* Of values at the nodes: the integrals from the start to each node; returns the largest change of `sum`. */
 double row_integrate_one(const double *rate, double *sum);

@@ -79,6 +79,13 @@ void press_collocation_sample(const void *press_collocation, double s, struct pr
     fill_sample(p, x, s, sample);
 }
 
+void press_collocation_sample_node(const struct press_collocation *p, int node, struct press_sample *sample)
+{
+    double x[4];
+    collocation_excess_at_node(&p->step, node, x);
+    fill_sample(p, x, 1.0 + lobatto_node[node], sample);
+}
+
 /* What the oscillation alone brings to a quantity: y, its rate and its force all solve the oscillator's equation. */
 static struct oscillator_envelope envelope_of(const struct press_collocation *p, enum press_quantity quantity)
 {

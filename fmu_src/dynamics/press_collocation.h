@@ -33,6 +33,9 @@ bool press_collocation_make(struct press_collocation *p, const struct press *fro
 
 void press_collocation_sample(const void *press_collocation, double s, struct press_sample *sample);
 
+/* The same at a Lobatto node, cheaper. */
+void press_collocation_sample_node(const struct press_collocation *p, int node, struct press_sample *sample);
+
 /* Of a spanning step: the quantities without the oscillation, each less all the oscillation may add where only its sign counts:
  * what is left of -g, of F_n and of the rate (factor: the sign in which it is watched). */
 struct press_reserve {

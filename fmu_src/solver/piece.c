@@ -40,16 +40,18 @@ static void series_piece(struct piece *p, double longest)
     for (int i = 0; i < p->watch.count; ++i) {
         p->watch.s[i] = p->end * i / (p->watch.count - 1);
     }
+    watch_sample(&p->watch);
 }
 
 /* Halvings of the fast decay, as long as they come before the nodes: no quantity turns twice between them. */
 static void add_decay_places(struct piece *p)
 {
-    const struct oscillator_rates rates = oscillator_rates_of(&p->by.collocation.step.oscillator);
-    p->watch.s[p->watch.count++] = 0.0;
-    for (double s = 0.5 / rates.faster;
-         s < 1.0 + lobatto_node[2] && p->watch.count < WATCH_POINTS - LOBATTO_POINTS; s *= 2.0) {
+    const double first = 0.5 / oscillator_rates_of(&p->by.collocation.step.oscillator).faster;
+    double s = 0.0;
+    while (s < 1.0 + lobatto_node[2] && p->watch.count < WATCH_POINTS - LOBATTO_POINTS) {
+        press_collocation_sample(&p->by.collocation, s, &p->watch.at[p->watch.count]);
         p->watch.s[p->watch.count++] = s;
+        s = fmax(first, 2.0 * s);
     }
 }
 
@@ -68,6 +70,7 @@ static void collocated_piece(struct piece *p)
     for (int i = 0; i < LOBATTO_POINTS; ++i) {
         const double s = 1.0 + lobatto_node[i];
         if (p->watch.count == 0 || s > p->watch.s[p->watch.count - 1]) {
+            press_collocation_sample_node(&p->by.collocation, i, &p->watch.at[p->watch.count]);
             p->watch.s[p->watch.count++] = s;
         }
     }
@@ -88,9 +91,11 @@ static bool watched_piece(struct piece *p, const struct press_outlook *outlook, 
 static bool resolved_piece(struct piece *p, const struct press_outlook *outlook, double longest,
                            double tolerance)
 {
-    const double step = fmin(longest, RESOLVED_STEP / outlook->rates.slower);
-    return outlook->swings && outlook->rates.slower * step >= SHORTEST_STEP &&
-           watched_piece(p, outlook, step, COLLOCATION_RESOLVED, tolerance);
+    const double rate = outlook->rates.slower;
+    const double step = fmin(longest, RESOLVED_STEP / rate);
+    return outlook->swings && rate * step >= SHORTEST_STEP &&
+           (watched_piece(p, outlook, step, COLLOCATION_RESOLVED, tolerance) ||
+            watched_piece(p, outlook, SHORTEST_STEP / rate, COLLOCATION_RESOLVED, tolerance));
 }
 
 /* What a step leaves out that feels an oscillation or fast decay of amplitude `a` [m] to first order only: the next order of
@@ -197,8 +202,10 @@ static bool long_piece(struct piece *p, const struct press_outlook *outlook, enu
             step *= 0.5;
             continue;
         }
-        /* At its end a step of this order is off by about the square of what it leaves out in between. */
-        const double error = made->step.interior_error * (10.0 * made->step.interior_error / d);
+        /* At its end a step of this order is off by about the square of what it leaves out in between; by measurement ten
+         * times the square of the tails themselves, which are larger by the points' number, is on the safe side. */
+        const double tail = LOBATTO_POINTS * made->step.interior_error;
+        const double error = tail * (10.0 * tail / d);
         if (!(error <= tolerance)) {
             step *= 0.5;
             continue;
@@ -238,11 +245,7 @@ bool piece_make(struct piece *p, const struct scene_values *v, const struct moti
     if (!collocate(p, (enum contact_regime)q->contact[contact].regime, longest, tolerance)) {
         series_piece(p, longest);
     }
-    if (!(p->end > 0.0)) {
-        return false;
-    }
-    watch_sample(&p->watch);
-    return true;
+    return p->end > 0.0;
 }
 
 struct press_change piece_change(const struct piece *p, double s)
