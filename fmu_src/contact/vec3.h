@@ -52,7 +52,11 @@ static inline double vec3_get(struct vec3 a, int index)
 
 static inline double vec3_max_abs(struct vec3 a)
 {
-    return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
+    const double x = fabs(a.x);
+    const double y = fabs(a.y);
+    const double z = fabs(a.z);
+    const double yz = y > z ? y : z;
+    return x > yz ? x : yz;
 }
 
 /* Length, scaled by the largest component so that neither 1e150 overflows nor 1e-170 underflows when squared. */
@@ -60,7 +64,7 @@ static inline double vec3_norm(struct vec3 a)
 {
     const double scale = vec3_max_abs(a);
     if (!(scale > 0.0)) {
-        return fabs(a.x) + fabs(a.y) + fabs(a.z); /* zero, or NaN, which fmax passes over */
+        return fabs(a.x) + fabs(a.y) + fabs(a.z); /* zero or NaN */
     }
     const struct vec3 s = {a.x / scale, a.y / scale, a.z / scale};
     return scale * sqrt(vec3_dot(s, s));

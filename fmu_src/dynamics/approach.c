@@ -75,6 +75,15 @@ static struct polynomial dot_product(const struct vec3 *a, int a_degree, const s
     return p;
 }
 
+/* Without the highest coefficients that are zero. */
+static int degree_of(const struct vec3 *a, int degree)
+{
+    while (degree > 0 && vec3_max_abs(a[degree]) == 0.0) {
+        --degree;
+    }
+    return degree;
+}
+
 struct approach approach_make(const struct contact_shape *shape, const struct separation *separation,
                               double horizon)
 {
@@ -102,16 +111,21 @@ struct approach approach_make(const struct contact_shape *shape, const struct se
         path.half_length = shape->half_length / path.scale;
         path.has_ends = true;
     }
-    path.offset2 = dot_product(path.c, SEPARATION_DEGREE, path.c, SEPARATION_DEGREE);
-    path.closing = dot_product(path.c, SEPARATION_DEGREE, slope, SEPARATION_DEGREE - 1);
-    path.half_rate = dot_product(path.c, SEPARATION_DEGREE, w, SEPARATION_DEGREE - 1);
+    path.degree = degree_of(path.c, SEPARATION_DEGREE);
+    path.closing = dot_product(path.c, path.degree, slope, path.degree > 0 ? path.degree - 1 : 0);
+    path.half_rate = dot_product(path.c, path.degree, w, degree_of(w, SEPARATION_DEGREE - 1));
     return path;
+}
+
+struct polynomial approach_offset2(const struct approach *path)
+{
+    return dot_product(path->c, path->degree, path->c, path->degree);
 }
 
 void approach_gap(const void *data, double s, double *gap, double *slope)
 {
     const struct approach *path = data;
-    const double distance = vec3_norm(path_at(path->c, SEPARATION_DEGREE + 1, s));
+    const double distance = vec3_norm(path_at(path->c, path->degree + 1, s));
     *gap = path->side * (distance - path->reach);
     *slope = distance > 0.0 ? path->side * polynomial_at(&path->closing, s) / distance : 0.0;
 }

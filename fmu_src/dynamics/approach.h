@@ -23,8 +23,8 @@ struct separation {
  * axis. */
 struct approach {
     struct vec3 c[SEPARATION_DEGREE + 1];
+    int degree;                  /* of c: two for constant forces */
     struct polynomial closing;   /* c.c': its roots are the extremes of the distance */
-    struct polynomial offset2;   /* |c|^2 */
     struct polynomial half_rate; /* c.w, what the law sees; equal to `closing` for consistent motion */
     struct polynomial axial;     /* c.e_d of a cylinder */
     double scale, horizon;       /* [m], [s] */
@@ -40,6 +40,9 @@ struct separation separation_of(const struct scene_values *v, const struct motio
 
 struct approach approach_make(const struct contact_shape *shape, const struct separation *separation,
                               double horizon);
+
+/* |c|^2 [scale^2] */
+struct polynomial approach_offset2(const struct approach *path);
 
 /* Whether the destination has ends to pass: false at compile time in scenes of spheres. */
 bool approach_has_ends(const struct contact_shape *shape);

@@ -28,11 +28,12 @@ static struct polynomial law_condition(const struct approach *path, const struct
     const double unit = fmax(law->stiffness, damping);
     const double k = law->stiffness / unit;
     struct polynomial sum = {{0.0}, 0};
-    sum = polynomial_add(&sum, k, &path->offset2);
+    const struct polynomial offset2 = approach_offset2(path);
+    sum = polynomial_add(&sum, k, &offset2);
     sum = polynomial_add(&sum, damping / unit, &path->half_rate);
     const struct polynomial square = polynomial_multiply(&sum, &sum);
     const double pull = k * path->reach;
-    return polynomial_add(&square, -pull * pull, &path->offset2);
+    return polynomial_add(&square, -pull * pull, &offset2);
 }
 
 static int insert_cut(double root, double *cuts, int count)
@@ -55,17 +56,30 @@ static int add_cuts(const struct polynomial *p, double *cuts, int count)
     return count;
 }
 
-/* Where the gap passes zero: between the extremes of the distance it is monotone. */
-static int touching_cuts(const struct approach *path, double *cuts, int count)
+/* Where the distance has its extremes: between them it is monotone. */
+struct extremes {
+    double at[POLYNOMIAL_MAX_DEGREE];
+    int count;
+};
+
+static struct extremes extremes_of(const struct approach *path)
 {
-    double extremes[POLYNOMIAL_MAX_DEGREE];
-    const int pieces = polynomial_sign_changes(&path->closing, extremes) + 1;
+    struct extremes found;
+    found.count = polynomial_sign_changes(&path->closing, found.at);
+    return found;
+}
+
+/* Where the gap passes zero. */
+static int touching_cuts(const struct approach *path, const struct extremes *extremes, double *cuts,
+                         int count)
+{
+    const int pieces = extremes->count + 1;
     double low = 0.0;
     double slope;
     double at_low;
     approach_gap(path, low, &at_low, &slope);
     for (int i = 0; i < pieces; ++i) {
-        const double high = i < pieces - 1 ? extremes[i] : 1.0;
+        const double high = i < pieces - 1 ? extremes->at[i] : 1.0;
         double at_high;
         approach_gap(path, high, &at_high, &slope);
         if ((at_low < 0.0 && at_high > 0.0) || (at_low > 0.0 && at_high < 0.0)) {
@@ -88,10 +102,10 @@ static int end_cuts(const struct approach *path, double *cuts, int count)
 }
 
 /* All instants at which the regime may change: a superset, sorted. */
-static int all_cuts(const struct approach *path, const struct contact_shape *shape,
-                    const struct contact_law *law, double *cuts)
+static int all_cuts(const struct approach *path, const struct extremes *extremes,
+                    const struct contact_shape *shape, const struct contact_law *law, double *cuts)
 {
-    int count = touching_cuts(path, cuts, 0);
+    int count = touching_cuts(path, extremes, cuts, 0);
     if (approach_has_ends(shape)) {
         count = end_cuts(path, cuts, count);
     }
@@ -149,12 +163,10 @@ static double settling_time(const struct approach *path, const struct contact_sh
     return settle / path->horizon;
 }
 
-static struct encounter first_change(const struct approach *path, const struct contact_shape *shape,
+static struct encounter first_change(const struct approach *path, const double *cuts, int count,
                                      const struct contact_law *law, enum contact_regime present,
                                      bool ends_only, double settle)
 {
-    double cuts[MAX_CUTS];
-    const int count = ends_only ? end_cuts(path, cuts, 0) : all_cuts(path, shape, law, cuts);
     double from = 0.0;
     for (int i = 0; i <= count; ++i) {
         const double to = i < count ? cuts[i] : 1.0;
@@ -165,12 +177,71 @@ static struct encounter first_change(const struct approach *path, const struct c
                                              : approach_within(path, middle) ? present
                                                                              : REGIME_APART;
             if (next != present) {
-                return (struct encounter){from * path->horizon, next};
+                return (struct encounter){from * path->horizon, next, false};
             }
         }
         from = to;
     }
-    return (struct encounter){(double)INFINITY, present};
+    return (struct encounter){(double)INFINITY, present, false};
+}
+
+/* A distance so small [scale] has lost its direction to rounding. */
+static const double NO_DISTANCE = 1e-9;
+
+static bool is_at_centre(const struct approach *path, double s)
+{
+    double gap;
+    double slope;
+    approach_gap(path, s, &gap, &slope);
+    return path->side * gap + path->reach <= NO_DISTANCE;
+}
+
+/* Whether the distance vanishes before `until`, as far as rounding can tell. */
+static bool passes_centre(const struct approach *path, const struct extremes *extremes, double until)
+{
+    bool passes = is_at_centre(path, 0.0) || is_at_centre(path, fmin(until, 1.0));
+    for (int i = 0; i < extremes->count && extremes->at[i] < until; ++i) {
+        passes = passes || is_at_centre(path, extremes->at[i]);
+    }
+    return passes;
+}
+
+/* Whether the length of the path alone tells that the bodies neither touch nor meet their centres. */
+static bool keeps_away(const struct approach *path)
+{
+    const double start = vec3_norm(path->c[0]);
+    double length = 0.0;
+    for (int i = 1; i <= path->degree; ++i) {
+        length += vec3_norm(path->c[i]);
+    }
+    if (path->side > 0) {
+        return start - length > path->reach + NO_DISTANCE;
+    }
+    return start + length < path->reach - NO_DISTANCE && start - length > NO_DISTANCE;
+}
+
+/* The first touch of bodies that are apart at `settle`, INFINITY if there is none. False where that is not all there is to
+ * know, because they are not apart or do not approach when they touch: as they approach, they press. */
+static bool first_touch(const struct approach *path, const struct extremes *extremes, double settle,
+                        double *touch)
+{
+    double low = settle;
+    double gap;
+    double slope;
+    approach_gap(path, low, &gap, &slope);
+    for (int i = 0; i <= extremes->count && gap > 0.0; ++i) {
+        const double high = i < extremes->count ? extremes->at[i] : 1.0;
+        if (high > low) {
+            approach_gap(path, high, &gap, &slope);
+            if (gap < 0.0) {
+                *touch = bracket_root(approach_gap, path, low, high);
+                return path->side * polynomial_at(&path->half_rate, *touch) < 0.0;
+            }
+            low = high;
+        }
+    }
+    *touch = (double)INFINITY;
+    return gap > 0.0;
 }
 
 struct encounter encounter_next(const struct scene_values *v, const struct motion *q,
@@ -178,19 +249,38 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
 {
     const struct contact_shape shape = system_shape(v, q, contact);
     const struct contact_law law = system_law(v, q, contact);
-    const struct contact_geometry *now = &at->geometry[contact];
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
+    const bool has_ends = approach_has_ends(&shape);
     const bool ends_only =
         present != REGIME_APART && present != REGIME_RELEASED && !system_is_force_element(v);
-    if ((ends_only && !approach_has_ends(&shape)) || contact_is_coupled(v, q, contact)) {
-        return (struct encounter){(double)INFINITY, present};
+    if ((ends_only && !has_ends) || contact_is_coupled(v, q, contact)) {
+        return (struct encounter){(double)INFINITY, present, true};
     }
     const struct separation separation = separation_of(v, q, at, clock, contact);
     const struct approach path = approach_make(&shape, &separation, horizon);
+    const bool simple = present == REGIME_APART && !has_ends;
+    if (simple && keeps_away(&path)) {
+        return (struct encounter){(double)INFINITY, present, false};
+    }
     const double resolution = system_gap_resolution(v, at, contact);
     const double found = (q->contact[contact].settled_clock - clock) / horizon;
-    const double settle = settling_time(&path, &shape, &law, now, resolution, &separation, present);
-    return first_change(&path, &shape, &law, present, ends_only, fmax(settle, found));
+    const double settle = fmax(
+        found, settling_time(&path, &shape, &law, &at->geometry[contact], resolution, &separation, present));
+    double cuts[MAX_CUTS];
+    if (ends_only) {
+        return first_change(&path, cuts, end_cuts(&path, cuts, 0), &law, present, true, settle);
+    }
+    const struct extremes extremes = extremes_of(&path);
+    struct encounter next;
+    double touch;
+    if (simple && settle < 1.0 && first_touch(&path, &extremes, settle, &touch)) {
+        next = (struct encounter){touch * horizon, isfinite(touch) ? REGIME_PRESSING : present, false};
+    } else {
+        const int count = all_cuts(&path, &extremes, &shape, &law, cuts);
+        next = first_change(&path, cuts, count, &law, present, false, settle);
+    }
+    next.passes_centre = passes_centre(&path, &extremes, next.after / horizon);
+    return next;
 }
 
 #endif

@@ -70,6 +70,15 @@ void event_settle_regimes(const struct scene_values *v, struct motion *q, double
     begin_phase(v, q);
 }
 
+/* Peaks, and the normals for where there are none. */
+static void note_instant(struct motion *q, const struct system_instant *at)
+{
+    event_note_peaks(q, at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        q->contact[j].normal = at->geometry[j].normal;
+    }
+}
+
 void event_begin_window(const struct scene_values *v, struct motion *q)
 {
     struct system_instant at;
@@ -80,7 +89,14 @@ void event_begin_window(const struct scene_values *v, struct motion *q)
         q->contact[j].peak_force = 0.0;
         q->contact[j].peak_penetration = 0.0;
     }
-    event_note_peaks(q, &at);
+    note_instant(q, &at);
+}
+
+void event_end_window(const struct scene_values *v, struct motion *q)
+{
+    struct system_instant at;
+    system_now(v, q, &at);
+    note_instant(q, &at);
 }
 
 void event_note_peaks(struct motion *q, const struct system_instant *at)

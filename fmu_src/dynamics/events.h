@@ -22,8 +22,9 @@ void event_change_regime(const struct scene_values *v, struct motion *q, int con
 void event_settle_regimes(const struct scene_values *v, struct motion *q, double stored_before,
                           bool starting);
 
-/* Begins a communication step: the peaks and the mean force are those from here on. */
+/* Begins a communication step: the peaks and the mean force are those from here on; and ends it. */
 void event_begin_window(const struct scene_values *v, struct motion *q);
+void event_end_window(const struct scene_values *v, struct motion *q);
 
 /* Takes the instant into account for the peaks of the communication step. */
 void event_note_peaks(struct motion *q, const struct system_instant *at);

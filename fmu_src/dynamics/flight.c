@@ -79,6 +79,65 @@ void flight_advance(const struct scene_values *v, struct motion *q, double clock
     q->dissipated += stored - stored_now(v, q);
 }
 
+static bool is_zero(struct vec3 a)
+{
+    return a.x == 0.0 && a.y == 0.0 && a.z == 0.0;
+}
+
+static bool contact_is_quiet(const struct contact_state *state)
+{
+    return state->regime == REGIME_APART && !state->passes_centre && state->peak_penetration == 0.0 &&
+           is_zero(vec3_sub(state->impulse, state->impulse_mark));
+}
+
+/* No external force, and speed, displacement and kinetic energy far from the range of numbers. */
+static bool body_is_quiet(const struct scene_values *v, const struct motion *q, int body, double clock)
+{
+    const struct vec3 *force = q->path[body].force;
+    const double speed = vec3_max_abs(q->origin[body].velocity) + vec3_max_abs(gravity(v)) * clock;
+    return is_zero(force[0]) && is_zero(force[1]) && is_zero(force[2]) && speed < 1e70 &&
+           speed * clock < 1e70;
+}
+
+double flight_quiet_until(const struct scene_values *v, const struct motion *q)
+{
+    double clock = q->horizon_clock;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        clock = fmin(clock, q->contact[j].change_clock);
+        if (!contact_is_quiet(&q->contact[j])) {
+            return 0.0;
+        }
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i) && !body_is_quiet(v, q, i, clock)) {
+            return 0.0;
+        }
+    }
+    return clock;
+}
+
+bool flight_glide(struct motion *q, double end_time)
+{
+    const double remaining = motion_remaining(q, end_time);
+    const double clock = q->clock + remaining;
+    if (!(remaining > 0.0 && clock < q->quiet_clock)) {
+        return false;
+    }
+    q->clock = clock;
+    q->gliding = 1;
+    return true;
+}
+
+void flight_arrive(const struct scene_values *v, struct motion *q)
+{
+    for (int i = 0; q->gliding && i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            q->body[i] = flight_body_at(v, q, i, q->clock);
+        }
+    }
+    q->gliding = 0;
+}
+
 static struct vec3 with_axial_of(struct vec3 a, struct vec3 exact, struct vec3 axis)
 {
     return vec3_axpy(a, vec3_dot(vec3_sub(exact, a), axis), axis);

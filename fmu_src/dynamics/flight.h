@@ -27,6 +27,17 @@ struct body_state flight_body_at(const struct scene_values *v, const struct moti
  * that is lost. Only while flight_is_free. */
 void flight_advance(const struct scene_values *v, struct motion *q, double clock);
 
+/*
+ * Gliding: in flight without external forces nobody has to know where the bodies are until somebody asks. flight_quiet_until
+ * says up to which clock that holds (0: not at all): no contact changes, no direction loses its meaning, every number stays
+ * finite, and the communication step, whose peaks and mean force are zero, is like the next. flight_glide then moves the
+ * clock alone, or does nothing and returns false; flight_arrive has the bodies follow. The clock alone says where, so that it
+ * does not matter when or how often they do.
+ */
+double flight_quiet_until(const struct scene_values *v, const struct motion *q);
+bool flight_glide(struct motion *q, double end_time);
+void flight_arrive(const struct scene_values *v, struct motion *q);
+
 /* Puts right what an integrator made of motion that is known in closed form: bodies that nothing presses on, and the axial
  * motion of bodies that only a cylinder presses on, which it does perpendicularly to its axis. Touches and ends are then
  * passed exactly when encounter_next said. */

@@ -43,6 +43,7 @@ void motion_rebase(struct motion *q)
 {
     q->integrator_fresh = 1;
 #if SCENE_ANY_FREE
+    q->quiet_clock = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         q->origin[i].displacement = vec3_add(q->origin[i].displacement, q->body[i].moved);
         q->origin[i].velocity = q->body[i].velocity;

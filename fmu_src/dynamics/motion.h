@@ -51,6 +51,7 @@ struct contact_state {
     double
         settled_clock; /* before this clock a root finder cannot tell the regime from the one it followed */
     int32_t change_regime; /* and becomes this */
+    int32_t passes_centre; /* before the horizon the centre (or axis) comes so near that n may have no meaning */
     int32_t onsets;
 #endif
     int32_t regime; /* enum contact_regime */
@@ -67,6 +68,7 @@ struct motion {
     struct contact_state contact[SCENE_CONTACTS];
 #if SCENE_ANY_FREE
     double horizon_clock; /* how far the change_clocks have looked; at or before `clock`: look again */
+    double quiet_clock;   /* before it nothing happens but flight, see flight_glide; 0: nobody has looked */
     struct body_origin origin[SCENE_BODIES]; /* used where the body is free */
     struct body_state body[SCENE_BODIES];
     double phase_energy;              /* the energy balance at clock 0 of the phase, see projection.h [J] */
@@ -76,6 +78,9 @@ struct motion {
     struct body_path path[SCENE_BODIES];
     struct solver_counters counters;
     int32_t integrator_fresh; /* 1: the integrator has no history that matters; it starts from this state */
+#if SCENE_ANY_FREE
+    int32_t gliding; /* 1: the clock has gone on without the bodies, see flight_arrive */
+#endif
 };
 
 /* The present time [s]. */
@@ -85,7 +90,7 @@ double motion_time(const struct motion *q);
 double motion_remaining(const struct motion *q, double end_time);
 
 /* Moves the origin of the clock to the present: paths are shifted, durations kept; nothing else changes. The integrator
- * starts afresh. Must follow every change of the body states. */
+ * starts afresh. Must follow every change of the body states, and bodies must have arrived (flight.h). */
 void motion_rebase(struct motion *q);
 
 /* A path's value at a clock, of `count` coefficients. */

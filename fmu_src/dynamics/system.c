@@ -84,29 +84,35 @@ struct contact_law system_law(const struct scene_values *v, const struct motion 
     return law;
 }
 
-/* u at clock 0, what has been added to it since, and v. */
-static struct vec3 body_kinematics(const struct scene_values *v, const struct motion *q, double clock,
-                                   const struct body_state *bodies, int body, struct system_instant *at)
+static struct body_instant body_at(const struct scene_values *v, const struct motion *q, double clock,
+                                   const struct body_state *bodies, int body)
 {
-    struct vec3 origin = {0.0, 0.0, 0.0};
-    at->moved[body] = origin;
-    at->velocity[body] = origin;
+    struct body_instant at = {.origin = {0.0, 0.0, 0.0}};
 #if SCENE_ANY_FREE
     if (body_is_free(v, body)) {
-        origin = q->origin[body].displacement;
-        at->moved[body] = bodies[body].moved;
-        at->velocity[body] = bodies[body].velocity;
+        at.origin = q->origin[body].displacement;
+        at.moved = bodies[body].moved;
+        at.velocity = bodies[body].velocity;
     }
 #else
     (void)bodies;
 #endif
     if (body_is_prescribed(v, body)) {
-        origin = q->path[body].displacement[0];
-        at->moved[body] = vec3_scale(clock, path_at(q->path[body].displacement + 1, 3, clock));
-        at->velocity[body] = path_at(q->path[body].velocity, 3, clock);
+        at.origin = q->path[body].displacement[0];
+        at.moved = vec3_scale(clock, path_at(q->path[body].displacement + 1, 3, clock));
+        at.velocity = path_at(q->path[body].velocity, 3, clock);
     }
-    at->displacement[body] = vec3_add(origin, at->moved[body]);
-    return origin;
+    at.displacement = vec3_add(at.origin, at.moved);
+    return at;
+}
+
+struct body_instant system_body_now(const struct scene_values *v, const struct motion *q, int body)
+{
+#if SCENE_ANY_FREE
+    return body_at(v, q, q->clock, q->body, body);
+#else
+    return body_at(v, q, q->clock, 0, body);
+#endif
 }
 
 void system_kinematics(const struct scene_values *v, const struct motion *q, double clock,
@@ -114,7 +120,11 @@ void system_kinematics(const struct scene_values *v, const struct motion *q, dou
 {
     struct vec3 origin[SCENE_BODIES];
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        origin[i] = body_kinematics(v, q, clock, bodies, i, at);
+        const struct body_instant body = body_at(v, q, clock, bodies, i);
+        origin[i] = body.origin;
+        at->moved[i] = body.moved;
+        at->displacement[i] = body.displacement;
+        at->velocity[i] = body.velocity;
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const int source = contact_source(j);

@@ -20,6 +20,14 @@ struct system_instant {
     struct vec3 source_force[SCENE_CONTACTS];
 };
 
+/* One body of it. */
+struct body_instant {
+    struct vec3 origin;       /* u at clock 0 [m] */
+    struct vec3 moved;        /* the part of u since then [m] */
+    struct vec3 displacement; /* u [m] */
+    struct vec3 velocity;     /* v [m/s] */
+};
+
 /* Whether body i is free, prescribed; constants where the scene pins it. */
 bool body_is_free(const struct scene_values *v, int body);
 bool body_is_prescribed(const struct scene_values *v, int body);
@@ -37,6 +45,9 @@ bool contact_is_coupled(const struct scene_values *v, const struct motion *q, in
 
 struct contact_shape system_shape(const struct scene_values *v, const struct motion *q, int contact);
 struct contact_law system_law(const struct scene_values *v, const struct motion *q, int contact);
+
+/* One body at the present state of q. */
+struct body_instant system_body_now(const struct scene_values *v, const struct motion *q, int body);
 
 /* u and v of every body at a clock; `bodies` (SCENE_BODIES of them) holds the free ones' states and may be NULL where
  * none is free. */

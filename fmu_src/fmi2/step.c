@@ -11,7 +11,8 @@
  */
 static double time_slack(double t, double h)
 {
-    return fmax(1e-6 * h, 4.0 * DBL_EPSILON * fabs(t));
+    const double relative = 4.0 * DBL_EPSILON * fabs(t);
+    return 1e-6 * h > relative ? 1e-6 * h : relative;
 }
 
 static fmi2Status refuse_step_size(struct instance *instance, double time, double size)

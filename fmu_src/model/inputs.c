@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "dynamics/energy.h"
+#include "dynamics/flight.h"
 #include "model/state.h"
 
 /* Which of a body's nine input signals a variable is; -1 when it is no input. */
@@ -38,19 +39,20 @@ static void note_value(struct model *m, const struct variable *variable)
     }
     *marks |= SIGNAL_VALUE;
     m->state.signals_changed = 1;
+    m->state.signals_open = 1;
 }
 
 void model_set_real(struct model *m, const struct variable *variable, double value)
 {
     memcpy((char *)&m->state.values + variable->offset, &value, sizeof value);
     note_value(m, variable);
-    m->outputs_current = false;
+    m->outputs = OUTPUTS_NONE;
 }
 
 void model_set_integer(struct model *m, const struct variable *variable, int32_t value)
 {
     memcpy((char *)&m->state.values + variable->offset, &value, sizeof value);
-    m->outputs_current = false;
+    m->outputs = OUTPUTS_NONE;
 }
 
 enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order,
@@ -77,7 +79,8 @@ enum model_status model_set_input_derivative(struct model *m, const struct varia
         *marks |= SIGNAL_CURVATURE | SIGNAL_EXPLICIT;
     }
     m->state.signals_changed = 1;
-    m->outputs_current = false;
+    m->state.signals_open = 1;
+    m->outputs = OUTPUTS_NONE;
     return MODEL_OK;
 }
 
@@ -176,6 +179,9 @@ void model_apply_inputs(struct model *m)
     if (!m->state.signals_changed || !m->state.initialized) {
         return;
     }
+#if SCENE_ANY_FREE
+    flight_arrive(&m->state.values, q);
+#endif
     struct body_path next[SCENE_BODIES];
     bool same = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -211,4 +217,5 @@ void model_close_inputs(struct model *m)
         }
     }
     m->state.signals_changed = 0;
+    m->state.signals_open = 0;
 }

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "dynamics/flight.h"
 #include "model/state.h"
 
 static const char *category_of(enum model_status status)
@@ -66,7 +67,7 @@ void model_reset(struct model *m)
     m->state.scene = SCENE_HASH;
     m->state.size = (uint32_t)sizeof m->state;
     scene_start(&m->state.values);
-    m->outputs_current = false;
+    m->outputs = OUTPUTS_NONE;
 }
 
 enum model_status model_setup(struct model *m, bool tolerance_defined, double tolerance, double start_time)
@@ -93,7 +94,7 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
         }
     }
     m->state.start_time = start_time;
-    m->outputs_current = false;
+    m->outputs = OUTPUTS_NONE;
     return status;
 }
 
@@ -118,7 +119,7 @@ enum model_status model_exit_initialization(struct model *m)
     }
 #endif
     m->state.initialized = 1;
-    m->outputs_current = false;
+    m->outputs = OUTPUTS_NONE;
     return MODEL_OK;
 }
 
@@ -193,19 +194,42 @@ static enum model_status step_refused(struct model *m, const struct motion *befo
         end_time, model_time(m));
 }
 
+/* The state before is kept for the case that the step ends beyond the range of numbers. */
+static enum model_status take_step(struct model *m, double end_time)
+{
+    const struct motion before = m->state.motion;
+    const enum model_status status = advance_motion(m, end_time);
+    return motion_is_finite(m) ? status : step_refused(m, &before, end_time);
+}
+
+static bool step_is_quiet(struct model *m, double end_time)
+{
+#if SCENE_ANY_FREE
+    return flight_glide(&m->state.motion, end_time);
+#else
+    (void)m, (void)end_time;
+    return false;
+#endif
+}
+
 enum model_status model_step(struct model *m, double end_time)
 {
+    enum model_status status = MODEL_OK;
     if (!m->state.initialized) {
         return model_report(m, MODEL_ERROR, "A step to %.17g s before the end of the initialization.",
                             end_time);
     }
-    model_apply_inputs(m);
-    const struct motion before = m->state.motion;
-    enum model_status status = advance_motion(m, end_time);
-    if (!motion_is_finite(m)) {
-        status = step_refused(m, &before, end_time);
+    if (m->state.signals_open) {
+        model_apply_inputs(m);
     }
-    model_close_inputs(m);
-    m->outputs_current = false;
+    if (!step_is_quiet(m, end_time)) {
+        status = take_step(m, end_time);
+    }
+    if (m->state.signals_open) {
+        model_close_inputs(m);
+    }
+    if (m->outputs > OUTPUTS_FIXED) {
+        m->outputs = OUTPUTS_FIXED;
+    }
     return status;
 }

@@ -1,12 +1,14 @@
 /* The outputs of the present instant: what the model shows, computed from the motion and nothing else. */
 #include "dynamics/energy.h"
+#include "dynamics/flight.h"
 #include "model/state.h"
 
-static void put_body(struct scene_values *v, int body, const struct system_instant *at)
+static void put_body(struct scene_values *v, const struct motion *q, int body)
 {
-    put_body_displacement(v, body, at->displacement[body]);
-    put_body_position(v, body, vec3_add(body_center(v, body), at->displacement[body]));
-    put_body_velocity(v, body, at->velocity[body]);
+    const struct body_instant at = system_body_now(v, q, body);
+    put_body_displacement(v, body, at.displacement);
+    put_body_position(v, body, vec3_add(body_center(v, body), at.displacement));
+    put_body_velocity(v, body, at.velocity);
 }
 
 /* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d n. */
@@ -100,17 +102,24 @@ static void warn_of_missing_direction(struct model *m, const struct system_insta
     }
 }
 
-void model_update_outputs(struct model *m)
+static void update_bodies(struct model *m)
 {
     struct scene_values *v = &m->state.values;
-    if (m->outputs_current) {
-        return;
+    struct motion *q = &m->state.motion;
+#if SCENE_ANY_FREE
+    flight_arrive(v, q);
+#endif
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (m->outputs == OUTPUTS_NONE || body_is_free(v, i) || body_is_prescribed(v, i)) {
+            put_body(v, q, i);
+        }
     }
-    if (m->state.initialized) {
-        model_apply_inputs(m);
-    } else {
-        model_prepare(m);
-    }
+    m->outputs = OUTPUTS_BODIES;
+}
+
+static void update_all(struct model *m)
+{
+    struct scene_values *v = &m->state.values;
     struct motion *q = &m->state.motion;
     struct system_instant at;
     system_now(v, q, &at);
@@ -124,12 +133,37 @@ void model_update_outputs(struct model *m)
         put_history(v, q, j);
 #endif
     }
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        put_body(v, i, &at);
-    }
 #if SCENE_ANY_FREE
     put_world(v, q, &at);
 #endif
     warn_of_missing_direction(m, &at);
-    m->outputs_current = true;
+    m->outputs = OUTPUTS_ALL;
+}
+
+/* Bodies that overlap may have to be warned of, whatever is asked. */
+static bool all_apart(const struct model *m)
+{
+    bool apart = !system_is_force_element(&m->state.values);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        apart = apart && m->state.motion.contact[j].regime == REGIME_APART;
+    }
+    return apart;
+}
+
+void model_update_outputs(struct model *m, enum outputs wanted)
+{
+    if (m->outputs >= wanted) {
+        return;
+    }
+    if (m->state.initialized) {
+        model_apply_inputs(m);
+    } else {
+        model_prepare(m);
+    }
+    if (m->outputs < OUTPUTS_BODIES) {
+        update_bodies(m);
+    }
+    if (wanted > OUTPUTS_BODIES || !all_apart(m)) {
+        update_all(m);
+    }
 }

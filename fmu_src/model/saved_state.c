@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "dynamics/flight.h"
 #include "model/state.h"
 
 enum { HEADER_SIZE = offsetof(struct model_state, values) };
@@ -29,8 +30,11 @@ size_t model_state_size(void)
 void model_save(struct model *m, void *bytes)
 {
     if (m->state.initialized) {
+#if SCENE_ANY_FREE
+        flight_arrive(&m->state.values, &m->state.motion);
+#endif
         motion_rebase(&m->state.motion);
-        m->outputs_current = false;
+        m->outputs = OUTPUTS_NONE;
     }
     m->state.checksum = payload_checksum(&m->state);
     memcpy(bytes, &m->state, sizeof m->state);
@@ -116,6 +120,6 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
     }
 #endif
     m->state = state;
-    m->outputs_current = false;
+    m->outputs = OUTPUTS_NONE;
     return MODEL_OK;
 }

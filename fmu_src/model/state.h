@@ -8,7 +8,7 @@
 #include "solver/solver.h"
 
 /* Raised when struct model_state, struct motion or struct scene_values change their meaning. */
-#define MODEL_STATE_VERSION 1u
+#define MODEL_STATE_VERSION 2u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
 /* Bits of input_signal.marks */
@@ -36,8 +36,17 @@ struct model_state {
     double importer_tolerance; /* 0: none given */
     double start_time;
     uint8_t marks[SCENE_BODIES][SIGNALS_EACH];
-    uint8_t signals_changed; /* some mark is set since the last step */
+    uint8_t signals_changed; /* some mark is set that model_apply_inputs has not seen */
+    uint8_t signals_open;    /* some mark is set since the last step */
     uint8_t initialized;
+};
+
+/* Which outputs are those of the present; each includes the ones before. */
+enum outputs {
+    OUTPUTS_NONE,
+    OUTPUTS_FIXED,  /* of bodies that never move */
+    OUTPUTS_BODIES, /* displacement, position and velocity of all */
+    OUTPUTS_ALL
 };
 
 struct model {
@@ -46,7 +55,7 @@ struct model {
 #if SCENE_ANY_FREE
     struct solver solver;
 #endif
-    bool outputs_current;
+    enum outputs outputs; /* in state.values */
 };
 
 /* Formats and sends a message when the host wants the category. */
@@ -73,7 +82,7 @@ void model_apply_inputs(struct model *m);
 /* From the present communication point on, inputs go on as they are. */
 void model_close_inputs(struct model *m);
 
-/* Computes all outputs of the present. */
-void model_update_outputs(struct model *m);
+/* Computes outputs of the present, `wanted` at least. */
+void model_update_outputs(struct model *m, enum outputs wanted);
 
 #endif

@@ -22,9 +22,24 @@ enum model_status model_check_integer(struct model *m, const struct variable *va
                         variable->name, (int)value, variable->min, variable->max);
 }
 
+/* Which outputs have to be computed so that a variable shows the present. */
+static enum outputs outputs_for(const struct model *m, const struct variable *variable)
+{
+    switch (variable->row) {
+    case ROW_body_displacement:
+    case ROW_body_position:
+    case ROW_body_velocity:
+        return OUTPUTS_BODIES;
+    default:
+        break;
+    }
+    const bool given = variable->causality == VARIABLE_PARAMETER || variable->causality == VARIABLE_INPUT;
+    return given && m->state.initialized ? OUTPUTS_NONE : OUTPUTS_ALL;
+}
+
 double model_get_real(struct model *m, const struct variable *variable)
 {
-    model_update_outputs(m);
+    model_update_outputs(m, outputs_for(m, variable));
     double value;
     memcpy(&value, (const char *)&m->state.values + variable->offset, sizeof value);
     return value;
@@ -32,7 +47,7 @@ double model_get_real(struct model *m, const struct variable *variable)
 
 int32_t model_get_integer(struct model *m, const struct variable *variable)
 {
-    model_update_outputs(m);
+    model_update_outputs(m, outputs_for(m, variable));
     int32_t value;
     memcpy(&value, (const char *)&m->state.values + variable->offset, sizeof value);
     return value;
@@ -42,7 +57,7 @@ enum model_status model_get_output_derivative(struct model *m, const struct vari
                                               double *value)
 {
     struct system_instant at;
-    model_update_outputs(m);
+    model_update_outputs(m, OUTPUTS_ALL);
     system_now(&m->state.values, &m->state.motion, &at);
     if (order == 1) {
         switch (variable->row) {

@@ -36,6 +36,7 @@ static void look_ahead(const struct scene_values *v, struct motion *q, double re
         const struct encounter next = encounter_next(v, q, &at, q->clock, j, horizon);
         q->contact[j].change_clock = q->clock + next.after;
         q->contact[j].change_regime = (int32_t)next.regime;
+        q->contact[j].passes_centre = next.passes_centre;
     }
     q->horizon_clock = q->clock + horizon;
 }
@@ -74,16 +75,6 @@ static enum advance_result advance_phase(struct solver *s, const struct scene_va
         motion_rebase(q);
     }
     return cvode_advance(s->cvode, v, q, step);
-}
-
-static void keep_normals(const struct scene_values *v, struct motion *q)
-{
-    struct system_instant at;
-    system_now(v, q, &at);
-    event_note_peaks(q, &at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        q->contact[j].normal = at.geometry[j].normal;
-    }
 }
 
 static enum solver_status run_phases(struct solver *s, const struct scene_values *v, struct motion *q,
@@ -132,11 +123,13 @@ static enum solver_status run_phases(struct solver *s, const struct scene_values
 enum solver_status solver_run(struct solver *s, const struct scene_values *v, struct motion *q,
                               double end_time)
 {
+    flight_arrive(v, q);
     const double start = motion_time(q);
     event_begin_window(v, q);
     const enum solver_status status = run_phases(s, v, q, end_time);
     q->window = motion_time(q) - start;
-    keep_normals(v, q);
+    event_end_window(v, q);
+    q->quiet_clock = status == SOLVER_DONE && !system_is_force_element(v) ? flight_quiet_until(v, q) : 0.0;
     return status;
 }
 
