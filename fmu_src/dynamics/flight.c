@@ -130,9 +130,12 @@ bool flight_glide(struct motion *q, double end_time)
 
 void flight_arrive(const struct scene_values *v, struct motion *q)
 {
-    for (int i = 0; q->gliding && i < SCENE_BODIES; ++i) {
+    if (!q->gliding) {
+        return;
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            q->body[i] = flight_body_at(v, q, i, q->clock);
+            q->body[i] = flight_falling_at(v, q, i, q->clock);
         }
     }
     q->gliding = 0;

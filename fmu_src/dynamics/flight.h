@@ -27,6 +27,15 @@ struct body_state flight_body_at(const struct scene_values *v, const struct moti
  * that is lost. Only while flight_is_free. */
 void flight_advance(const struct scene_values *v, struct motion *q, double clock);
 
+/* flight_body_at where there is no force, digit for digit. */
+static inline struct body_state flight_falling_at(const struct scene_values *v, const struct motion *q,
+                                                  int body, double clock)
+{
+    const struct vec3 start = q->origin[body].velocity;
+    const struct vec3 mean = vec3_axpy(start, clock, vec3_scale(0.5, gravity(v)));
+    return (struct body_state){vec3_scale(clock, mean), vec3_axpy(start, clock, gravity(v))};
+}
+
 /*
  * Gliding: in flight without external forces nobody has to know where the bodies are until somebody asks. flight_quiet_until
  * says up to which clock that holds (0: not at all): no contact changes, no direction loses its meaning, every number stays

@@ -27,7 +27,7 @@ static fmi2Status refuse_step_size(struct instance *instance, double time, doubl
 static fmi2Status checked_step(struct instance *instance, double point, double size)
 {
     const double time = model_time(instance->model);
-    if (!(size > 0.0 && size <= DBL_MAX)) {
+    if (!(size > 0.0)) {
         return refuse_step_size(instance, time, size);
     }
     /* written so that a NaN is refused */
@@ -37,12 +37,12 @@ static fmi2Status checked_step(struct instance *instance, double point, double s
             "fmi2DoStep: currentCommunicationPoint = %.17g s, expected the time reached, %.17g s", point,
             time);
     }
-    const double end = point + size;
+    const double end = point + size; /* infinite where the size is */
     if (!(end > time && end <= DBL_MAX)) {
         return refuse_step_size(instance, time, size);
     }
     const double stop = instance->experiment.stop_time;
-    if (end > stop + time_slack(stop, size)) {
+    if (end > stop && end > stop + time_slack(stop, size)) {
         return log_report(instance, fmi2Error, "fmi2DoStep: step to %.17g s goes past stopTime = %.17g s",
                           end, stop);
     }

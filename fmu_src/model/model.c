@@ -230,6 +230,7 @@ enum model_status model_step(struct model *m, double end_time)
     }
     if (m->outputs > OUTPUTS_FIXED) {
         m->outputs = OUTPUTS_FIXED;
+        model_foresee_reading(m);
     }
     return status;
 }

@@ -60,6 +60,10 @@ void model_set_integer(struct model *m, const struct variable *variable, int32_t
 
 /* Outputs are brought up to date with the inputs first. */
 double model_get_real(struct model *m, const struct variable *variable);
+
+/* The same for many references once the model is initialized, quickly: returns how many it read before one that is no Real
+ * variable or that has to be computed. */
+size_t model_get_reals(const struct model *m, const uint32_t *references, size_t count, double *values);
 int32_t model_get_integer(struct model *m, const struct variable *variable);
 
 /* d^order/dt^order of a real input from the present communication point on; orders 1 and 2. */

@@ -3,12 +3,11 @@
 #include "dynamics/flight.h"
 #include "model/state.h"
 
-static void put_body(struct scene_values *v, const struct motion *q, int body)
+static void put_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity)
 {
-    const struct body_instant at = system_body_now(v, q, body);
-    put_body_displacement(v, body, at.displacement);
-    put_body_position(v, body, vec3_add(body_center(v, body), at.displacement));
-    put_body_velocity(v, body, at.velocity);
+    put_body_displacement(v, body, displacement);
+    put_body_position(v, body, vec3_add(body_center(v, body), displacement));
+    put_body_velocity(v, body, velocity);
 }
 
 /* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d n. */
@@ -102,19 +101,46 @@ static void warn_of_missing_direction(struct model *m, const struct system_insta
     }
 }
 
+static void update_body(struct scene_values *v, const struct motion *q, int body)
+{
+    const struct body_instant at = system_body_now(v, q, body);
+    put_body(v, body, at.displacement, at.velocity);
+}
+
 static void update_bodies(struct model *m)
 {
     struct scene_values *v = &m->state.values;
-    struct motion *q = &m->state.motion;
 #if SCENE_ANY_FREE
-    flight_arrive(v, q);
+    flight_arrive(v, &m->state.motion);
 #endif
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (m->outputs == OUTPUTS_NONE || body_is_free(v, i) || body_is_prescribed(v, i)) {
-            put_body(v, q, i);
+            update_body(v, &m->state.motion, i);
         }
     }
     m->outputs = OUTPUTS_BODIES;
+}
+
+void model_foresee_reading(struct model *m)
+{
+#if SCENE_ANY_FREE
+    struct scene_values *v = &m->state.values;
+    const struct motion *q = &m->state.motion;
+    if (!q->gliding) {
+        return;
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const struct body_state at = flight_falling_at(v, q, i, q->clock);
+            put_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
+        } else if (body_is_prescribed(v, i)) {
+            update_body(v, q, i);
+        }
+    }
+    m->outputs = OUTPUTS_BODIES;
+#else
+    (void)m;
+#endif
 }
 
 static void update_all(struct model *m)
@@ -155,14 +181,12 @@ void model_update_outputs(struct model *m, enum outputs wanted)
     if (m->outputs >= wanted) {
         return;
     }
-    if (m->state.initialized) {
-        model_apply_inputs(m);
-    } else {
+    if (!m->state.initialized) {
         model_prepare(m);
+    } else {
+        model_apply_inputs(m);
     }
-    if (m->outputs < OUTPUTS_BODIES) {
-        update_bodies(m);
-    }
+    update_bodies(m);
     if (wanted > OUTPUTS_BODIES || !all_apart(m)) {
         update_all(m);
     }

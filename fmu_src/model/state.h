@@ -85,4 +85,8 @@ void model_close_inputs(struct model *m);
 /* Computes outputs of the present, `wanted` at least. */
 void model_update_outputs(struct model *m, enum outputs wanted);
 
+/* After a step: whoever read after the one before will read again. In flight, where it is cheap, the motion of the bodies is
+ * made current at once. */
+void model_foresee_reading(struct model *m);
+
 #endif

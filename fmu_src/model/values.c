@@ -45,6 +45,27 @@ double model_get_real(struct model *m, const struct variable *variable)
     return value;
 }
 
+size_t model_get_reals(const struct model *m, const uint32_t *references, size_t count, double *values)
+{
+    static const uint32_t current[] = {
+        [OUTPUTS_NONE] = VARIABLE_GIVEN,
+        [OUTPUTS_FIXED] = VARIABLE_GIVEN,
+        [OUTPUTS_BODIES] = VARIABLE_GIVEN | VARIABLE_BODY,
+        [OUTPUTS_ALL] = VARIABLE_GIVEN | VARIABLE_BODY | VARIABLE_COMPUTED,
+    };
+    const uint32_t known = current[m->outputs];
+    size_t i = 0;
+    for (; i < count; ++i) {
+        const uint32_t reference = references[i];
+        const uint32_t real = reference < SCENE_REFERENCES ? scene_reals[reference] : 0;
+        if (!(real & known)) {
+            break;
+        }
+        memcpy(&values[i], (const char *)&m->state.values + (real & VARIABLE_OFFSET), sizeof values[i]);
+    }
+    return i;
+}
+
 int32_t model_get_integer(struct model *m, const struct variable *variable)
 {
     model_update_outputs(m, outputs_for(m, variable));

@@ -28,6 +28,18 @@ struct variable {
     uint8_t component;  /* 0..2 in a vector, else 0 */
 };
 
+/* What has to be current for a value to be that of the present; bits above those of an offset. */
+enum variable_source {
+    VARIABLE_OFFSET = 0xffff,
+    VARIABLE_GIVEN = 0x10000,   /* nothing: the importer gave it */
+    VARIABLE_BODY = 0x20000,    /* the motion of the bodies */
+    VARIABLE_COMPUTED = 0x40000 /* everything */
+};
+
+/* All it takes to read a Real variable: its offset and its enum variable_source; 0 for a reference that has none. By value
+ * reference, SCENE_REFERENCES of them. */
+extern const uint32_t scene_reals[];
+
 extern const struct variable scene_variables[];
 extern const int scene_variable_count;
 

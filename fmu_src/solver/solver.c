@@ -22,7 +22,7 @@ void solver_close(struct solver *s)
 
 /* A horizon of many communication steps makes the search for the next encounter rare; roots near its beginning keep
  * their relative accuracy, so its length costs no digits. */
-static const double HORIZON_STEPS = 256.0;
+static const double HORIZON_STEPS = 1024.0;
 
 static void look_ahead(const struct scene_values *v, struct motion *q, double remaining)
 {

@@ -13,6 +13,8 @@ C_CAUSALITY = {
     "input": "INPUT",
     "output": "OUTPUT",
 }
+# Outputs that need the motion of the bodies and no more.
+BODY_MOTION = ("body_displacement", "body_position", "body_velocity")
 
 
 @dataclass(frozen=True)
@@ -156,16 +158,32 @@ def start_statements(resolved: Resolved) -> list[str]:
     return lines
 
 
+def _offset(variable) -> str:
+    row = variable.cell.row
+    component = f"[{variable.component}]" if row.dim > 1 else ""
+    return f"offsetof(struct scene_values, {member(row, str(variable.cell.element))}{component})"
+
+
+def reals(resolved: Resolved) -> list[str]:
+    """Initializers of scene_reals, by value reference."""
+    lines = []
+    for variable in resolved.variables:
+        row = variable.cell.row
+        if C_BASE[row.type.base] == "REAL":
+            given = row.causality in ("parameter", "input")
+            source = "GIVEN" if given else "BODY" if row.c_name in BODY_MOTION else "COMPUTED"
+            lines.append(f"[{variable.reference}] = {_offset(variable)} | VARIABLE_{source},")
+    return lines
+
+
 def table(resolved: Resolved) -> list[str]:
     """Initializers of struct variable, in the order of modelDescription.xml."""
     lines = []
     for variable in resolved.variables:
         cell, row = variable.cell, variable.cell.row
-        component = f"[{variable.component}]" if row.dim > 1 else ""
-        offset = f"offsetof(struct scene_values, {member(row, str(cell.element))}{component})"
         low, high = (repr(float(limit)) for limit in row.limits)
         lines.append(
-            f'{{"{variable.name}", {low}, {high}, {variable.reference}, {offset}, ROW_{row.c_name}, '
+            f'{{"{variable.name}", {low}, {high}, {variable.reference}, {_offset(variable)}, ROW_{row.c_name}, '
             f"VARIABLE_{C_BASE[row.type.base]}, VARIABLE_{C_CAUSALITY[row.causality]}, {cell.element}, "
             f"{variable.component}}},"
         )

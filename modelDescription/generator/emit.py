@@ -126,6 +126,7 @@ def _context(resolved: Resolved) -> dict:
         "writers": c_code.writers(resolved),
         "start_statements": c_code.start_statements(resolved),
         "table": c_code.table(resolved),
+        "reals": c_code.reals(resolved),
         "references": [(variable.reference, i) for i, variable in enumerate(variables, 1)],
         "page": page.context(resolved),
     }

@@ -44,6 +44,7 @@
 #define SCENE_HASH {{ hash }} /* the first 32 bits of the guid */
 #define SCENE_BODIES {{ scene.bodies | length }}
 #define SCENE_CONTACTS {{ scene.contacts | length }}
+#define SCENE_REFERENCES {{ variables | map(attribute="reference") | max + 1 }} /* one more than the largest */
 #define SCENE_VARIABLES {{ variables | length }}
 #define SCENE_ANY_FREE {{ any_free | int }}       /* may any body be free? else there are no states and no solver */
 #define SCENE_ANY_PRESCRIBED {{ any_prescribed | int }} /* may any body's motion be prescribed? */

@@ -23,6 +23,13 @@ static const uint16_t position_of[] = {
 {% endfor %}
 };
 
+/* All value references up to the largest; those of no Real variable are left zero. */
+const uint32_t scene_reals[SCENE_REFERENCES] = {
+{% for line in reals %}
+    {{ line }}
+{% endfor %}
+};
+
 const struct variable *scene_variable(uint32_t reference)
 {
     if (reference >= sizeof position_of / sizeof position_of[0] || position_of[reference] == 0) {

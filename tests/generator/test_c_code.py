@@ -1,6 +1,7 @@
 """scene.h and scene_variables.c: compiled by both compilers, and the compiled table read back."""
 
 import ctypes
+import re
 import shutil
 import subprocess
 
@@ -126,6 +127,24 @@ def test_every_reference_is_found_and_no_other(scene_folder, scene):
     for reference in [*range(1000), 65535, 65536, 2**31, 2**32 - 1]:
         found = loaded.scene_variable(reference)
         assert (found.contents.name.decode() if found else None) == names.get(reference)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_reals_are_read_where_the_table_has_them(scene_folder, scene):
+    loaded = load(scene_folder(scene))
+    count = ctypes.c_int.in_dll(loaded, "scene_variable_count").value
+    table = {entry.reference: entry for entry in (Variable * count).in_dll(loaded, "scene_variables")}
+    wanted = describe(scene)
+    motion = re.compile(r"\.(displacement|position|velocity)\[[123]\]$")
+    reals = (ctypes.c_uint32 * (max(table) + 1)).in_dll(loaded, "scene_reals")
+    for reference, real in enumerate(reals):
+        said = wanted[table[reference].name.decode()] if reference in table else None
+        if said is None or said["base"] != "Real":
+            assert real == 0, reference
+            continue
+        given = said["causality"] in ("parameter", "input")
+        source = 1 if given else 2 if motion.search(table[reference].name.decode()) else 4
+        assert (real & 0xFFFF, real >> 16) == (table[reference].offset, source), said
 
 
 PROBE = """
