@@ -22,10 +22,13 @@ double bracket_root(bracket_function *f, const void *data, double low, double hi
             high = s;
         }
         double next = s - value / slope;
+        if (fabs(next - s) <= DBL_EPSILON * s) {
+            return s; /* and not on to the other end of the bracket, where s is its new end */
+        }
         if (!(next > low && next < high)) {
             next = 0.5 * (low + high);
         }
-        if (fabs(next - s) <= DBL_EPSILON * next || next <= low || next >= high) {
+        if (next <= low || next >= high) {
             return next;
         }
         s = next;

@@ -1,5 +1,7 @@
 #include "contact/polynomial.h"
 
+#include <math.h>
+
 #include "contact/bracket.h"
 
 double polynomial_at(const struct polynomial *p, double s)
@@ -51,6 +53,30 @@ static void value_and_slope(const void *data, double s, double *value, double *s
     }
 }
 
+/* Degree one or two. Without cancellation: one root from b + sign(b) sqrt(b^2 - 4ac), the other one from their product c/a.
+ * The extreme must lie beyond zero, else rounding would let a parabola that touches zero cross it. */
+static int quadratic_sign_changes(const struct polynomial *p, double *roots)
+{
+    const double unit = fmax(fabs(p->a[0]), fmax(fabs(p->a[1]), p->degree > 1 ? fabs(p->a[2]) : 0.0));
+    const double a = p->degree > 1 ? p->a[2] / unit : 0.0;
+    const double b = p->a[1] / unit;
+    const double c = p->a[0] / unit;
+    if (a != 0.0 && !(a * polynomial_at(p, -0.5 * b / a) < 0.0)) {
+        return 0;
+    }
+    const double q = -0.5 * (b + copysign(sqrt(b * b - 4.0 * a * c), b));
+    const double by_a = q / a;
+    const double by_c = c / q;
+    const double both[2] = {by_a < by_c ? by_a : by_c, by_a < by_c ? by_c : by_a};
+    int count = 0;
+    for (int i = 0; i < 2; ++i) {
+        if (both[i] > 0.0 && both[i] < 1.0) {
+            roots[count++] = both[i];
+        }
+    }
+    return count;
+}
+
 static int trimmed_degree(const struct polynomial *p)
 {
     int degree = p->degree;
@@ -85,18 +111,22 @@ int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_
 {
     struct polynomial chain[POLYNOMIAL_MAX_DEGREE + 1];
     const int degree = trimmed_degree(p);
+    if (degree < 1) {
+        return 0;
+    }
+    const int lowest = degree > 2 ? 2 : degree;
     chain[degree] = *p;
     chain[degree].degree = degree;
-    for (int i = degree; i > 0; --i) {
+    for (int i = degree; i > lowest; --i) {
         chain[i - 1] = polynomial_derivative(&chain[i]);
     }
     double cuts[POLYNOMIAL_MAX_DEGREE];
-    int count = 0;
-    for (int i = 1; i <= degree; ++i) {
-        count = roots_between(&chain[i], cuts, count, roots);
+    int count = quadratic_sign_changes(&chain[lowest], roots);
+    for (int i = lowest + 1; i <= degree; ++i) {
         for (int j = 0; j < count; ++j) {
             cuts[j] = roots[j];
         }
+        count = roots_between(&chain[i], cuts, count, roots);
     }
     return count;
 }

@@ -59,9 +59,13 @@ static inline double vec3_max_abs(struct vec3 a)
     return x > yz ? x : yz;
 }
 
-/* Length, scaled by the largest component so that neither 1e150 overflows nor 1e-170 underflows when squared. */
+/* Length, scaled by the largest component where 1e150 would overflow or 1e-170 underflow when squared. */
 static inline double vec3_norm(struct vec3 a)
 {
+    const double square = vec3_dot(a, a);
+    if (square > 1e-280 && square < 1e280) {
+        return sqrt(square);
+    }
     const double scale = vec3_max_abs(a);
     if (!(scale > 0.0)) {
         return fabs(a.x) + fabs(a.y) + fabs(a.z); /* zero or NaN */

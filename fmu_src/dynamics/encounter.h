@@ -19,7 +19,7 @@
 struct encounter {
     double after; /* seconds from the present; INFINITY when nothing changes within the horizon */
     enum contact_regime regime; /* the regime from then on */
-    bool passes_centre; /* within the horizon d comes down to its own rounding */
+    bool passes_centre;         /* within the horizon d comes down to its own rounding */
 };
 
 /*

@@ -28,11 +28,11 @@ static double gap_to_carry(const struct system_instant *at, int contact, enum co
 }
 
 /* A smooth piece of the motion starts here: nothing is known ahead, the integrator forgets, the balance is taken. */
-static void begin_phase(const struct scene_values *v, struct motion *q)
+static void begin_phase(const struct scene_values *v, struct motion *q, const struct system_instant *at)
 {
     q->horizon_clock = -(double)INFINITY;
     motion_rebase(q);
-    q->phase_energy = projection_balance(v, q);
+    q->phase_energy = projection_balance(v, q, at);
 }
 
 void event_change_regime(const struct scene_values *v, struct motion *q, int contact,
@@ -50,8 +50,8 @@ void event_change_regime(const struct scene_values *v, struct motion *q, int con
     system_now(v, q, &at);
     q->dissipated += before - energy_stored(v, q, &at);
     q->counters.events += 1;
-    begin_phase(v, q);
-    system_now(v, q, &at);
+    begin_phase(v, q, &at);
+    system_forces(v, q, q->clock, &at);
     event_note_peaks(q, &at);
 }
 
@@ -67,7 +67,7 @@ void event_settle_regimes(const struct scene_values *v, struct motion *q, double
     if (!starting) {
         q->external_work += energy_stored(v, q, &at) - stored_before;
     }
-    begin_phase(v, q);
+    begin_phase(v, q, &at);
 }
 
 /* Peaks, and the normals for where there are none. */

@@ -51,6 +51,17 @@ struct body_state flight_body_at(const struct scene_values *v, const struct moti
     return flight_from(v, body, start, q->path[body].force, clock);
 }
 
+static bool is_zero(struct vec3 a)
+{
+    return a.x == 0.0 && a.y == 0.0 && a.z == 0.0;
+}
+
+static bool is_forced(const struct motion *q, int body)
+{
+    const struct vec3 *force = q->path[body].force;
+    return !(is_zero(force[0]) && is_zero(force[1]) && is_zero(force[2]));
+}
+
 /* From the present to another clock. */
 static double work_until(const struct scene_values *v, const struct motion *q, int body, double clock)
 {
@@ -68,20 +79,18 @@ static double stored_now(const struct scene_values *v, const struct motion *q)
 
 void flight_advance(const struct scene_values *v, struct motion *q, double clock)
 {
-    const double stored = stored_now(v, q);
+    const bool apart = system_is_apart(q);
+    const double stored = apart ? 0.0 : stored_now(v, q);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            q->external_work += work_until(v, q, i, clock);
+            if (is_forced(q, i)) {
+                q->external_work += work_until(v, q, i, clock);
+            }
             q->body[i] = flight_body_at(v, q, i, clock);
         }
     }
     q->clock = clock;
-    q->dissipated += stored - stored_now(v, q);
-}
-
-static bool is_zero(struct vec3 a)
-{
-    return a.x == 0.0 && a.y == 0.0 && a.z == 0.0;
+    q->dissipated += apart ? 0.0 : stored - stored_now(v, q);
 }
 
 static bool contact_is_quiet(const struct contact_state *state)
@@ -93,10 +102,8 @@ static bool contact_is_quiet(const struct contact_state *state)
 /* No external force, and speed, displacement and kinetic energy far from the range of numbers. */
 static bool body_is_quiet(const struct scene_values *v, const struct motion *q, int body, double clock)
 {
-    const struct vec3 *force = q->path[body].force;
     const double speed = vec3_max_abs(q->origin[body].velocity) + vec3_max_abs(gravity(v)) * clock;
-    return is_zero(force[0]) && is_zero(force[1]) && is_zero(force[2]) && speed < 1e70 &&
-           speed * clock < 1e70;
+    return !is_forced(q, body) && speed < 1e70 && speed * clock < 1e70;
 }
 
 double flight_quiet_until(const struct scene_values *v, const struct motion *q)

@@ -37,6 +37,9 @@ struct contact_state {
     struct vec3 normal;        /* the last valid n, for d = 0 */
     double stiffness, damping; /* p_n and p_nv in force [N/m, N s/m] */
     double diagonal;           /* of the bounding box of both bodies at the start [m] */
+#if SCENE_ANY_CYLINDER
+    struct vec3 axis; /* e_d, unit length; zero where the destination is a sphere */
+#endif
 #if SCENE_ANY_FREE
     struct vec3 impulse;      /* on the source since initialization [N s] */
     struct vec3 impulse_mark; /* the impulse at the start of the communication step */
@@ -51,7 +54,8 @@ struct contact_state {
     double
         settled_clock; /* before this clock a root finder cannot tell the regime from the one it followed */
     int32_t change_regime; /* and becomes this */
-    int32_t passes_centre; /* before the horizon the centre (or axis) comes so near that n may have no meaning */
+    int32_t
+        passes_centre; /* before the horizon the centre (or axis) comes so near that n may have no meaning */
     int32_t onsets;
 #endif
     int32_t regime; /* enum contact_regime */

@@ -4,14 +4,13 @@
 
 #include "dynamics/energy.h"
 
-double projection_balance(const struct scene_values *v, const struct motion *q)
+double projection_balance(const struct scene_values *v, const struct motion *q,
+                          const struct system_instant *at)
 {
-    struct system_instant at;
-    system_now(v, q, &at);
-    double sum = energy_kinetic_of(v, &at) + energy_stored(v, q, &at) + q->dissipated - q->external_work;
+    double sum = energy_kinetic_of(v, at) + energy_stored(v, q, at) + q->dissipated - q->external_work;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            sum -= body_mass(v, i) * vec3_dot(gravity(v), at.displacement[i]);
+            sum -= body_mass(v, i) * vec3_dot(gravity(v), at->displacement[i]);
         }
     }
     return sum;
@@ -57,7 +56,7 @@ void projection_restore_energy(const struct scene_values *v, struct motion *q, i
     const int destination = contact_destination(contact);
     const double by_both = system_inverse_mass(v, contact);
     const double gap_rate = at.geometry[contact].gap_rate;
-    const double missing = q->phase_energy - projection_balance(v, q);
+    const double missing = q->phase_energy - projection_balance(v, q, &at);
     if (!(fabs(missing) <= LARGEST_CORRECTION * 0.5 * gap_rate * gap_rate / by_both)) {
         return;
     }

@@ -16,8 +16,9 @@
 #if SCENE_ANY_FREE
 
 /* kinetic + potential + contact + dissipated - external work, with the potential of the displacements alone: its constant
- * part would only cost digits [J]. */
-double projection_balance(const struct scene_values *v, const struct motion *q);
+ * part would only cost digits [J]. Of the present instant, in the regimes of q. */
+double projection_balance(const struct scene_values *v, const struct motion *q,
+                          const struct system_instant *at);
 
 /* Moves the free bodies of a contact apart along the normal, by their inverse masses, until the gap is zero. */
 void projection_close_gap(const struct scene_values *v, struct motion *q, int contact);

@@ -27,6 +27,16 @@ bool contact_transmits(const struct motion *q, int contact)
     return q->contact[contact].regime == REGIME_PRESSING || q->contact[contact].regime == REGIME_RECEDING;
 }
 
+bool system_is_apart(const struct motion *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].regime != REGIME_APART) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool body_is_pressed(const struct motion *q, int body, int except)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -62,13 +72,14 @@ struct contact_shape system_shape(const struct scene_values *v, const struct mot
     if (contact_location(v, contact) != LOCATION_AUTOMATIC) {
         shape.side = contact_location(v, contact) == LOCATION_INSIDE ? -1 : 1;
     }
-    if (SCENE_ANY_CYLINDER && shape.destination == SHAPE_CYLINDER) {
-        const struct vec3 axis = body_axis(v, destination);
-        shape.axis = vec3_scale(1.0 / vec3_norm(axis), axis);
+#if SCENE_ANY_CYLINDER
+    if (shape.destination == SHAPE_CYLINDER) {
+        shape.axis = q->contact[contact].axis;
         if (body_finite_length(v, destination)) {
             shape.half_length = 0.5 * body_length(v, destination);
         }
     }
+#endif
     return shape;
 }
 
@@ -155,9 +166,8 @@ static struct vec3 path_rate(const struct motion *q, double clock, int body)
     return vec3_axpy(q->path[body].velocity[1], 2.0 * clock, q->path[body].velocity[2]);
 }
 
-/* Forces and accelerations from the geometry. */
-static void evaluate_forces(const struct scene_values *v, const struct motion *q, double clock,
-                            struct system_instant *at)
+void system_forces(const struct scene_values *v, const struct motion *q, double clock,
+                   struct system_instant *at)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         at->acceleration[i] = body_is_free(v, i) ? free_acceleration(v, q, clock, i) : path_rate(q, clock, i);
@@ -187,7 +197,7 @@ void system_evaluate(const struct scene_values *v, const struct motion *q, doubl
                      const struct body_state *bodies, struct system_instant *at)
 {
     system_kinematics(v, q, clock, bodies, at);
-    evaluate_forces(v, q, clock, at);
+    system_forces(v, q, clock, at);
 }
 
 #if SCENE_ANY_FREE
@@ -213,7 +223,7 @@ void system_now(const struct scene_values *v, const struct motion *q, struct sys
 #else
     system_kinematics(v, q, q->clock, 0, at);
 #endif
-    evaluate_forces(v, q, q->clock, at);
+    system_forces(v, q, q->clock, at);
 }
 
 bool system_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry)

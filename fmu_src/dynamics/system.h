@@ -35,6 +35,9 @@ bool body_is_prescribed(const struct scene_values *v, int body);
 /* Whether no body is free: the scene is a force element and has no states. */
 bool system_is_force_element(const struct scene_values *v);
 
+/* Whether no bodies overlap. */
+bool system_is_apart(const struct motion *q);
+
 /* Whether a contact transmits a force (it presses or recedes), whether any contact but `except` presses on a body. */
 bool contact_transmits(const struct motion *q, int contact);
 bool body_is_pressed(const struct motion *q, int body, int except);
@@ -53,6 +56,10 @@ struct body_instant system_body_now(const struct scene_values *v, const struct m
  * none is free. */
 void system_kinematics(const struct scene_values *v, const struct motion *q, double clock,
                        const struct body_state *bodies, struct system_instant *at);
+
+/* The rest of the instant, accelerations and forces, in the regimes of q. */
+void system_forces(const struct scene_values *v, const struct motion *q, double clock,
+                   struct system_instant *at);
 
 /* Everything of the instant, in the regimes of q. */
 void system_evaluate(const struct scene_values *v, const struct motion *q, double clock,

@@ -109,9 +109,8 @@ static inline bool all_readable(struct instance *instance, enum call call, const
 }
 
 /* Each on its own, with messages. */
-__attribute__((noinline)) static fmi2Status get_reals(struct instance *instance,
-                                                      const fmi2ValueReference vr[], size_t nvr,
-                                                      fmi2Real value[])
+__attribute__((noinline)) static fmi2Status
+get_reals(struct instance *instance, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[])
 {
     if (!ready(instance, CALL_GetReal, vr, nvr, value) ||
         !all_readable(instance, CALL_GetReal, vr, nvr, TYPES_REAL)) {

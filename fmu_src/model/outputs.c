@@ -166,16 +166,6 @@ static void update_all(struct model *m)
     m->outputs = OUTPUTS_ALL;
 }
 
-/* Bodies that overlap may have to be warned of, whatever is asked. */
-static bool all_apart(const struct model *m)
-{
-    bool apart = !system_is_force_element(&m->state.values);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        apart = apart && m->state.motion.contact[j].regime == REGIME_APART;
-    }
-    return apart;
-}
-
 void model_update_outputs(struct model *m, enum outputs wanted)
 {
     if (m->outputs >= wanted) {
@@ -187,7 +177,9 @@ void model_update_outputs(struct model *m, enum outputs wanted)
         model_apply_inputs(m);
     }
     update_bodies(m);
-    if (wanted > OUTPUTS_BODIES || !all_apart(m)) {
+    /* Bodies that overlap may have to be warned of, whatever is asked. */
+    if (wanted > OUTPUTS_BODIES || system_is_force_element(&m->state.values) ||
+        !system_is_apart(&m->state.motion)) {
         update_all(m);
     }
 }

@@ -12,13 +12,17 @@ static struct vec3 start_displacement(const struct scene_values *v, const struct
     return body_is_prescribed(v, body) ? q->path[body].displacement[0] : vec3_make(0.0, 0.0, 0.0);
 }
 
+static struct vec3 unit_axis(const struct scene_values *v, int body)
+{
+    const struct vec3 axis = body_axis(v, body);
+    return vec3_scale(1.0 / vec3_norm(axis), axis);
+}
+
 static struct bounding_box body_box(const struct scene_values *v, int body, struct vec3 centre)
 {
     if (SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER) {
-        const struct vec3 axis = body_axis(v, body);
         const double half_length = body_finite_length(v, body) ? 0.5 * body_length(v, body) : 0.0;
-        return bounding_box_cylinder(centre, body_radius(v, body), vec3_scale(1.0 / vec3_norm(axis), axis),
-                                     half_length);
+        return bounding_box_cylinder(centre, body_radius(v, body), unit_axis(v, body), half_length);
     }
     return bounding_box_sphere(centre, body_radius(v, body));
 }
@@ -66,6 +70,11 @@ static void prepare_contact(const struct scene_values *v, struct motion *q, int 
     state->damping = law.damping;
     state->side = 1;
     state->regime = (int32_t)REGIME_APART;
+#if SCENE_ANY_CYLINDER
+    if (body_shape(contact_destination(contact)) == SHAPE_CYLINDER) {
+        state->axis = unit_axis(v, contact_destination(contact));
+    }
+#endif
     struct contact_shape shape = system_shape(v, q, contact);
     state->normal = contact_default_normal(&shape);
     struct system_instant at;

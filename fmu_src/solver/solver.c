@@ -20,16 +20,14 @@ void solver_close(struct solver *s)
     cvode_close(&s->cvode);
 }
 
-/* A horizon of many communication steps makes the search for the next encounter rare; roots near its beginning keep
- * their relative accuracy, so its length costs no digits. */
-static const double HORIZON_STEPS = 1024.0;
-
+/* To the end of the step, and as far again as the phase has already lasted: a flight of many communication steps is searched
+ * a few times, a short one not far beyond its end. */
 static void look_ahead(const struct scene_values *v, struct motion *q, double remaining)
 {
     if (q->horizon_clock > q->clock) {
         return;
     }
-    const double horizon = HORIZON_STEPS * remaining;
+    const double horizon = fmax(remaining, q->clock);
     struct system_instant at;
     system_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {

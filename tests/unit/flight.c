@@ -157,8 +157,8 @@ static void only_the_axial_part_of_a_pressed_body_is_put_back(void)
         random_flight(&r, &m);
         m.state.values.body[DESTINATION].finite_length = 1;
         const struct vec3 axis = random_direction(&r);
-        scene_put_vector(m.state.values.body[DESTINATION].axis, axis);
         struct motion *q = &m.state.motion;
+        q->contact[0].axis = axis;
         q->contact[0].regime = REGIME_PRESSING;
         q->clock = random_between(&r, 0.0, 1.0);
         const struct motion start = *q;

@@ -7,6 +7,13 @@
 #include "random.h"
 #include "scene_model.h"
 
+static double balance_of(const struct model *m)
+{
+    struct system_instant at;
+    system_now(&m->state.values, &m->state.motion, &at);
+    return projection_balance(&m->state.values, &m->state.motion, &at);
+}
+
 static struct vec3 momentum(const struct model *m)
 {
     struct vec3 sum = {0.0, 0.0, 0.0};
@@ -57,7 +64,7 @@ static struct model random_parting(struct random *r, enum motion_kind destinatio
     v->contact[0].penalty_factor = 1000.0;
     scene_put_vector(v->world.gravity, random_vector(r, 10.0));
     model_prepare(&m);
-    m.state.motion.phase_energy = projection_balance(v, &m.state.motion);
+    m.state.motion.phase_energy = balance_of(&m);
     return m;
 }
 
@@ -96,8 +103,7 @@ static void check_restored(const struct model *m, const struct motion *before, e
                            double scale)
 {
     const struct motion *q = &m->state.motion;
-    CHECK_CLOSE("balance", projection_balance(&m->state.values, q), q->phase_energy,
-                32.0 * DBL_EPSILON * scale);
+    CHECK_CLOSE("balance", balance_of(m), q->phase_energy, 32.0 * DBL_EPSILON * scale);
     const struct vec3 n = geometry(m).normal;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         const struct vec3 change = vec3_sub(q->body[i].velocity, before->body[i].velocity);
