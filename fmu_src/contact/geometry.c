@@ -9,12 +9,12 @@ double contact_reach(const struct contact_shape *shape)
 /* Taken off one at a time, the larger first: the sum r_s + r_d would round once more. */
 static double gap_at(const struct contact_shape *shape, double distance)
 {
-    const double larger = fmax(shape->source_radius, shape->other_radius);
-    const double smaller = fmin(shape->source_radius, shape->other_radius);
+    const double source = shape->source_radius;
+    const double other = shape->other_radius;
     if (shape->side > 0) {
-        return (distance - larger) - smaller;
+        return source > other ? (distance - source) - other : (distance - other) - source;
     }
-    return (shape->other_radius - distance) - shape->source_radius;
+    return (other - distance) - source;
 }
 
 struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,

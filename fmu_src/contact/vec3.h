@@ -3,6 +3,7 @@
 #define CONTACT_VEC3_H
 
 #include <math.h>
+#include <stdbool.h>
 
 struct vec3 {
     double x, y, z;
@@ -42,6 +43,11 @@ static inline double vec3_dot(struct vec3 a, struct vec3 b)
 static inline struct vec3 vec3_cross(struct vec3 a, struct vec3 b)
 {
     return (struct vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static inline bool vec3_is_zero(struct vec3 a)
+{
+    return a.x == 0.0 && a.y == 0.0 && a.z == 0.0;
 }
 
 /* Component 0, 1 or 2. */

@@ -51,15 +51,10 @@ struct body_state flight_body_at(const struct scene_values *v, const struct moti
     return flight_from(v, body, start, q->path[body].force, clock);
 }
 
-static bool is_zero(struct vec3 a)
-{
-    return a.x == 0.0 && a.y == 0.0 && a.z == 0.0;
-}
-
 static bool is_forced(const struct motion *q, int body)
 {
     const struct vec3 *force = q->path[body].force;
-    return !(is_zero(force[0]) && is_zero(force[1]) && is_zero(force[2]));
+    return !(vec3_is_zero(force[0]) && vec3_is_zero(force[1]) && vec3_is_zero(force[2]));
 }
 
 /* From the present to another clock. */
@@ -96,7 +91,7 @@ void flight_advance(const struct scene_values *v, struct motion *q, double clock
 static bool contact_is_quiet(const struct contact_state *state)
 {
     return state->regime == REGIME_APART && !state->passes_centre && state->peak_penetration == 0.0 &&
-           is_zero(vec3_sub(state->impulse, state->impulse_mark));
+           vec3_is_zero(vec3_sub(state->impulse, state->impulse_mark));
 }
 
 /* No external force, and speed, displacement and kinetic energy far from the range of numbers. */

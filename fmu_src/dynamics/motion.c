@@ -32,6 +32,9 @@ struct vec3 path_at(const struct vec3 *coefficients, int count, double clock)
 
 void path_shift(struct vec3 *coefficients, int count, double clock)
 {
+    while (count > 1 && vec3_is_zero(coefficients[count - 1])) {
+        --count; /* most paths are constant or zero */
+    }
     for (int done = 0; done < count - 1; ++done) {
         for (int i = count - 2; i >= done; --i) {
             coefficients[i] = vec3_axpy(coefficients[i], clock, coefficients[i + 1]);

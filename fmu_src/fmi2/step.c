@@ -42,7 +42,7 @@ static fmi2Status checked_step(struct instance *instance, double point, double s
         return refuse_step_size(instance, time, size);
     }
     const double stop = instance->experiment.stop_time;
-    if (end > stop && end > stop + time_slack(stop, size)) {
+    if (end > stop + time_slack(stop, size)) {
         return log_report(instance, fmi2Error, "fmi2DoStep: step to %.17g s goes past stopTime = %.17g s",
                           end, stop);
     }

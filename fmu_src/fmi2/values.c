@@ -125,8 +125,10 @@ get_reals(struct instance *instance, const fmi2ValueReference vr[], size_t nvr, 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[])
 {
     struct instance *instance = c;
-    if (instance != NULL && instance->phase == PHASE_STEP && vr != NULL && value != NULL &&
-        model_get_reals(instance->model, vr, nvr, value) == nvr) {
+    if (instance == NULL) {
+        return fmi2Error;
+    }
+    if (instance->phase == PHASE_STEP && model_get_reals(instance->model, vr, nvr, value) == nvr) {
         return fmi2OK;
     }
     return get_reals(instance, vr, nvr, value);

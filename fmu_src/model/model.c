@@ -197,6 +197,9 @@ static enum model_status step_refused(struct model *m, const struct motion *befo
 /* The state before is kept for the case that the step ends beyond the range of numbers. */
 static enum model_status take_step(struct model *m, double end_time)
 {
+#if SCENE_ANY_FREE
+    flight_arrive(&m->state.values, &m->state.motion);
+#endif
     const struct motion before = m->state.motion;
     const enum model_status status = advance_motion(m, end_time);
     return motion_is_finite(m) ? status : step_refused(m, &before, end_time);

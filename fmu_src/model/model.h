@@ -62,7 +62,7 @@ void model_set_integer(struct model *m, const struct variable *variable, int32_t
 double model_get_real(struct model *m, const struct variable *variable);
 
 /* The same for many references once the model is initialized, quickly: returns how many it read before one that is no Real
- * variable or that has to be computed. */
+ * variable or that has to be computed; none where an array is missing. */
 size_t model_get_reals(const struct model *m, const uint32_t *references, size_t count, double *values);
 int32_t model_get_integer(struct model *m, const struct variable *variable);
 

@@ -55,7 +55,7 @@ size_t model_get_reals(const struct model *m, const uint32_t *references, size_t
     };
     const uint32_t known = current[m->outputs];
     size_t i = 0;
-    for (; i < count; ++i) {
+    for (; references && values && i < count; ++i) {
         const uint32_t reference = references[i];
         const uint32_t real = reference < SCENE_REFERENCES ? scene_reals[reference] : 0;
         if (!(real & known)) {

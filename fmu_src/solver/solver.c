@@ -121,7 +121,6 @@ static enum solver_status run_phases(struct solver *s, const struct scene_values
 enum solver_status solver_run(struct solver *s, const struct scene_values *v, struct motion *q,
                               double end_time)
 {
-    flight_arrive(v, q);
     const double start = motion_time(q);
     event_begin_window(v, q);
     const enum solver_status status = run_phases(s, v, q, end_time);

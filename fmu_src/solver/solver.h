@@ -51,7 +51,8 @@ bool solver_open(struct solver *s, const struct scene_values *v, const struct so
 
 void solver_close(struct solver *s);
 
-/* Integrates to end_time [s], through as many phases as there are. `tolerance` relative and absolute come from v. */
+/* Integrates to end_time [s], through as many phases as there are. `tolerance` relative and absolute come from v; bodies must
+ * have arrived (flight.h). */
 enum solver_status solver_run(struct solver *s, const struct scene_values *v, struct motion *q,
                               double end_time);
 

@@ -182,8 +182,9 @@ def table(resolved: Resolved) -> list[str]:
     for variable in resolved.variables:
         cell, row = variable.cell, variable.cell.row
         low, high = (repr(float(limit)) for limit in row.limits)
+        offset = _offset(variable)
         lines.append(
-            f'{{"{variable.name}", {low}, {high}, {variable.reference}, {_offset(variable)}, ROW_{row.c_name}, '
+            f'{{"{variable.name}", {low}, {high}, {variable.reference}, {offset}, ROW_{row.c_name}, '
             f"VARIABLE_{C_BASE[row.type.base]}, VARIABLE_{C_CAUSALITY[row.causality]}, {cell.element}, "
             f"{variable.component}}},"
         )
