@@ -1,0 +1,291 @@
+/* fmu_host: runs experiments on FMI 2.0 co-simulation FMUs and measures their wall time.
+
+   What is timed of a run: its initialization (fmi2SetupExperiment to fmi2ExitInitializationMode) and its
+   stepping (every fmi2DoStep, and every fmi2GetReal asked for by --get), apart from each other. Loading,
+   instantiating, resetting and reading the results are not timed. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "options.h"
+#include "slave.h"
+
+struct result {
+    long runs;
+    double *stepping, *initialization; /* s, one a run */
+    double spent;                      /* s of stepping, all runs */
+    fmi2Real *real;                    /* read at the end of the last run */
+    fmi2Integer *integer;
+    fmi2Boolean *boolean;
+    fmi2Real *scratch; /* what --get reads */
+};
+
+static double now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+static bool set_start_values(struct slave *slave, const struct experiment *one)
+{
+    for (size_t i = 0; i < one->start_count; i++) {
+        const struct start_value *value = &one->start[i];
+        const fmi2ValueReference *reference = &value->reference;
+        const char *function = NULL;
+        fmi2Status status = fmi2Error;
+        switch (value->type) {
+        case TYPE_REAL:
+            function = "fmi2SetReal";
+            status = slave->set_real(slave->instance, reference, 1, &value->real);
+            break;
+        case TYPE_INTEGER:
+            function = "fmi2SetInteger";
+            status = slave->set_integer(slave->instance, reference, 1, &value->integer);
+            break;
+        case TYPE_BOOLEAN:
+            function = "fmi2SetBoolean";
+            status = slave->set_boolean(slave->instance, reference, 1, &value->integer);
+            break;
+        default:
+            function = "fmi2SetString";
+            status = slave->set_string(slave->instance, reference, 1, &value->string);
+        }
+        if (!slave_check(slave, status, function)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool initialize(struct slave *slave, const struct experiment *one)
+{
+    fmi2Component instance = slave->instance;
+    return slave_check(slave,
+                       slave->setup_experiment(instance, one->tolerance_defined, one->tolerance,
+                                               one->start_time, fmi2False, 0.0),
+                       "fmi2SetupExperiment") &&
+           set_start_values(slave, one) &&
+           slave_check(slave, slave->enter_initialization_mode(instance), "fmi2EnterInitializationMode") &&
+           slave_check(slave, slave->exit_initialization_mode(instance), "fmi2ExitInitializationMode");
+}
+
+/* Step i ends at start + i (stop - start)/N; the time goes on by the very size the FMU was given, so that
+   both have the same bits and rounding does not add up. */
+static bool run_steps(struct slave *slave, const struct experiment *one, fmi2Real *scratch)
+{
+    fmi2Component instance = slave->instance;
+    double length = one->stop_time - one->start_time, time = one->start_time;
+    for (long i = 1; i <= one->steps; i++) {
+        double size = one->start_time + length * ((double)i / (double)one->steps) - time;
+        fmi2Status status = slave->do_step(instance, time, size, fmi2True);
+        for (size_t g = 0; g < one->get_count && status <= fmi2Warning; g++) {
+            status = slave->get_real(instance, one->get[g].items, one->get[g].count, scratch);
+        }
+        if (status > fmi2Warning) {
+            char function[100];
+            snprintf(function, sizeof function, "fmi2DoStep or fmi2GetReal of step %ld from %.17g s", i,
+                     time);
+            return slave_check(slave, status, function);
+        }
+        time += size;
+    }
+    return true;
+}
+
+static bool read_results(struct slave *slave, const struct experiment *one, const struct result *result)
+{
+    const struct references *read = one->read;
+    fmi2Component instance = slave->instance;
+    return (read[TYPE_REAL].count == 0 ||
+            slave_check(slave,
+                        slave->get_real(instance, read[TYPE_REAL].items, read[TYPE_REAL].count, result->real),
+                        "fmi2GetReal")) &&
+           (read[TYPE_INTEGER].count == 0 ||
+            slave_check(slave,
+                        slave->get_integer(instance, read[TYPE_INTEGER].items, read[TYPE_INTEGER].count,
+                                           result->integer),
+                        "fmi2GetInteger")) &&
+           (read[TYPE_BOOLEAN].count == 0 ||
+            slave_check(slave,
+                        slave->get_boolean(instance, read[TYPE_BOOLEAN].items, read[TYPE_BOOLEAN].count,
+                                           result->boolean),
+                        "fmi2GetBoolean"));
+}
+
+static bool run_once(struct slave *slave, const struct experiment *one, struct result *result, bool fresh)
+{
+    if (fresh) {
+        slave_free_instance(slave);
+    }
+    if (!slave->instance) {
+        if (!slave_instantiate(slave, one)) {
+            return false;
+        }
+    } else if (!slave_check(slave, slave->reset(slave->instance), "fmi2Reset")) {
+        return false;
+    }
+    double begin = now();
+    if (!initialize(slave, one)) {
+        return false;
+    }
+    double initialized = now();
+    if (!run_steps(slave, one, result->scratch)) {
+        return false;
+    }
+    double end = now();
+    result->initialization[result->runs] = initialized - begin;
+    result->stepping[result->runs] = end - initialized;
+    result->spent += end - initialized;
+    result->runs++;
+    return read_results(slave, one, result) &&
+           slave_check(slave, slave->terminate(slave->instance), "fmi2Terminate");
+}
+
+static int compare(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static void print_text(const char *text)
+{
+    putchar('"');
+    for (; *text; text++) {
+        if (*text == '"' || *text == '\\') {
+            putchar('\\');
+        }
+        if ((unsigned char)*text >= ' ') {
+            putchar(*text);
+        }
+    }
+    putchar('"');
+}
+
+/* JSON has no word for what is not finite. */
+static void print_real(double value)
+{
+    if (isfinite(value)) {
+        printf("%.17g", value);
+    } else {
+        printf("null");
+    }
+}
+
+/* "name_s": [...], "name_min_s": ..., "name_median_s": ... ; sorts a copy. */
+static void print_times(const char *name, const double *times, long count, double *copy)
+{
+    printf("\"%s_s\": [", name);
+    for (long i = 0; i < count; i++) {
+        printf(i ? ", %.17g" : "%.17g", times[i]);
+    }
+    memcpy(copy, times, (size_t)count * sizeof *copy);
+    qsort(copy, (size_t)count, sizeof *copy, compare);
+    printf("], \"%s_min_s\": %.17g, \"%s_median_s\": %.17g", name, copy[0], name,
+           0.5 * (copy[(count - 1) / 2] + copy[count / 2]));
+}
+
+static void print_result(const struct experiment *one, const struct result *result, double *copy)
+{
+    static const char *const names[] = {"real", "integer", "boolean"};
+    printf("{\"case\": ");
+    print_text(one->name);
+    printf(", \"steps\": %ld, \"runs\": %ld, ", one->steps, result->runs);
+    print_times("initialization", result->initialization, result->runs, copy);
+    printf(", ");
+    print_times("stepping", result->stepping, result->runs, copy);
+    for (int type = TYPE_REAL; type < TYPE_STRING; type++) {
+        printf(", \"%s\": {", names[type]);
+        for (size_t i = 0; i < one->read[type].count; i++) {
+            printf("%s\"%u\": ", i ? ", " : "", one->read[type].items[i]);
+            if (type == TYPE_REAL) {
+                print_real(result->real[i]);
+            } else {
+                printf("%d", type == TYPE_INTEGER ? result->integer[i] : result->boolean[i]);
+            }
+        }
+        printf("}");
+    }
+    printf("}\n");
+}
+
+static bool prepare(struct result *result, const struct experiment *one, long repeat)
+{
+    size_t widest = 1;
+    for (size_t g = 0; g < one->get_count; g++) {
+        widest = one->get[g].count > widest ? one->get[g].count : widest;
+    }
+    result->stepping = calloc((size_t)repeat, sizeof *result->stepping);
+    result->initialization = calloc((size_t)repeat, sizeof *result->initialization);
+    result->real = calloc(one->read[TYPE_REAL].count + 1, sizeof *result->real);
+    result->integer = calloc(one->read[TYPE_INTEGER].count + 1, sizeof *result->integer);
+    result->boolean = calloc(one->read[TYPE_BOOLEAN].count + 1, sizeof *result->boolean);
+    result->scratch = calloc(widest, sizeof *result->scratch);
+    return result->stepping && result->initialization && result->real && result->integer && result->boolean &&
+           result->scratch;
+}
+
+static void release(struct result *result)
+{
+    free(result->stepping);
+    free(result->initialization);
+    free(result->real);
+    free(result->integer);
+    free(result->boolean);
+    free(result->scratch);
+}
+
+/* The cases take turns; one whose budget is spent sits out. */
+static bool run_all(const struct options *options, struct slave *slaves, struct result *results)
+{
+    for (size_t i = 0; i < options->count; i++) {
+        if (!prepare(&results[i], &options->cases[i], options->repeat)) {
+            fprintf(stderr, "fmu_host: out of memory\n");
+            return false;
+        }
+        if (!slave_load(&slaves[i], &options->cases[i])) {
+            return false;
+        }
+    }
+    for (long run = 0; run < options->repeat; run++) {
+        for (size_t i = 0; i < options->count; i++) {
+            if ((run == 0 || results[i].spent < options->budget) &&
+                !run_once(&slaves[i], &options->cases[i], &results[i], options->fresh)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* 0: done; 1: an FMU refused; 2: the command line makes no sense. */
+int main(int count, char **arguments)
+{
+    struct options options;
+    bool parsed = options_parse(&options, count, arguments);
+    if (!parsed || options.help) {
+        if (options.help) {
+            fputs(options_usage, stdout);
+        }
+        options_free(&options);
+        return parsed ? 0 : 2;
+    }
+    struct slave *slaves = calloc(options.count, sizeof *slaves);
+    struct result *results = calloc(options.count, sizeof *results);
+    double *copy = calloc((size_t)options.repeat, sizeof *copy);
+    bool ran = slaves && results && copy && run_all(&options, slaves, results);
+    for (size_t i = 0; ran && i < options.count; i++) {
+        print_result(&options.cases[i], &results[i], copy);
+    }
+    for (size_t i = 0; slaves && results && i < options.count; i++) {
+        slave_unload(&slaves[i]);
+        release(&results[i]);
+    }
+    free(copy);
+    free(results);
+    free(slaves);
+    options_free(&options);
+    return ran ? 0 : 1;
+}
