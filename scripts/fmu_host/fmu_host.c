@@ -3,24 +3,13 @@
    What is timed of a run: its initialization (fmi2SetupExperiment to fmi2ExitInitializationMode) and its
    stepping (every fmi2DoStep, and every fmi2GetReal asked for by --get), apart from each other. Loading,
    instantiating, resetting and reading the results are not timed. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 #include "options.h"
+#include "result.h"
 #include "slave.h"
-
-struct result {
-    long runs;
-    double *stepping, *initialization; /* s, one a run */
-    double spent;                      /* s of stepping, all runs */
-    fmi2Real *real;                    /* read at the end of the last run */
-    fmi2Integer *integer;
-    fmi2Boolean *boolean;
-    fmi2Real *scratch; /* what --get reads */
-};
 
 static double now(void)
 {
@@ -144,123 +133,32 @@ static bool run_once(struct slave *slave, const struct experiment *one, struct r
            slave_check(slave, slave->terminate(slave->instance), "fmi2Terminate");
 }
 
-static int compare(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static void print_text(const char *text)
-{
-    putchar('"');
-    for (; *text; text++) {
-        if (*text == '"' || *text == '\\') {
-            putchar('\\');
-        }
-        if ((unsigned char)*text >= ' ') {
-            putchar(*text);
-        }
-    }
-    putchar('"');
-}
-
-/* JSON has no word for what is not finite. */
-static void print_real(double value)
-{
-    if (isfinite(value)) {
-        printf("%.17g", value);
-    } else {
-        printf("null");
-    }
-}
-
-/* "name_s": [...], "name_min_s": ..., "name_median_s": ... ; sorts a copy. */
-static void print_times(const char *name, const double *times, long count, double *copy)
-{
-    printf("\"%s_s\": [", name);
-    for (long i = 0; i < count; i++) {
-        printf(i ? ", %.17g" : "%.17g", times[i]);
-    }
-    memcpy(copy, times, (size_t)count * sizeof *copy);
-    qsort(copy, (size_t)count, sizeof *copy, compare);
-    printf("], \"%s_min_s\": %.17g, \"%s_median_s\": %.17g", name, copy[0], name,
-           0.5 * (copy[(count - 1) / 2] + copy[count / 2]));
-}
-
-static void print_result(const struct experiment *one, const struct result *result, double *copy)
-{
-    static const char *const names[] = {"real", "integer", "boolean"};
-    printf("{\"case\": ");
-    print_text(one->name);
-    printf(", \"steps\": %ld, \"runs\": %ld, ", one->steps, result->runs);
-    print_times("initialization", result->initialization, result->runs, copy);
-    printf(", ");
-    print_times("stepping", result->stepping, result->runs, copy);
-    for (int type = TYPE_REAL; type < TYPE_STRING; type++) {
-        printf(", \"%s\": {", names[type]);
-        for (size_t i = 0; i < one->read[type].count; i++) {
-            printf("%s\"%u\": ", i ? ", " : "", one->read[type].items[i]);
-            if (type == TYPE_REAL) {
-                print_real(result->real[i]);
-            } else {
-                printf("%d", type == TYPE_INTEGER ? result->integer[i] : result->boolean[i]);
-            }
-        }
-        printf("}");
-    }
-    printf("}\n");
-}
-
-static bool prepare(struct result *result, const struct experiment *one, long repeat)
-{
-    size_t widest = 1;
-    for (size_t g = 0; g < one->get_count; g++) {
-        widest = one->get[g].count > widest ? one->get[g].count : widest;
-    }
-    result->stepping = calloc((size_t)repeat, sizeof *result->stepping);
-    result->initialization = calloc((size_t)repeat, sizeof *result->initialization);
-    result->real = calloc(one->read[TYPE_REAL].count + 1, sizeof *result->real);
-    result->integer = calloc(one->read[TYPE_INTEGER].count + 1, sizeof *result->integer);
-    result->boolean = calloc(one->read[TYPE_BOOLEAN].count + 1, sizeof *result->boolean);
-    result->scratch = calloc(widest, sizeof *result->scratch);
-    return result->stepping && result->initialization && result->real && result->integer && result->boolean &&
-           result->scratch;
-}
-
-static void release(struct result *result)
-{
-    free(result->stepping);
-    free(result->initialization);
-    free(result->real);
-    free(result->integer);
-    free(result->boolean);
-    free(result->scratch);
-}
-
-/* The cases take turns; one whose budget is spent sits out. */
-static bool run_all(const struct options *options, struct slave *slaves, struct result *results)
+/* Every case gets its library; false only when out of memory. */
+static bool load_all(const struct options *options, struct slave *slaves, struct result *results)
 {
     for (size_t i = 0; i < options->count; i++) {
-        if (!prepare(&results[i], &options->cases[i], options->repeat)) {
+        if (!result_prepare(&results[i], &options->cases[i], options->repeat)) {
             fprintf(stderr, "fmu_host: out of memory\n");
             return false;
         }
-        if (!slave_load(&slaves[i], &options->cases[i])) {
-            return false;
-        }
-    }
-    for (long run = 0; run < options->repeat; run++) {
-        for (size_t i = 0; i < options->count; i++) {
-            if ((run == 0 || results[i].spent < options->budget) &&
-                !run_once(&slaves[i], &options->cases[i], &results[i], options->fresh)) {
-                return false;
-            }
-        }
+        results[i].failed = !slave_load(&slaves[i], &options->cases[i]);
     }
     return true;
 }
 
-/* 0: done; 1: an FMU refused; 2: the command line makes no sense. */
+/* The cases take turns; one that failed, or whose budget is spent, sits out. */
+static void run_all(const struct options *options, struct slave *slaves, struct result *results)
+{
+    for (long run = 0; run < options->repeat; run++) {
+        for (size_t i = 0; i < options->count; i++) {
+            if (!results[i].failed && (run == 0 || results[i].spent < options->budget)) {
+                results[i].failed = !run_once(&slaves[i], &options->cases[i], &results[i], options->fresh);
+            }
+        }
+    }
+}
+
+/* 0: done; 1: a case failed; 2: the command line makes no sense. */
 int main(int count, char **arguments)
 {
     struct options options;
@@ -274,18 +172,20 @@ int main(int count, char **arguments)
     }
     struct slave *slaves = calloc(options.count, sizeof *slaves);
     struct result *results = calloc(options.count, sizeof *results);
-    double *copy = calloc((size_t)options.repeat, sizeof *copy);
-    bool ran = slaves && results && copy && run_all(&options, slaves, results);
-    for (size_t i = 0; ran && i < options.count; i++) {
-        print_result(&options.cases[i], &results[i], copy);
+    bool done = slaves && results && load_all(&options, slaves, results);
+    if (done) {
+        run_all(&options, slaves, results);
+        for (size_t i = 0; i < options.count; i++) {
+            result_print(&options.cases[i], &results[i], slaves[i].failure);
+            done = done && !results[i].failed;
+        }
     }
     for (size_t i = 0; slaves && results && i < options.count; i++) {
         slave_unload(&slaves[i]);
-        release(&results[i]);
+        result_release(&results[i]);
     }
-    free(copy);
     free(results);
     free(slaves);
     options_free(&options);
-    return ran ? 0 : 1;
+    return done ? 0 : 1;
 }

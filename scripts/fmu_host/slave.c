@@ -30,12 +30,22 @@ static void log_message(fmi2ComponentEnvironment environment, fmi2String instanc
     va_end(arguments);
 }
 
+/* Always false, so that a caller can return it. */
+static bool fail(struct slave *slave, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(slave->failure, sizeof slave->failure, format, arguments);
+    va_end(arguments);
+    fprintf(stderr, "fmu_host: case %s: %s\n", slave->name, slave->failure);
+    return false;
+}
+
 static bool find(struct slave *slave, void *function, const char *name)
 {
     void *found = dlsym(slave->library, name);
     if (!found) {
-        fprintf(stderr, "fmu_host: case %s: the library has no function %s\n", slave->name, name);
-        return false;
+        return fail(slave, "the library has no function %s", name);
     }
     memcpy(function, &found, sizeof found); /* ISO C knows no cast from void * to a function */
     return true;
@@ -65,17 +75,15 @@ bool slave_load(struct slave *slave, const struct experiment *experiment)
     *slave = (struct slave){.name = experiment->name};
     slave->library = dlopen(experiment->library, RTLD_NOW | RTLD_LOCAL);
     if (!slave->library) {
-        fprintf(stderr, "fmu_host: case %s: %s\n", slave->name, dlerror());
-        return false;
+        return fail(slave, "%s", dlerror());
     }
     if (!find_all(slave)) {
         return false;
     }
     const char *version = slave->get_version(), *platform = slave->get_types_platform();
     if (strncmp(version, "2.", 2) != 0 || strcmp(platform, fmi2TypesPlatform) != 0) {
-        fprintf(stderr, "fmu_host: case %s: FMI version %s with types '%s'; expected 2.0 with '%s'\n",
-                slave->name, version, platform, fmi2TypesPlatform);
-        return false;
+        return fail(slave, "FMI version %s with types '%s'; expected 2.0 with '%s'", version, platform,
+                    fmi2TypesPlatform);
     }
     return true;
 }
@@ -104,9 +112,8 @@ bool slave_check(struct slave *slave, fmi2Status status, const char *function)
     }
     const char *name =
         (unsigned)status < sizeof status_names / sizeof *status_names ? status_names[status] : "?";
-    fprintf(stderr, "fmu_host: case %s: %s returned %s: %s\n", slave->name, function, name,
-            slave->message[0] ? slave->message : "no message");
-    return false;
+    return fail(slave, "%s returned %s: %s", function, name,
+                slave->message[0] ? slave->message : "no message");
 }
 
 void slave_free_instance(struct slave *slave)

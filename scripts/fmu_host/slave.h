@@ -1,4 +1,4 @@
-/* One FMU: its library, its functions, an instance of it and the last message it logged. */
+/* One FMU: its library, its functions, an instance of it and what it logged. */
 #ifndef FMU_HOST_SLAVE_H
 #define FMU_HOST_SLAVE_H
 
@@ -14,7 +14,8 @@ struct slave {
     void *library;
     fmi2Component instance;
     fmi2CallbackFunctions callbacks; /* lives as long as the instance */
-    char message[MESSAGE_SIZE];      /* the last warning or error */
+    char message[MESSAGE_SIZE];      /* what it logged during the present call */
+    char failure[2 * MESSAGE_SIZE];  /* why the case failed */
 
     fmi2GetTypesPlatformTYPE *get_types_platform;
     fmi2GetVersionTYPE *get_version;
@@ -35,7 +36,7 @@ struct slave {
     fmi2DoStepTYPE *do_step;
 };
 
-/* All of these return false after a message on stderr that names the case and what the FMU said. */
+/* These return false after a message on stderr, kept as `failure`, that names the case and what the FMU said. */
 bool slave_load(struct slave *slave, const struct experiment *experiment);
 bool slave_instantiate(struct slave *slave, const struct experiment *experiment);
 bool slave_check(struct slave *slave, fmi2Status status, const char *function);

@@ -1,0 +1,88 @@
+"""Writes scripts/contact_report/stiff_references.json, the references of the report's stiffness sweep:
+
+    .venv/bin/python tests/physics/make_stiff_references.py     (about four minutes)
+
+Damped to a tenth of the critical damping: Radau IIA (stiff_motion.py), any stiffness. Undamped: the Taylor
+integrator as long as its steps can be counted out (1e9 N/m), beyond that the motion without the fast
+oscillation, which is off by the oscillation's amplitude and its like, so by 1/p_n times a few newtons.
+The uncertainty is what a second run gave: a tenfold tolerance, a higher order.
+"""
+
+import json
+from math import cos, sin, sqrt
+from pathlib import Path
+
+import numpy as np
+from reference_integrator import Reference
+from stiff_motion import ANGLE, GRAVITY, MASS, RADIUS, SPEED, damped_motion, mean_motion
+
+FILE = Path(__file__).resolve().parents[2] / "scripts" / "contact_report" / "stiff_references.json"
+END, DAMPING, COUNTABLE = 2.0, 0.1, 1e9
+ROUNDING = 1e-14  # m, of the numbers themselves
+CARRIED = MASS * GRAVITY  # N; the amplitude is half of it, divided by p_n
+
+
+def configuration(penalty, damping):
+    values = {
+        "source.radius": 0.05,
+        "source.mass": MASS,
+        "source.motion": "free",
+        "source.center": [RADIUS * sin(ANGLE), 0.0, -RADIUS * cos(ANGLE)],
+        "source.initial_velocity": [0.0, SPEED, 0.0],
+        "destination.radius": 0.5,
+        "destination.motion": "fixed",
+        "contact.location": "inside",
+        "contact.method": "penalty_dynamic" if damping else "penalty",
+        "contact.penalty_factor": penalty,
+    }
+    if damping:
+        values["contact.viscous_penalty_factor"] = 2 * damping * sqrt(MASS * penalty)
+        values["contact.dashpot"] = "unclamped"
+    return values
+
+
+def taylor(shape, penalty, damping, order):
+    values = configuration(penalty, damping)
+    if shape == "cylinder":
+        values["destination.axis"] = [0.0, 1.0, 0.0]
+    run = Reference(values, shape, order=order).run(END)
+    return np.array([float(x) for x in run.position["source"]])
+
+
+def reference(shape, penalty, damping):
+    """(position, uncertainty in m, method)"""
+    if damping:
+        coarse, _ = damped_motion(shape, penalty, damping, END, 1e-11)
+        fine, least = damped_motion(shape, penalty, damping, END, 1e-12)
+        assert least > 0  # the contact lasts
+        return fine, np.linalg.norm(fine - coarse) + ROUNDING, "Radau IIA"
+    if penalty <= COUNTABLE:
+        coarse, fine = (taylor(shape, penalty, damping, order) for order in (24, 28))
+        return fine, np.linalg.norm(fine - coarse) + ROUNDING, "Taylor series"
+    return mean_motion(shape, penalty, END), CARRIED / penalty, "motion without the oscillation"
+
+
+def main():
+    rows = []
+    for shape in ("cylinder", "sphere"):
+        for damping, exponents in ((DAMPING, range(5, 16)), (0.0, range(5, 12))):
+            for exponent in exponents:
+                penalty = 10.0**exponent
+                place, uncertainty, method = reference(shape, penalty, damping)
+                rows.append(
+                    {
+                        "shape": shape,
+                        "damping": damping,
+                        "penalty_factor": penalty,
+                        "position": [float(x) for x in place],
+                        "uncertainty": float(f"{uncertainty:.1e}"),
+                        "method": method,
+                    }
+                )
+                print(rows[-1], flush=True)
+    lines = ",\n".join("  " + json.dumps(row) for row in rows)
+    FILE.write_text(f"[\n{lines}\n]\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
