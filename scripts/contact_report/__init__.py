@@ -1,4 +1,8 @@
-"""Measures error against run time and writes the report of it (docs/report).
+"""Measures error against run time and writes the report of it (docs/report); scripts/report.sh runs it.
 
-host.py   FMUs timed by the C program build/fmu_host
+problems.py   what is solved, and the references
+host.py       FMUs timed by the C program build/fmu_host
+measure.py    the FMU's solvers over tolerances, communication steps and stiffness
+rows.py       the rows of results.csv and peers.csv, and what optional parts leave for the page
+tables.py, figures.py, machine.py, page.py   tables, pictures, versions, index.html and README.md
 """

@@ -83,18 +83,19 @@ def run_host(
     cases: Sequence[Case],
     repeat: int = 1,
     *,
+    burst: int = 1,
     fresh: bool = False,
     budget: float | None = None,
     timeout: float | None = None,
     keep_going: bool = False,
 ) -> list[Result]:
-    """Runs each case `repeat` times, taking turns.
+    """Gives each case `repeat` turns of `burst` runs.
 
     `budget`: a case is not run again once its runs took so many seconds. `timeout`: seconds for all of it.
-    `fresh`: a new instance for each run, instead of fmi2Reset. `keep_going`: where an FMU refuses, its Result has an
-    `error`; otherwise HostError is raised.
+    `fresh`: a new instance for each run, instead of fmi2Reset. `keep_going`: where an FMU refuses, its
+    Result has an `error`; otherwise HostError is raised.
     """
-    command = [str(host_file()), "--repeat", str(repeat)]
+    command = [str(host_file()), "--repeat", str(repeat), "--burst", str(burst)]
     command += ["--fresh"] if fresh else []
     command += ["--budget", repr(budget)] if budget is not None else []
     for case in cases:

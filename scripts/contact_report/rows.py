@@ -2,15 +2,15 @@
 
 The page is made of files in the output folder (docs/report), each written by a command of its own:
 
-    results.csv          python -m contact_report ...                 this FMU, COLUMNS below
-    peers.csv            python -m contact_report.peers --output DIR [--quick]          other simulators
+    results.csv          python -m contact_report measure --output DIR [--quick]        this FMU
     force_element.json   python -m contact_report.force_element --output DIR [--quick]  the coupling study
+    peers.csv            python -m contact_report.peers --output DIR [--quick]          other simulators
 
 scripts/report.sh calls them in this order and draws the page last (python -m contact_report page), with
 whatever of the optional ones is there: peers.csv, peers.json, force_element.json.
 
-peers.csv has COLUMNS; its rows have group "peer". An error or time that is missing is an empty cell, and `note`
-says why ("cannot express a hollow cylinder"; "not done after 60 s").
+peers.csv has COLUMNS; its rows have group "peer". An error or time that is missing is an empty cell, and
+`note` says why ("cannot express a hollow cylinder"; "not done after 60 s").
 
 peers.json (optional) and force_element.json are objects; the page reads these keys and leaves others alone:
 
@@ -20,8 +20,8 @@ peers.json (optional) and force_element.json are objects; the page reads these k
                   "tables": [{"caption": "...", "header": ["...", ...], "rows": [["...", ...], ...]}],
                   "figures": [{"name": "force_element", "caption": "..."}]}]
 
-Every key of a section but the title may be left out. A figure's name stands for name.svg, shown in the HTML page,
-and name.png, shown in README.md, both in the same folder. A cell of a table is text or a number.
+Every key of a section but the title may be left out. A figure's name stands for name.svg, shown in the
+HTML page, and name.png, shown in README.md, both in the same folder. A cell of a table is text or a number.
 """
 
 from __future__ import annotations

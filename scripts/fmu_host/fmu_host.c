@@ -137,7 +137,7 @@ static bool run_once(struct slave *slave, const struct experiment *one, struct r
 static bool load_all(const struct options *options, struct slave *slaves, struct result *results)
 {
     for (size_t i = 0; i < options->count; i++) {
-        if (!result_prepare(&results[i], &options->cases[i], options->repeat)) {
+        if (!result_prepare(&results[i], &options->cases[i], options->repeat * options->burst)) {
             fprintf(stderr, "fmu_host: out of memory\n");
             return false;
         }
@@ -149,10 +149,13 @@ static bool load_all(const struct options *options, struct slave *slaves, struct
 /* The cases take turns; one that failed, or whose budget is spent, sits out. */
 static void run_all(const struct options *options, struct slave *slaves, struct result *results)
 {
-    for (long run = 0; run < options->repeat; run++) {
+    for (long turn = 0; turn < options->repeat; turn++) {
         for (size_t i = 0; i < options->count; i++) {
-            if (!results[i].failed && (run == 0 || results[i].spent < options->budget)) {
-                results[i].failed = !run_once(&slaves[i], &options->cases[i], &results[i], options->fresh);
+            struct result *result = &results[i];
+            for (long run = 0; run < options->burst && !result->failed; run++) {
+                if (result->runs == 0 || result->spent < options->budget) {
+                    result->failed = !run_once(&slaves[i], &options->cases[i], result, options->fresh);
+                }
             }
         }
     }

@@ -8,16 +8,16 @@
 #include <string.h>
 
 const char options_usage[] =
-    "usage: fmu_host [--repeat N] [--budget S] [--fresh] --case NAME OPTION... [--case NAME OPTION...]...\n"
+    "usage: fmu_host [--repeat N] [--burst N] [--budget S] [--fresh] --case NAME OPTION... [--case ...]...\n"
     "Runs FMI 2.0 co-simulation FMUs and prints one line of JSON for each case, with the wall time of every\n"
     "run. Several cases take turns (A B A B ...), so that their times can be compared.\n"
-    "  --repeat N                  run each case N times (1)\n"
+    "  --repeat N                  each case has N turns (1)\n"
+    "  --burst N                   and runs N times in a turn (1): all but the first with warm caches\n"
     "  --budget S                  run a case no more once its runs took S seconds of stepping together\n"
     "  --fresh                     a new instance for every run, instead of fmi2Reset\n"
     "of a case:\n"
     "  --library FILE              the FMU's shared library\n"
-    "  --guid TEXT                 guid of its modelDescription.xml\n"
-    "  --resources URI             its folder resources, file:///...\n"
+    "  --guid TEXT, --resources URI    of its modelDescription.xml; its folder resources, file:///...\n"
     "  --start-time S, --stop-time S, --steps N, --tolerance X\n"
     "                              N equal communication steps (1) from the start (0) to the stop time\n"
     "  --set-real R=V, --set-integer R=V, --set-boolean R=0|1, --set-string R=V\n"
@@ -67,7 +67,7 @@ static bool parse_integer(const char *option, const char *text, long least, long
     return true;
 }
 
-/* The digits at the start of the text; `rest` is what follows them. */
+/* The digits at the start of the text; `rest` is what follows. */
 static bool parse_reference(const char *option, const char *text, fmi2ValueReference *reference, char **rest)
 {
     errno = 0;
@@ -117,10 +117,9 @@ static bool parse_start(struct experiment *one, enum value_type type, const char
     if (type == TYPE_REAL && !parse_real(option, given, &value.real)) {
         return false;
     }
-    if (type == TYPE_INTEGER && !parse_integer(option, given, INT_MIN, INT_MAX, &integer)) {
-        return false;
-    }
-    if (type == TYPE_BOOLEAN && !parse_integer(option, given, 0, 1, &integer)) {
+    bool truth = type == TYPE_BOOLEAN;
+    if ((truth || type == TYPE_INTEGER) &&
+        !parse_integer(option, given, truth ? 0 : INT_MIN, truth ? 1 : INT_MAX, &integer)) {
         return false;
     }
     value.integer = (fmi2Integer)integer;
@@ -208,6 +207,9 @@ static bool parse_pair(struct options *options, const char *option, const char *
     if (strcmp(option, "--repeat") == 0) {
         return parse_integer(option, text, 1, 1000000, &options->repeat);
     }
+    if (strcmp(option, "--burst") == 0) {
+        return parse_integer(option, text, 1, 1000000, &options->burst);
+    }
     if (strcmp(option, "--budget") == 0) {
         return parse_finite(option, text, &options->budget);
     }
@@ -248,7 +250,7 @@ static bool check_case(const struct experiment *one)
 
 bool options_parse(struct options *options, int count, char **arguments)
 {
-    *options = (struct options){.repeat = 1, .budget = HUGE_VAL};
+    *options = (struct options){.repeat = 1, .burst = 1, .budget = HUGE_VAL};
     for (int i = 1; i < count; i++) {
         if (strcmp(arguments[i], "--help") == 0) {
             options->help = true;

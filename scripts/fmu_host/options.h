@@ -36,7 +36,8 @@ struct experiment {
 };
 
 struct options {
-    long repeat;   /* runs of each case */
+    long repeat;   /* turns of each case */
+    long burst;    /* runs in a turn */
     double budget; /* s; a case that has stepped as long is not run again */
     bool fresh;    /* a new instance for each run instead of fmi2Reset */
     bool help;

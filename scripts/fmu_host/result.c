@@ -5,19 +5,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool result_prepare(struct result *result, const struct experiment *one, long repeat)
+bool result_prepare(struct result *result, const struct experiment *one, long most_runs)
 {
     size_t widest = 1;
     for (size_t g = 0; g < one->get_count; g++) {
         widest = one->get[g].count > widest ? one->get[g].count : widest;
     }
-    result->stepping = calloc((size_t)repeat, sizeof *result->stepping);
-    result->initialization = calloc((size_t)repeat, sizeof *result->initialization);
+    result->stepping = calloc((size_t)most_runs, sizeof *result->stepping);
+    result->initialization = calloc((size_t)most_runs, sizeof *result->initialization);
     result->real = calloc(one->read[TYPE_REAL].count + 1, sizeof *result->real);
     result->integer = calloc(one->read[TYPE_INTEGER].count + 1, sizeof *result->integer);
     result->boolean = calloc(one->read[TYPE_BOOLEAN].count + 1, sizeof *result->boolean);
     result->scratch = calloc(widest, sizeof *result->scratch);
-    result->sorted = calloc((size_t)repeat, sizeof *result->sorted);
+    result->sorted = calloc((size_t)most_runs, sizeof *result->sorted);
     return result->sorted && result->stepping && result->initialization && result->real && result->integer &&
            result->boolean && result->scratch;
 }

@@ -19,7 +19,7 @@ struct result {
 };
 
 /* False when out of memory; result_release() in either case. */
-bool result_prepare(struct result *result, const struct experiment *one, long repeat);
+bool result_prepare(struct result *result, const struct experiment *one, long most_runs);
 void result_release(struct result *result);
 
 /* One line on stdout; `failure` says why, when the case failed. */

@@ -1,6 +1,6 @@
 """Writes scripts/contact_report/stiff_references.json, the references of the report's stiffness sweep:
 
-    .venv/bin/python tests/physics/make_stiff_references.py     (about four minutes)
+    .venv/bin/python tests/physics/make_stiff_references.py     (some minutes on two cores)
 
 Damped to a tenth of the critical damping: Radau IIA (stiff_motion.py), any stiffness. Undamped: the Taylor
 integrator as long as its steps can be counted out (1e9 N/m), beyond that the motion without the fast
@@ -9,6 +9,7 @@ The uncertainty is what a second run gave: a tenfold tolerance, a higher order.
 """
 
 import json
+from concurrent.futures import ProcessPoolExecutor
 from math import cos, sin, sqrt
 from pathlib import Path
 
@@ -62,25 +63,28 @@ def reference(shape, penalty, damping):
     return mean_motion(shape, penalty, END), CARRIED / penalty, "motion without the oscillation"
 
 
+def row(shape, damping, penalty):
+    place, uncertainty, method = reference(shape, penalty, damping)
+    return {
+        "shape": shape,
+        "damping": damping,
+        "penalty_factor": penalty,
+        "position": [float(x) for x in place],
+        "uncertainty": float(f"{uncertainty:.1e}"),
+        "method": method,
+    }
+
+
 def main():
-    rows = []
-    for shape in ("cylinder", "sphere"):
-        for damping, exponents in ((DAMPING, range(5, 16)), (0.0, range(5, 12))):
-            for exponent in exponents:
-                penalty = 10.0**exponent
-                place, uncertainty, method = reference(shape, penalty, damping)
-                rows.append(
-                    {
-                        "shape": shape,
-                        "damping": damping,
-                        "penalty_factor": penalty,
-                        "position": [float(x) for x in place],
-                        "uncertainty": float(f"{uncertainty:.1e}"),
-                        "method": method,
-                    }
-                )
-                print(rows[-1], flush=True)
-    lines = ",\n".join("  " + json.dumps(row) for row in rows)
+    wanted = [
+        (shape, damping, 10.0**exponent)
+        for shape in ("cylinder", "sphere")
+        for damping, exponents in ((DAMPING, range(5, 16)), (0.0, range(5, 12)))
+        for exponent in exponents
+    ]
+    with ProcessPoolExecutor() as pool:
+        rows = list(pool.map(row, *zip(*wanted, strict=True)))
+    lines = ",\n".join("  " + json.dumps(one) for one in rows)
     FILE.write_text(f"[\n{lines}\n]\n", encoding="utf-8")
 
 

@@ -66,8 +66,8 @@ def damped_motion(shape, penalty, damping, end, tolerance):
 
 
 def mean_motion(shape, penalty, end, tolerance=1e-13):
-    """Position at the end of the motion that is free of fast oscillation, to first order in 1/p_n: the overlap
-    is what carries the ball, s = m s''(without contact)/p_n.
+    """Position at the end of the motion that is free of fast oscillation, to first order in 1/p_n: the
+    overlap is what carries the ball, s = m s''(without contact)/p_n.
     """
 
     def overlap(y):

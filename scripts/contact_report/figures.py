@@ -1,0 +1,165 @@
+"""The report's figures, each as SVG for the HTML page and as PNG for README.md"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from .measure import METHODS, STIFF_TOLERANCE, stiff_setting
+from .problems import benchmarks
+from .rows import PEER, SIMILAR, Row
+from .tables import curves
+
+COLORS = {"event_driven": "#c2410c", "cvode_bdf": "#1d4ed8", "cvode_adams": "#0f766e"}
+MARKERS = {"event_driven": "o", "cvode_bdf": "s", "cvode_adams": "^"}
+PEER_COLORS = ("#6d28d9", "#a16207", "#be185d", "#4d7c0f", "#0369a1", "#57534e", "#b91c1c", "#0d9488")
+FLOOR = 1e-16  # m; errors of rounding and less are drawn here
+STYLE = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#e2e8f0",
+    "grid.linewidth": 0.7,
+    "svg.hashsalt": "contact_report",
+    "axes.titlesize": 10,
+    "axes.titlelocation": "left",
+}
+
+
+def save(figure: Figure, folder: Path, name: str) -> None:
+    figure.savefig(folder / f"{name}.svg", metadata={"Date": None, "Creator": None})
+    figure.savefig(folder / f"{name}.png", dpi=130, metadata={"Software": None})
+
+
+def _panels(rows: int, columns: int, height: float) -> tuple[Figure, list[Axes]]:
+    figure = Figure(figsize=(9.6, height), layout="constrained")
+    axes = figure.subplots(rows, columns, squeeze=False)
+    for one in axes.flat:
+        one.set(xscale="log", yscale="log")
+        one.minorticks_off()
+    return figure, list(axes.flat)
+
+
+def work_precision(rows: Sequence[Row], folder: Path) -> None:
+    """Our solvers: filled marks with one communication step, open ones with many"""
+    with mpl.rc_context(STYLE):
+        figure, axes = _panels(2, 2, 7.2)
+        for panel, problem in zip(axes, benchmarks().values(), strict=True):
+            found = curves(rows, problem.name)
+            least = min((key[2] for key in found), default=1)
+            for (solver, _, steps), points in found.items():
+                _draw(panel, points, COLORS[solver], MARKERS[solver], filled=steps == least)
+            panel.set_title(f"{problem.name}: {problem.title}")
+            _label(panel, "error of the position at the end, m", "time, s")
+        steps = sorted({row.communication_steps for row in rows})
+        _legend(figure, [*(_solver_mark(method) for method in METHODS), *_step_marks(steps)])
+        save(figure, folder, "work_precision")
+
+
+def _draw(
+    panel: Axes, points: Sequence[Row], color: str, marker: str, filled: bool, dashed: bool = False
+) -> None:
+    panel.plot(
+        [max(row.error_m, FLOOR) for row in points],
+        [row.time_s for row in points],
+        color=color,
+        marker=marker,
+        markersize=4.5,
+        markerfacecolor=color if filled else "white",
+        linewidth=1.3 if filled else 0.9,
+        linestyle="--" if dashed or not filled else "-",
+    )
+
+
+def _label(panel: Axes, x: str, y: str) -> None:
+    panel.set_xlabel(x)
+    panel.set_ylabel(y)
+
+
+def _solver_mark(solver: str) -> Line2D:
+    return Line2D([], [], color=COLORS[solver], marker=MARKERS[solver], markersize=5, label=solver)
+
+
+def _step_marks(steps: Sequence[int]) -> list[Line2D]:
+    marks = []
+    for count in steps:
+        filled = count == steps[0]
+        text = "one communication step" if count == 1 else f"{count} communication steps"
+        face, line = ("#475569", "-") if filled else ("white", "--")
+        marks.append(
+            Line2D([], [], color="#475569", marker="o", markersize=5, mfc=face, linestyle=line, label=text)
+        )
+    return marks
+
+
+def _legend(figure: Figure, marks: Sequence[Line2D], columns: int = 5) -> None:
+    figure.legend(handles=marks, loc="outside upper center", ncols=min(columns, len(marks)), frameon=False)
+
+
+def peers(own: Sequence[Row], others: Sequence[Row], folder: Path) -> None:
+    """The peers' solvers and our event_driven with the fewest communication steps; dashed: a similar law"""
+    names = list(dict.fromkeys(row.solver for row in others))
+    colors = {name: PEER_COLORS[i % len(PEER_COLORS)] for i, name in enumerate(names)}
+    markers = {name: "sD^vP*Xhd<>p"[i % 12] for i, name in enumerate(names)}
+    with mpl.rc_context(STYLE):
+        figure, axes = _panels(2, 2, 7.8)
+        for panel, problem in zip(axes, benchmarks().values(), strict=True):
+            for (solver, _, _), points in curves(others, problem.name).items():
+                dashed = any(row.law == SIMILAR for row in points)
+                _draw(panel, points, colors[solver], markers[solver], filled=True, dashed=dashed)
+            found = {key: points for key, points in curves(own, problem.name).items() if key[0] == METHODS[0]}
+            if found:
+                points = found[min(found, key=lambda key: key[2])]
+                _draw(panel, points, COLORS[METHODS[0]], "o", filled=True)
+            panel.set_title(f"{problem.name}: {problem.title}")
+            _label(panel, "error of the position at the end, m", "time, s")
+        marks = [_solver_mark(METHODS[0])]
+        marks += [Line2D([], [], color=colors[name], marker=markers[name], label=name) for name in names]
+        if any(row.law == SIMILAR for row in others):
+            marks.append(Line2D([], [], color="#475569", linestyle="--", label="similar law"))
+        _legend(figure, marks, 4)
+        save(figure, folder, "peers")
+
+
+def stiffness(rows: Sequence[Row], folder: Path) -> None:
+    """Time above, error below; damped on the left, undamped on the right"""
+    chosen = [row for row in rows if row.setting == stiff_setting(STIFF_TOLERANCE) and row.measured]
+    chosen = [row for row in chosen if row.communication_steps == 1]
+    with mpl.rc_context(STYLE):
+        figure, axes = _panels(2, 2, 6.6)
+        for column, damping in enumerate(("damped", "undamped")):
+            time, error = axes[column], axes[2 + column]
+            for shape in ("cylinder", "sphere"):
+                for method in METHODS:
+                    name = f"stiff {shape}, {damping}"
+                    points = [row for row in chosen if (row.problem, row.solver) == (name, method)]
+                    style = {"color": COLORS[method], "marker": MARKERS[method], "markersize": 4.5}
+                    style |= {"linewidth": 1.3, "linestyle": "-" if shape == "cylinder" else "--"}
+                    style |= {"markerfacecolor": COLORS[method] if shape == "cylinder" else "white"}
+                    stiff = [row.parameter for row in points]
+                    time.plot(stiff, [row.time_s for row in points], **style)
+                    error.plot(stiff, [max(row.error_m, FLOOR) for row in points], **style)
+            title = "damped, 10 % of critical" if damping == "damped" else "undamped"
+            time.set_title(f"{title}: time")
+            error.set_title(f"{title}: error")
+            _label(time, "$p_n$, N/m", "time, s")
+            _label(error, "$p_n$, N/m", "error at the end, m")
+        for left, right in ((axes[0], axes[1]), (axes[2], axes[3])):
+            right.sharey(left)
+        marks = [_solver_mark(method) for method in METHODS]
+        for shape, line, face in (("cylinder", "-", "#475569"), ("sphere", "--", "white")):
+            style = {"color": "#475569", "marker": "o", "markersize": 5, "mfc": face, "linestyle": line}
+            marks.append(Line2D([], [], label=f"in a hollow {shape}", **style))
+        _legend(figure, marks)
+        save(figure, folder, "stiffness")
+
+
+def has_peers(rows: Sequence[Row]) -> bool:
+    return any(row.group == PEER and row.measured for row in rows)
