@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from .measure import METHODS, STIFF_TOLERANCE, stiff_setting
-from .problems import benchmarks
+from .problems import Problem, benchmarks, stiff_families
 from .rows import PEER, SIMILAR, Row
 from .tables import curves
 
@@ -146,6 +146,7 @@ def stiffness(rows: Sequence[Row], folder: Path) -> None:
                     stiff = [row.parameter for row in points]
                     time.plot(stiff, [row.time_s for row in points], **style)
                     error.plot(stiff, [max(row.error_m, FLOOR) for row in points], **style)
+                _limit_of_reference(error, stiff_families()[name])
             title = "damped, 10 % of critical" if damping == "damped" else "undamped"
             time.set_title(f"{title}: time")
             error.set_title(f"{title}: error")
@@ -153,12 +154,21 @@ def stiffness(rows: Sequence[Row], folder: Path) -> None:
             _label(error, "$p_n$, N/m", "error at the end, m")
         for left, right in ((axes[0], axes[1]), (axes[2], axes[3])):
             right.sharey(left)
+        most = max(len(family) for family in stiff_families().values())
+        for panel in axes:
+            panel.set_xlim(0.5 * 1e5, 2 * 10.0 ** (4 + most))
         marks = [_solver_mark(method) for method in METHODS]
         for shape, line, face in (("cylinder", "-", "#475569"), ("sphere", "--", "white")):
             style = {"color": "#475569", "marker": "o", "markersize": 5, "mfc": face, "linestyle": line}
             marks.append(Line2D([], [], label=f"in a hollow {shape}", **style))
-        _legend(figure, marks)
+        marks.append(Line2D([], [], color="#94a3b8", linestyle=":", label="what the reference is good for"))
+        _legend(figure, marks, 3)
         save(figure, folder, "stiffness")
+
+
+def _limit_of_reference(panel: Axes, family: Sequence[Problem]) -> None:
+    stiff = [problem.penalty_factor for problem in family]
+    panel.plot(stiff, [problem.uncertainty for problem in family], color="#94a3b8", linestyle=":", zorder=1)
 
 
 def has_peers(rows: Sequence[Row]) -> bool:

@@ -17,6 +17,7 @@ METHODS = (EVENT_DRIVEN, *CVODE)
 ABSOLUTE = 1e-4  # absolute tolerance / relative tolerance, as in the start values
 CVODE_ERROR, EVENT_DRIVEN_ERROR = 1e-7, 1e-9  # m, what the compared runs have to reach
 STIFF_TOLERANCE = 1e-9  # of the runs that the stiffness tables show
+TOO_LONG = "not done after"
 
 Say = Callable[[str], None]
 
@@ -29,15 +30,25 @@ class Plan:
     communication_steps: Sequence[int]
     repeat: int  # turns of a case
     burst: int  # runs in a turn
-    budget: float  # s; a case that ran so long is not run again
-    limit: float  # s; a case that is not done by then is given up
+    budget: float  # s; a setting that ran so long is not run again
+    limit: float  # s; a run that is not done by then is ended
     ratio_repeat: int
     stiff_tolerances: Sequence[float]
-    stiff_every: int  # each such penalty factor of the sweep
+    penalty_factors: Sequence[float]  # N/m; of the sweep, as far as there are references
 
 
-FULL = Plan([10.0**-k for k in range(4, 14)], (1, 997), 5, 3, 0.4, 5.0, 15, (1e-6, 1e-9, 1e-12), 1)
-QUICK = Plan((1e-6, 1e-10), (1, 7), 2, 1, 0.05, 2.0, 2, (1e-9,), 5)
+FULL = Plan(
+    [10.0**-k for k in range(4, 14)],
+    (1, 997),
+    5,
+    3,
+    0.3,
+    3.0,
+    15,
+    (1e-6, 1e-9, 1e-12),
+    [10.0**k for k in range(5, 16)],
+)
+QUICK = Plan((1e-6, 1e-10), (1, 7), 2, 1, 0.05, 30.0, 2, (1e-9,), (1e5, 1e6))
 
 
 class Setting(NamedTuple):
@@ -48,6 +59,14 @@ class Setting(NamedTuple):
     tolerance: float
     steps: int
 
+    @property
+    def name(self) -> str:
+        return f"{self.problem.title}, {self.method}, {self.tolerance:g}, {self.steps} steps"
+
+    @property
+    def where(self) -> str:
+        return f" at {self.tolerance:g}, p_n = {self.problem.penalty_factor:g} N/m"
+
     def case(self) -> Case:
         start = {
             **self.problem.start,
@@ -55,31 +74,42 @@ class Setting(NamedTuple):
             "solver.relative_tolerance": self.tolerance,
             "solver.absolute_tolerance": ABSOLUTE * self.tolerance,
         }
-        name = f"{self.problem.title}, {self.method}, {self.tolerance:g}, {self.steps} steps"
         outputs = ("source.position", "contact.onsets")
-        return Case(name, fmu_file(self.problem.fmu), self.problem.stop, self.steps, start, outputs=outputs)
+        return Case(
+            self.name, fmu_file(self.problem.fmu), self.problem.stop, self.steps, start, outputs=outputs
+        )
 
 
-def run_settings(settings: Sequence[Setting], plan: Plan) -> list[Result]:
-    """All in one process, taking turns; should that hang, each in one of its own with plan.limit"""
-    cases = [setting.case() for setting in settings]
-    options = {"repeat": plan.repeat, "burst": plan.burst, "budget": plan.budget, "keep_going": True}
-    if len(cases) > 1:
-        together = plan.limit + len(cases) * (plan.budget + 0.5)
-        try:
-            return run_host(cases, **options, timeout=together)
-        except HostTimeout:
-            pass
-    return [_run_alone(case, options, plan) for case in cases]
+def run_ladders(ladders: Sequence[Sequence[Setting]], plan: Plan) -> dict[Setting, Result]:
+    """Each ladder is climbed alone, one run a setting, up to the first that takes too long. The settings that
+    turn out quick are then run together, taking turns; of the slow ones that first run is all there is.
+    """
+    results: dict[Setting, Result] = {}
+    for ladder in ladders:
+        given_up = ""
+        for setting in ladder:
+            results[setting] = (
+                Result(setting.name, [], [], {}, given_up) if given_up else _run_alone(setting, plan)
+            )
+            if results[setting].error.startswith(TOO_LONG):
+                given_up = f"not run: {results[setting].error}{setting.where}"
+    quick = [
+        setting for setting, result in results.items() if not result.error and result.least < plan.budget
+    ]
+    cases = [setting.case() for setting in quick]
+    if cases:
+        together = run_host(cases, plan.repeat, burst=plan.burst, budget=plan.budget)
+        results |= zip(quick, together, strict=True)
+    return results
 
 
-def _run_alone(case: Case, options: dict, plan: Plan) -> Result:
+def _run_alone(setting: Setting, plan: Plan) -> Result:
     try:
-        return run_host([case], **options, timeout=plan.limit + plan.budget)[0]
+        return run_host([setting.case()], timeout=plan.limit)[0]
     except HostTimeout:
-        return Result(case.name, [], [], {}, f"not done after {plan.limit:g} s")
+        return Result(setting.name, [], [], {}, f"{TOO_LONG} {plan.limit:g} s")
     except HostError as error:
-        return Result(case.name, [], [], {}, str(error))
+        return Result(setting.name, [], [], {}, str(error))
 
 
 def row_of(setting: Setting, result: Result, stiff: bool = False) -> Row:
@@ -106,12 +136,11 @@ def work_precision(plan: Plan, say: Say) -> list[Row]:
     for problem in benchmarks().values():
         for steps in plan.communication_steps:
             say(f"{problem.name}, {steps} communication steps")
-            settings = [
-                Setting(problem, method, tolerance, steps)
+            ladders = [
+                [Setting(problem, method, tolerance, steps) for tolerance in plan.tolerances]
                 for method in METHODS
-                for tolerance in plan.tolerances
             ]
-            rows += [row_of(*pair) for pair in zip(settings, run_settings(settings, plan), strict=True)]
+            rows += [row_of(*pair) for pair in run_ladders(ladders, plan).items()]
     return rows
 
 
@@ -166,51 +195,16 @@ def _compare(problem: Problem, steps: int, ours: Row, theirs: Row, plan: Plan) -
 
 
 def stiffness(plan: Plan, say: Say) -> list[Row]:
-    """Time and error against p_n. A solver that takes too long is not tried at higher ones. CVODE runs with
-    one tolerance and one communication step; event_driven's runs are repeated together, taking turns.
-    """
-    rows = []
+    """Time and error against p_n; CVODE runs with one tolerance and one communication step"""
+    rows: list[Row] = []
     for name, family in stiff_families().items():
-        problems = family[:: plan.stiff_every]
+        say(name)
+        problems = [problem for problem in family if problem.penalty_factor in plan.penalty_factors]
+        ladders = []
         for method in METHODS:
-            say(f"{name}, {method}")
-            rows += _stiff_runs(problems, method, plan)
+            ours = method == EVENT_DRIVEN
+            for tolerance in plan.stiff_tolerances if ours else (STIFF_TOLERANCE,):
+                for steps in plan.communication_steps if ours else (1,):
+                    ladders.append([Setting(problem, method, tolerance, steps) for problem in problems])
+        rows += [row_of(*pair, stiff=True) for pair in run_ladders(ladders, plan).items()]
     return rows
-
-
-def _stiff_runs(problems: Sequence[Problem], method: str, plan: Plan) -> list[Row]:
-    ours = method == EVENT_DRIVEN
-    rows: list[Row] = []
-    again: list[Setting] = []
-    for tolerance in plan.stiff_tolerances if ours else (STIFF_TOLERANCE,):
-        for steps in plan.communication_steps if ours else (1,):
-            tried, fit = _climb(problems, method, tolerance, steps, plan)
-            rows += tried
-            again += fit
-    if again:
-        rows += [row_of(*pair, stiff=True) for pair in zip(again, run_settings(again, plan), strict=True)]
-    return sorted(rows, key=lambda row: (row.setting, row.communication_steps, row.parameter))
-
-
-def _climb(
-    problems: Sequence[Problem], method: str, tolerance: float, steps: int, plan: Plan
-) -> tuple[list[Row], list[Setting]]:
-    """(rows, settings of event_driven that are left to be repeated together)"""
-    rows: list[Row] = []
-    left: list[Setting] = []
-    given_up = ""
-    for problem in problems:
-        setting = Setting(problem, method, tolerance, steps)
-        if given_up:
-            result = Result(setting.case().name, [], [], {}, given_up)
-        else:
-            result = _run_alone(
-                setting.case(), {"budget": plan.budget, "repeat": 2, "keep_going": True}, plan
-            )
-        if result.error.startswith("not done"):
-            given_up = f"not run: {result.error} at p_n = {problem.penalty_factor:g} N/m"
-        if method == EVENT_DRIVEN and not result.error and result.least < plan.budget:
-            left.append(setting)
-        else:
-            rows.append(row_of(setting, result, stiff=True))
-    return rows, left

@@ -36,11 +36,8 @@ def draw_page(folder: Path) -> list[Path]:
     versions = dict(summary["versions"])
     for part in parts:
         versions |= part.get("versions", {})
-    sections = [
-        _work_precision(own, others, summary["ratios"], folder),
-        _stiffness(own, folder),
-        *(given_section(section, folder) for part in parts for section in part.get("sections", ())),
-    ]
+    given = [given_section(section, folder) for part in parts for section in part.get("sections", ())]
+    sections = [_work_precision(own, others, summary["ratios"], folder), _stiffness(own, folder), *given]
     context = {"versions": versions, "made": summary["made"], "plan": summary["plan"], "sections": sections}
     files = []
     for template, name in (("page.html", "index.html"), ("page.md", "README.md")):

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from .measure import EVENT_DRIVEN, METHODS, STIFF_TOLERANCE, stiff_setting
+from .measure import EVENT_DRIVEN, METHODS, STIFF_TOLERANCE, TOO_LONG, stiff_setting
 from .problems import Problem
-from .rows import PEER, RELATIVE_TOLERANCE, SIMILAR, THIS_FMU, Row
+from .rows import PEER, RELATIVE_TOLERANCE, THIS_FMU, Row
 
 ERRORS = (1e-5, 1e-7, 1e-9, 1e-11)  # m
 MISSING = "–"
@@ -116,36 +116,38 @@ def stiffness(name: str, family: Sequence[Problem], rows: Sequence[Row]) -> Tabl
 def _time_and_error(row: Row | None) -> tuple[str, str]:
     if row is None:
         return MISSING, MISSING
-    if not row.measured:
-        return MISSING, row.note.partition(" at p_n")[0] if row.note.startswith("not ") else "failed"
-    return seconds(row.time_s), metres(row.error_m)
+    if row.measured:
+        return seconds(row.time_s), metres(row.error_m)
+    if row.note.startswith(TOO_LONG):
+        return f">{row.note.removeprefix(TOO_LONG)}", MISSING
+    return "not run" if row.note.startswith("not run") else "failed", MISSING
 
 
-def growth(families: dict[str, Sequence[Problem]], rows: Sequence[Row]) -> Table:
+def growth(names: Iterable[str], rows: Sequence[Row]) -> Table:
     """Time of event_driven at the stiffest against 1e7 N/m, runs taking turns"""
     cells = []
-    for name, family in families.items():
+    for name in names:
         for setting in dict.fromkeys(row.setting for row in rows if row.problem == name):
             for steps in dict.fromkeys(row.communication_steps for row in rows if row.setting == setting):
-                cells += _growth_row(name, setting, steps, family, rows)
+                cells += _growth_row(name, setting, steps, rows)
     header = ["family", "relative tolerance", "communication steps", "at 1e7 N/m", "at the stiffest", "ratio"]
     return Table("event_driven: time at the stiffest contact against that at 1e7 N/m", header, cells, 1)
 
 
-def _growth_row(name: str, setting: str, steps: int, family: Sequence[Problem], rows: Sequence[Row]) -> list:
+def _growth_row(name: str, setting: str, steps: int, rows: Sequence[Row]) -> list:
     key = (name, setting, steps, EVENT_DRIVEN)
     times = {
         row.parameter: row.time_s
         for row in rows
         if (row.problem, row.setting, row.communication_steps, row.solver) == key
     }
-    base, last = times.get(1e7), times.get(family[-1].penalty_factor)
-    tolerance = setting.rpartition(" ")[2]
-    if base is None and last is None:
+    if not times:
         return []
+    stiffest = max(times)
+    base, last = times.get(1e7), times[stiffest]
     ratio = f"{last / base:.2f}" if base and last else MISSING
-    end = f"{seconds(last)} ({family[-1].penalty_factor:.0e} N/m)"
-    return [[name, tolerance, str(steps), seconds(base), end, ratio]]
+    end = f"{seconds(last)} ({stiffest:.0e} N/m)"
+    return [[name, setting.rpartition(" ")[2], str(steps), seconds(base), end, ratio]]
 
 
 def curves(rows: Sequence[Row], problem: str) -> dict[tuple[str, str, int | None], list[Row]]:
@@ -156,10 +158,6 @@ def curves(rows: Sequence[Row], problem: str) -> dict[tuple[str, str, int | None
             setting = "" if row.group == THIS_FMU else row.setting
             found.setdefault((row.solver, setting, row.communication_steps), []).append(row)
     return {key: sorted(some, key=lambda row: row.parameter or 0.0) for key, some in found.items()}
-
-
-def similar_law(rows: Sequence[Row]) -> bool:
-    return any(row.law == SIMILAR for row in rows)
 
 
 def own_work_precision(rows: Sequence[Row]) -> list[Row]:

@@ -1,0 +1,55 @@
+"""The references of the stiffness sweep: each kind recomputed where a second way is quick, and what they say
+of the motion.
+"""
+
+import json
+
+import numpy as np
+import pytest
+from checks import check_close
+from make_stiff_references import COUNTABLE, DAMPING, END, FILE, taylor
+from stiff_motion import MASS, damped_motion, mean_motion
+
+ROWS = {
+    (row["shape"], row["damping"], row["penalty_factor"]): row
+    for row in json.loads(FILE.read_text(encoding="utf-8"))
+}
+SHAPES = ("cylinder", "sphere")
+
+
+@pytest.mark.parametrize("penalty", [1e5, 1e6])
+@pytest.mark.parametrize("damping", [DAMPING, 0.0])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_taylor_integrator_finds_the_stored_position(shape, damping, penalty):
+    """For the damped motion it is a second method in other coordinates."""
+    row = ROWS[shape, damping, penalty]
+    check_close("position", taylor(shape, penalty, damping, 24), row["position"], 3e-14)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_radau_finds_the_stored_position_of_the_stiffest(shape):
+    place, least = damped_motion(shape, 1e15, DAMPING, END, 1e-10)
+    check_close("position", place, ROWS[shape, DAMPING, 1e15]["position"], 1e-12)
+    assert least > 0
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_stiffest_damped_motion_has_no_oscillation_left(shape):
+    mean = mean_motion(shape, 1e15, END)
+    check_close("position", mean, ROWS[shape, DAMPING, 1e15]["position"], 1e-13)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_undamped_motion_stays_near_the_one_without_oscillation(shape):
+    """Off by less than m g/p_n wherever both are known, which is the uncertainty stated beyond."""
+    known = [row for key, row in ROWS.items() if key[:2] == (shape, 0.0)]
+    counted = [row for row in known if row["penalty_factor"] <= COUNTABLE]
+    assert len(counted) == 5 and len(known) == 7
+    for row in counted:
+        off = np.linalg.norm(mean_motion(shape, row["penalty_factor"], END) - row["position"])
+        assert off * row["penalty_factor"] < 9.81 * MASS
+
+
+def test_the_uncertainties_stay_below_what_is_asked():
+    assert len(ROWS) == 36
+    assert max(row["uncertainty"] for row in ROWS.values()) < 1e-9

@@ -1,0 +1,248 @@
+"""The report tells what was measured: all rows, right errors, figures and tables that belong together."""
+
+import dataclasses
+import getpass
+import json
+import platform
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from benchmarks import BENCHMARKS
+from contact_report.__main__ import main
+from contact_report.measure import (
+    ABSOLUTE,
+    CVODE,
+    METHODS,
+    QUICK,
+    STIFF_TOLERANCE,
+    Setting,
+    row_of,
+    run_ladders,
+    stiff_setting,
+)
+from contact_report.problems import benchmarks, stiff_families
+from contact_report.rows import COLUMNS, PEER, RELATIVE_TOLERANCE, Row, read_rows, write_rows
+from lxml import etree
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory):
+    """What `scripts/report.sh --quick` leaves, without set-up, build and the optional parts"""
+    folder = tmp_path_factory.mktemp("report")
+    assert main(["measure", "--quick", "--output", str(folder)]) == 0
+    assert main(["page", "--output", str(folder)]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def rows(report):
+    return read_rows(report / "results.csv")
+
+
+def test_there_is_a_row_for_everything_asked_for(rows):
+    keys = [(row.problem, row.solver, row.setting, row.parameter, row.communication_steps) for row in rows]
+    wanted = [
+        (problem, method, RELATIVE_TOLERANCE, tolerance, steps)
+        for problem in BENCHMARKS
+        for method in METHODS
+        for tolerance in QUICK.tolerances
+        for steps in QUICK.communication_steps
+    ]
+    for name, family in stiff_families().items():
+        for problem in [one for one in family if one.penalty_factor in QUICK.penalty_factors]:
+            for method in METHODS:
+                for steps in (1,) if method in CVODE else QUICK.communication_steps:
+                    wanted.append(
+                        (name, method, stiff_setting(STIFF_TOLERANCE), problem.penalty_factor, steps)
+                    )
+    assert sorted(keys) == sorted(wanted)
+
+
+def test_every_row_is_measured(rows):
+    for row in rows:
+        assert row.measured and row.note == "", row
+        assert 0 < row.time_min_s <= row.time_s, row
+        assert row.onsets >= 1, row
+
+
+def test_a_run_that_takes_too_long_ends_its_ladder(opened):
+    """The undamped contact takes CVODE half a second and more at 1e7 N/m."""
+    plan = dataclasses.replace(QUICK, limit=0.1)
+    family = [one for one in stiff_families()["stiff cylinder, undamped"] if one.penalty_factor >= 1e7]
+    slow = [Setting(problem, "cvode_bdf", 1e-9, 1) for problem in family]
+    quick = [Setting(benchmarks()["P2"], "event_driven", 1e-9, 1)]
+    rows = [row_of(*pair) for pair in run_ladders([slow, quick], plan).items()]
+    assert rows[0].note == "not done after 0.1 s"
+    assert {row.note for row in rows[1:-1]} == {f"not run: {rows[0].note} at 1e-09, p_n = 1e+07 N/m"}
+    assert not any(row.measured for row in rows[:-1])
+    assert rows[-1].measured and rows[-1].problem == "P2"
+
+
+def test_tight_runs_are_near_the_reference_and_count_the_contacts(rows):
+    contacts = {"P1": 8, "P2": 2, "P3": 1, "P3b": 63}
+    tight = [row for row in rows if (row.setting, row.parameter) == (RELATIVE_TOLERANCE, 1e-10)]
+    assert len(tight) == 4 * 3 * 2
+    for row in tight:
+        assert row.error_m <= 1e-8, row
+        assert row.onsets == contacts[row.problem], row
+
+
+@pytest.mark.parametrize("steps", QUICK.communication_steps)
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_the_errors_are_those_of_runs_with_fmpy(rows, opened, name, method, steps):
+    problem = BENCHMARKS[name]
+    loosest = QUICK.tolerances[0]
+    fmu = opened(problem.fmu)
+    fmu.reset()
+    tolerances = {"solver.relative_tolerance": loosest, "solver.absolute_tolerance": ABSOLUTE * loosest}
+    fmu.start({**benchmarks()[name].start, **tolerances, "solver.method": method})
+    for k in range(steps):
+        fmu.step(problem.end * ((k + 1) / steps) - fmu.time)
+    error = np.linalg.norm(fmu["source.position"] - problem.position)
+    key = (name, method, RELATIVE_TOLERANCE, loosest, steps)
+    row = next(
+        row
+        for row in rows
+        if (row.problem, row.solver, row.setting, row.parameter, row.communication_steps) == key
+    )
+    assert f"{error:.3g}" == f"{row.error_m:.3g}"
+
+
+def test_the_problems_are_those_of_the_tests(opened):
+    for name, problem in benchmarks().items():
+        other = BENCHMARKS[name]
+        assert (problem.fmu, problem.stop, problem.position) == (other.fmu, other.end, other.position)
+        given = {"contact.dashpot": "unclamped", **other.configuration}
+        for key, value in problem.start.items():
+            if key in given:  # the others are start values of the FMU
+                same = (
+                    value == given[key]
+                    if isinstance(value, str)
+                    else np.allclose(value, given[key], 1e-15, 0)
+                )
+                assert same, (name, key)
+        left_out = {key: value for key, value in given.items() if key not in problem.start}
+        assert left_out.keys() <= {"source.motion", "destination.motion", "contact.dashpot"}
+
+
+def test_figures_exist_and_are_pictures(report):
+    for name in ("work_precision", "stiffness"):
+        assert (report / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        root = etree.fromstring((report / f"{name}.svg").read_bytes())
+        assert len(root.findall(".//{*}path")) > 50
+
+
+def test_the_page_stands_alone(report):
+    page = etree.HTML((report / "index.html").read_text(encoding="utf-8"))
+    images = page.xpath("//img/@src")
+    assert len(images) == 2
+    assert all(source.startswith("data:image/svg+xml;base64,") for source in images)
+    assert page.xpath("//link | //script | //iframe") == []
+    for table in page.xpath("//table[tr/th]"):
+        columns = len(table.xpath("tr/th"))
+        assert {len(row.xpath("td")) for row in table.xpath("tr[td]")} == {columns}
+
+
+def test_the_readme_shows_the_figures_and_the_same_tables(report):
+    text = (report / "README.md").read_text(encoding="utf-8")
+    shown = re.findall(r"!\[[^\]]+\]\((\w+\.png)\)", text)
+    assert shown == ["work_precision.png", "stiffness.png"]
+    tables = re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE)
+    for table in tables:
+        assert len({line.count("|") for line in table.splitlines()}) == 1, table
+    page = etree.HTML((report / "index.html").read_text(encoding="utf-8"))
+    assert len(tables) == len(page.xpath("//table"))
+
+
+def test_the_ratio_is_that_of_runs_that_are_good_enough(report):
+    entries = json.loads((report / "summary.json").read_text(encoding="utf-8"))["ratios"]
+    assert len(entries) == 4 * len(QUICK.communication_steps)
+    for entry in entries:
+        ours, theirs = entry["event_driven"], entry["cvode"]
+        assert ours["solver"] == "event_driven" and ours["error_m"] <= 1e-9
+        assert theirs["solver"] in CVODE and theirs["error_m"] <= 1e-7
+        assert entry["ratio"] == pytest.approx(theirs["time_s"] / ours["time_s"])
+
+
+def test_versions_are_told_and_no_names(report):
+    text = "".join((report / name).read_text(encoding="utf-8") for name in ("README.md", "summary.json"))
+    versions = json.loads((report / "summary.json").read_text(encoding="utf-8"))["versions"]
+    assert re.match(r"\d+\.\d+", versions["SUNDIALS"])
+    assert {"processor", "compiler", "fmpy", "FMUs"} <= versions.keys()
+    assert not re.search(rf"\b{re.escape(platform.node())}\b", text)
+    assert str(Path.home()) not in text and str(ROOT) not in text
+    assert getpass.getuser() == "root" or getpass.getuser() not in text
+
+
+@pytest.fixture
+def with_parts(report, tmp_path):
+    for file in report.iterdir():
+        (tmp_path / file.name).write_bytes(file.read_bytes())
+    peer = Row("P1", PEER, "other, method", "similar", "step size in s", 1e-3, None, 0.5, 0.4, 1e-4, None)
+    unable = Row(
+        "P3", PEER, "other, method", "similar", "", None, None, None, None, None, None, "no hollow one"
+    )
+    write_rows(tmp_path / "peers.csv", [peer, dataclasses.replace(peer, time_s=2.5, error_m=1e-6), unable])
+    (tmp_path / "peers.json").write_text('{"versions": {"other": "4.5.6"}}')
+    figure = {"name": "stiffness", "caption": "A picture"}
+    table = {"caption": "Its table", "header": ["a", "b"], "rows": [["x|y", 1.23456789], ["z", "any"]]}
+    section = {"title": "Of its own", "paragraphs": ["Words <b>."], "tables": [table], "figures": [figure]}
+    (tmp_path / "force_element.json").write_text(json.dumps({"data": [1], "sections": [section]}))
+    return tmp_path
+
+
+def test_optional_parts_are_shown_when_they_are_there(with_parts):
+    assert main(["page", "--output", str(with_parts)]) == 0
+    html = (with_parts / "index.html").read_text(encoding="utf-8")
+    text = (with_parts / "README.md").read_text(encoding="utf-8")
+    assert html.count("<img ") == 4
+    assert "Words &lt;b&gt;." in html and "Words <b>." in text
+    assert "| x\\|y | 1.235 |" in text
+    for page in (html, text):
+        assert "Of its own" in page and "4.5.6" in page
+        assert "other, method, P3: no hollow one" in page
+    assert "| other, method | similar | – | – | – | – | – | 1.0e-06 |" not in text
+    assert "| other, method | similar | – | 2.50 s | – | – | – | 1.0e-06 |" in text
+
+
+def test_a_part_that_is_wrong_is_refused(with_parts, capsys):
+    (with_parts / "stiffness.png").unlink()
+    (with_parts / "force_element.json").write_text(
+        json.dumps({"sections": [{"title": "T", "figures": [{"name": "nowhere", "caption": ""}]}]})
+    )
+    assert main(["page", "--output", str(with_parts)]) == 1
+    assert "section 'T' shows" in capsys.readouterr().err
+    (with_parts / "peers.csv").write_text("problem,time\nP1,3\n")
+    with pytest.raises(ValueError, match="the columns are"):
+        main(["page", "--output", str(with_parts)])
+
+
+def test_rows_survive_their_file(tmp_path):
+    row = Row("P1", PEER, "a, b", "same", "step", 1e-3, None, 0.1234, 0.1, 1.23e-9, 8, 'says "no"')
+    empty = Row("P1", PEER, "a", "same", "step", None, None, None, None, None, None, "never done")
+    write_rows(tmp_path / "rows.csv", [row, empty])
+    assert (tmp_path / "rows.csv").read_text().splitlines()[0] == ",".join(COLUMNS)
+    assert read_rows(tmp_path / "rows.csv") == [row, empty]
+
+
+@pytest.mark.parametrize("arguments", [["--fast"], ["--output"]])
+def test_the_command_refuses_what_it_does_not_know(arguments):
+    command = [ROOT / "scripts" / "report.sh", *arguments]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert run.returncode == 2
+    assert run.stderr.startswith("report: ") and arguments[0] in run.stderr
+
+
+def test_measuring_without_a_host_says_what_to_do(tmp_path):
+    command = [sys.executable, "-m", "contact_report", "measure", "--quick", "--output", tmp_path]
+    environment = {"PYTHONPATH": str(ROOT / "scripts"), "CONTACT_BUILD": str(tmp_path)}
+    run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    assert run.returncode == 1
+    assert "fmu_host does not exist: build it first" in run.stderr and "Traceback" not in run.stderr
