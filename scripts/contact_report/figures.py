@@ -10,15 +10,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from . import tables
 from .measure import METHODS, STIFF_TOLERANCE, stiff_setting
 from .problems import Problem, benchmarks, stiff_families
 from .rows import PEER, SIMILAR, Row
-from .tables import curves
 
 COLORS = {"event_driven": "#c2410c", "cvode_bdf": "#1d4ed8", "cvode_adams": "#0f766e"}
 MARKERS = {"event_driven": "o", "cvode_bdf": "s", "cvode_adams": "^"}
-PEER_COLORS = ("#6d28d9", "#a16207", "#be185d", "#4d7c0f", "#0369a1", "#57534e", "#b91c1c", "#0d9488")
+PEER_COLORS = ("#6d28d9", "#0369a1", "#be185d", "#4d7c0f", "#475569", "#a16207", "#0d9488", "#57534e")
 FLOOR = 1e-16  # m; errors of rounding and less are drawn here
+WORST = 1.0  # m; peers that are further off are not drawn
 STYLE = {
     "font.family": "DejaVu Sans",
     "font.size": 9,
@@ -52,9 +53,9 @@ def work_precision(rows: Sequence[Row], folder: Path) -> None:
     with mpl.rc_context(STYLE):
         figure, axes = _panels(2, 2, 7.2)
         for panel, problem in zip(axes, benchmarks().values(), strict=True):
-            found = curves(rows, problem.name)
-            least = min((key[2] for key in found), default=1)
-            for (solver, _, steps), points in found.items():
+            found = tables.curves(rows, problem.name)
+            least = min((steps for _, steps in found), default=1)
+            for (solver, steps), points in found.items():
                 _draw(panel, points, COLORS[solver], MARKERS[solver], filled=steps == least)
             panel.set_title(f"{problem.name}: {problem.title}")
             _label(panel, "error of the position at the end, m", "time, s")
@@ -63,9 +64,7 @@ def work_precision(rows: Sequence[Row], folder: Path) -> None:
         save(figure, folder, "work_precision")
 
 
-def _draw(
-    panel: Axes, points: Sequence[Row], color: str, marker: str, filled: bool, dashed: bool = False
-) -> None:
+def _draw(panel: Axes, points: Sequence[Row], color: str, marker: str, filled: bool) -> None:
     panel.plot(
         [max(row.error_m, FLOOR) for row in points],
         [row.time_s for row in points],
@@ -74,7 +73,7 @@ def _draw(
         markersize=4.5,
         markerfacecolor=color if filled else "white",
         linewidth=1.3 if filled else 0.9,
-        linestyle="--" if dashed or not filled else "-",
+        linestyle="-" if filled else "--",
     )
 
 
@@ -84,7 +83,7 @@ def _label(panel: Axes, x: str, y: str) -> None:
 
 
 def _solver_mark(solver: str) -> Line2D:
-    return Line2D([], [], color=COLORS[solver], marker=MARKERS[solver], markersize=5, label=solver)
+    return _mark(solver, COLORS[solver], MARKERS[solver])
 
 
 def _step_marks(steps: Sequence[int]) -> list[Line2D]:
@@ -104,28 +103,54 @@ def _legend(figure: Figure, marks: Sequence[Line2D], columns: int = 5) -> None:
 
 
 def peers(own: Sequence[Row], others: Sequence[Row], folder: Path) -> None:
-    """The peers' solvers and our event_driven with the fewest communication steps; dashed: a similar law"""
-    names = list(dict.fromkeys(row.solver for row in others))
-    colors = {name: PEER_COLORS[i % len(PEER_COLORS)] for i, name in enumerate(names)}
-    markers = {name: "sD^vP*Xhd<>p"[i % 12] for i, name in enumerate(names)}
+    """All settings of the peers as points, a line through the best of each solver, dashed where its law is
+    only similar; and our event_driven with the fewest communication steps
+    """
+    others = [row for row in others if row.measured and row.error_m <= WORST]
+    styles = _peer_styles(list(dict.fromkeys(row.solver for row in others)))
+    fewest = min(row.communication_steps for row in own)
+    best = [row for row in own if (row.solver, row.communication_steps) == (METHODS[0], fewest)]
     with mpl.rc_context(STYLE):
         figure, axes = _panels(2, 2, 7.8)
         for panel, problem in zip(axes, benchmarks().values(), strict=True):
-            for (solver, _, _), points in curves(others, problem.name).items():
+            for solver, (color, marker) in styles.items():
+                points = [row for row in others if (row.problem, row.solver) == (problem.name, solver)]
                 dashed = any(row.law == SIMILAR for row in points)
-                _draw(panel, points, colors[solver], markers[solver], filled=True, dashed=dashed)
-            found = {key: points for key, points in curves(own, problem.name).items() if key[0] == METHODS[0]}
-            if found:
-                points = found[min(found, key=lambda key: key[2])]
-                _draw(panel, points, COLORS[METHODS[0]], "o", filled=True)
+                _draw_peer(panel, points, color, marker, dashed)
+            points = [row for row in best if row.problem == problem.name]
+            _draw_peer(panel, points, COLORS[METHODS[0]], "o", False)
             panel.set_title(f"{problem.name}: {problem.title}")
             _label(panel, "error of the position at the end, m", "time, s")
-        marks = [_solver_mark(METHODS[0])]
-        marks += [Line2D([], [], color=colors[name], marker=markers[name], label=name) for name in names]
+        marks = [_mark(f"this FMU, {METHODS[0]}", COLORS[METHODS[0]], "o")]
+        marks += [_mark(solver, *style) for solver, style in styles.items()]
         if any(row.law == SIMILAR for row in others):
             marks.append(Line2D([], [], color="#475569", linestyle="--", label="similar law"))
         _legend(figure, marks, 4)
         save(figure, folder, "peers")
+
+
+def _peer_styles(solvers: Sequence[str]) -> dict[str, tuple[str, str]]:
+    """A color for each simulator, the first word of a solver's name, and a marker for each of its solvers"""
+    simulators = list(dict.fromkeys(solver.split()[0] for solver in solvers))
+    styles = {}
+    for solver in solvers:
+        which = simulators.index(solver.split()[0])
+        earlier = sum(other.split()[0] == solver.split()[0] for other in styles)
+        styles[solver] = (PEER_COLORS[which % len(PEER_COLORS)], "sD^vP*X"[earlier % 7])
+    return styles
+
+
+def _draw_peer(panel: Axes, points: Sequence[Row], color: str, marker: str, dashed: bool) -> None:
+    style = {"color": color, "marker": marker, "markersize": 4.5}
+    every = ([max(row.error_m, FLOOR) for row in points], [row.time_s for row in points])
+    panel.plot(*every, linestyle="", alpha=0.35, markeredgewidth=0, **style)
+    front = tables.front(points)
+    best = ([max(row.error_m, FLOOR) for row in front], [row.time_s for row in front])
+    panel.plot(*best, linestyle="--" if dashed else "-", linewidth=1.3, **style)
+
+
+def _mark(label: str, color: str, marker: str) -> Line2D:
+    return Line2D([], [], color=color, marker=marker, markersize=5, label=label)
 
 
 def stiffness(rows: Sequence[Row], folder: Path) -> None:

@@ -37,7 +37,11 @@ def draw_page(folder: Path) -> list[Path]:
     for part in parts:
         versions |= part.get("versions", {})
     given = [given_section(section, folder) for part in parts for section in part.get("sections", ())]
-    sections = [_work_precision(own, others, summary["ratios"], folder), _stiffness(own, folder), *given]
+    sections = [
+        _work_precision(own, others, summary["ratios"], "sections" in parts[0], folder),
+        _stiffness(own, folder),
+        *given,
+    ]
     context = {"versions": versions, "made": summary["made"], "plan": summary["plan"], "sections": sections}
     files = []
     for template, name in (("page.html", "index.html"), ("page.md", "README.md")):
@@ -47,7 +51,10 @@ def draw_page(folder: Path) -> list[Path]:
     return files
 
 
-def _work_precision(own: list[Row], others: list[Row], ratios: list[dict], folder: Path) -> Section:
+def _work_precision(
+    own: list[Row], others: list[Row], ratios: list[dict], given: bool, folder: Path
+) -> Section:
+    """`given`: the peers tell by themselves what could not be measured"""
     rows = tables.own_work_precision(own)
     figures.work_precision(rows, folder)
     caption = "Error against time of the three solvers of the FMU, over relative tolerances."
@@ -55,7 +62,11 @@ def _work_precision(own: list[Row], others: list[Row], ratios: list[dict], folde
     if figures.has_peers(others):
         figures.peers(rows, others, folder)
         caption = "The event-driven solver with the fewest communication steps, and other simulators over"
-        shown.append({"name": "peers", "caption": f"{caption} their own step sizes or tolerances."})
+        caption += (
+            " their own step sizes or tolerances. A line joins the best settings of a solver; faint marks are"
+        )
+        caption += f" the others; errors above {figures.WORST:g} m are left out."
+        shown.append({"name": "peers", "caption": caption})
     every = [*rows, *others]
     listed = [tables.least_times(problem, every) for problem in benchmarks()]
     paragraphs = [
@@ -63,8 +74,8 @@ def _work_precision(own: list[Row], others: list[Row], ratios: list[dict], folde
         "of the runs, of stepping alone: fmi2DoStep called by a C program, without loading and "
         "initialization. The absolute tolerance goes along at 1e-4 of the relative one.",
     ]
-    unable = [f"{row.solver}, {row.problem}: {row.note}" for row in others if not row.measured and row.note]
-    if unable:
+    unable = [f"{row.solver}, {row.problem}: {row.note}" for row in others if not row.measured]
+    if unable and not given:
         paragraphs.append("Not measured: " + "; ".join(dict.fromkeys(unable)) + ".")
     return Section("Error against time", paragraphs, [*listed, tables.ratios(ratios)], shown)
 

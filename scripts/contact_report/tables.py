@@ -83,7 +83,7 @@ def ratios(comparison: Sequence[dict]) -> Table:
         )
     header = ["problem", "communication steps", "best CVODE setting that reaches 1e-7 m", "its time, error"]
     header += ["best event_driven setting that reaches 1e-9 m", "its time, error", "ratio of times"]
-    return Table("How much less time the event-driven solver takes", header, cells)
+    return Table("How much less time the event-driven solver takes", header, cells, 6)
 
 
 def _side(side: dict) -> tuple[str, str]:
@@ -150,14 +150,22 @@ def _growth_row(name: str, setting: str, steps: int, rows: Sequence[Row]) -> lis
     return [[name, setting.rpartition(" ")[2], str(steps), seconds(base), end, ratio]]
 
 
-def curves(rows: Sequence[Row], problem: str) -> dict[tuple[str, str, int | None], list[Row]]:
-    """Rows of each (solver, setting or '', communication steps), by ascending error"""
-    found: dict[tuple[str, str, int | None], list[Row]] = {}
+def curves(rows: Sequence[Row], problem: str) -> dict[tuple[str, int | None], list[Row]]:
+    """Measured rows of each (solver, communication steps), by ascending parameter"""
+    found: dict[tuple[str, int | None], list[Row]] = {}
     for row in rows:
         if row.problem == problem and row.measured:
-            setting = "" if row.group == THIS_FMU else row.setting
-            found.setdefault((row.solver, setting, row.communication_steps), []).append(row)
-    return {key: sorted(some, key=lambda row: row.parameter or 0.0) for key, some in found.items()}
+            found.setdefault((row.solver, row.communication_steps), []).append(row)
+    return {key: sorted(some, key=lambda row: row.parameter) for key, some in found.items()}
+
+
+def front(rows: Sequence[Row]) -> list[Row]:
+    """The rows that no other one beats in both time and error, by ascending time"""
+    best: list[Row] = []
+    for row in sorted(rows, key=lambda row: (row.time_s, row.error_m)):
+        if not best or row.error_m < best[-1].error_m:
+            best.append(row)
+    return best
 
 
 def own_work_precision(rows: Sequence[Row]) -> list[Row]:
