@@ -219,7 +219,7 @@ static bool parse_pair(struct options *options, const char *option, const char *
             return false;
         }
         options->cases = cases;
-        cases[options->count++] = (struct experiment){.name = text, .stop_time = NAN, .steps = 1};
+        cases[options->count++] = (struct experiment){.name = text, .stop_time = (double)NAN, .steps = 1};
         return true;
     }
     if (options->count == 0) {
