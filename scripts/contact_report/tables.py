@@ -151,7 +151,7 @@ def _growth_row(name: str, setting: str, steps: int, rows: Sequence[Row]) -> lis
         return []
     stiffest = max(times)
     base, last = times.get(1e7), times[stiffest]
-    ratio = f"{last / base:.2f}" if base and last else MISSING
+    ratio = f"{last / base:.2g}" if base and last else MISSING
     end = f"{seconds(last)} ({stiffest:.0e} N/m)"
     return [[name, setting.rpartition(" ")[2], str(steps), seconds(base), end, ratio]]
 
