@@ -1,0 +1,169 @@
+"""The peers of the report: each is given the FMU's problem, comes near the reference, and says why it cannot.
+
+scipy is always there; of the other peers those that are installed are run, and the others must say that they
+are not.
+"""
+
+import importlib.util
+import os
+import time
+from types import SimpleNamespace
+
+import pytest
+from benchmarks import BENCHMARKS
+from contact_report import peers
+from contact_report.peers import problems, worker
+from contact_report.peers.__main__ import main
+from contact_report.peers.case import Case, Run
+from contact_report.rows import PEER, SAME, SIMILAR, read_rows
+
+CASE = Case("made up", "step size in s", 1.0, SAME)
+PLAN = worker.Plan(3, 0.1, 1.0)
+
+
+@pytest.fixture(scope="module")
+def scipy_rows(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("peers")
+    assert main(["--output", str(folder), "--quick", "--only", "scipy"]) == 0
+    return read_rows(folder / "peers.csv")
+
+
+def test_a_peer_is_given_the_numbers_of_the_fmu():
+    for name, benchmark in BENCHMARKS.items():
+        problem, start = problems.problem_of(name), benchmark.configuration
+        assert problem.inside == (start.get("contact.location") == "inside")
+        assert problem.stiffness == start["contact.penalty_factor"]
+        assert problem.damping == start.get("contact.viscous_penalty_factor", 0.0)
+        assert (problem.radius, problem.mass) == (start["source.radius"], start["source.mass"])
+        assert problem.wall_radius == start["destination.radius"]
+        assert problem.position == pytest.approx(start["source.center"], abs=1e-15)
+        assert list(problem.velocity) == start.get("source.initial_velocity", [0.0, 0.0, 0.0])
+        assert problem.end == benchmark.end
+        assert problem.touching == (name == "P3")
+        assert problems.error_of(name, list(benchmark.position)) == 0.0
+
+
+@pytest.mark.parametrize("name, onsets", [("P1", 8), ("P2", 2), ("P3", 1), ("P3b", 63)])
+def test_scipy_with_a_largest_step_reaches_the_reference(scipy_rows, name, onsets):
+    rows = [row for row in scipy_rows if row.problem == name and not row.setting.endswith("no max_step")]
+    finest = min(rows, key=lambda row: row.parameter)
+    assert finest.error_m < 2e-7
+    assert finest.onsets == onsets
+    assert 0.0 < finest.time_min_s <= finest.time_s
+    assert {(row.group, row.solver, row.law) for row in rows} == {(PEER, "scipy DOP853", SAME)}
+
+
+@pytest.mark.parametrize("name", ["P1", "P2"])
+def test_scipy_without_a_largest_step_misses_impacts(scipy_rows, name):
+    rows = [row for row in scipy_rows if row.problem == name and row.setting.endswith("no max_step")]
+    assert rows
+    assert all(row.onsets == 0 and row.error_m > 1.0 for row in rows)
+
+
+# peer, problem, integrator, a parameter fine enough, the error it then has at most
+FINE = [
+    ("exudyn", "P1", "DOPRI5", 1e-10, 1e-6),
+    ("exudyn", "P2", "DOPRI5", 1e-10, 1e-6),
+    ("exudyn", "P3", "DOPRI5", 1e-6, 1e-8),
+    ("exudyn", "P3b", "DOPRI5", 1e-9, 1e-6),
+    ("mujoco", "P1", "Euler", 3e-5, 1e-3),
+    ("lammps", "P1", "velocity Verlet", 1e-5, 1e-3),
+    ("lammps", "P2", "velocity Verlet", 1e-5, 1e-3),
+    ("lammps", "P3", "velocity Verlet", 1e-5, 1e-8),
+    ("lammps", "P3b", "velocity Verlet", 1e-5, 1e-3),
+    ("drake", "P1", "runge_kutta3", 1e-7, 1e-5),
+]
+
+
+@pytest.mark.parametrize("peer, name, integrator, parameter, bound", FINE)
+def test_a_peer_comes_near_the_reference_or_says_that_it_is_not_installed(
+    peer, name, integrator, parameter, bound
+):
+    module = peers.module_of(peer)
+    if importlib.util.find_spec(module.IMPORT) is None:
+        (row,) = peers.run([name], quick=True, names=[peer])
+        assert not row.measured
+        assert row.note == f"not installed: {' and '.join(module.PACKAGES)}"
+        return
+    problem = problems.problem_of(name)
+    found = [
+        case
+        for case in module.cases(problem, quick=False)
+        if (case.integrator, case.parameter) == (integrator, parameter)
+    ]
+    with worker.Worker(module.__name__) as process:
+        measured, late = process.ask(problem, found[-1], worker.QUICK)
+    assert (measured.error, late) == ("", False)
+    assert problems.error_of(name, measured.position) < bound
+
+
+@pytest.mark.parametrize("peer", ["mujoco", "drake"])
+def test_a_peer_without_a_hollow_cylinder_says_so(peer):
+    for name in ("P3", "P3b"):
+        rows = list(peers.run_problem(peers.module_of(peer), None, problems.problem_of(name), quick=True))
+        assert [row.measured for row in rows] == [False]
+        assert rows[0].note.startswith("cannot be expressed: no hollow cylinder")
+
+
+def test_a_law_is_the_same_or_similar_in_every_case():
+    laws = {}
+    for peer in peers.NAMES:
+        problem = problems.problem_of("P2")
+        laws[peer] = {case.law for case in peers.module_of(peer).cases(problem, quick=False)}
+    same, similar = {SAME}, {SIMILAR}
+    assert laws == {"scipy": same, "exudyn": same, "mujoco": similar, "lammps": same, "drake": similar}
+
+
+def peer_that(advance, position=(0.0, 0.0, 0.0)):
+    run = Run(advance, lambda: list(position))
+    return SimpleNamespace(NAME="made up", prepare=lambda _problem, _case: run, cases=lambda _p, _q: [CASE])
+
+
+def test_what_a_peer_raises_is_a_note():
+    def advance():
+        raise RuntimeError("first line\nsecond line")
+
+    measured = worker.measure(peer_that(advance), problems.problem_of("P1"), CASE, PLAN)
+    assert measured.error == "RuntimeError: first line second line"
+
+
+def test_a_position_that_is_no_number_is_a_note():
+    module, problem = peer_that(lambda: None, (0.0, float("nan"), 0.0)), problems.problem_of("P1")
+    row = peers.measured_row(module, problem, CASE, worker.measure(module, problem, CASE, PLAN))
+    assert (row.measured, row.note) == (False, "the position at the end is not finite")
+
+
+def test_repeats_end_when_it_is_enough():
+    problem = problems.problem_of("P1")
+    quick = worker.measure(peer_that(lambda: None), problem, CASE, PLAN)
+    slow = worker.measure(peer_that(lambda: time.sleep(0.11)), problem, CASE, PLAN)
+    assert (len(quick.times), len(slow.times)) == (3, 1)
+
+
+# This file as a peer's module, in a process of its own: it sleeps or dies.
+def prepare(problem, _case):
+    return Run(lambda: time.sleep(60) if problem.name == "P1" else os._exit(7), lambda: [0.0, 0.0, 0.0])
+
+
+def cases(_problem, _quick):
+    return [CASE, CASE._replace(parameter=0.5)]
+
+
+NAME = "trouble"
+
+
+def trouble(name, start, monkeypatch):
+    monkeypatch.setattr(worker, "START", start)
+    monkeypatch.setattr(peers, "QUICK", PLAN)
+    module = SimpleNamespace(NAME=NAME, cases=cases)
+    with worker.Worker(__name__) as process:
+        return [row.note for row in peers.run_problem(module, process, problems.problem_of(name), quick=True)]
+
+
+def test_a_run_that_takes_too_long_is_ended_and_finer_ones_are_left_out(monkeypatch):
+    notes = trouble("P1", 0.5, monkeypatch)
+    assert notes == ["not done after 1 s", "left out: a coarser run already took too long"]
+
+
+def test_a_process_that_dies_is_a_note_and_the_next_case_has_another(monkeypatch):
+    assert trouble("P2", 20.0, monkeypatch) == ["its process ended with status 7"] * 2
