@@ -1,15 +1,18 @@
 """The peers' problems P1, P2, P3 and P3b through the FMU, at tolerance 1e-10, whatever the communication
-steps.
+steps; and ten variants of each with the event-driven method.
 """
 
 from functools import cache
 
 import pytest
+from benchmark_variants import VARIANTS, variant
 from benchmarks import BENCHMARKS
 from checks import METHODS, check_close, run
+from references import both_bodies, stored
 
 ALLOWED = 1e-6  # m
 TOLERANCE = 1e-10
+EXACT = 1e-9  # m, event_driven
 
 
 @pytest.fixture(scope="module")
@@ -44,3 +47,23 @@ def test_the_error_follows_the_tolerance(opened, name, method):
     problem = BENCHMARKS[name]
     fmu = run(opened(problem.fmu), problem.configuration, problem.end, 10, 1e-8, method)
     check_close(f"{name} position", fmu["source.position"], problem.position, 1e-4)
+
+
+@pytest.mark.parametrize("tolerance", [None, TOLERANCE])
+@pytest.mark.parametrize("steps", [1, 997])
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_event_driven_is_exact_to_a_nanometre(opened, name, steps, tolerance):
+    """With the FMU's own tolerance too"""
+    problem = BENCHMARKS[name]
+    fmu = run(opened(problem.fmu), problem.configuration, problem.end, steps, tolerance, "event_driven")
+    check_close(f"{name} position", fmu["source.position"], problem.position, EXACT)
+
+
+@pytest.mark.parametrize("steps", [1, 997])
+@pytest.mark.parametrize("name, number", VARIANTS)
+def test_event_driven_is_exact_on_variants_too(opened, name, number, steps):
+    _, configuration, end = variant(name, number)
+    row = stored("variant_references.json")[name, number]
+    fmu = run(opened(BENCHMARKS[name].fmu), configuration, end, steps, TOLERANCE, "event_driven")
+    check_close("displacement", both_bodies(fmu, "displacement"), row["displacement"], EXACT)
+    assert fmu["contact.onsets"] == row["onsets"]

@@ -1,0 +1,70 @@
+"""The tolerance asked for is the error got: at the end of P1, P2, P3, P3b and of 200 random scenes the
+displacements are within FACTOR * tolerance * max(1 m, displacement) of an independent integrator's in 40
+digits.
+
+Velocities, energies and onset times may also be off by what a relative change of everything given, by
+FACTOR * tolerance, does to them: behind a stiff contact they hang on the instant it began.
+"""
+
+import pytest
+from benchmarks import BENCHMARKS
+from checks import check_close, run
+from references import errors_beyond, stored
+from wide_scenes import COUNT, wide_scene
+
+FACTOR = 10
+TOLERANCES = [1e-6, 1e-9, 1e-12]
+METHOD = "event_driven"
+FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
+
+
+def asked(configuration, tolerance, by):
+    """The tolerance as the importer's, or as the parameter"""
+    if by == "importer":
+        return configuration, tolerance
+    return {**configuration, "solver.relative_tolerance": tolerance}, None
+
+
+@pytest.mark.parametrize("by", ["importer", "parameter"])
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_the_end_of_a_benchmark_is_as_exact_as_asked(opened, name, tolerance, by):
+    problem = BENCHMARKS[name]
+    configuration, given = asked(problem.configuration, tolerance, by)
+    fmu = run(opened(problem.fmu), configuration, problem.end, 1, given, METHOD)
+    check_close(f"{name} position", fmu["source.position"], problem.position, FACTOR * tolerance)
+
+
+@pytest.mark.parametrize("by", ["importer", "parameter"])
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+@pytest.mark.parametrize("number", range(COUNT))
+def test_the_end_of_a_random_scene_is_as_exact_as_asked(opened, number, tolerance, by):
+    shape, configuration, end = wide_scene(number)
+    configuration, given = asked(configuration, tolerance, by)
+    fmu = run(opened(FMU[shape]), configuration, end, 1, given, METHOD)
+    row = stored("wide_references.json")[number,]
+    assert errors_beyond(fmu, row, tolerance, FACTOR) == []
+
+
+@pytest.mark.parametrize("number", range(0, COUNT, 4))
+def test_communication_steps_cost_no_accuracy(opened, number):
+    shape, configuration, end = wide_scene(number)
+    fmu = run(opened(FMU[shape]), configuration, end, 97, 1e-9, METHOD)
+    assert errors_beyond(fmu, stored("wide_references.json")[number,], 1e-9, FACTOR) == []
+
+
+def test_the_scenes_are_of_many_kinds():
+    """Each kind of contact is among those the references had: flights, trains of bounces, lasting contact"""
+    rows = stored("wide_references.json").values()
+    assert len(rows) == COUNT
+    assert sum(row["onsets"] == 0 for row in rows) < 10
+    assert sum(row["onsets"] >= 3 for row in rows) > 50
+    assert sum(row["energy.contact"] > 0 for row in rows) > 10
+    assert sum(row["steps"] > 300 for row in rows) > 5
+
+
+def test_the_comparison_sees_an_error(opened):
+    """A run that ends a little early is found out."""
+    shape, configuration, end = wide_scene(0)
+    fmu = run(opened(FMU[shape]), configuration, end * (1 - 1e-7), 1, 1e-12, METHOD)
+    assert errors_beyond(fmu, stored("wide_references.json")[0,], 1e-9, FACTOR)
