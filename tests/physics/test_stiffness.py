@@ -1,0 +1,126 @@
+"""Lasting contact at any stiffness: the motion is right to a nanometre from 1e5 to 1e15 N/m, no energy is
+gained, and the work does not follow the stiffness.
+
+References: the Taylor integrator where it can follow the oscillation, and the expansion of stiff_limit.py,
+each checked against the other where both reach.
+"""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from checks import check_close, run
+from reference_integrator import Reference
+from references import both_bodies
+from stiff_limit import StiffContact
+from stiff_scenes import SCENES, settled, stiff_scene
+
+METHOD = "event_driven"
+TOLERANCE = 1e-10
+EXACT = 1e-9  # m
+SHARE = 0.1  # of the critical dashpot
+FOLLOWED = [1e5, 1e6]  # N/m, where the Taylor integrator is the reference
+LIMIT = [1e7, 1e9, 1e11, 1e13, 1e15]
+UNDAMPED = [1e7, 1e9, 1e11]
+WORK = 150_000  # internal steps of a run at most; one that follows each oscillation stops there and fails
+FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
+
+
+def run_bounded(opened, shape, values, end, steps, each=None):
+    values = {**values, "solver.max_internal_steps": WORK // steps}
+    return run(opened(FMU[shape]), values, end, steps, TOLERANCE, METHOD, each)
+
+
+@cache
+def limit(name, stiffness, share, rest=False):
+    shape, values, end = stiff_scene(name, stiffness, share)
+    return StiffContact(settled(shape, values) if rest else values, shape).end(end)
+
+
+@pytest.mark.parametrize("share", [SHARE, 0.0])
+@pytest.mark.parametrize("name", SCENES)
+def test_the_two_references_agree(name, share):
+    """To what the expansion says it leaves out, which falls with the stiffness; all in contact to the end"""
+    before = np.inf
+    for stiffness in (1e5, 1e6):
+        shape, values, end = stiff_scene(name, stiffness, share)
+        values, end = settled(shape, values) if share == 0 else values, end / 4
+        expected = StiffContact(values, shape).end(end)
+        followed = Reference(values, shape).run(end)
+        assert followed.onsets == 1
+        for body, place in (("source", expected.position), ("destination", expected.destination)):
+            check_close(f"{body} position", followed.position[body], place, expected.left_out)
+        assert expected.left_out < before / 20
+        before = expected.left_out
+
+
+@pytest.mark.parametrize("stiffness", FOLLOWED)
+@pytest.mark.parametrize("name", SCENES)
+def test_softer_walls(opened, name, stiffness):
+    shape, values, end = stiff_scene(name, stiffness, SHARE)
+    end /= 4
+    fmu = run_bounded(opened, shape, values, end, 1)
+    expected = Reference(values, shape).run(end)
+    for body in ("source", "destination"):
+        check_close(f"{body} position", fmu[f"{body}.position"], expected.position[body], EXACT)
+
+
+def check_end(fmu, expected):
+    assert expected.left_out < EXACT / 2
+    assert expected.least_push > 0 or fmu["contact.location"] == "outside"
+    position = np.concatenate([expected.position, expected.destination])
+    check_close("positions", both_bodies(fmu, "position"), position, EXACT)
+
+
+@pytest.mark.parametrize("steps", [1, 97])
+@pytest.mark.parametrize("stiffness", LIMIT)
+@pytest.mark.parametrize("name", SCENES)
+def test_damped_walls(opened, name, stiffness, steps):
+    """Started on the wall, so that the load comes at once"""
+    shape, values, end = stiff_scene(name, stiffness, SHARE)
+    fmu = run_bounded(opened, shape, values, end, steps)
+    check_end(fmu, limit(name, stiffness, SHARE))
+
+
+@pytest.mark.parametrize("stiffness", UNDAMPED)
+@pytest.mark.parametrize("name", SCENES)
+def test_undamped_walls(opened, name, stiffness):
+    """Started where nothing oscillates"""
+    shape, values, end = stiff_scene(name, stiffness, 0.0)
+    fmu = run_bounded(opened, shape, settled(shape, values), end, 1)
+    check_end(fmu, limit(name, stiffness, 0.0, rest=True))
+
+
+@pytest.mark.parametrize("stiffness", UNDAMPED)
+def test_an_undamped_wall_that_is_loaded_at_once(opened, stiffness):
+    """P3 oscillates with the depth of its own weight, all but losing touch at each turn."""
+    shape, values, end = stiff_scene("P3", stiffness, 0.0)
+    fmu = run_bounded(opened, shape, values, end, 1)
+    check_end(fmu, limit("P3", stiffness, 0.0))
+
+
+@pytest.mark.parametrize("share, stiffness", [(SHARE, k) for k in LIMIT] + [(0.0, k) for k in UNDAMPED])
+@pytest.mark.parametrize("name", SCENES)
+def test_energy_balances_and_none_is_gained(opened, name, stiffness, share):
+    shape, values, end = stiff_scene(name, stiffness, share)
+    values = settled(shape, values) if share == 0 else values
+    totals, mechanical = [], []
+
+    def note(fmu):
+        totals.append(fmu["energy.total"])
+        mechanical.append(fmu["energy.total"] - fmu["energy.dissipated"])
+
+    run_bounded(opened, shape, values, end, 20, note)
+    check_close("energy.total", totals, [totals[0]] * len(totals), EXACT)
+    gained = np.diff(mechanical)
+    assert np.all(gained <= EXACT), gained
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_work_does_not_follow_the_stiffness(opened, name):
+    """Internal steps, far fewer than oscillations: 2 s at 1e15 N/m and 0.1 kg are 3e7 of them."""
+    steps = {}
+    for stiffness in (1e7, 1e15):
+        shape, values, end = stiff_scene(name, stiffness, SHARE)
+        steps[stiffness] = run_bounded(opened, shape, values, end, 1)["solver.steps"]
+    assert steps[1e15] <= 1.5 * steps[1e7] + 20, steps
