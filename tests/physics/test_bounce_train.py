@@ -1,0 +1,160 @@
+"""Bounce trains that die out: as many contacts as there are, when they are, in one communication step as
+in 997.
+
+A ball is dropped by 1 m with a restitution of one half, on and in spheres and cylinders; bounce_train.py
+has each bounce in closed form, with 50 digits.
+"""
+
+import math
+from decimal import Decimal
+from functools import cache
+
+import numpy as np
+import pytest
+from bounce_train import Ball, bisected
+from checks import check_close, check_relative, run
+from head_on import ACROSS, AXIS, FMU, GEOMETRIES, oscillator
+from mpmath import mpf
+from reference_integrator import Reference
+from scipy.optimize import brentq
+
+METHOD, TOLERANCE = "event_driven", 1e-10
+DROP, RESTITUTION, WEIGHT = 1.0, 0.5, 9.81
+END = 2.0  # s, of which the train takes 1.35
+DASHPOTS = ["unclamped", "non_adhesive"]
+STIFFNESSES = [1e4, 1e6, 1e8, 1e10]
+WORK = 200_000  # internal steps of a run at most
+EXACT = 1e-9  # s
+
+
+def damping(dashpot, stiffness):
+    """p_nv for 1 kg that leaves half of the speed without gravity"""
+
+    def excess(share):
+        given = 2 * share * math.sqrt(stiffness)
+        return oscillator(dashpot, 1.0, stiffness, given).restitution - RESTITUTION
+
+    return 2 * math.sqrt(stiffness) * brentq(excess, 1e-3, 0.9)
+
+
+@cache
+def train(dashpot, stiffness, height=DROP):
+    given = damping(dashpot, stiffness)
+    ball = Ball(mpf(1), mpf(stiffness), mpf(given), mpf(WEIGHT), dashpot == "non_adhesive")
+    return ball.train(mpf(height), END)
+
+
+def drop(shape, location, dashpot, stiffness):
+    """Straight down along -ACROSS on the outside, along ACROSS in a hollow body of 2 m"""
+    inside = location == "inside"
+    radius = 2.0 if inside else 0.5
+    outward = 1.0 if inside else -1.0
+    distance = radius - 0.1 - DROP if inside else radius + 0.1 + DROP
+    values = {
+        "source.center": (distance * ACROSS).tolist(),
+        "destination.radius": radius,
+        "contact.location": location,
+        "contact.dashpot": dashpot,
+        "contact.penalty_factor": stiffness,
+        "contact.viscous_penalty_factor": damping(dashpot, stiffness),
+        "gravity": (outward * WEIGHT * ACROSS).tolist(),
+    }
+    return {**values, "destination.axis": AXIS.tolist()} if shape == "cylinder" else values
+
+
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+def test_the_closed_form_is_the_reference_integrators(dashpot):
+    """Two ways of counting, both in many digits"""
+    expected = train(dashpot, 1e6)
+    values = drop("sphere", "outside", dashpot, 1e6)
+    values.update({"source.center": [0.0, 0.0, 1.6], "gravity": [0.0, 0.0, -WEIGHT]})
+    followed = Reference(values, "sphere", number=Decimal, order=30).run(1.4)
+    assert followed.onsets == len(expected.onset_times)
+    height = mpf(1.6) - mpf(0.1) - mpf(0.5)  # of the numbers given
+    given = train(dashpot, 1e6, height)
+    check_close("onset times", np.float64(followed.onset_times), [float(t) for t in given.onset_times], 1e-15)
+    check_close("durations", np.float64(followed.durations), [float(t) for t in given.durations], 1e-15)
+
+
+@pytest.mark.parametrize("stiffness", STIFFNESSES)
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+def test_rounding_does_not_decide_the_count(dashpot, stiffness):
+    counts = {len(train(dashpot, stiffness, DROP * (1 + nudge)).onset_times) for nudge in (-1e-9, 0.0, 1e-9)}
+    assert len(counts) == 1
+    assert train(dashpot, stiffness).lasting
+
+
+@pytest.mark.parametrize("steps", [1, 997])
+@pytest.mark.parametrize("stiffness", STIFFNESSES)
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_each_bounce_is_counted_until_the_ball_rests(opened, shape, location, dashpot, stiffness, steps):
+    values = drop(shape, location, dashpot, stiffness)
+    values["solver.max_internal_steps"] = WORK // steps
+    expected = train(dashpot, stiffness)
+    fmu = run(opened(FMU[shape]), values, END, steps, TOLERANCE, METHOD)
+    assert fmu["contact.onsets"] == len(expected.onset_times)
+    last = float(expected.onset_times[-1])
+    check_close("last_onset_time", fmu["contact.last_onset_time"], last, EXACT)
+    check_close("last_duration", fmu["contact.last_duration"], END - last, EXACT)
+    assert fmu["contact.active"] is True
+    rest = WEIGHT / stiffness
+    swing = 2 * rest * math.exp(-damping(dashpot, stiffness) / 2 * (END - last))  # what is left of it at most
+    check_close("gap", fmu["contact.gap"], -rest, swing + 1e-15)
+    check_close("velocity", fmu["source.velocity"], [0, 0, 0], (swing + 1e-14) * math.sqrt(stiffness))
+
+
+@pytest.mark.parametrize("steps", [1, 997])
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+def test_the_train_is_told_bounce_by_bounce(opened, dashpot, steps):
+    """Between each two onsets of the closed form, the FMU has had the first one only."""
+    fmu, expected = opened("SphereSphere"), train(dashpot, 1e6)
+    times = [float(t) for t in expected.onset_times]
+    run(fmu, drop("sphere", "outside", dashpot, 1e6), times[0] / 2, 1, TOLERANCE, METHOD)
+    middles = [(a + b) / 2 for a, b in zip(times, [*times[1:], END], strict=True)]
+    for count, (time, middle) in enumerate(zip(times, middles, strict=True), start=1):
+        size = (middle - fmu.time) / steps
+        for _ in range(steps):
+            fmu.step(size)
+        assert fmu["contact.onsets"] == count
+        check_close("last_onset_time", fmu["contact.last_onset_time"], time, EXACT)
+        lasts = float(expected.durations[count - 1]) if count <= len(expected.durations) else END
+        check_close("last_duration", fmu["contact.last_duration"], min(lasts, fmu.time - time), EXACT)
+
+
+def test_the_bisection_of_the_closed_form_finds_a_root_to_its_digits():
+    root = bisected(lambda t: 2 - t * t, mpf(1), mpf(2))
+    assert abs(root**2 - 2) < mpf(10) ** -45
+
+
+@pytest.mark.parametrize("steps", [1, 997])
+@pytest.mark.parametrize("shape", FMU)
+def test_a_ball_whispers_around_a_hollow_body(opened, shape, steps):
+    """Without gravity and damping each bounce is like the first, a graze at a hundredth of the speed
+    along the wall; the period is the reference integrator's, and hundreds of them fit.
+    """
+    along = np.cross(AXIS, ACROSS)
+    values = {
+        "destination.radius": 0.5,
+        "source.center": (0.4 * ACROSS).tolist(),
+        "source.initial_velocity": (1.0 * along + 0.01 * ACROSS).tolist(),
+        "contact.location": "inside",
+        "contact.method": "penalty",
+        "contact.penalty_factor": 1e10,
+        "gravity": [0.0, 0.0, 0.0],
+    }
+    if shape == "cylinder":
+        values["destination.axis"] = AXIS.tolist()
+    first = Reference(values, shape, number=Decimal, order=30).run(0.03)
+    assert first.onsets >= 3
+    start = first.onset_times[0]
+    period = first.onset_times[2] - first.onset_times[1]
+    end = 2.0
+    bounces = int((Decimal(end) - start) / period) + 1
+    fmu = run(opened(FMU[shape]), values, end, steps, TOLERANCE, METHOD)
+    assert fmu["contact.onsets"] == bounces > 200
+    last = float(start + (bounces - 1) * period)
+    # Rounded energy rounds the speed at the wall, a hundredth of that along it: the period is 0.8 s of it.
+    late = 32 * np.finfo(float).eps / 0.01 * 2 * 0.4 * bounces**2 / 2
+    check_close("last_onset_time", fmu["contact.last_onset_time"], last, late)
+    check_relative("speed", np.linalg.norm(fmu["source.velocity"]), math.hypot(1.0, 0.01), 1e-12)

@@ -1,0 +1,151 @@
+"""Rest stays rest: an hour of simulated time in steps of 1 ms leaves a ball where it lay, to a nanometre,
+and gives it no energy.
+"""
+
+import ctypes
+import math
+
+import numpy as np
+import pytest
+from checks import check_close, run
+
+METHOD = "event_driven"
+STEP = 1e-3  # s
+HOUR, MINUTES = 3600, 120  # s
+STILL = 1e-9  # m
+GAINED = 1e-12  # J
+TILTED = np.array([2.0, -1.0, -2.0]) / 3.0  # where gravity pulls to, along no axis of the world
+AXIS = np.array([1.0, 2.0, 0.0]) / math.sqrt(5.0)  # across it
+WEIGHT = 9.81
+BALL = {"source.radius": 0.1, "source.mass": 1.0, "destination.radius": 0.5}
+DAMPED = {"contact.viscous_penalty_factor": 200.0}
+UNDAMPED = {"contact.method": "penalty"}
+
+
+def on_top(stiffness=1e6, **more):
+    """On a ball, with the depth of its weight: the one place from where rounding cannot roll it off"""
+    depth = WEIGHT / stiffness
+    return {
+        **BALL,
+        "contact.penalty_factor": stiffness,
+        "source.center": [0.0, 0.0, 0.6],
+        "source.initial_displacement": [0.0, 0.0, -depth],
+        **more,
+    }
+
+
+def at_the_bottom(stiffness=1e6, depth=None, **more):
+    """In a hollow body"""
+    depth = WEIGHT / stiffness if depth is None else depth
+    return {
+        **BALL,
+        "contact.location": "inside",
+        "contact.penalty_factor": stiffness,
+        "source.center": (0.4 * TILTED).tolist(),
+        "source.initial_displacement": (depth * TILTED).tolist(),
+        "gravity": (WEIGHT * TILTED).tolist(),
+        **more,
+    }
+
+
+def pressed_together(**more):
+    """Two free balls, each pushed towards the other"""
+    force = 5.0
+    return {
+        **on_top(**more),
+        "source.initial_displacement": [0.0, 0.0, -force / 1e6],
+        "destination.motion": "free",
+        "destination.mass": 2.0,
+        "source.external_force": [0.0, 0.0, -force],
+        "destination.external_force": [0.0, 0.0, force],
+        "gravity": [0.0, 0.0, 0.0],
+    }
+
+
+STATES = {
+    "on a ball": ("SphereSphere", on_top(**DAMPED), HOUR),
+    "in a hollow cylinder, undamped": (
+        "SphereCylinder",
+        at_the_bottom(**UNDAMPED, **{"destination.axis": AXIS.tolist()}),
+        HOUR,
+    ),
+    "on a ball, undamped": ("SphereSphere", on_top(**UNDAMPED), MINUTES),
+    "in a hollow ball": ("SphereSphere", at_the_bottom(**DAMPED), MINUTES),
+    "in a hollow ball, undamped": ("SphereSphere", at_the_bottom(**UNDAMPED), MINUTES),
+    "in a hollow ball, dashpot of approach": (
+        "SphereSphere",
+        at_the_bottom(**DAMPED, **{"contact.dashpot": "approach_only"}),
+        MINUTES,
+    ),
+    "in a hollow ball, overdamped": (
+        "SphereSphere",
+        at_the_bottom(**{"contact.viscous_penalty_factor": 5e3}),
+        MINUTES,
+    ),
+    "two balls pressed together": ("SphereSphere", pressed_together(**DAMPED), MINUTES),
+    "stiff": (
+        "SphereSphere",
+        at_the_bottom(1e10, **{"contact.viscous_penalty_factor": 2e4}),
+        MINUTES // 10,
+    ),
+}
+
+
+def stepper(fmu):
+    """fmi2DoStep without fmpy's wrapping, which would take longer than the step"""
+    do_step = fmu.slave.dll.fmi2DoStep
+    do_step.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double, ctypes.c_int]
+    do_step.restype = ctypes.c_int
+    component = fmu.slave.component
+
+    def run_steps(first, count):
+        for k in range(first, first + count):
+            if do_step(component, k * STEP, STEP, 0):
+                raise AssertionError(f"fmi2DoStep at {k * STEP} s: {fmu.messages[-1:]}")
+        fmu.time = (first + count) * STEP
+
+    return run_steps
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_a_ball_at_rest_neither_drifts_nor_gains_energy(opened, state):
+    name, values, duration = STATES[state]
+    fmu = run(opened(name), values, STEP, 1, None, METHOD)
+    place, onsets, events = fmu["source.position"], fmu["contact.onsets"], fmu["solver.events"]
+    energy = fmu["energy.total"] - fmu["energy.dissipated"]
+    total = fmu["energy.total"]
+    assert onsets == 1
+    run_steps, pieces = stepper(fmu), 12
+    count = round(duration / STEP / pieces)
+    for piece in range(pieces):
+        run_steps(1 + piece * count, count)
+        check_close(f"position at {fmu.time} s", fmu["source.position"], place, STILL)
+        check_close("energy.total", fmu["energy.total"], total, GAINED)
+        assert fmu["energy.total"] - fmu["energy.dissipated"] <= energy + GAINED
+        assert fmu["energy.kinetic"] <= GAINED
+        assert fmu["contact.active"] is True
+    assert fmu["contact.onsets"] == onsets
+    assert fmu["solver.events"] <= events + 1  # the dashpot of approach may find that there is none any more
+    check_close("last_duration", fmu["contact.last_duration"], fmu.time, 1e-9)
+    check_close("time", fmu.time, duration + STEP, STEP / 2)
+
+
+@pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])
+@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+def test_a_ball_that_comes_to_rest_loses_all_its_energy_but_what_the_wall_stores(opened, shape, dashpot):
+    """Let go just above the bottom; where it ends, and what is left of its energy, is the weight's alone."""
+    values = at_the_bottom(
+        depth=-1e-5, **{"contact.viscous_penalty_factor": 600.0, "contact.dashpot": dashpot}
+    )
+    if shape == "cylinder":
+        values["destination.axis"] = AXIS.tolist()
+    fmu = run(
+        opened("SphereSphere" if shape == "sphere" else "SphereCylinder"), values, STEP, 1, None, METHOD
+    )
+    total = fmu["energy.total"]
+    stepper(fmu)(1, 20_000)
+    depth = WEIGHT / 1e6
+    check_close("gap", fmu["contact.gap"], -depth, 1e-15)
+    check_close("energy.contact", fmu["energy.contact"], 1e6 * depth**2 / 2, 1e-15)
+    check_close("energy.total", fmu["energy.total"], total, GAINED)
+    check_close("energy.kinetic", fmu["energy.kinetic"], 0.0, 1e-25)
