@@ -150,7 +150,7 @@ def test_going_on_after_a_discard_changes_nothing(opened, name, way):
     fmu = limited(opened(problem.fmu), problem.configuration, limit)
     discarded(fmu, problem.end)
     if way == "a larger limit":  # the parameter is fixed: a fresh run
-        fmu = limited(opened(problem.fmu), problem.configuration, 3 * work)
+        fmu = limited(opened(problem.fmu), problem.configuration, 10 * work + 100)
         fmu.step(problem.end)
     size, discards = problem.end / 40 if way == "smaller steps" else problem.end, 0
     while fmu.time < problem.end:
@@ -168,7 +168,7 @@ def test_going_on_after_a_discard_changes_nothing(opened, name, way):
 
 def test_a_discarded_state_is_saved_and_goes_on_elsewhere(opened):
     problem = BENCHMARKS["P3b"]
-    fmu = limited(opened(problem.fmu), problem.configuration, 200)
+    fmu = limited(opened(problem.fmu), problem.configuration, 50)
     discarded(fmu, problem.end)
     state, time = fmu.save(), fmu.time
     ends = []

@@ -22,7 +22,7 @@ METHOD, TOLERANCE = "event_driven", 1e-10
 DROP, RESTITUTION, WEIGHT = 1.0, 0.5, 9.81
 END = 2.0  # s, of which the train takes 1.35
 DASHPOTS = ["unclamped", "non_adhesive"]
-STIFFNESSES = [1e4, 1e6, 1e8, 1e10]
+STIFFNESSES = [1e4, 1e6, 1e8, 1e10, 1e13, 1e15]
 WORK = 200_000  # internal steps of a run at most
 EXACT = 1e-9  # s
 
