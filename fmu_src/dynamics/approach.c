@@ -85,7 +85,7 @@ static int degree_of(const struct vec3 *a, int degree)
 }
 
 struct approach approach_make(const struct contact_shape *shape, const struct separation *separation,
-                              double horizon)
+                              double gap, double horizon)
 {
     struct approach path = {.horizon = horizon, .axial = {.degree = SEPARATION_DEGREE}, .side = shape->side};
     struct vec3 slope[SEPARATION_DEGREE];
@@ -112,6 +112,8 @@ struct approach approach_make(const struct contact_shape *shape, const struct se
         path.has_ends = true;
     }
     path.degree = degree_of(path.c, SEPARATION_DEGREE);
+    path.start = vec3_norm(path.c[0]);
+    path.gap = gap / path.scale;
     path.closing = dot_product(path.c, path.degree, slope, path.degree > 0 ? path.degree - 1 : 0);
     path.half_rate = dot_product(path.c, path.degree, w, degree_of(w, SEPARATION_DEGREE - 1));
     return path;
@@ -122,11 +124,24 @@ struct polynomial approach_offset2(const struct approach *path)
     return dot_product(path->c, path->degree, path->c, path->degree);
 }
 
+struct polynomial approach_surplus2(const struct approach *path)
+{
+    struct polynomial surplus = approach_offset2(path);
+    /* d^2 - reach^2 = (d - reach)(d + reach) */
+    surplus.a[0] = path->side * path->gap * (path->start + path->reach);
+    return surplus;
+}
+
 void approach_gap(const void *data, double s, double *gap, double *slope)
 {
     const struct approach *path = data;
-    const double distance = vec3_norm(path_at(path->c, path->degree + 1, s));
-    *gap = path->side * (distance - path->reach);
+    const struct vec3 moved =
+        path->degree > 0 ? vec3_scale(s, path_at(path->c + 1, path->degree, s)) : vec3_make(0.0, 0.0, 0.0);
+    const double distance = vec3_norm(vec3_add(path->c[0], moved));
+    const double both = path->start + distance;
+    /* |a + b| - |a| = (2 a.b + b.b) / (|a + b| + |a|) */
+    const double grown = both > 0.0 ? vec3_dot(vec3_axpy(moved, 2.0, path->c[0]), moved) / both : 0.0;
+    *gap = path->gap + path->side * grown;
     *slope = distance > 0.0 ? path->side * polynomial_at(&path->closing, s) / distance : 0.0;
 }
 

@@ -24,6 +24,8 @@ struct separation {
 struct approach {
     struct vec3 c[SEPARATION_DEGREE + 1];
     int degree;                  /* of c: two for constant forces */
+    double start;                /* |c| at the start [scale] */
+    double gap;                  /* at the start, as it is known, which may be finer than |c| tells [scale] */
     struct polynomial closing;   /* c.c': its roots are the extremes of the distance */
     struct polynomial half_rate; /* c.w, what the law sees; equal to `closing` for consistent motion */
     struct polynomial axial;     /* c.e_d of a cylinder */
@@ -38,17 +40,20 @@ struct approach {
 struct separation separation_of(const struct scene_values *v, const struct motion *q,
                                 const struct system_instant *at, double clock, int contact);
 
+/* `gap` as it is known at the start [m]. */
 struct approach approach_make(const struct contact_shape *shape, const struct separation *separation,
-                              double horizon);
+                              double gap, double horizon);
 
-/* |c|^2 [scale^2] */
+/* |c|^2 and |c|^2 - reach^2, the latter as fine as the gap [scale^2] */
 struct polynomial approach_offset2(const struct approach *path);
+struct polynomial approach_surplus2(const struct approach *path);
 
 /* Whether the destination has ends to pass: false at compile time in scenes of spheres. */
 bool approach_has_ends(const struct contact_shape *shape);
 
-/* Gap [scale] and its slope in s; a bracket_function of a struct approach. From the vectors: the difference of squares
- * would lose all digits where bodies come from further away than 1e8 times their size. */
+/* Gap [scale] and its slope in s; a bracket_function of a struct approach. By what the distance has grown since the start, so that
+ * it is as fine as the gap there; from the vectors: the difference of squares would lose all digits where bodies come from
+ * further away than 1e8 times their size. */
 void approach_gap(const void *data, double s, double *gap, double *slope);
 
 /* Whether the source is between the end planes. */

@@ -7,8 +7,8 @@
 #include "contact/bracket.h"
 #include "dynamics/approach.h"
 
-/* Touching, two ends, gap rate, law: at most so many roots together. */
-enum { MAX_CUTS = 5 * POLYNOMIAL_MAX_DEGREE };
+/* Touching, two ends, gap rate, law twice: at most so many roots together. */
+enum { MAX_CUTS = 6 * POLYNOMIAL_MAX_DEGREE };
 
 static enum contact_regime regime_at(const struct approach *path, const struct contact_law *law, double s)
 {
@@ -34,6 +34,18 @@ static struct polynomial law_condition(const struct approach *path, const struct
     const struct polynomial square = polynomial_multiply(&sum, &sum);
     const double pull = k * path->reach;
     return polynomial_add(&square, -pull * pull, &offset2);
+}
+
+/* k (d - reach) + c d' = 0 times d + reach, with reach / d for 1 where the gap is small: exact the closer the bodies are, where the
+ * squares above have lost the gap to rounding. */
+static struct polynomial law_condition_nearby(const struct approach *path, const struct contact_law *law)
+{
+    const double damping = law->damping / path->horizon;
+    const double unit = fmax(law->stiffness, damping);
+    const struct polynomial surplus = approach_surplus2(path);
+    struct polynomial sum = {{0.0}, 0};
+    sum = polynomial_add(&sum, law->stiffness / unit, &surplus);
+    return polynomial_add(&sum, 2.0 * damping / unit, &path->half_rate);
 }
 
 static int insert_cut(double root, double *cuts, int count)
@@ -113,7 +125,9 @@ static int all_cuts(const struct approach *path, const struct extremes *extremes
         count = add_cuts(&path->half_rate, cuts, count);
         if (law->dashpot == DASHPOT_NON_ADHESIVE && law->stiffness > 0.0) {
             const struct polynomial condition = law_condition(path, law);
+            const struct polynomial nearby = law_condition_nearby(path, law);
             count = add_cuts(&condition, cuts, count);
+            count = add_cuts(&nearby, cuts, count);
         }
     }
     return count;
@@ -177,12 +191,15 @@ static struct encounter first_change(const struct approach *path, const double *
                                              : approach_within(path, middle) ? present
                                                                              : REGIME_APART;
             if (next != present) {
-                return (struct encounter){from * path->horizon, next, false};
+                double gap;
+                double slope;
+                approach_gap(path, from, &gap, &slope);
+                return (struct encounter){from * path->horizon, next, path->scale * gap, false};
             }
         }
         from = to;
     }
-    return (struct encounter){(double)INFINITY, present, false};
+    return (struct encounter){(double)INFINITY, present, 0.0, false};
 }
 
 /* A distance so small [scale] has lost its direction to rounding. */
@@ -229,6 +246,9 @@ static bool first_touch(const struct approach *path, const struct extremes *extr
     double gap;
     double slope;
     approach_gap(path, low, &gap, &slope);
+    if (gap == 0.0 && slope > 0.0) {
+        gap = DBL_MIN; /* they have just parted */
+    }
     for (int i = 0; i <= extremes->count && gap > 0.0; ++i) {
         const double high = i < extremes->count ? extremes->at[i] : 1.0;
         if (high > low) {
@@ -254,15 +274,17 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     const bool ends_only =
         present != REGIME_APART && present != REGIME_RELEASED && !system_is_force_element(v);
     if ((ends_only && !has_ends) || contact_is_coupled(v, q, contact)) {
-        return (struct encounter){(double)INFINITY, present, true};
+        return (struct encounter){(double)INFINITY, present, 0.0, true};
     }
     const struct separation separation = separation_of(v, q, at, clock, contact);
-    const struct approach path = approach_make(&shape, &separation, horizon);
+    const struct approach path = approach_make(&shape, &separation, at->geometry[contact].gap, horizon);
     const bool simple = present == REGIME_APART && !has_ends;
     if (simple && keeps_away(&path)) {
-        return (struct encounter){(double)INFINITY, present, false};
+        return (struct encounter){(double)INFINITY, present, 0.0, false};
     }
-    const double resolution = system_gap_resolution(v, at, contact);
+    const double resolution = system_gap_is_known(q, at, contact)
+                                  ? 8.0 * DBL_EPSILON * fabs(at->geometry[contact].gap)
+                                  : system_gap_resolution(v, at, contact);
     const double found = (q->contact[contact].settled_clock - clock) / horizon;
     const double settle = fmax(
         found, settling_time(&path, &shape, &law, &at->geometry[contact], resolution, &separation, present));
@@ -274,7 +296,7 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     struct encounter next;
     double touch;
     if (simple && settle < 1.0 && first_touch(&path, &extremes, settle, &touch)) {
-        next = (struct encounter){touch * horizon, isfinite(touch) ? REGIME_PRESSING : present, false};
+        next = (struct encounter){touch * horizon, isfinite(touch) ? REGIME_PRESSING : present, 0.0, false};
     } else {
         const int count = all_cuts(&path, &extremes, &shape, &law, cuts);
         next = first_change(&path, cuts, count, &law, present, false, settle);

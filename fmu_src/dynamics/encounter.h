@@ -19,13 +19,14 @@
 struct encounter {
     double after; /* seconds from the present; INFINITY when nothing changes within the horizon */
     enum contact_regime regime; /* the regime from then on */
+    double gap;                 /* g then, as fine as it is known at present [m] */
     bool passes_centre;         /* within the horizon d comes down to its own rounding */
 };
 
 /*
  * The first change of the regime of `contact` within `horizon` seconds of the present instant `at`, taken at `clock`.
- * Exact to the rounding of the gap: a change sooner than the gap or the end plane can be resolved (a boundary just
- * crossed) is taken as the present regime's own beginning.
+ * Exact to the rounding of the gap, which where the contact has just let go is much finer than that of positions; a change
+ * sooner than the gap or the end plane can be resolved (a boundary just crossed) is taken as the present regime's own beginning.
  */
 struct encounter encounter_next(const struct scene_values *v, const struct motion *q,
                                 const struct system_instant *at, double clock, int contact, double horizon);

@@ -20,11 +20,19 @@ static void set_regime(struct motion *q, int contact, enum contact_regime regime
     state->regime = (int32_t)regime;
 }
 
-/* Bodies that touch do so at g = 0, not at what rounding makes of it; after a release, or beyond a cylinder's end, the positions
- * are all there is. */
-static double gap_to_carry(const struct system_instant *at, int contact, enum contact_regime before)
+/* Bodies that part by the gap do so at zero or more; those that touch where no touch was foreseen, by an integrator's root, do so
+ * at zero. */
+static double gap_at_change(const struct scene_values *v, const struct motion *q,
+                            const struct system_instant *at, int contact, enum contact_regime regime)
 {
-    return before == REGIME_APART ? 0.0 : at->geometry[contact].gap;
+    const double gap = at->geometry[contact].gap;
+    if (fabs(gap) > system_gap_resolution(v, at, contact)) {
+        return gap;
+    }
+    if (q->contact[contact].regime == (int32_t)REGIME_APART && !system_gap_is_known(q, at, contact)) {
+        return 0.0;
+    }
+    return regime == REGIME_APART ? fmax(gap, 0.0) : gap;
 }
 
 /* A smooth piece of the motion starts here: nothing is known ahead, the integrator forgets, the balance is taken. */
@@ -42,15 +50,14 @@ void event_change_regime(const struct scene_values *v, struct motion *q, int con
     system_now(v, q, &at);
     event_note_peaks(q, &at);
     const double before = energy_stored(v, q, &at);
-    if (!contact_transmits(q, contact)) {
-        q->contact[contact].carried_gap =
-            gap_to_carry(&at, contact, (enum contact_regime)q->contact[contact].regime);
-    }
+    const double gap = gap_at_change(v, q, &at, contact, regime);
+    q->contact[contact].carried_gap = gap;
+    at.geometry[contact].gap = gap;
     set_regime(q, contact, regime);
-    system_now(v, q, &at);
     q->dissipated += before - energy_stored(v, q, &at);
     q->counters.events += 1;
     begin_phase(v, q, &at);
+    q->contact[contact].carried_gap = gap;
     system_forces(v, q, q->clock, &at);
     event_note_peaks(q, &at);
 }

@@ -66,6 +66,9 @@ void motion_rebase(struct motion *q)
         q->contact[j].touch_clock -= q->clock;
         q->contact[j].change_clock -= q->clock;
         q->contact[j].settled_clock -= q->clock;
+        if (q->contact[j].regime == REGIME_APART || q->contact[j].regime == REGIME_RELEASED) {
+            q->contact[j].carried_gap = (double)INFINITY; /* it has flown on */
+        }
     }
     q->horizon_clock -= q->clock;
 #endif

@@ -142,17 +142,31 @@ void system_evaluate(const struct scene_values *v, const struct motion *q, doubl
 }
 
 #if SCENE_ANY_FREE
-/* Where the integration has carried the gap along, its digits are finer than those of positions: a stiff contact at rest is
- * pressed in by less than the rounding of d. Positions that have been changed since show it by a larger difference. */
-static void take_carried_gaps(const struct scene_values *v, const struct motion *q, struct system_instant *at)
+/* INFINITY where nothing is known. */
+static double known_gap(const struct motion *q, int contact)
+{
+    const struct contact_state *state = &q->contact[contact];
+    if (contact_transmits(q, contact) || q->clock == 0.0) {
+        return state->carried_gap;
+    }
+    return q->clock == state->change_clock ? state->change_gap : (double)INFINITY;
+}
+
+/* A stiff contact at rest is pressed in by less than the rounding of d. Positions that have been changed since the gap was known show
+ * it by a larger difference. */
+static void take_known_gaps(const struct scene_values *v, const struct motion *q, struct system_instant *at)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const double carried = q->contact[j].carried_gap;
-        if (contact_transmits(q, j) &&
-            fabs(carried - at->geometry[j].gap) <= system_gap_resolution(v, at, j)) {
-            at->geometry[j].gap = carried;
+        const double known = known_gap(q, j);
+        if (fabs(known - at->geometry[j].gap) <= system_gap_resolution(v, at, j)) {
+            at->geometry[j].gap = known;
         }
     }
+}
+
+bool system_gap_is_known(const struct motion *q, const struct system_instant *at, int contact)
+{
+    return at->geometry[contact].gap == known_gap(q, contact);
 }
 #endif
 
@@ -160,7 +174,7 @@ void system_now(const struct scene_values *v, const struct motion *q, struct sys
 {
 #if SCENE_ANY_FREE
     system_kinematics(v, q, q->clock, q->body, at);
-    take_carried_gaps(v, q, at);
+    take_known_gaps(v, q, at);
 #else
     system_kinematics(v, q, q->clock, 0, at);
 #endif

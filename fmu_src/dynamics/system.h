@@ -57,6 +57,10 @@ bool system_within_extents(const struct contact_shape *shape, const struct conta
  * displacements and the radii [m]. Below it the sign of the gap means nothing. */
 double system_gap_resolution(const struct scene_values *v, const struct system_instant *at, int contact);
 
+/* Whether the gap of system_now is known finer than positions tell: while a contact presses, as it lets go, where its change was
+ * foreseen. */
+bool system_gap_is_known(const struct motion *q, const struct system_instant *at, int contact);
+
 /* The regime that the geometry of the instant asks for. */
 enum contact_regime system_regime(const struct scene_values *v, const struct motion *q,
                                   const struct system_instant *at, int contact);

@@ -34,6 +34,7 @@ static void look_ahead(const struct scene_values *v, struct motion *q, double re
         const struct encounter next = encounter_next(v, q, &at, q->clock, j, horizon);
         q->contact[j].change_clock = q->clock + next.after;
         q->contact[j].change_regime = (int32_t)next.regime;
+        q->contact[j].change_gap = next.gap;
         q->contact[j].passes_centre = next.passes_centre;
     }
     q->horizon_clock = q->clock + horizon;
