@@ -14,7 +14,7 @@ from contact_scenarios.fmu import FmuError, Status
 from fmpy import fmi2
 from mpmath import mp, mpf
 
-METHOD = "event_driven"
+METHOD, TOLERANCE = "event_driven", 1e-12
 LIMIT = 20_000
 SHELL = {
     "destination.radius": 0.5,
@@ -48,7 +48,7 @@ UNBOUNDED = {  # configuration and the communication step
 
 
 def limited(fmu, configuration, limit=LIMIT):
-    return start(fmu, {**configuration, "solver.max_internal_steps": limit}, method=METHOD)
+    return start(fmu, {**configuration, "solver.max_internal_steps": limit}, TOLERANCE, METHOD)
 
 
 def mechanical(fmu):
@@ -143,7 +143,7 @@ def test_what_happened_in_a_discarded_step_is_told_of_the_part_done(opened):
 @pytest.mark.parametrize("name", BENCHMARKS)
 def test_going_on_after_a_discard_changes_nothing(opened, name, way):
     problem = BENCHMARKS[name]
-    fmu = start(opened(problem.fmu), problem.configuration, method=METHOD)
+    fmu = start(opened(problem.fmu), problem.configuration, TOLERANCE, METHOD)
     fmu.step(problem.end)
     whole, work = everything(fmu), fmu["solver.steps"]
     limit = max(3, work // 7)

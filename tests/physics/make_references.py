@@ -1,4 +1,4 @@
-"""Writes wide_references.json and variant_references.json, or those named: the ends of the scenes of
+"""Writes wide_, creeping_ and variant_references.json, or those named: the ends of the scenes of
 wide_scenes.py and benchmark_variants.py by the Taylor integrator in 40 digits, and how much they depend on
 the last digits of what is given.
 
@@ -14,11 +14,12 @@ from pathlib import Path
 import numpy as np
 from benchmark_variants import VARIANTS, variant
 from reference_integrator import Reference
-from wide_scenes import COUNT, wide_scene
+from wide_scenes import COUNT, CREEPING, creeping_scene, wide_scene
 
 FOLDER = Path(__file__).parent
 SETS = {
     "wide_references.json": [(wide_scene, (number,)) for number in range(COUNT)],
+    "creeping_references.json": [(creeping_scene, (number,)) for number in range(CREEPING)],
     "variant_references.json": [(variant, which) for which in VARIANTS],
 }
 ORDER = 30

@@ -3,8 +3,8 @@ integrator that follows the oscillation can reach.
 
 Let x be the source's centre seen from the destination's (across the axis of a cylinder), d = |x|,
 n = x / d, R = r_d - r_s (inside) or r_d + r_s (outside), s = d - R, L = x cross x', a the constant
-acceleration of x without the contact and m the effective mass. With w^2 = p_n / m and 2 zeta w = p_nv / m the motion
-in contact is
+acceleration of x without the contact and m the effective mass. With w^2 = p_n / m and
+2 zeta w = p_nv / m the motion in contact is
 
     n' = L cross n / d^2,    L' = d n cross a,    s'' = A - w^2 s - 2 zeta w s',    A = |L|^2 / d^3 + a.n
 

@@ -24,7 +24,7 @@ END = 2.0  # s, of which the train takes 1.35
 DASHPOTS = ["unclamped", "non_adhesive"]
 STIFFNESSES = [1e4, 1e6, 1e8, 1e10, 1e13, 1e15]
 WORK = 200_000  # internal steps of a run at most
-EXACT = 1e-9  # s
+EXACT = 1e-10  # s
 
 
 def damping(dashpot, stiffness):
@@ -62,6 +62,12 @@ def drop(shape, location, dashpot, stiffness):
     return {**values, "destination.axis": AXIS.tolist()} if shape == "cylinder" else values
 
 
+def late(expected):
+    """What the last onset may be off by: the way to it is rounded, and gone slowly at the end"""
+    flight = expected.onset_times[-1] - expected.onset_times[-2] - expected.durations[-1]
+    return EXACT + 16 * np.finfo(float).eps * 2.0 / float(WEIGHT * flight / 2)
+
+
 @pytest.mark.parametrize("dashpot", DASHPOTS)
 def test_the_closed_form_is_the_reference_integrators(dashpot):
     """Two ways of counting, both in many digits"""
@@ -95,8 +101,8 @@ def test_each_bounce_is_counted_until_the_ball_rests(opened, shape, location, da
     fmu = run(opened(FMU[shape]), values, END, steps, TOLERANCE, METHOD)
     assert fmu["contact.onsets"] == len(expected.onset_times)
     last = float(expected.onset_times[-1])
-    check_close("last_onset_time", fmu["contact.last_onset_time"], last, EXACT)
-    check_close("last_duration", fmu["contact.last_duration"], END - last, EXACT)
+    check_close("last_onset_time", fmu["contact.last_onset_time"], last, late(expected))
+    check_close("last_duration", fmu["contact.last_duration"], END - last, late(expected))
     assert fmu["contact.active"] is True
     rest = WEIGHT / stiffness
     swing = 2 * rest * math.exp(-damping(dashpot, stiffness) / 2 * (END - last))  # what is left of it at most
@@ -155,6 +161,6 @@ def test_a_ball_whispers_around_a_hollow_body(opened, shape, steps):
     assert fmu["contact.onsets"] == bounces > 200
     last = float(start + (bounces - 1) * period)
     # Rounded energy rounds the speed at the wall, a hundredth of that along it: the period is 0.8 s of it.
-    late = 32 * np.finfo(float).eps / 0.01 * 2 * 0.4 * bounces**2 / 2
-    check_close("last_onset_time", fmu["contact.last_onset_time"], last, late)
+    allowed = 32 * np.finfo(float).eps / 0.01 * 2 * 0.4 * bounces**2 / 2
+    check_close("last_onset_time", fmu["contact.last_onset_time"], last, allowed)
     check_relative("speed", np.linalg.norm(fmu["source.velocity"]), math.hypot(1.0, 0.01), 1e-12)

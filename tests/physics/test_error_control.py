@@ -10,7 +10,7 @@ import pytest
 from benchmarks import BENCHMARKS
 from checks import check_close, run
 from references import errors_beyond, stored
-from wide_scenes import COUNT, wide_scene
+from wide_scenes import COUNT, CREEPING, creeping_scene, wide_scene
 
 FACTOR = 10
 TOLERANCES = [1e-6, 1e-9, 1e-12]
@@ -44,6 +44,15 @@ def test_the_end_of_a_random_scene_is_as_exact_as_asked(opened, number, toleranc
     fmu = run(opened(FMU[shape]), configuration, end, 1, given, METHOD)
     row = stored("wide_references.json")[number,]
     assert errors_beyond(fmu, row, tolerance, FACTOR) == []
+
+
+@pytest.mark.parametrize("steps", [1, 97])
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+@pytest.mark.parametrize("number", range(CREEPING))
+def test_a_contact_that_creeps_is_as_exact_as_asked(opened, number, tolerance, steps):
+    shape, configuration, end = creeping_scene(number)
+    fmu = run(opened(FMU[shape]), configuration, end, steps, tolerance, METHOD)
+    assert errors_beyond(fmu, stored("creeping_references.json")[number,], tolerance, FACTOR) == []
 
 
 @pytest.mark.parametrize("number", range(0, COUNT, 4))

@@ -2,7 +2,7 @@
 none to twice the critical one, far from the origin, pushed by growing forces, free destinations under fixed
 and moved sources, bounce trains that settle into lasting contact, balls that slide along a stiff wall.
 
-Their ends are in wide_references.json, made by make_references.py.
+Their ends are in wide_references.json and creeping_references.json, made by make_references.py.
 """
 
 import numpy as np
@@ -149,3 +149,17 @@ CHANGES = {
     "settling": settling,
     "sliding": sliding,
 }
+
+
+CREEPING = 26
+
+
+def creeping_scene(number):
+    """shape, configuration and end; damped beyond critical, the ball creeps out of a stiff wall"""
+    shape, values, end = wide_scene(number)
+    random = np.random.default_rng([number, 4])
+    share = [1.5, 10.0, 3.0][number % 3]
+    values = with_stiffness(dict(values), 10 ** random.uniform(5.5, 7), share)
+    for choice in ("penalty_control", "viscous_control", "method"):
+        values.pop(f"contact.{choice}", None)
+    return shape, values, 0.7 * end
