@@ -7,6 +7,9 @@
  * more than this, a shorter step is cheaper. */
 enum { MAX_SWEEPS = 30 };
 
+/* The coefficients of a row are sums with factors up to 611 (lobatto_monomial): so much of them is rounding, with some to spare. */
+static const double ROW_ROUNDING = 1e-12;
+
 /* What stays the same from sweep to sweep. */
 struct node_table {
     struct vec3_row pull;  /* A */
@@ -82,7 +85,18 @@ static void creep(struct collocation *p)
     row_coefficients(p->x, p->slow);
 }
 
-/* The load into x; returns the largest change of a coefficient. */
+/* The largest that x comes to in the step, roughly [m]. */
+static double size_of_excess(const struct collocation *p)
+{
+    double largest = fabs(p->y) + fabs(p->y_rate);
+    for (int k = 0; k < LOBATTO_POINTS; ++k) {
+        largest = fmax(largest, fabs(p->slow[k]));
+    }
+    return largest;
+}
+
+/* The load into x; returns the largest change of a coefficient, scaled as if x were of the size of d: the force, which follows from x,
+ * is to be as accurate as the position, however small x is. */
 static double answer(struct collocation *p, const double *values, double softening)
 {
     lobatto_row before;
@@ -98,7 +112,8 @@ static double answer(struct collocation *p, const double *values, double softeni
     for (int i = 0; i < LOBATTO_POINTS; ++i) {
         change = fmax(change, fabs(p->slow[i] - before[i]));
     }
-    return change;
+    const double size = size_of_excess(p);
+    return change > ROW_ROUNDING * size ? change * fmax(1.0, p->distance / size) : 0.0;
 }
 
 /* f at the nodes, and x that answers. */
@@ -164,9 +179,12 @@ static double tail_of_all(const struct collocation *p)
 {
     const double by_turn = p->distance * row_tail3(&p->n_rate);
     const double by_spin = 2.0 * p->half / p->distance * row_tail3(&p->h_rate);
-    const double of_load = fmax(fabs(p->load[LOBATTO_POINTS - 1]), fabs(p->load[LOBATTO_POINTS - 2]));
-    const double by_load = ldexp(of_load, 2 - LOBATTO_POINTS) / fmax(p->oscillator.square, 1.0);
-    return fmax(by_load, fmax(by_turn, by_spin) / LOBATTO_POINTS);
+    const double of_excess = fmax(fabs(p->slow[LOBATTO_POINTS - 1]), fabs(p->slow[LOBATTO_POINTS - 2]));
+    const double size = size_of_excess(p);
+    /* The next coefficient is smaller by half a step's radians, two at most, over its number: less than a quarter. */
+    const double left_out = 0.25 * ldexp(of_excess, 2 - LOBATTO_POINTS);
+    const double by_excess = size > 0.0 ? left_out * fmax(1.0, p->distance / size) : 0.0;
+    return fmax(by_excess, fmax(by_turn, by_spin) / LOBATTO_POINTS);
 }
 
 static void keep_lead(struct collocation *p, const struct node_table *table)
@@ -219,7 +237,7 @@ static double sweep(struct collocation *p, const struct node_table *table)
 {
     const double by_load = respond(p, table);
     if (p->straight) {
-        return 0.0;
+        return p->kind == COLLOCATION_CREEPING ? by_load : 0.0; /* otherwise the load does not depend on x */
     }
     if (p->kind != COLLOCATION_RESOLVED) {
         const struct collocation_wave wave = collocation_wave_of(p, p->y, p->y_rate, p->from.normal,
@@ -233,10 +251,7 @@ static double sweep(struct collocation *p, const struct node_table *table)
 
 static void finish(struct collocation *p, const struct node_table *table)
 {
-    double largest = fabs(p->y) + fabs(p->y_rate);
-    for (int k = 0; k < LOBATTO_POINTS; ++k) {
-        largest = fmax(largest, fabs(p->slow[k]));
-    }
+    const double largest = size_of_excess(p);
     p->terms = LOBATTO_POINTS;
     while (p->terms > 1 && fabs(p->slow[p->terms - 1]) <= DBL_EPSILON * DBL_EPSILON * largest) {
         p->terms -= 1;
@@ -263,8 +278,10 @@ bool collocation_make(struct collocation *p, const struct collocation_problem *f
     double before = 0.0;
     for (int i = 0; i < MAX_SWEEPS; ++i) {
         const double change = sweep(p, &table);
-        /* A sweep that moved things by so much less than the one before leaves less than this for the next. */
-        if (change <= tolerance || change * change <= tolerance * before) {
+        /* A sweep that moved things by so much less than the one before leaves less than that again; but X, which creeps through
+         * several of its decay times, comes in last. */
+        const double left = kind == COLLOCATION_CREEPING ? change : change * fmin(1.0, change / before);
+        if (left <= tolerance) {
             finish(p, &table);
             return is_sound(p);
         }

@@ -116,7 +116,7 @@ void press_reserve_at(const void *press_reserve, double s, double *value, double
     double x[4];
     collocation_slow_excess(&p->step, s, x);
     fill_sample(p, x, s, &slow);
-    *value = reserve->factor * slow.of[reserve->quantity][0] - envelope;
+    *value = reserve->factor * slow.of[reserve->quantity][0] + reserve->offset - envelope;
     *slope = reserve->factor * slow.of[reserve->quantity][1] + all.decay * envelope;
 }
 

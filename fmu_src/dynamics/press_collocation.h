@@ -41,10 +41,10 @@ void press_collocation_sample_node(const struct press_collocation *p, int node, 
 struct press_reserve {
     const struct press_collocation *of;
     enum press_quantity quantity;
-    double factor;
+    double factor, offset;
 };
 
-/* Value and slope at s of factor quantity - envelope; a bracket_function of a struct press_reserve. */
+/* Value and slope at s of factor quantity + offset - envelope; a bracket_function of a struct press_reserve. */
 void press_reserve_at(const void *press_reserve, double s, double *value, double *slope);
 
 struct press_change press_collocation_change(const struct press_collocation *p, double s);

@@ -5,82 +5,8 @@
 #include <float.h>
 
 #include "dynamics/flight.h"
+#include "solver/ending.h"
 #include "solver/peaks.h"
-
-/* How far below zero the law's margin must fall for a regime to end, in parts of the largest force of the piece: a contact that
- * has just begun, or lies at rest, does not change its regime by rounding. The law is followed beyond its range for so little
- * that the impulse is off by the square of it. */
-static const double HYSTERESIS = 1e-8;
-
-/* Bodies that part at less than this part of the largest speed in the piece hardly part at all: they are held together until the gap
- * is wider than its own rounding, or a millionth of the penetration where a stiff contact is pressed in by less. A ball that
- * oscillates at the verge of parting would bounce on rounding otherwise. */
-static const double CLEAN_PARTING = 1e-3;
-static const double GAP_HYSTERESIS = 1e-6;
-
-static double largest_size(const struct piece *p, enum press_quantity quantity)
-{
-    double largest = 0.0;
-    for (int i = 0; i < p->watch.count; ++i) {
-        largest = fmax(largest, fabs(p->watch.at[i].of[quantity][0]));
-    }
-    return largest;
-}
-
-static double parting_of(const struct piece *p, const struct scene_values *v, const struct system_instant *at,
-                         int contact)
-{
-    struct watched overlap = {PRESS_GAP, -1.0, 0.0};
-    const double s = watch_first_fall(&p->watch, &overlap);
-    if (s < (double)INFINITY) {
-        struct press_sample then;
-        p->watch.sampler(p->watch.piece, s, &then);
-        if (then.of[PRESS_RATE][0] > CLEAN_PARTING * largest_size(p, PRESS_RATE)) {
-            return s;
-        }
-    }
-    overlap.offset =
-        fmin(2.0 * system_gap_resolution(v, at, contact), GAP_HYSTERESIS * largest_size(p, PRESS_GAP));
-    return watch_first_fall(&p->watch, &overlap);
-}
-
-/* What ends the regime by the law: see contact_regime_margin. */
-static struct watched margin_of(const struct piece *p, enum contact_regime regime)
-{
-    const struct contact_law *law = &p->press.law;
-    const double force = HYSTERESIS * largest_size(p, PRESS_FORCE);
-    const double rate = 8.0 * DBL_EPSILON * vec3_norm(p->press.flight.w[0]);
-    if (regime == REGIME_PRESSING && law->dashpot == DASHPOT_NON_ADHESIVE) {
-        return (struct watched){PRESS_FORCE, 1.0, force + law->damping * rate};
-    }
-    return (struct watched){PRESS_RATE, regime == REGIME_RECEDING ? 1.0 : -1.0, force / law->damping + rate};
-}
-
-struct ending {
-    double s;
-    enum contact_regime regime;
-};
-
-static struct ending first_ending(const struct piece *p, const struct scene_values *v, const struct motion *q,
-                                  const struct system_instant *at, int contact)
-{
-    const struct contact_law *law = &p->press.law;
-    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
-    struct ending first = {(double)INFINITY, REGIME_APART};
-    if (p->spans) {
-        return first;
-    }
-    first.s = parting_of(p, v, at, contact);
-    if (law->damping > 0.0 && law->dashpot != DASHPOT_UNCLAMPED) {
-        const struct watched margin = margin_of(p, regime);
-        const double s = watch_first_fall(&p->watch, &margin);
-        if (s < first.s) {
-            first.s = s;
-            first.regime = contact_regime_after(law, regime);
-        }
-    }
-    return first;
-}
 
 /* The error allowed in a piece: of what the user asks for a thousandth, for impacts multiply errors, and no less than what
  * rounding leaves. */
@@ -118,7 +44,7 @@ static bool add_pair(struct stretch *all, const struct scene_values *v, const st
         !piece_make(p, v, q, at, contact, all->time, tolerance_of(v, at, contact))) {
         return false;
     }
-    const struct ending ending = first_ending(p, v, q, at, contact);
+    const struct ending ending = ending_first(p);
     if (ending.s <= p->end) {
         all->time = ending.s * p->unit;
         all->ending = contact;

@@ -26,7 +26,7 @@ static double largest_in_turn(const struct piece *p, const struct watched *what,
 static double largest_spanning(const struct piece *p, const struct watched *what)
 {
     const struct press_collocation *made = &p->by.collocation;
-    const struct press_reserve reserve = {made, what->quantity, -what->factor};
+    const struct press_reserve reserve = {made, what->quantity, -what->factor, 0.0};
     const struct oscillator *o = &made->step.oscillator;
     const double turn_square = o->square - 0.25 * o->damping * o->damping;
     double best = 0.0;

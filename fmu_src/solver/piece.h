@@ -16,6 +16,9 @@
 
 struct piece {
     struct press press;
+    enum contact_regime regime;
+    double resolution; /* of the gap, by positions [m] */
+    double tolerance;  /* the error allowed in the piece [m] */
     union {
         struct press_series series;
         struct press_collocation collocation;
@@ -26,6 +29,17 @@ struct piece {
     double end;         /* s */
     struct watch watch; /* sampled up to `end` */
 };
+
+/* For those who make collocated pieces. Below this many radians of the oscillator a series is exact in one step, and the load's
+ * response loses digits (oscillator_follow). */
+static const double PIECE_SHORTEST = 3.0;
+
+/* Radians of the oscillator in a resolved step: half a turn and a little more is an impact; at the nodes the oscillation, itself a
+ * correction to the load of relative size (turning / settling)^2, is then known to 3e-7. */
+static const double PIECE_RESOLVED = 4.0;
+
+/* p->by.collocation has been made: sets up the rest. */
+void piece_collocated(struct piece *p);
 
 /* A piece from the present instant over at most `longest` > 0 seconds. `tolerance` is the error allowed in it [m]. False where
  * there is none. */

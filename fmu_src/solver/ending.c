@@ -1,0 +1,89 @@
+#include "solver/ending.h"
+
+#if SCENE_ANY_FREE
+
+#include <float.h>
+
+/* How far below zero the law's margin must fall for a regime to end, in parts of the largest force of the piece: a contact that
+ * has just begun, or lies at rest, does not change its regime by rounding. The law is followed beyond its range for so little
+ * that the impulse is off by the square of it. */
+static const double HYSTERESIS = 1e-8;
+
+/* Bodies that part at less than this part of the largest speed in the piece hardly part at all: they are held together until the gap
+ * is wider than its own rounding, or a millionth of the penetration where a stiff contact is pressed in by less. A ball that
+ * oscillates at the verge of parting would bounce on rounding otherwise. */
+static const double CLEAN_PARTING = 1e-3;
+static const double GAP_HYSTERESIS = 1e-6;
+
+/* A dashpot that acts on approach only: about rest, and where the load slowly fades, the gap rate touches zero once in every
+ * oscillation. Which side it is on matters as little as the dashpot's force there: not at all to the motion while that force
+ * deforms the contact by less than the error allowed, nor beyond this part of the load. */
+static const double IDLE_DASHPOT = 1e-3;
+
+static double largest_size(const struct piece *p, enum press_quantity quantity)
+{
+    double largest = 0.0;
+    for (int i = 0; i < p->watch.count; ++i) {
+        largest = fmax(largest, fabs(p->watch.at[i].of[quantity][0]));
+    }
+    return largest;
+}
+
+double ending_gap_slack(const struct piece *p)
+{
+    return fmin(2.0 * p->resolution, GAP_HYSTERESIS * largest_size(p, PRESS_GAP));
+}
+
+bool ending_by_law(const struct piece *p)
+{
+    return p->press.law.damping > 0.0 && p->press.law.dashpot != DASHPOT_UNCLAMPED;
+}
+
+struct watched ending_margin(const struct piece *p)
+{
+    const struct contact_law *law = &p->press.law;
+    const double force = largest_size(p, PRESS_FORCE);
+    const double rate = 8.0 * DBL_EPSILON * vec3_norm(p->press.flight.w[0]);
+    if (law->dashpot == DASHPOT_NON_ADHESIVE) {
+        return (struct watched){PRESS_FORCE, 1.0, HYSTERESIS * force + law->damping * rate};
+    }
+    const double idle = fmax(HYSTERESIS * force, fmin(law->stiffness * p->tolerance, IDLE_DASHPOT * force));
+    return (struct watched){PRESS_RATE, p->regime == REGIME_RECEDING ? 1.0 : -1.0,
+                            idle / law->damping + rate};
+}
+
+static double parting(const struct piece *p)
+{
+    struct watched overlap = {PRESS_GAP, -1.0, 0.0};
+    const double s = watch_first_fall(&p->watch, &overlap);
+    if (s < (double)INFINITY) {
+        struct press_sample then;
+        p->watch.sampler(p->watch.piece, s, &then);
+        if (then.of[PRESS_RATE][0] > CLEAN_PARTING * largest_size(p, PRESS_RATE)) {
+            return s;
+        }
+        overlap.offset = ending_gap_slack(p);
+        return watch_first_fall(&p->watch, &overlap);
+    }
+    return s;
+}
+
+struct ending ending_first(const struct piece *p)
+{
+    struct ending first = {(double)INFINITY, REGIME_APART};
+    if (p->spans) {
+        return first;
+    }
+    first.s = parting(p);
+    if (ending_by_law(p)) {
+        const struct watched margin = ending_margin(p);
+        const double s = watch_first_fall(&p->watch, &margin);
+        if (s < first.s) {
+            first.s = s;
+            first.regime = contact_regime_after(&p->press.law, p->regime);
+        }
+    }
+    return first;
+}
+
+#endif

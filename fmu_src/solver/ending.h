@@ -1,0 +1,25 @@
+/* When a regime of a pressing contact ends: what is watched, and by how much it must be passed. */
+#ifndef CONTACT_ENDING_H
+#define CONTACT_ENDING_H
+
+#include "solver/piece.h"
+
+#if SCENE_ANY_FREE
+
+/* Bodies that hardly part are held together until the gap is so wide [m]. */
+double ending_gap_slack(const struct piece *p);
+
+/* Whether the law itself, not the gap, can end the regime; then by what: see contact_regime_margin. The regime lasts while
+ * factor quantity + offset > 0. */
+bool ending_by_law(const struct piece *p);
+struct watched ending_margin(const struct piece *p);
+
+struct ending {
+    double s; /* INFINITY: not within the piece */
+    enum contact_regime regime;
+};
+
+struct ending ending_first(const struct piece *p);
+
+#endif
+#endif

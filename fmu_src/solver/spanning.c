@@ -1,0 +1,107 @@
+#include "solver/spanning.h"
+
+#if SCENE_ANY_FREE
+
+#include "contact/bracket.h"
+#include "solver/ending.h"
+
+/* Radians of the motion along the contact in a long step: at the nodes' full accuracy, with about 15 sweeps. */
+static const double LONG_STEP = 2.5;
+
+enum { SPANNING_ATTEMPTS = 12 };
+
+double spanning_left_out(double a, double ratio, double distance, double radians)
+{
+    return 4.0 * a * ratio * ratio + 3.0 * a * a / distance * radians;
+}
+
+static void reserve_slope(const void *data, double s, double *value, double *slope)
+{
+    double ignored;
+    press_reserve_at(data, s, &ignored, value);
+    *slope = 0.0; /* bracket_root then bisects */
+}
+
+/* Up to which s what is left of a quantity stays above zero. */
+static double lasts_until(const struct press_reserve *reserve)
+{
+    double low_value;
+    double low_slope;
+    press_reserve_at(reserve, 0.0, &low_value, &low_slope);
+    if (!(low_value > 0.0)) {
+        return 0.0;
+    }
+    for (int i = 1; i < LOBATTO_POINTS; ++i) {
+        const double low = 1.0 + lobatto_node[i - 1];
+        double high = 1.0 + lobatto_node[i];
+        double value;
+        double slope;
+        press_reserve_at(reserve, high, &value, &slope);
+        if (value > 0.0 && low_slope < 0.0 && slope > 0.0) {
+            double ignored;
+            double at_dip;
+            const double dip = bracket_root(reserve_slope, reserve, low, high);
+            press_reserve_at(reserve, dip, &at_dip, &ignored);
+            if (!(at_dip > 0.0)) {
+                high = dip;
+                value = at_dip;
+            }
+        }
+        if (!(value > 0.0)) {
+            return bracket_root(press_reserve_at, reserve, low, high);
+        }
+        low_slope = slope;
+    }
+    return 2.0;
+}
+
+/* Up to which s neither the bodies part nor the law changes its regime. */
+static double nothing_until(const struct piece *p)
+{
+    const struct press_collocation *made = &p->by.collocation;
+    const struct press_reserve overlap = {made, PRESS_GAP, -1.0, ending_gap_slack(p)};
+    const double parts = lasts_until(&overlap);
+    if (!ending_by_law(p)) {
+        return parts;
+    }
+    const struct watched margin = ending_margin(p);
+    const struct press_reserve reserve = {made, margin.quantity, margin.factor, margin.offset};
+    return fmin(parts, lasts_until(&reserve));
+}
+
+bool spanning_piece(struct piece *p, const struct press_outlook *outlook, double longest)
+{
+    const double d = outlook->problem.reach;
+    double step = fmin(longest, LONG_STEP / outlook->turning);
+    const double ratio = outlook->turning / outlook->rates.slower;
+    if (!(outlook->oscillation < outlook->load_depth) ||
+        spanning_left_out(outlook->oscillation, ratio, d, outlook->turning * step) > p->tolerance) {
+        return false;
+    }
+    for (int i = 0; i < SPANNING_ATTEMPTS && step * outlook->rates.slower >= PIECE_SHORTEST; ++i) {
+        struct press_collocation *made = &p->by.collocation;
+        if (!press_collocation_make(made, &p->press, outlook, step, COLLOCATION_SPANNING,
+                                    0.1 * p->tolerance)) {
+            step *= 0.5;
+            continue;
+        }
+        /* At its end a step of this order is off by about the square of what it leaves out in between; by measurement ten
+         * times the square of the tails themselves, which are larger by the points' number, is on the safe side. */
+        const double tail = LOBATTO_POINTS * made->step.interior_error;
+        const double error = tail * (10.0 * tail / d);
+        if (!(error <= p->tolerance)) {
+            step *= 0.5;
+            continue;
+        }
+        piece_collocated(p);
+        const double until = nothing_until(p);
+        if (until >= 2.0) {
+            return true;
+        }
+        /* Stop short of it by some turns of the oscillation. */
+        step = until * made->step.half - 2.0 * PIECE_RESOLVED / outlook->rates.slower;
+    }
+    return false;
+}
+
+#endif
