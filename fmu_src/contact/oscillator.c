@@ -1,6 +1,6 @@
 #include "contact/oscillator.h"
 
-#include <math.h>
+#include "contact/vec3.h"
 
 static struct oscillator_basis turning(double decay, double turn, double square, double z)
 {
@@ -51,7 +51,7 @@ struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, do
                                             0.5 * decay};
     }
     if (turn_square > 0.0) {
-        return (struct oscillator_envelope){hypot(y, start / sqrt(turn_square)), decay};
+        return (struct oscillator_envelope){vec3_norm(vec3_make(y, start / sqrt(turn_square), 0.0)), decay};
     }
     const double spread = sqrt(-turn_square);
     const double slow = 0.5 * (y + start / spread);

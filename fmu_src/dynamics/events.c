@@ -11,7 +11,7 @@ static void set_regime(struct motion *q, int contact, enum contact_regime regime
     const bool touched = state->regime != REGIME_APART;
     const bool touches = regime != REGIME_APART;
     if (touches && !touched) {
-        state->onsets += 1;
+        counter_add(&state->onsets, 1);
         state->onset_time = motion_time(q);
         state->touch_clock = q->clock;
     } else if (touched && !touches) {
@@ -55,7 +55,7 @@ void event_change_regime(const struct scene_values *v, struct motion *q, int con
     at.geometry[contact].gap = gap;
     set_regime(q, contact, regime);
     q->dissipated += before - energy_stored(v, q, &at);
-    q->counters.events += 1;
+    counter_add(&q->counters.events, 1);
     begin_phase(v, q, &at);
     q->contact[contact].carried_gap = gap;
     system_forces(v, q, q->clock, &at);

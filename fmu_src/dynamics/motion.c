@@ -1,5 +1,11 @@
 #include "dynamics/motion.h"
 
+void counter_add(int32_t *counter, long more)
+{
+    const long room = (long)INT32_MAX - *counter;
+    *counter += (int32_t)(more < room ? more : room);
+}
+
 double motion_time(const struct motion *q)
 {
     return q->base + (q->base_tail + q->clock);

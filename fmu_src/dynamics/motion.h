@@ -68,6 +68,9 @@ struct solver_counters {
     int32_t steps, force_evaluations, events, rejected_steps, fallbacks;
 };
 
+/* Counts on, as far as an FMI Integer reaches. */
+void counter_add(int32_t *counter, long more);
+
 struct motion {
     double base, base_tail, clock; /* [s] */
     struct contact_state contact[SCENE_CONTACTS];

@@ -140,7 +140,8 @@ static enum model_status advance_motion(struct model *m, double end_time)
         return model_report(
             m, MODEL_DISCARD,
             "The step to %.17g s stopped at %.17g s: solver.max_internal_steps = %d are used up "
-            "(allowed: 1 .. 2147483647).",
+            "(allowed: 1 .. 2147483647). Go on from there, if need be in smaller steps, or start with a "
+            "larger limit.",
             end_time, model_time(m), (int)solver_max_internal_steps(v));
     case SOLVER_FAILED:
     default:

@@ -106,9 +106,9 @@ static void book_counters(struct cvode *c, struct motion *q, struct advance *ste
     CVodeGetNumNonlinSolvConvFails(c->memory, &convergence_failures);
     failures += convergence_failures;
     step->budget -= steps - c->steps;
-    q->counters.steps += (int32_t)(steps - c->steps);
-    q->counters.force_evaluations += (int32_t)(evaluations - c->evaluations);
-    q->counters.rejected_steps += (int32_t)(failures - c->rejected);
+    counter_add(&q->counters.steps, steps - c->steps);
+    counter_add(&q->counters.force_evaluations, evaluations - c->evaluations);
+    counter_add(&q->counters.rejected_steps, failures - c->rejected);
     c->steps = steps;
     c->evaluations = evaluations;
     c->rejected = failures;

@@ -97,8 +97,8 @@ static void stretch_apply(const struct stretch *all, const struct scene_values *
             const struct press_change change = piece_change(p, s);
             peaks_note(p, &q->contact[j], s);
             press_apply(&p->press, &change, v, q, j);
-            q->counters.steps += 1;
-            q->counters.force_evaluations += 1;
+            counter_add(&q->counters.steps, 1);
+            counter_add(&q->counters.force_evaluations, 1);
         }
     }
     book_flights(v, q, all->time);

@@ -70,7 +70,7 @@ static enum advance_result advance_phase(struct solver *s, const struct scene_va
         if (result != ADVANCE_FAILED) {
             return result;
         }
-        q->counters.fallbacks += 1;
+        counter_add(&q->counters.fallbacks, 1);
         motion_rebase(q);
     }
     return cvode_advance(s->cvode, v, q, step);
