@@ -1,9 +1,10 @@
-"""Writes the constants of fmu_src/contact/lobatto.c: collocation at the Gauss-Lobatto nodes, worked out with 60 digits.
+"""Writes the constants of fmu_src/contact/lobatto.c: collocation at the Gauss-Lobatto nodes, with 60 digits.
 
     python scripts/make_lobatto.py > fmu_src/contact/lobatto.c
 
-Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32). With l_j the Lagrange polynomials of the nodes:
-`lobatto_integral[j][i]` is the integral of l_j from -1 to node i, `lobatto_monomial[j][k]` the coefficient of sigma^k in l_j.
+Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32). With l_j the Lagrange polynomials of the
+nodes: `lobatto_integral[j][i]` is the integral of l_j from -1 to node i, `lobatto_monomial[j][k]` the coefficient of
+sigma^k in l_j.
 """
 
 import mpmath
@@ -32,9 +33,7 @@ def lagrange(at: list, j: int) -> list:
 
 def integral(coefficients: list, end) -> mpmath.mpf:
     """Of a polynomial from -1 to `end`."""
-    return sum(
-        c * (end ** (k + 1) - mpmath.mpf(-1) ** (k + 1)) / (k + 1) for k, c in enumerate(coefficients)
-    )
+    return sum(c * (end ** (k + 1) - mpmath.mpf(-1) ** (k + 1)) / (k + 1) for k, c in enumerate(coefficients))
 
 
 def number(x) -> str:

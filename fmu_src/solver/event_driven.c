@@ -17,11 +17,12 @@ static double tolerance_of(const struct scene_values *v, const struct system_ins
     return fmax(1e-3 * asked, 8.0 * DBL_EPSILON * size);
 }
 
-/* Islands: the bodies that pressing contacts join. A pair alone is what pieces are made for. */
+/* Islands: the bodies that pressing contacts join. A pair alone, one of it free, is what pieces are made for. */
 static bool pairs_are_alone(const struct scene_values *v, const struct motion *q)
 {
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_is_coupled(v, q, j)) {
+    for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
+        const bool held = contact_transmits(q, j) && !(system_inverse_mass(v, j) > 0.0);
+        if (held || contact_is_coupled(v, q, j)) {
             return false;
         }
     }
@@ -61,18 +62,17 @@ static bool stretch_make(struct stretch *all, const struct scene_values *v, cons
                          double longest)
 {
     struct system_instant at;
-    double before;
     system_now(v, q, &at);
     all->time = longest;
     all->ending = -1;
-    do {
-        before = all->time;
+    for (double before = (double)INFINITY; all->time < before;) {
+        before = SCENE_CONTACTS > 1 ? all->time : 0.0;
         for (int j = 0; j < SCENE_CONTACTS; ++j) {
             if (contact_transmits(q, j) && j != all->ending && !add_pair(all, v, q, &at, j)) {
                 return false;
             }
         }
-    } while (SCENE_CONTACTS > 1 && all->time < before);
+    }
     return true;
 }
 

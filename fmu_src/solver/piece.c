@@ -119,6 +119,13 @@ static bool collocate(struct piece *p, double longest)
     return resolved_piece(p, &outlook, longest) || creeping_piece(p, &outlook, longest);
 }
 
+/* Where d = 0 the normal turns round; head-on, the piece would not see it. */
+static bool meets_centre(const struct piece *p)
+{
+    const struct watched distance = {PRESS_GAP, p->press.shape.side, contact_reach(&p->press.shape)};
+    return watch_first_fall(&p->watch, &distance) <= p->end;
+}
+
 bool piece_make(struct piece *p, const struct scene_values *v, const struct motion *q,
                 const struct system_instant *at, int contact, double longest, double tolerance)
 {
@@ -129,7 +136,7 @@ bool piece_make(struct piece *p, const struct scene_values *v, const struct moti
     if (!collocate(p, longest)) {
         series_piece(p, longest);
     }
-    return p->end > 0.0;
+    return p->end > 0.0 && !meets_centre(p);
 }
 
 struct press_change piece_change(const struct piece *p, double s)
