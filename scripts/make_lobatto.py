@@ -2,9 +2,9 @@
 
     python scripts/make_lobatto.py > fmu_src/contact/lobatto.c
 
-Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32). With l_j the Lagrange polynomials of the
-nodes: `lobatto_integral[j][i]` is the integral of l_j from -1 to node i, `lobatto_monomial[j][k]` the coefficient of
-sigma^k in l_j.
+Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32). With l_j the Lagrange polynomials
+of the nodes: `lobatto_integral[j][i]` is the integral of l_j from -1 to node i, `lobatto_monomial[j][k]` the
+coefficient of sigma^k in l_j.
 """
 
 import mpmath

@@ -213,9 +213,13 @@ static bool is_at_centre(const struct approach *path, double s)
     return path->side * gap + path->reach <= NO_DISTANCE;
 }
 
-/* Whether the distance vanishes before `until`, as far as rounding can tell. */
+/* Whether the distance vanishes before `until`, as far as rounding can tell. A source that stays where it is, on the axis say, passes
+ * nothing: it keeps the direction it has. */
 static bool passes_centre(const struct approach *path, const struct extremes *extremes, double until)
 {
+    if (path->degree == 0) {
+        return false;
+    }
     bool passes = is_at_centre(path, 0.0) || is_at_centre(path, fmin(until, 1.0));
     for (int i = 0; i < extremes->count && extremes->at[i] < until; ++i) {
         passes = passes || is_at_centre(path, extremes->at[i]);
