@@ -203,7 +203,13 @@ enum contact_regime system_regime(const struct scene_values *v, const struct mot
     const struct contact_law law = system_law(v, q, contact);
     const struct contact_shape shape = system_shape(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    return contact_regime_of(&law, g->gap, g->gap_rate, system_within_extents(&shape, g));
+    /* Where d = 0 the distance can only grow, at the speed across the axis; the fallback normal knows nothing of it. */
+    const struct vec3 w = at->rate[contact];
+    const struct vec3 along = shape.destination == SHAPE_CYLINDER
+                                  ? vec3_scale(vec3_dot(w, shape.axis), shape.axis)
+                                  : vec3_make(0.0, 0.0, 0.0);
+    const double rate = g->degenerate ? shape.side * vec3_norm(vec3_sub(w, along)) : g->gap_rate;
+    return contact_regime_of(&law, g->gap, rate, system_within_extents(&shape, g));
 }
 
 double body_inverse_mass(const struct scene_values *v, int body)

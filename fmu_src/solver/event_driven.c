@@ -65,6 +65,9 @@ static bool stretch_make(struct stretch *all, const struct scene_values *v, cons
     system_now(v, q, &at);
     all->time = longest;
     all->ending = -1;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        all->piece[j].unit = all->piece[j].end = 0.0;
+    }
     for (double before = (double)INFINITY; all->time < before;) {
         before = SCENE_CONTACTS > 1 ? all->time : 0.0;
         for (int j = 0; j < SCENE_CONTACTS; ++j) {
