@@ -1,0 +1,12 @@
+"""Tables of constants in the C code are what their scripts write."""
+
+import subprocess
+import sys
+
+from generated import ROOT
+
+
+def test_the_lobatto_tables_are_those_of_their_script():
+    script = ROOT / "scripts" / "make_lobatto.py"
+    written = subprocess.run([sys.executable, script], capture_output=True, check=True).stdout
+    assert written == (ROOT / "fmu_src" / "contact" / "lobatto.c").read_bytes()

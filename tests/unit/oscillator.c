@@ -1,0 +1,227 @@
+/* The linear oscillator against its closed form in long double, and what its solutions must satisfy. */
+#include "contact/oscillator.h"
+
+#include <float.h>
+
+#include "check.h"
+#include "random.h"
+
+struct long_basis {
+    long double value[4]; /* y_of_y, y_of_rate, rate_of_y, rate_of_rate */
+    long double scale[4]; /* the size of the terms that make them up */
+};
+
+/* By the exponentials of both rates where they differ, otherwise by cos and sin or cosh and sinh. */
+static struct long_basis closed_form(long double square, long double damping, long double z)
+{
+    const long double decay = damping / 2.0L;
+    const long double turn_square = square - decay * decay;
+    const long double turn = sqrtl(fabsl(turn_square));
+    long double cosine;
+    long double sine; /* sin(turn z) / turn */
+    if (turn_square < 0.0L && turn * z > 1.0L) {
+        const long double fast = -(decay + turn);
+        const long double slow = square / fast;
+        const long double by_fast = expl(fast * z);
+        const long double by_slow = expl(slow * z);
+        sine = (by_slow - by_fast) / (slow - fast);
+        cosine = (by_slow + by_fast) / 2.0L;
+    } else {
+        const long double shrink = expl(-decay * z);
+        const long double small = turn_square * z * z;
+        sine = turn_square > 0.0L ? sinl(turn * z) / turn : sinhl(turn * z) / turn;
+        if (fabsl(small) < 1e-10L) {
+            sine = z * (1.0L - small / 6.0L);
+        }
+        sine *= shrink;
+        cosine = shrink * (turn_square > 0.0L ? cosl(turn * z) : coshl(turn * z));
+    }
+    const long double spread = turn_square < 0.0L ? turn : 0.0L;
+    const long double slowest = expl(-(spread > 0.0L ? square / (decay + spread) : decay) * z);
+    const long double reach = slowest * (turn > 0.0L ? fminl(z, 1.0L / turn) : z);
+    const long double whole = slowest + (decay + spread) * reach;
+    return (struct long_basis){{cosine + decay * sine, sine, -square * sine, cosine - decay * sine},
+                               {whole, reach, square * reach, whole}};
+}
+
+/* As exact as for a square and a damping that differ by roundings. */
+static void check_basis(const struct oscillator *o, double z)
+{
+    static const char *const name[4] = {"y of y", "y of rate", "rate of y", "rate of rate"};
+    const long double change = 1.0L + 4.0L * DBL_EPSILON;
+    const struct oscillator_basis basis = oscillator_basis_at(o, z);
+    const double got[4] = {basis.y_of_y, basis.y_of_rate, basis.rate_of_y, basis.rate_of_rate};
+    const struct long_basis expected = closed_form(o->square, o->damping, z);
+    const struct long_basis stiffer = closed_form(o->square * change, o->damping, z);
+    const struct long_basis thicker = closed_form(o->square, o->damping * change, z);
+    for (int i = 0; i < 4; ++i) {
+        const long double sensitive =
+            fabsl(stiffer.value[i] - expected.value[i]) + fabsl(thicker.value[i] - expected.value[i]);
+        CHECK_CLOSE(name[i], got[i], expected.value[i], 8.0L * DBL_EPSILON * expected.scale[i] + sensitive);
+    }
+}
+
+static void the_basis_is_the_closed_form(void)
+{
+    struct random r = {1};
+    for (int k = 0; k < 20000; ++k) {
+        const double square = random_power(&r, -3.0, 8.0);
+        const double ratio = k % 2 == 0 ? random_between(&r, 0.0, 2.0) : random_power(&r, -6.0, 6.0);
+        const struct oscillator o = {square, 2.0 * ratio * sqrt(square)};
+        check_basis(&o, random_power(&r, -6.0, 2.0) / sqrt(square));
+    }
+}
+
+static void the_basis_is_the_closed_form_about_critical_damping(void)
+{
+    struct random r = {2};
+    for (int k = 0; k < 5000; ++k) {
+        const double decay = random_power(&r, -1.0, 4.0);
+        const double off = k % 5 == 0 ? 0.0 : random_sign(&r) * random_power(&r, -16.0, -1.0);
+        const struct oscillator o = {decay * decay * (1.0 + off), 2.0 * decay};
+        check_basis(&o, random_power(&r, -3.0, 1.3) / decay);
+    }
+}
+
+static void without_a_spring_the_basis_is_that_of_the_dashpot_alone(void)
+{
+    struct random r = {3};
+    for (int k = 0; k < 1000; ++k) {
+        const struct oscillator o = {0.0, random_power(&r, -4.0, 6.0)};
+        const double z = random_power(&r, -6.0, 3.0) / o.damping;
+        const struct oscillator_basis basis = oscillator_basis_at(&o, z);
+        const long double by = -expm1l(-(long double)o.damping * z);
+        CHECK(basis.y_of_y == 1.0 && basis.rate_of_y == 0.0);
+        CHECK_CLOSE("y of rate", basis.y_of_rate, by / o.damping, 4.0L * DBL_EPSILON * by / o.damping);
+        CHECK_CLOSE("rate of rate", basis.rate_of_rate, 1.0L - by, 4.0L * DBL_EPSILON);
+    }
+}
+
+static void the_basis_starts_as_it_says(void)
+{
+    for (int k = 0; k < 4; ++k) {
+        const struct oscillator o = {4.0, 2.0 * k};
+        const struct oscillator_basis basis = oscillator_basis_at(&o, 0.0);
+        CHECK(basis.y_of_y == 1.0 && basis.y_of_rate == 0.0);
+        CHECK(basis.rate_of_y == 0.0 && basis.rate_of_rate == 1.0);
+    }
+}
+
+/* Two decays multiply to the square and add to the damping; a turning one has one rate. */
+static void the_rates_are_the_roots(void)
+{
+    struct random r = {4};
+    for (int k = 0; k < 5000; ++k) {
+        const double square = random_power(&r, -6.0, 12.0);
+        const double ratio = random_power(&r, -8.0, 8.0);
+        const struct oscillator o = {square, 2.0 * ratio * sqrt(square)};
+        const struct oscillator_rates rates = oscillator_rates_of(&o);
+        CHECK(rates.slower > 0.0 && rates.faster >= rates.slower);
+        CHECK_CLOSE("product", (long double)rates.slower * rates.faster / square, 1.0L, 4.0L * DBL_EPSILON);
+        if (ratio > 1.0) {
+            CHECK_CLOSE("sum", ((long double)rates.slower + rates.faster) / o.damping, 1.0L,
+                        4.0L * DBL_EPSILON);
+        } else {
+            CHECK(rates.slower == rates.faster);
+        }
+    }
+    const struct oscillator_rates dashpot = oscillator_rates_of(&(struct oscillator){0.0, 3.0});
+    CHECK(dashpot.slower == 0.0 && dashpot.faster == 3.0);
+}
+
+enum { TERMS = 12 };
+
+/* s'' + damping s' + square s = load, coefficient by coefficient, to roundings of what is added. */
+static void what_follows_the_load_solves_the_equation(void)
+{
+    struct random r = {5};
+    for (int k = 0; k < 2000; ++k) {
+        const struct oscillator o = {random_power(&r, -1.0, 12.0),
+                                     k % 4 == 0 ? 0.0 : random_power(&r, -3.0, 8.0)};
+        const int terms = 1 + random_index(&r, TERMS);
+        double load[TERMS];
+        double s[TERMS + 2] = {0.0};
+        for (int i = 0; i < terms; ++i) {
+            load[i] = random_between(&r, -1.0, 1.0);
+        }
+        oscillator_follow(&o, load, s, terms);
+        for (int i = 0; i < terms; ++i) {
+            const long double bent = (i + 1.0L) * (i + 2.0L) * s[i + 2];
+            const long double damped = (i + 1.0L) * o.damping * s[i + 1];
+            const long double pulled = (long double)o.square * s[i];
+            CHECK_CLOSE("load", bent + damped + pulled, load[i],
+                        4.0L * DBL_EPSILON * (fabsl(bent) + fabsl(damped) + fabsl(pulled)));
+        }
+        CHECK(s[terms] == 0.0);
+    }
+}
+
+static void what_relaxes_to_the_load_solves_the_equation(void)
+{
+    struct random r = {6};
+    for (int k = 0; k < 2000; ++k) {
+        const double rate = random_sign(&r) * random_power(&r, -1.0, 8.0);
+        const int terms = 1 + random_index(&r, TERMS);
+        double load[TERMS];
+        double s[TERMS + 1] = {0.0};
+        for (int i = 0; i < terms; ++i) {
+            load[i] = random_between(&r, -1.0, 1.0);
+        }
+        relaxation_follow(rate, load, s, terms);
+        for (int i = 0; i < terms; ++i) {
+            const long double slope = (i + 1.0L) * s[i + 1];
+            const long double pulled = (long double)rate * s[i];
+            CHECK_CLOSE("load", slope + pulled, load[i], 4.0L * DBL_EPSILON * (fabsl(slope) + fabsl(pulled)));
+        }
+        CHECK(s[terms] == 0.0);
+    }
+}
+
+/* The largest |y| exp(decay z), y from the closed form, over three turns or until the faster decay is over. */
+static long double largest_part(const struct oscillator *o, double y, double rate, double decay)
+{
+    const struct oscillator_rates rates = oscillator_rates_of(o);
+    const long double turn_square = o->square - 0.25L * o->damping * o->damping;
+    const long double turn = turn_square > 0.0L ? sqrtl(turn_square) : 0.0L;
+    const long double end = fmaxl(turn > 0.0L ? 20.0L / turn : 0.0L, 40.0L / rates.faster);
+    long double largest = 0.0L;
+    for (int i = 0; i <= 600; ++i) {
+        const long double z = end * i / 600.0L;
+        const struct long_basis basis = closed_form(o->square, o->damping, z);
+        const long double now = fabsl(y * basis.value[0] + rate * basis.value[1]);
+        largest = fmaxl(largest, now * expl(decay * z));
+    }
+    return largest;
+}
+
+/* Tight: reached by one that turns, at most four times the need where the parts cancel. */
+static void the_envelope_bounds_the_oscillation_tightly(void)
+{
+    struct random r = {7};
+    for (int k = 0; k < 600; ++k) {
+        const double square = random_power(&r, -2.0, 6.0);
+        const double ratio = k % 2 == 0 ? random_between(&r, 0.0, 2.0) : random_power(&r, -3.0, 2.0);
+        const struct oscillator o = {square, 2.0 * ratio * sqrt(square)};
+        const double y = random_index(&r, 5) == 0 ? 0.0 : random_between(&r, -1.0, 1.0);
+        const double rate =
+            random_index(&r, 5) == 0 ? 0.0 : random_sign(&r) * random_power(&r, -2.0, 2.0) * sqrt(square);
+        const struct oscillator_envelope bound = oscillator_envelope_of(&o, y, rate);
+        const long double needed = largest_part(&o, y, rate, bound.decay);
+        CHECK(bound.amplitude >= needed * (1.0L - 16.0L * DBL_EPSILON * (1.0L + ratio * ratio)));
+        CHECK(bound.amplitude <= (ratio < 0.95 ? 1.01L : 4.0L) * needed);
+        CHECK(bound.decay >= 0.49 * fmin(oscillator_rates_of(&o).slower, 0.5 * o.damping));
+    }
+}
+
+int main(void)
+{
+    CHECK_TEST(the_basis_is_the_closed_form);
+    CHECK_TEST(the_basis_is_the_closed_form_about_critical_damping);
+    CHECK_TEST(without_a_spring_the_basis_is_that_of_the_dashpot_alone);
+    CHECK_TEST(the_basis_starts_as_it_says);
+    CHECK_TEST(the_rates_are_the_roots);
+    CHECK_TEST(what_follows_the_load_solves_the_equation);
+    CHECK_TEST(what_relaxes_to_the_load_solves_the_equation);
+    CHECK_TEST(the_envelope_bounds_the_oscillation_tightly);
+    return check_summary("oscillator");
+}
