@@ -278,9 +278,10 @@ bool collocation_make(struct collocation *p, const struct collocation_problem *f
     double before = 0.0;
     for (int i = 0; i < MAX_SWEEPS; ++i) {
         const double change = sweep(p, &table);
-        /* A sweep that moved things by so much less than the one before leaves less than that again; but X, which creeps through
-         * several of its decay times, comes in last. */
-        const double left = kind == COLLOCATION_CREEPING ? change : change * fmin(1.0, change / before);
+        /* A sweep that moved things by so much less than the one before leaves less than that again. Not so the second: the first
+         * brings in all of the load. And X, which creeps through several of its decay times, comes in last. */
+        const bool slow = i < 2 || kind == COLLOCATION_CREEPING;
+        const double left = slow ? change : change * fmin(1.0, change / before);
         if (left <= tolerance) {
             finish(p, &table);
             return is_sound(p);
