@@ -77,6 +77,10 @@ void collocation_excess(const struct collocation *p, double s, double x[4]);
 void collocation_excess_at_node(const struct collocation *p, int node, double x[4]);
 void collocation_lead(const struct collocation *p, double s, double led[3]);
 
+/* x'' - f + what the dashpot makes of E, the push of the contact: -(square x + damping (x' + n.E)) without its cancellation where a
+ * contact creeps, and its first two derivatives. For creeping steps. */
+void collocation_creeping_push(const struct collocation *p, double s, double push[3]);
+
 /* x without y, and its derivatives. */
 void collocation_slow_excess(const struct collocation *p, double s, double x[4]);
 

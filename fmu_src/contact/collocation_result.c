@@ -50,6 +50,26 @@ void collocation_lead(const struct collocation *p, double s, double led[3])
     memcpy(led, all, 3 * sizeof *led);
 }
 
+void collocation_creeping_push(const struct collocation *p, double s, double push[3])
+{
+    lobatto_row bend;
+    lobatto_row drive;
+    double of_bend[4];
+    double of_drive[4];
+    for (int k = 0; k < LOBATTO_POINTS; ++k) {
+        bend[k] = k + 2 < LOBATTO_POINTS ? (k + 1) * (k + 2) * p->slow[k + 2] : 0.0;
+        drive[k] = p->load[k] + p->oscillator.damping * p->led[k];
+    }
+    row_derivatives(bend, LOBATTO_POINTS, s, of_bend);
+    row_derivatives(drive, LOBATTO_POINTS, s, of_drive);
+    const double faster = oscillator_rates_of(&p->oscillator).faster;
+    double fast = p->y * exp(-faster * s) * faster * faster;
+    for (int i = 0; i < 3; ++i) {
+        push[i] = of_bend[i] + fast - of_drive[i];
+        fast *= -faster;
+    }
+}
+
 struct collocation_wave collocation_wave_of(const struct collocation *p, double y, double y_rate,
                                             struct vec3 n, struct vec3 h, struct vec3 pull, double d)
 {

@@ -44,6 +44,13 @@ void press_make(struct press *p, const struct scene_values *v, const struct moti
     p->work[1] = work_on(p, v, q, contact_destination(contact), 1.0);
 }
 
+double press_load(const struct press *p)
+{
+    const struct vec3 across = contact_tangential(&p->shape, p->normal, p->flight.c[1]);
+    return p->reduced_mass *
+           fabs(vec3_dot(across, across) / p->distance + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
+}
+
 struct vec3 press_across(const struct press *p, struct vec3 c)
 {
     if (SCENE_ANY_CYLINDER && p->shape.destination == SHAPE_CYLINDER) {

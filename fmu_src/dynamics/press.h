@@ -57,6 +57,9 @@ struct press_change {
 void press_make(struct press *p, const struct scene_values *v, const struct motion *q,
                 const struct system_instant *at, int contact);
 
+/* Size of the force that would hold the bodies at their distance now [N]. */
+double press_load(const struct press *p);
+
 /* c without a cylinder's axial part. */
 struct vec3 press_across(const struct press *p, struct vec3 c);
 

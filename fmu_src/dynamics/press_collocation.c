@@ -58,6 +58,17 @@ static void add_force(const struct press *from, struct press_sample *sample)
     }
 }
 
+/* Spring and dashpot nearly cancel: the force by what it does. */
+static void add_creeping_force(const struct press_collocation *p, double s, struct press_sample *sample)
+{
+    const double factor = p->from->shape.side * p->from->reduced_mass / (p->step.half * p->step.half);
+    double push[3];
+    collocation_creeping_push(&p->step, s, push);
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PRESS_FORCE][i] = factor * push[i];
+    }
+}
+
 static void fill_sample(const struct press_collocation *p, const double x[4], double s,
                         struct press_sample *sample)
 {
@@ -68,7 +79,11 @@ static void fill_sample(const struct press_collocation *p, const double x[4], do
         sample->of[PRESS_GAP][i] = side * x[i];
         sample->of[PRESS_RATE][i] = side * (x[i + 1] + led[i]) / p->step.half;
     }
-    add_force(p->from, sample);
+    if (p->step.kind == COLLOCATION_CREEPING) {
+        add_creeping_force(p, s, sample);
+    } else {
+        add_force(p->from, sample);
+    }
 }
 
 void press_collocation_sample(const void *press_collocation, double s, struct press_sample *sample)

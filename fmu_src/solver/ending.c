@@ -4,9 +4,8 @@
 
 #include <float.h>
 
-/* How far below zero the law's margin must fall for a regime to end, in parts of the largest force of the piece: a contact that
- * has just begun, or lies at rest, does not change its regime by rounding. The law is followed beyond its range for so little
- * that the impulse is off by the square of it. */
+/* How far below zero the law's margin must fall for a regime to end, besides rounding, in parts of the load: a contact at rest
+ * does not change its regime by what the integration leaves open. */
 static const double HYSTERESIS = 1e-8;
 
 /* Bodies that part at less than this part of the largest speed in the piece hardly part at all: they are held together until the gap
@@ -42,12 +41,14 @@ bool ending_by_law(const struct piece *p)
 struct watched ending_margin(const struct piece *p)
 {
     const struct contact_law *law = &p->press.law;
-    const double force = largest_size(p, PRESS_FORCE);
     const double rate = 8.0 * DBL_EPSILON * vec3_norm(p->press.flight.w[0]);
+    const double open =
+        HYSTERESIS * press_load(&p->press) + law->stiffness * 8.0 * DBL_EPSILON * largest_size(p, PRESS_GAP);
     if (law->dashpot == DASHPOT_NON_ADHESIVE) {
-        return (struct watched){PRESS_FORCE, 1.0, HYSTERESIS * force + law->damping * rate};
+        return (struct watched){PRESS_FORCE, 1.0, open + law->damping * rate};
     }
-    const double idle = fmax(HYSTERESIS * force, fmin(law->stiffness * p->tolerance, IDLE_DASHPOT * force));
+    const double force = largest_size(p, PRESS_FORCE);
+    const double idle = fmax(open, fmin(law->stiffness * p->tolerance, IDLE_DASHPOT * force));
     return (struct watched){PRESS_RATE, p->regime == REGIME_RECEDING ? 1.0 : -1.0,
                             idle / law->damping + rate};
 }

@@ -84,11 +84,12 @@ double watch_first_fall(const struct watch *w, const struct watched *what)
 {
     const struct probe probe = {w, what};
     double fall = (double)INFINITY;
-    if (value_of(what, &w->at[0]) <= 0.0 && slope_of(what, &w->at[0]) < 0.0) {
-        return w->s[0];
-    }
     for (int i = 0; i + 1 < w->count && !(fall < (double)INFINITY); ++i) {
         fall = fall_between(&probe, i);
+        if (i == 0 && !(fall < (double)INFINITY) && value_of(what, &w->at[0]) <= 0.0 &&
+            value_of(what, &w->at[1]) <= 0.0) {
+            return w->s[0];
+        }
     }
     return fall;
 }

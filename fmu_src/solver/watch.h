@@ -28,8 +28,8 @@ struct watched {
     double factor, offset;
 };
 
-/* The first s at which it falls through zero, also where it rises above zero first; the first place if it is below and falls
- * from there; INFINITY if it does not. */
+/* The first s at which it falls through zero, also where it rises above zero first; the first place if it is below and
+ * stays there; INFINITY if it does not. */
 double watch_first_fall(const struct watch *w, const struct watched *what);
 
 /* Largest value of factor quantity up to `end`, which may be less than the last place. */
