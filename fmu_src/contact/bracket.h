@@ -8,4 +8,16 @@ typedef void bracket_function(const void *data, double s, double *value, double 
 /* Newton's method kept inside [low, high], 0 <= low < high, by bisection; exact to the rounding of f or of s. */
 double bracket_root(bracket_function *f, const void *data, double low, double high);
 
+/* An end of a bracket with what is known there. */
+struct bracket_end {
+    double s, value, slope;
+};
+
+/* Of the cubic through both ends. */
+double bracket_guess(struct bracket_end low, struct bracket_end high);
+
+/* The root where f is known at both ends, other than zero at the first. */
+double bracket_root_between(bracket_function *f, const void *data, struct bracket_end low,
+                            struct bracket_end high);
+
 #endif

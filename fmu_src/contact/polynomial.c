@@ -90,19 +90,17 @@ static int trimmed_degree(const struct polynomial *p)
 static int roots_between(const struct polynomial *p, const double *cuts, int cut_count, double *roots)
 {
     int count = 0;
-    double low = 0.0;
-    double low_value = p->a[0];
+    struct bracket_end low = {0.0, p->a[0], p->a[1]};
     for (int i = 0; i <= cut_count; ++i) {
-        const double high = i < cut_count ? cuts[i] : 1.0;
-        const double high_value = polynomial_at(p, high);
-        if ((low_value < 0.0 && high_value > 0.0) || (low_value > 0.0 && high_value < 0.0)) {
-            roots[count++] = bracket_root(value_and_slope, p, low, high);
-        } else if (high_value == 0.0 && i < cut_count) {
+        struct bracket_end high = {.s = i < cut_count ? cuts[i] : 1.0};
+        value_and_slope(p, high.s, &high.value, &high.slope);
+        if ((low.value < 0.0 && high.value > 0.0) || (low.value > 0.0 && high.value < 0.0)) {
+            roots[count++] = bracket_root_between(value_and_slope, p, low, high);
+        } else if (high.value == 0.0 && i < cut_count) {
             /* An exact zero at a cut: keep the sign from the left and let the next piece decide. */
             continue;
         }
         low = high;
-        low_value = high_value;
     }
     return count;
 }

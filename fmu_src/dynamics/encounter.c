@@ -81,24 +81,25 @@ static struct extremes extremes_of(const struct approach *path)
     return found;
 }
 
+static struct bracket_end gap_end(const struct approach *path, double s)
+{
+    struct bracket_end end = {.s = s};
+    approach_gap(path, s, &end.value, &end.slope);
+    return end;
+}
+
 /* Where the gap passes zero. */
 static int touching_cuts(const struct approach *path, const struct extremes *extremes, double *cuts,
                          int count)
 {
     const int pieces = extremes->count + 1;
-    double low = 0.0;
-    double slope;
-    double at_low;
-    approach_gap(path, low, &at_low, &slope);
+    struct bracket_end low = gap_end(path, 0.0);
     for (int i = 0; i < pieces; ++i) {
-        const double high = i < pieces - 1 ? extremes->at[i] : 1.0;
-        double at_high;
-        approach_gap(path, high, &at_high, &slope);
-        if ((at_low < 0.0 && at_high > 0.0) || (at_low > 0.0 && at_high < 0.0)) {
-            count = insert_cut(bracket_root(approach_gap, path, low, high), cuts, count);
+        const struct bracket_end high = gap_end(path, i < pieces - 1 ? extremes->at[i] : 1.0);
+        if ((low.value < 0.0 && high.value > 0.0) || (low.value > 0.0 && high.value < 0.0)) {
+            count = insert_cut(bracket_root_between(approach_gap, path, low, high), cuts, count);
         }
         low = high;
-        at_low = at_high;
     }
     return count;
 }
@@ -154,10 +155,11 @@ static double margin_slope(const struct contact_shape *shape, const struct conta
     return law->stiffness * now->gap_rate + law->damping * bend;
 }
 
-/* Until then the present regime, whose boundary has just been crossed, is taken to last. */
+/* Until then the present regime, whose boundary has just been crossed, is taken to last. `resolution` is that of the gap,
+ * `by_positions` what it would be from positions alone. */
 static double settling_time(const struct approach *path, const struct contact_shape *shape,
                             const struct contact_law *law, const struct contact_geometry *now,
-                            double resolution, const struct separation *separation,
+                            double resolution, double by_positions, const struct separation *separation,
                             enum contact_regime present)
 {
     const double closing = vec3_dot(now->normal, separation->c[1]);
@@ -170,8 +172,10 @@ static double settling_time(const struct approach *path, const struct contact_sh
     }
     if (present == REGIME_RELEASED) {
         const double margin = law->stiffness * now->gap + law->damping * now->gap_rate;
+        /* Of the rate: what rounding makes of n, from positions, and of n.w. */
+        const double turn = 8.0 * DBL_EPSILON + by_positions / now->distance;
         const double noise =
-            law->stiffness * resolution + 8.0 * DBL_EPSILON * law->damping * vec3_norm(separation->w[0]);
+            law->stiffness * resolution + fmin(turn, 1.0) * law->damping * vec3_norm(separation->w[0]);
         settle = fmax(settle, leaving_time(margin, noise, margin_slope(shape, law, now, separation), 0.0));
     }
     return settle / path->horizon;
@@ -246,26 +250,23 @@ static bool keeps_away(const struct approach *path)
 static bool first_touch(const struct approach *path, const struct extremes *extremes, double settle,
                         double *touch)
 {
-    double low = settle;
-    double gap;
-    double slope;
-    approach_gap(path, low, &gap, &slope);
-    if (gap == 0.0 && slope > 0.0) {
-        gap = DBL_MIN; /* they have just parted */
+    struct bracket_end low = gap_end(path, settle);
+    if (low.value == 0.0 && low.slope > 0.0) {
+        low.value = DBL_MIN; /* they have just parted */
     }
-    for (int i = 0; i <= extremes->count && gap > 0.0; ++i) {
-        const double high = i < extremes->count ? extremes->at[i] : 1.0;
-        if (high > low) {
-            approach_gap(path, high, &gap, &slope);
-            if (gap < 0.0) {
-                *touch = bracket_root(approach_gap, path, low, high);
+    for (int i = 0; i <= extremes->count && low.value > 0.0; ++i) {
+        const double s = i < extremes->count ? extremes->at[i] : 1.0;
+        if (s > low.s) {
+            const struct bracket_end high = gap_end(path, s);
+            if (high.value < 0.0) {
+                *touch = bracket_root_between(approach_gap, path, low, high);
                 return path->side * polynomial_at(&path->half_rate, *touch) < 0.0;
             }
             low = high;
         }
     }
     *touch = (double)INFINITY;
-    return gap > 0.0;
+    return low.value > 0.0;
 }
 
 struct encounter encounter_next(const struct scene_values *v, const struct motion *q,
@@ -286,12 +287,13 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     if (simple && keeps_away(&path)) {
         return (struct encounter){(double)INFINITY, present, 0.0, false};
     }
+    const double by_positions = system_gap_resolution(v, at, contact);
     const double resolution = system_gap_is_known(q, at, contact)
                                   ? 8.0 * DBL_EPSILON * fabs(at->geometry[contact].gap)
-                                  : system_gap_resolution(v, at, contact);
+                                  : by_positions;
     const double found = (q->contact[contact].settled_clock - clock) / horizon;
-    const double settle = fmax(
-        found, settling_time(&path, &shape, &law, &at->geometry[contact], resolution, &separation, present));
+    const double settle = fmax(found, settling_time(&path, &shape, &law, &at->geometry[contact], resolution,
+                                                    by_positions, &separation, present));
     double cuts[MAX_CUTS];
     if (ends_only) {
         return first_change(&path, cuts, end_cuts(&path, cuts, 0), &law, present, true, settle);

@@ -64,7 +64,9 @@ static void move_body(const struct scene_values *v, struct motion *q, int body, 
 {
     struct vec3 force[3] = {q->path[body].force[0], q->path[body].force[1], q->path[body].force[2]};
     path_shift(force, 3, q->clock);
-    q->external_work += flight_work(v, body, q->body[body], force, time);
+    if (!vec3_is_zero(force[0]) || !vec3_is_zero(force[1]) || !vec3_is_zero(force[2])) {
+        q->external_work += flight_work(v, body, q->body[body], force, time);
+    }
     const struct body_state flown = flight_from(v, body, q->body[body], force, time);
     q->body[body].moved = vec3_add(flown.moved, r);
     q->body[body].velocity = vec3_add(flown.velocity, r_rate);

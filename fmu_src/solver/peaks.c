@@ -18,7 +18,7 @@ static double largest_in_turn(const struct piece *p, const struct watched *what,
         w.s[i] = low + (high - low) * i / (TURN_PLACES - 1);
     }
     watch_sample(&w);
-    return watch_largest(&w, what, high);
+    return watch_largest(&w, what, high, &w.at[TURN_PLACES - 1]);
 }
 
 /* The nodes of a spanning step do not see the oscillation. Its largest value is within a turn of the place where load and
@@ -44,23 +44,31 @@ static double largest_spanning(const struct piece *p, const struct watched *what
         }
     }
     if (!(turn_square > 0.0) || oscillation <= NEGLIGIBLE * height) {
-        return watch_largest(&p->watch, what, p->end);
+        return watch_largest(&p->watch, what, p->end, &p->watch.at[p->watch.count - 1]);
     }
     const double turn = 6.283185307179586 / sqrt(turn_square);
     return fmax(largest_in_turn(p, what, 0.0, turn), largest_in_turn(p, what, best - 0.5 * turn, turn));
-}
-
-static double largest(const struct piece *p, const struct watched *what, double end)
-{
-    return p->spans ? largest_spanning(p, what) : watch_largest(&p->watch, what, end);
 }
 
 void peaks_note(const struct piece *p, struct contact_state *state, double end)
 {
     const struct watched force = {PRESS_FORCE, 1.0, 0.0};
     const struct watched penetration = {PRESS_GAP, -1.0, 0.0};
-    state->peak_force = fmax(state->peak_force, largest(p, &force, end));
-    state->peak_penetration = fmax(state->peak_penetration, largest(p, &penetration, end));
+    double deepest;
+    double strongest;
+    if (p->spans && p->kind == PIECE_COLLOCATED) {
+        deepest = largest_spanning(p, &penetration);
+        strongest = largest_spanning(p, &force);
+    } else {
+        struct press_sample then;
+        p->watch.sampler(p->watch.piece, end, &then);
+        deepest = watch_largest(&p->watch, &penetration, end, &then);
+        /* A spring alone pushes hardest where it is pressed in deepest. */
+        strongest =
+            p->press.by.c > 0.0 ? watch_largest(&p->watch, &force, end, &then) : p->press.by.k * deepest;
+    }
+    state->peak_force = fmax(state->peak_force, strongest);
+    state->peak_penetration = fmax(state->peak_penetration, deepest);
 }
 
 #endif

@@ -3,6 +3,7 @@
 #if SCENE_ANY_FREE
 
 #include "solver/spanning.h"
+#include "solver/straight_piece.h"
 
 /* Radians of the motion along the contact in a creeping step, which must be exact in between too. */
 static const double CREEPING_STEP = 1.0;
@@ -15,7 +16,7 @@ enum { ATTEMPTS = 12 };
 static void series_piece(struct piece *p, double longest)
 {
     press_series_make(&p->by.series, &p->press);
-    p->collocated = false;
+    p->kind = PIECE_SERIES;
     p->spans = false;
     p->unit = p->by.series.unit;
     p->end = fmin(p->by.series.step, longest / p->unit);
@@ -44,7 +45,7 @@ static void add_decay_places(struct piece *p)
 
 void piece_collocated(struct piece *p)
 {
-    p->collocated = true;
+    p->kind = PIECE_COLLOCATED;
     p->spans = p->by.collocation.step.kind == COLLOCATION_SPANNING;
     p->unit = p->by.collocation.step.half;
     p->end = 2.0;
@@ -133,7 +134,7 @@ bool piece_make(struct piece *p, const struct scene_values *v, const struct moti
     p->regime = (enum contact_regime)q->contact[contact].regime;
     p->resolution = system_gap_resolution(v, at, contact);
     p->tolerance = tolerance;
-    if (!collocate(p, longest)) {
+    if (!straight_piece_make(p, longest) && !collocate(p, longest)) {
         series_piece(p, longest);
     }
     return p->end > 0.0 && !meets_centre(p);
@@ -141,8 +142,14 @@ bool piece_make(struct piece *p, const struct scene_values *v, const struct moti
 
 struct press_change piece_change(const struct piece *p, double s)
 {
-    return p->collocated ? press_collocation_change(&p->by.collocation, s)
-                         : press_series_change(&p->by.series, s);
+    switch (p->kind) {
+    case PIECE_STRAIGHT:
+        return press_straight_change(&p->by.straight, s);
+    case PIECE_COLLOCATED:
+        return press_collocation_change(&p->by.collocation, s);
+    default:
+        return press_series_change(&p->by.series, s);
+    }
 }
 
 #endif

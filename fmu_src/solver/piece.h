@@ -1,6 +1,7 @@
 /*
  * One piece of pressing motion, by whichever way takes it furthest for its cost:
  *
+ *   closed form              head-on under a steady pull, below critical damping: for ever, or most of an impact
  *   a long collocated step   the oscillation is small and stays clear of parting: as far as the motion along the contact allows
  *   a resolved one           most of an impact: half a turn of the oscillation and more
  *   a power series           soft contacts, short remainders: two radians of the contact or of its passage
@@ -10,9 +11,12 @@
 
 #include "dynamics/press_collocation.h"
 #include "dynamics/press_series.h"
+#include "dynamics/press_straight.h"
 #include "solver/watch.h"
 
 #if SCENE_ANY_FREE
+
+enum piece_kind { PIECE_STRAIGHT, PIECE_COLLOCATED, PIECE_SERIES };
 
 struct piece {
     struct press press;
@@ -20,14 +24,15 @@ struct piece {
     double resolution; /* of the gap, by positions [m] */
     double tolerance;  /* the error allowed in the piece [m] */
     union {
+        struct press_straight straight;
         struct press_series series;
         struct press_collocation collocation;
     } by;
-    bool collocated;
+    enum piece_kind kind;
     bool spans;         /* a long step: nothing happens in it */
     double unit;        /* time per s [s] */
     double end;         /* s */
-    struct watch watch; /* sampled up to `end` */
+    struct watch watch; /* sampled up to `end`; where closed form spans it, over the first turn */
 };
 
 /* For those who make collocated pieces. Below this many radians of the oscillator a series is exact in one step, and the load's

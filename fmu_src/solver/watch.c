@@ -52,6 +52,20 @@ static double value_at(const struct probe *probe, double s)
     return value;
 }
 
+/* The quantity at a place, or its slope: ends of a bracket of probe_value, probe_slope. */
+static struct bracket_end value_end(const struct probe *probe, int i)
+{
+    const struct press_sample *at = &probe->watch->at[i];
+    return (struct bracket_end){probe->watch->s[i], value_of(probe->what, at), slope_of(probe->what, at)};
+}
+
+static struct bracket_end slope_end(const struct probe *probe, int i)
+{
+    const struct press_sample *at = &probe->watch->at[i];
+    return (struct bracket_end){probe->watch->s[i], slope_of(probe->what, at),
+                                probe->what->factor * at->of[probe->what->quantity][2]};
+}
+
 /* Between two places: falls through zero, possibly by way of a dip, or rises from zero and falls. */
 static double fall_between(const struct probe *probe, int i)
 {
@@ -63,16 +77,18 @@ static double fall_between(const struct probe *probe, int i)
     const double from_low = slope_of(probe->what, &w->at[i]);
     const double to_high = slope_of(probe->what, &w->at[i + 1]);
     if (at_low > 0.0 && at_high <= 0.0) {
-        return bracket_root(probe_value, probe, low, high);
+        return bracket_root_between(probe_value, probe, value_end(probe, i), value_end(probe, i + 1));
     }
     if (at_low > 0.0 && from_low < 0.0 && to_high > 0.0) {
-        const double dip = bracket_root(probe_slope, probe, low, high);
+        const double dip =
+            bracket_root_between(probe_slope, probe, slope_end(probe, i), slope_end(probe, i + 1));
         if (value_at(probe, dip) <= 0.0) {
             return bracket_root(probe_value, probe, low, dip);
         }
     }
     if (at_low <= 0.0 && at_high <= 0.0 && from_low > 0.0 && to_high < 0.0) {
-        const double hump = bracket_root(probe_slope, probe, low, high);
+        const double hump =
+            bracket_root_between(probe_slope, probe, slope_end(probe, i), slope_end(probe, i + 1));
         if (value_at(probe, hump) > 0.0) {
             return bracket_root(probe_value, probe, hump, high);
         }
@@ -94,14 +110,43 @@ double watch_first_fall(const struct watch *w, const struct watched *what)
     return fall;
 }
 
-double watch_largest(const struct watch *w, const struct watched *what, double end)
+/* A top this much above a place is known from there to rounding: what the parabola misses is smaller by the distance once more. */
+static const double NEAR_TOP = 1e-10;
+
+/* The value at the top between two places and where it is. */
+static double top_between(const struct probe *probe, int i, double *top)
+{
+    const struct watch *w = probe->watch;
+    double s = bracket_guess(slope_end(probe, i), slope_end(probe, i + 1));
+    for (int k = 0; k < 4; ++k) {
+        struct press_sample at;
+        w->sampler(w->piece, s, &at);
+        const double slope = slope_of(probe->what, &at);
+        const double step = -slope / (probe->what->factor * at.of[probe->what->quantity][2]);
+        const double value = value_of(probe->what, &at);
+        if (!(s + step >= w->s[i] && s + step <= w->s[i + 1])) {
+            break;
+        }
+        s += step;
+        if (fabs(slope * step) <= NEAR_TOP * fabs(value)) {
+            *top = s;
+            return value + 0.5 * slope * step;
+        }
+    }
+    *top = bracket_root(probe_slope, probe, w->s[i], w->s[i + 1]);
+    return value_at(probe, *top);
+}
+
+double watch_largest(const struct watch *w, const struct watched *what, double end,
+                     const struct press_sample *then)
 {
     const struct probe probe = {w, what};
-    double largest = fmax(value_of(what, &w->at[0]), value_at(&probe, end));
+    double largest = fmax(value_of(what, &w->at[0]), value_of(what, then));
     for (int i = 0; i + 1 < w->count && w->s[i] < end; ++i) {
         if (slope_of(what, &w->at[i]) > 0.0 && slope_of(what, &w->at[i + 1]) < 0.0) {
-            const double top = bracket_root(probe_slope, &probe, w->s[i], w->s[i + 1]);
-            largest = fmax(largest, top <= end ? value_at(&probe, top) : 0.0);
+            double top;
+            const double value = top_between(&probe, i, &top);
+            largest = fmax(largest, top <= end ? value : 0.0);
         }
         if (w->s[i + 1] <= end) {
             largest = fmax(largest, value_of(what, &w->at[i + 1]));

@@ -32,8 +32,9 @@ struct watched {
  * stays there; INFINITY if it does not. */
 double watch_first_fall(const struct watch *w, const struct watched *what);
 
-/* Largest value of factor quantity up to `end`, which may be less than the last place. */
-double watch_largest(const struct watch *w, const struct watched *what, double end);
+/* Largest value of factor quantity up to `end`, which may be less than the last place; `then` is the sample there. */
+double watch_largest(const struct watch *w, const struct watched *what, double end,
+                     const struct press_sample *then);
 
 #endif
 #endif

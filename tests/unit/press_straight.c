@@ -1,0 +1,184 @@
+/* A head-on contact in closed form: against the oscillator in long double, and what it must keep. */
+#include "dynamics/press_straight.h"
+
+#include <float.h>
+
+#include "check.h"
+#include "dynamics/energy.h"
+#include "random.h"
+#include "scene_model.h"
+
+/* Two balls, one free to fall on the other along x under a steady force; gap and speed at the start. */
+static struct model head_on(struct random *r, double damping)
+{
+    struct model m = scene_model();
+    struct scene_values *v = &m.state.values;
+    const double reach = v->body[SOURCE].radius + v->body[DESTINATION].radius;
+    v->contact[0].location = LOCATION_OUTSIDE;
+    v->contact[0].dashpot = DASHPOT_UNCLAMPED;
+    v->contact[0].viscous_penalty_factor = damping;
+    v->body[SOURCE].mass = random_between(r, 0.2, 5.0);
+    v->body[DESTINATION].mass = random_between(r, 0.2, 5.0);
+    scene_put(v->body[SOURCE].external_force, random_between(r, -2000.0, 500.0), 0.0, 0.0);
+    scene_start_free(&m, SOURCE, vec3_make(reach - random_between(r, 0.0, 1e-3), 0.0, 0.0),
+                     vec3_make(random_between(r, -2.0, 2.0), 0.0, 0.0));
+    scene_start_free(&m, DESTINATION, vec3_make(0.0, 0.0, 0.0),
+                     vec3_make(random_between(r, -2.0, 2.0), 0.0, 0.0));
+    model_prepare(&m);
+    m.state.motion.contact[0].regime = (int32_t)REGIME_PRESSING;
+    return m;
+}
+
+static struct press press_of(const struct model *m)
+{
+    struct system_instant at;
+    struct press p;
+    system_now(&m->state.values, &m->state.motion, &at);
+    press_make(&p, &m->state.values, &m->state.motion, &at, 0);
+    return p;
+}
+
+/* g and g' at a time, from m_red g'' = -(p_n g + p_nv g') + m_red pull. */
+struct expected {
+    long double gap, rate;
+};
+
+static struct expected oscillator_at(const struct press *from, long double t)
+{
+    const long double decay = from->by.c / (2.0L * from->reduced_mass);
+    const long double square = (long double)from->by.k / from->reduced_mass;
+    const long double turn = sqrtl(square - decay * decay);
+    const long double settled = -2.0L * from->flight.c[2].x / square; /* n = -x */
+    const long double y = from->gap - settled;
+    const long double y_rate = -(long double)from->flight.c[1].x;
+    const long double shrink = expl(-decay * t);
+    const long double sine = shrink * sinl(turn * t) / turn;
+    const long double cosine = shrink * cosl(turn * t);
+    return (struct expected){settled + y * cosine + (y_rate + decay * y) * sine,
+                             y_rate * cosine - (square * y + decay * y_rate) * sine};
+}
+
+static void the_gap_is_that_of_a_loaded_damped_oscillator(void)
+{
+    struct random r = {17};
+    for (int k = 0; k < 2000; ++k) {
+        const struct model m = head_on(&r, random_between(&r, 0.0, 600.0));
+        const struct press from = press_of(&m);
+        struct press_straight p;
+        struct press_sample at;
+        CHECK(press_straight_make(&p, &from));
+        const double s = random_between(&r, 0.0, 10.0);
+        const struct expected is = oscillator_at(&from, s / (long double)p.rate);
+        press_straight_sample(&p, s, &at);
+        /* Forces of 2 kN on 1e6 N/m and speeds of 4 m/s at 500 rad/s or more: 1e-2 m; radians round to 10 DBL_EPSILON. */
+        CHECK_CLOSE("gap", at.of[PRESS_GAP][0], is.gap, 32.0L * DBL_EPSILON * 1e-2L);
+        CHECK_CLOSE("rate", at.of[PRESS_RATE][0], is.rate, 32.0L * DBL_EPSILON * 1e-2L * p.rate);
+        CHECK_CLOSE("force", at.of[PRESS_FORCE][0], -(from.by.k * is.gap + from.by.c * is.rate),
+                    64.0L * DBL_EPSILON * 1e-2L * from.by.k);
+        const double step = 1e-4;
+        struct press_sample later;
+        press_straight_sample(&p, s + step, &later);
+        for (int i = 0; i < PRESS_QUANTITIES; ++i) {
+            const double *a = at.of[i], *b = later.of[i];
+            /* Third derivatives are of the values' size, per radian. */
+            CHECK_CLOSE("slope", (b[0] - a[0]) / step, a[1] + 0.5 * step * a[2],
+                        step * step * (fabs(a[0]) + fabs(a[1]) + fabs(a[2])) + 1e-7 * fabs(a[0]) + 1e-12);
+        }
+    }
+}
+
+static double balance(const struct model *m)
+{
+    struct system_instant at;
+    const struct scene_values *v = &m->state.values;
+    const struct motion *q = &m->state.motion;
+    system_now(v, q, &at);
+    return energy_kinetic_of(v, &at) + energy_potential_of(v, &at) + energy_stored(v, q, &at) +
+           q->dissipated - q->external_work;
+}
+
+static void a_step_keeps_momentum_and_energy(void)
+{
+    struct random r = {18};
+    for (int k = 0; k < 2000; ++k) {
+        struct model m = head_on(&r, random_between(&r, 0.0, 600.0));
+        struct motion *q = &m.state.motion;
+        const struct scene_values *v = &m.state.values;
+        const double before = q->body[SOURCE].velocity.x;
+        const double energy = balance(&m);
+        const struct press from = press_of(&m);
+        struct press_straight p;
+        CHECK(press_straight_make(&p, &from));
+        const struct press_change change = press_straight_change(&p, random_between(&r, 0.0, 10.0));
+        press_apply(&from, &change, v, q, 0);
+        q->clock += change.time;
+        const double pull = body_external_force(v, SOURCE).x / v->body[SOURCE].mass;
+        const double gained = q->body[SOURCE].velocity.x - before - q->clock * pull;
+        CHECK_CLOSE("impulse", v->body[SOURCE].mass * gained, q->contact[0].impulse.x, 1e-13L);
+        CHECK_CLOSE("balance", balance(&m), energy, 256.0L * DBL_EPSILON * 100.0L);
+    }
+}
+
+static void other_motion_is_refused(void)
+{
+    struct random r = {19};
+    for (int k = 0; k < 5; ++k) {
+        struct model m = head_on(&r, 0.0);
+        struct press from = press_of(&m);
+        struct press_straight p;
+        CHECK(press_straight_make(&p, &from));
+        switch (k) {
+        case 0:
+            from.flight.c[1].y += 1e-12; /* a swerve */
+            from.flight.w[0].y += 1e-12;
+            break;
+        case 1:
+            from.flight.c[3].x = 1.0; /* a pull that changes */
+            from.flight.w[2].x = 3.0;
+            break;
+        case 2:
+            from.flight.w[0].x += 1e-3; /* a velocity that is not that of the displacement */
+            break;
+        case 3:
+            from.work[0].path[1].x = 1.0;
+            break;
+        default:
+            from.by.c = 2.0 * sqrt(from.by.k * from.reduced_mass); /* critical damping */
+            break;
+        }
+        CHECK(!press_straight_make(&p, &from));
+    }
+}
+
+static void what_is_said_to_last_lasts(void)
+{
+    struct random r = {20};
+    int kept = 0;
+    for (int k = 0; k < 5000; ++k) {
+        const struct model m = head_on(&r, random_between(&r, 0.0, 600.0));
+        struct press from = press_of(&m);
+        struct press_straight p;
+        from.flight.c[1] = vec3_scale(0.1, from.flight.c[1]);
+        from.flight.w[0] = from.flight.c[1];
+        CHECK(press_straight_make(&p, &from));
+        const bool overlaps = press_straight_keeps(&p, PRESS_GAP, -1.0, 0.0);
+        const bool presses = press_straight_keeps(&p, PRESS_FORCE, 1.0, 0.0);
+        kept += overlaps && presses;
+        for (int i = 0; i < 100; ++i) {
+            struct press_sample at;
+            press_straight_sample(&p, 0.2 * i, &at);
+            CHECK(!overlaps || at.of[PRESS_GAP][0] < 0.0);
+            CHECK(!presses || at.of[PRESS_FORCE][0] > 0.0);
+        }
+    }
+    CHECK(kept > 100);
+}
+
+int main(void)
+{
+    CHECK_TEST(the_gap_is_that_of_a_loaded_damped_oscillator);
+    CHECK_TEST(a_step_keeps_momentum_and_energy);
+    CHECK_TEST(other_motion_is_refused);
+    CHECK_TEST(what_is_said_to_last_lasts);
+    return check_summary("press_straight");
+}
