@@ -183,7 +183,8 @@ static double tail_of_all(const struct collocation *p)
     const double size = size_of_excess(p);
     /* The next coefficient is smaller by half a step's radians, two at most, over its number: less than a quarter. */
     const double left_out = 0.25 * ldexp(of_excess, 2 - LOBATTO_POINTS);
-    const double by_excess = size > 0.0 ? left_out * fmax(1.0, p->distance / size) : 0.0;
+    const bool creeps = p->kind == COLLOCATION_CREEPING;
+    const double by_excess = creeps && size > 0.0 ? left_out * fmax(1.0, p->distance / size) : left_out;
     return fmax(by_excess, fmax(by_turn, by_spin) / LOBATTO_POINTS);
 }
 
