@@ -63,27 +63,52 @@ void row_derivatives(const double *a, int terms, double s, double out[4])
     }
 }
 
-double row_integrate_one(const double *rate, double *sum)
+enum { BLOCK = 4 }; /* sums that stay in registers */
+
+/* Four nodes' integrals; returns the larger of `change` and theirs. */
+static double integrate_block(const double *rate, double *sum, int first, double change)
 {
-    lobatto_row now = {0.0};
-    double change = 0.0;
+    double now[BLOCK] = {0.0, 0.0, 0.0, 0.0};
     for (int j = 0; j < LOBATTO_POINTS; ++j) {
-        for (int i = 0; i < LOBATTO_POINTS; ++i) {
-            now[i] += lobatto_integral[j][i] * rate[j];
-        }
+        const double *by = &lobatto_integral[j][first];
+        now[0] += by[0] * rate[j];
+        now[1] += by[1] * rate[j];
+        now[2] += by[2] * rate[j];
+        now[3] += by[3] * rate[j];
     }
-    for (int i = 0; i < LOBATTO_POINTS; ++i) {
-        change = fmax(change, fabs(now[i] - sum[i]));
-        sum[i] = now[i];
+    for (int i = 0; i < BLOCK; ++i) {
+        const double moved = fabs(now[i] - sum[first + i]);
+        change = moved > change ? moved : change;
+        sum[first + i] = now[i];
     }
     return change;
 }
 
+double row_integrate_one(const double *rate, double *sum)
+{
+    double change = 0.0;
+    for (int first = 0; first < LOBATTO_POINTS; first += BLOCK) {
+        change = integrate_block(rate, sum, first, change);
+    }
+    return change;
+}
+
+/* In a plane, n and H have components that stay zero. */
+static double integrate_component(const double *rate, double *sum)
+{
+    for (int j = 0; j < LOBATTO_POINTS; ++j) {
+        if (rate[j] != 0.0 || sum[j] != 0.0) {
+            return row_integrate_one(rate, sum);
+        }
+    }
+    return 0.0;
+}
+
 double row_integrate(const struct vec3_row *rate, struct vec3_row *sum)
 {
-    const double x = row_integrate_one(rate->x, sum->x);
-    const double y = row_integrate_one(rate->y, sum->y);
-    return fmax(fmax(x, y), row_integrate_one(rate->z, sum->z));
+    const double x = integrate_component(rate->x, sum->x);
+    const double y = integrate_component(rate->y, sum->y);
+    return fmax(fmax(x, y), integrate_component(rate->z, sum->z));
 }
 
 double row_integral(const double *a, double s)
