@@ -102,7 +102,7 @@ void press_collocation_sample_node(const struct press_collocation *p, int node, 
 }
 
 /* What the oscillation alone brings to a quantity: y, its rate and its force all solve the oscillator's equation. */
-static struct oscillator_envelope envelope_of(const struct press_collocation *p, enum press_quantity quantity)
+struct oscillator_envelope press_envelope_of(const struct press_collocation *p, enum press_quantity quantity)
 {
     const struct oscillator *o = &p->step.oscillator;
     const double half = p->step.half;
@@ -121,18 +121,29 @@ static struct oscillator_envelope envelope_of(const struct press_collocation *p,
     }
 }
 
+void press_collocation_sample_slow(const struct press_collocation *p, double s, struct press_sample *sample)
+{
+    double x[4];
+    collocation_slow_excess(&p->step, s, x);
+    fill_sample(p, x, s, sample);
+}
+
+void press_reserve_from(const struct press_reserve *reserve, const struct oscillator_envelope *envelope,
+                        double s, const struct press_sample *slow, double *value, double *slope)
+{
+    const double still =
+        envelope->decay > 0.0 ? envelope->amplitude * exp(-envelope->decay * s) : envelope->amplitude;
+    *value = reserve->factor * slow->of[reserve->quantity][0] + reserve->offset - still;
+    *slope = reserve->factor * slow->of[reserve->quantity][1] + envelope->decay * still;
+}
+
 void press_reserve_at(const void *press_reserve, double s, double *value, double *slope)
 {
     const struct press_reserve *reserve = press_reserve;
-    const struct press_collocation *p = reserve->of;
-    const struct oscillator_envelope all = envelope_of(p, reserve->quantity);
-    const double envelope = all.amplitude * exp(-all.decay * s);
+    const struct oscillator_envelope envelope = press_envelope_of(reserve->of, reserve->quantity);
     struct press_sample slow;
-    double x[4];
-    collocation_slow_excess(&p->step, s, x);
-    fill_sample(p, x, s, &slow);
-    *value = reserve->factor * slow.of[reserve->quantity][0] + reserve->offset - envelope;
-    *slope = reserve->factor * slow.of[reserve->quantity][1] + all.decay * envelope;
+    press_collocation_sample_slow(reserve->of, s, &slow);
+    press_reserve_from(reserve, &envelope, s, &slow, value, slope);
 }
 
 /* By parts, so that the oscillation of r' and r'' need not be seen: (path r)' = path' r + path r', and again. What is left

@@ -36,6 +36,9 @@ void press_collocation_sample(const void *press_collocation, double s, struct pr
 /* The same at a Lobatto node, cheaper. */
 void press_collocation_sample_node(const struct press_collocation *p, int node, struct press_sample *sample);
 
+/* Without the oscillation. */
+void press_collocation_sample_slow(const struct press_collocation *p, double s, struct press_sample *sample);
+
 /* Of a spanning step: the quantities without the oscillation, each less all the oscillation may add where only its sign counts:
  * what is left of -g, of F_n and of the rate (factor: the sign in which it is watched). */
 struct press_reserve {
@@ -46,6 +49,13 @@ struct press_reserve {
 
 /* Value and slope at s of factor quantity + offset - envelope; a bracket_function of a struct press_reserve. */
 void press_reserve_at(const void *press_reserve, double s, double *value, double *slope);
+
+/* The same from what press_collocation_sample_slow says there; the envelope is press_envelope_of. */
+void press_reserve_from(const struct press_reserve *reserve, const struct oscillator_envelope *envelope,
+                        double s, const struct press_sample *slow, double *value, double *slope);
+
+/* What the oscillation alone brings to a quantity. */
+struct oscillator_envelope press_envelope_of(const struct press_collocation *p, enum press_quantity quantity);
 
 struct press_change press_collocation_change(const struct press_collocation *p, double s);
 

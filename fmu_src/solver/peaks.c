@@ -32,12 +32,13 @@ static double largest_spanning(const struct piece *p, const struct watched *what
     double best = 0.0;
     double height = -(double)INFINITY;
     double oscillation = 0.0;
+    const struct oscillator_envelope envelope = press_envelope_of(made, what->quantity);
     for (int i = 0; i < p->watch.count; ++i) {
         double reached;
         double slope;
-        press_reserve_at(&reserve, p->watch.s[i], &reached, &slope); /* - factor slow - envelope */
-        const double exact = what->factor * p->watch.at[i].of[what->quantity][0];
-        oscillation = fmax(oscillation, -reached - exact);
+        press_reserve_from(&reserve, &envelope, p->watch.s[i], &p->watch.at[i], &reached, &slope);
+        const double slow = what->factor * p->watch.at[i].of[what->quantity][0];
+        oscillation = fmax(oscillation, -reached - slow);
         if (-reached > height) {
             height = -reached;
             best = p->watch.s[i];

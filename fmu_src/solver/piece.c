@@ -58,7 +58,12 @@ void piece_collocated(struct piece *p)
     for (int i = 0; i < LOBATTO_POINTS; ++i) {
         const double s = 1.0 + lobatto_node[i];
         if (p->watch.count == 0 || s > p->watch.s[p->watch.count - 1]) {
-            press_collocation_sample_node(&p->by.collocation, i, &p->watch.at[p->watch.count]);
+            struct press_sample *at = &p->watch.at[p->watch.count];
+            if (p->spans) {
+                press_collocation_sample_slow(&p->by.collocation, s, at);
+            } else {
+                press_collocation_sample_node(&p->by.collocation, i, at);
+            }
             p->watch.s[p->watch.count++] = s;
         }
     }

@@ -32,7 +32,8 @@ struct piece {
     bool spans;         /* a long step: nothing happens in it */
     double unit;        /* time per s [s] */
     double end;         /* s */
-    struct watch watch; /* sampled up to `end`; where closed form spans it, over the first turn */
+    struct watch watch; /* sampled up to `end`; where closed form spans it, over the first turn;
+                           of a spanning collocated piece without the oscillation */
 };
 
 /* For those who make collocated pieces. Below this many radians of the oscillator a series is exact in one step, and the load's

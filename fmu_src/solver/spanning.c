@@ -23,20 +23,21 @@ static void reserve_slope(const void *data, double s, double *value, double *slo
 }
 
 /* Up to which s what is left of a quantity stays above zero. */
-static double lasts_until(const struct press_reserve *reserve)
+static double lasts_until(const struct watch *w, const struct press_reserve *reserve)
 {
     double low_value;
     double low_slope;
-    press_reserve_at(reserve, 0.0, &low_value, &low_slope);
+    const struct oscillator_envelope envelope = press_envelope_of(reserve->of, reserve->quantity);
+    press_reserve_from(reserve, &envelope, 0.0, &w->at[0], &low_value, &low_slope);
     if (!(low_value > 0.0)) {
         return 0.0;
     }
-    for (int i = 1; i < LOBATTO_POINTS; ++i) {
-        const double low = 1.0 + lobatto_node[i - 1];
-        double high = 1.0 + lobatto_node[i];
+    for (int i = 1; i < w->count; ++i) {
+        const double low = w->s[i - 1];
+        double high = w->s[i];
         double value;
         double slope;
-        press_reserve_at(reserve, high, &value, &slope);
+        press_reserve_from(reserve, &envelope, high, &w->at[i], &value, &slope);
         if (value > 0.0 && low_slope < 0.0 && slope > 0.0) {
             double ignored;
             double at_dip;
@@ -60,13 +61,13 @@ static double nothing_until(const struct piece *p)
 {
     const struct press_collocation *made = &p->by.collocation;
     const struct press_reserve overlap = {made, PRESS_GAP, -1.0, ending_gap_slack(p)};
-    const double parts = lasts_until(&overlap);
+    const double parts = lasts_until(&p->watch, &overlap);
     if (!ending_by_law(p)) {
         return parts;
     }
     const struct watched margin = ending_margin(p);
     const struct press_reserve reserve = {made, margin.quantity, margin.factor, margin.offset};
-    return fmin(parts, lasts_until(&reserve));
+    return fmin(parts, lasts_until(&p->watch, &reserve));
 }
 
 bool spanning_piece(struct piece *p, const struct press_outlook *outlook, double longest)
