@@ -5,10 +5,7 @@
 #include <float.h>
 
 #include "contact/bracket.h"
-#include "dynamics/approach.h"
-
-/* Touching, two ends, gap rate, law twice: at most so many roots together. */
-enum { MAX_CUTS = 6 * POLYNOMIAL_MAX_DEGREE };
+#include "dynamics/cuts.h"
 
 static enum contact_regime regime_at(const struct approach *path, const struct contact_law *law, double s)
 {
@@ -19,119 +16,6 @@ static enum contact_regime regime_at(const struct approach *path, const struct c
     const double rate = distance > 0.0 ? path->side * polynomial_at(&path->half_rate, s) / distance : 0.0;
     return contact_regime_of(law, path->scale * gap, rate * path->scale / path->horizon,
                              approach_within(path, s));
-}
-
-/* k (d - reach) + c d' = 0, times d, with the root squared: (k d^2 + c d d')^2 = k^2 reach^2 d^2. */
-static struct polynomial law_condition(const struct approach *path, const struct contact_law *law)
-{
-    const double damping = law->damping / path->horizon;
-    const double unit = fmax(law->stiffness, damping);
-    const double k = law->stiffness / unit;
-    struct polynomial sum = {{0.0}, 0};
-    const struct polynomial offset2 = approach_offset2(path);
-    sum = polynomial_add(&sum, k, &offset2);
-    sum = polynomial_add(&sum, damping / unit, &path->half_rate);
-    const struct polynomial square = polynomial_multiply(&sum, &sum);
-    const double pull = k * path->reach;
-    return polynomial_add(&square, -pull * pull, &offset2);
-}
-
-/* k (d - reach) + c d' = 0 times d + reach, with reach / d for 1 where the gap is small: exact the closer the bodies are, where the
- * squares above have lost the gap to rounding. */
-static struct polynomial law_condition_nearby(const struct approach *path, const struct contact_law *law)
-{
-    const double damping = law->damping / path->horizon;
-    const double unit = fmax(law->stiffness, damping);
-    const struct polynomial surplus = approach_surplus2(path);
-    struct polynomial sum = {{0.0}, 0};
-    sum = polynomial_add(&sum, law->stiffness / unit, &surplus);
-    return polynomial_add(&sum, 2.0 * damping / unit, &path->half_rate);
-}
-
-static int insert_cut(double root, double *cuts, int count)
-{
-    int at = count;
-    for (; at > 0 && cuts[at - 1] > root; --at) {
-        cuts[at] = cuts[at - 1];
-    }
-    cuts[at] = root;
-    return count + 1;
-}
-
-static int add_cuts(const struct polynomial *p, double *cuts, int count)
-{
-    double roots[POLYNOMIAL_MAX_DEGREE];
-    const int found = polynomial_sign_changes(p, roots);
-    for (int i = 0; i < found; ++i) {
-        count = insert_cut(roots[i], cuts, count);
-    }
-    return count;
-}
-
-/* Where the distance has its extremes: between them it is monotone. */
-struct extremes {
-    double at[POLYNOMIAL_MAX_DEGREE];
-    int count;
-};
-
-static struct extremes extremes_of(const struct approach *path)
-{
-    struct extremes found;
-    found.count = polynomial_sign_changes(&path->closing, found.at);
-    return found;
-}
-
-static struct bracket_end gap_end(const struct approach *path, double s)
-{
-    struct bracket_end end = {.s = s};
-    approach_gap(path, s, &end.value, &end.slope);
-    return end;
-}
-
-/* Where the gap passes zero. */
-static int touching_cuts(const struct approach *path, const struct extremes *extremes, double *cuts,
-                         int count)
-{
-    const int pieces = extremes->count + 1;
-    struct bracket_end low = gap_end(path, 0.0);
-    for (int i = 0; i < pieces; ++i) {
-        const struct bracket_end high = gap_end(path, i < pieces - 1 ? extremes->at[i] : 1.0);
-        if ((low.value < 0.0 && high.value > 0.0) || (low.value > 0.0 && high.value < 0.0)) {
-            count = insert_cut(bracket_root_between(approach_gap, path, low, high), cuts, count);
-        }
-        low = high;
-    }
-    return count;
-}
-
-static int end_cuts(const struct approach *path, double *cuts, int count)
-{
-    for (int end = -1; end <= 1; end += 2) {
-        struct polynomial plane = path->axial;
-        plane.a[0] += end * path->half_length;
-        count = add_cuts(&plane, cuts, count);
-    }
-    return count;
-}
-
-/* All instants at which the regime may change: a superset, sorted. */
-static int all_cuts(const struct approach *path, const struct extremes *extremes,
-                    const struct contact_shape *shape, const struct contact_law *law, double *cuts)
-{
-    int count = touching_cuts(path, extremes, cuts, 0);
-    if (approach_has_ends(shape)) {
-        count = end_cuts(path, cuts, count);
-    }
-    if (law->damping > 0.0 && law->dashpot != DASHPOT_UNCLAMPED) {
-        count = add_cuts(&path->half_rate, cuts, count);
-        if (law->dashpot == DASHPOT_NON_ADHESIVE && law->stiffness > 0.0) {
-            const struct polynomial condition = law_condition(path, law);
-            const struct polynomial nearby = law_condition_nearby(path, law);
-            count = add_cuts(&condition, cuts, count);
-            count = add_cuts(&nearby, cuts, count);
-        }
-    }
-    return count;
 }
 
 /* Seconds in which a quantity moving with `speed` and half acceleration `bend` leaves the rounding `noise` around zero;
@@ -250,14 +134,14 @@ static bool keeps_away(const struct approach *path)
 static bool first_touch(const struct approach *path, const struct extremes *extremes, double settle,
                         double *touch)
 {
-    struct bracket_end low = gap_end(path, settle);
+    struct bracket_end low = cuts_gap_end(path, settle);
     if (low.value == 0.0 && low.slope > 0.0) {
         low.value = DBL_MIN; /* they have just parted */
     }
     for (int i = 0; i <= extremes->count && low.value > 0.0; ++i) {
         const double s = i < extremes->count ? extremes->at[i] : 1.0;
         if (s > low.s) {
-            const struct bracket_end high = gap_end(path, s);
+            const struct bracket_end high = cuts_gap_end(path, s);
             if (high.value < 0.0) {
                 *touch = bracket_root_between(approach_gap, path, low, high);
                 return path->side * polynomial_at(&path->half_rate, *touch) < 0.0;
@@ -296,7 +180,7 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
                                                     by_positions, &separation, present));
     double cuts[MAX_CUTS];
     if (ends_only) {
-        return first_change(&path, cuts, end_cuts(&path, cuts, 0), &law, present, true, settle);
+        return first_change(&path, cuts, cuts_of_ends(&path, cuts, 0), &law, present, true, settle);
     }
     const struct extremes extremes = extremes_of(&path);
     struct encounter next;
@@ -304,7 +188,7 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     if (simple && settle < 1.0 && first_touch(&path, &extremes, settle, &touch)) {
         next = (struct encounter){touch * horizon, isfinite(touch) ? REGIME_PRESSING : present, 0.0, false};
     } else {
-        const int count = all_cuts(&path, &extremes, &shape, &law, cuts);
+        const int count = cuts_of_all(&path, &extremes, &shape, &law, cuts);
         next = first_change(&path, cuts, count, &law, present, false, settle);
     }
     next.passes_centre = passes_centre(&path, &extremes, next.after / horizon);

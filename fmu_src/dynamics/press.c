@@ -44,19 +44,24 @@ void press_make(struct press *p, const struct scene_values *v, const struct moti
     p->work[1] = work_on(p, v, q, contact_destination(contact), 1.0);
 }
 
-double press_load(const struct press *p)
-{
-    const struct vec3 across = contact_tangential(&p->shape, p->normal, p->flight.c[1]);
-    return p->reduced_mass *
-           fabs(vec3_dot(across, across) / p->distance + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
-}
-
 struct vec3 press_across(const struct press *p, struct vec3 c)
 {
     if (SCENE_ANY_CYLINDER && p->shape.destination == SHAPE_CYLINDER) {
         return vec3_axpy(c, -vec3_dot(c, p->shape.axis), p->shape.axis);
     }
     return c;
+}
+
+struct vec3 press_along(const struct press *p, struct vec3 across)
+{
+    return vec3_axpy(across, -vec3_dot(p->normal, across), p->normal);
+}
+
+double press_load(const struct press *p)
+{
+    const struct vec3 across = press_along(p, press_across(p, p->flight.c[1]));
+    return p->reduced_mass *
+           fabs(vec3_dot(across, across) / p->distance + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
 }
 
 static void move_body(const struct scene_values *v, struct motion *q, int body, double time, struct vec3 r,

@@ -63,6 +63,9 @@ double press_load(const struct press *p);
 /* c without a cylinder's axial part. */
 struct vec3 press_across(const struct press *p, struct vec3 c);
 
+/* Of such a vector what is along the contact, without its part along n. */
+struct vec3 press_along(const struct press *p, struct vec3 across);
+
 /* Moves the bodies, books impulse, dissipated energy and external work; the clock is the caller's. */
 void press_apply(const struct press *p, const struct press_change *change, const struct scene_values *v,
                  struct motion *q, int contact);

@@ -27,7 +27,7 @@ struct press_outlook press_outlook_of(const struct press *p)
     problem->damping = p->by.c / p->reduced_mass;
     set_paths(p, problem);
     const double d = problem->reach + problem->excess;
-    const struct vec3 along = contact_tangential(&p->shape, p->normal, problem->rate);
+    const struct vec3 along = press_along(p, problem->rate);
     const double radial = vec3_dot(p->normal, problem->rate);
     const double load = vec3_dot(along, along) / d + vec3_dot(p->normal, problem->pull[0]) -
                         problem->damping * vec3_dot(p->normal, problem->lead[0]);

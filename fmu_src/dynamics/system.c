@@ -205,7 +205,7 @@ enum contact_regime system_regime(const struct scene_values *v, const struct mot
     const struct contact_geometry *g = &at->geometry[contact];
     /* Where d = 0 the distance can only grow, at the speed across the axis; the fallback normal knows nothing of it. */
     const struct vec3 w = at->rate[contact];
-    const struct vec3 along = shape.destination == SHAPE_CYLINDER
+    const struct vec3 along = SCENE_ANY_CYLINDER && shape.destination == SHAPE_CYLINDER
                                   ? vec3_scale(vec3_dot(w, shape.axis), shape.axis)
                                   : vec3_make(0.0, 0.0, 0.0);
     const double rate = g->degenerate ? shape.side * vec3_norm(vec3_sub(w, along)) : g->gap_rate;
