@@ -3,9 +3,9 @@
     .venv/bin/python tests/physics/make_stiff_references.py     (some minutes on two cores)
 
 Damped to a tenth of the critical damping: Radau IIA (stiff_motion.py), any stiffness. Undamped: the Taylor
-integrator as long as its steps can be counted out (1e9 N/m), beyond that the motion without the fast
-oscillation, which is off by the oscillation's amplitude and its like, so by 1/p_n times a few newtons.
-The uncertainty is what a second run gave: a tenfold tolerance, a higher order.
+integrator as long as its steps can be counted out (1e9 N/m), beyond that an expansion in 1/p_n, the fast
+oscillation included (stiff_limit.py). The uncertainty is what a second run gave, a tenfold tolerance or a
+higher order; of the expansion, a bound of what it leaves out.
 """
 
 import json
@@ -15,15 +15,15 @@ from pathlib import Path
 
 import numpy as np
 from reference_integrator import Reference
-from stiff_motion import ANGLE, GRAVITY, MASS, RADIUS, SPEED, damped_motion, mean_motion
+from stiff_limit import StiffContact
+from stiff_motion import ANGLE, MASS, RADIUS, SPEED, damped_motion
 
 FILE = Path(__file__).resolve().parents[2] / "scripts" / "contact_report" / "stiff_references.json"
 END, DAMPING, COUNTABLE = 2.0, 0.1, 1e9
 ROUNDING = 1e-14  # m, of the numbers themselves
-CARRIED = MASS * GRAVITY  # N; the amplitude is half of it, divided by p_n
 
 
-def configuration(penalty, damping):
+def configuration(shape, penalty, damping):
     values = {
         "source.radius": 0.05,
         "source.mass": MASS,
@@ -39,15 +39,21 @@ def configuration(penalty, damping):
     if damping:
         values["contact.viscous_penalty_factor"] = 2 * damping * sqrt(MASS * penalty)
         values["contact.dashpot"] = "unclamped"
+    if shape == "cylinder":
+        values["destination.axis"] = [0.0, 1.0, 0.0]
     return values
 
 
 def taylor(shape, penalty, damping, order):
-    values = configuration(penalty, damping)
-    if shape == "cylinder":
-        values["destination.axis"] = [0.0, 1.0, 0.0]
-    run = Reference(values, shape, order=order).run(END)
+    run = Reference(configuration(shape, penalty, damping), shape, order=order).run(END)
     return np.array([float(x) for x in run.position["source"]])
+
+
+def expansion(shape, penalty):
+    """(position, bound of what is left out), undamped"""
+    end = StiffContact(configuration(shape, penalty, 0.0), shape).end(END)
+    assert end.least_push > 0  # the contact lasts
+    return end.position, end.left_out
 
 
 def reference(shape, penalty, damping):
@@ -60,7 +66,7 @@ def reference(shape, penalty, damping):
     if penalty <= COUNTABLE:
         coarse, fine = (taylor(shape, penalty, damping, order) for order in (24, 28))
         return fine, np.linalg.norm(fine - coarse) + ROUNDING, "Taylor series"
-    return mean_motion(shape, penalty, END), CARRIED / penalty, "motion without the oscillation"
+    return *expansion(shape, penalty), "expansion in 1/p_n"
 
 
 def row(shape, damping, penalty):
