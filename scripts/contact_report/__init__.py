@@ -8,5 +8,7 @@ tables.py, figures.py, machine.py, page.py   tables, pictures, versions, index.h
 force_element.py
               the FMU beside an outer integrator; its parts are force_problems.py, outer_integrators.py,
               driven_contact.py, stable_steps.py, force_element_page.py
+lasting.py    Radau IIA against exponential collocation (docs/lasting_contact.md), with radau.py and
+              lasting_page.py
 bench.py      ratios for developers (scripts/bench.sh), with bench_tables.py and bench_baseline.py
 """

@@ -1,0 +1,62 @@
+#include "exponential.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "contact/collocation.h"
+
+/* The error of a step's iteration [m]. */
+static const double CONVERGED = 1e-13;
+
+/* Radians of the oscillator from which on a step spans it, as in the FMU (solver/piece.h). */
+static const double RESOLVED = 4.0;
+
+static long integrations;
+
+/* The linker puts it in the place of row_integrate. */
+double __real_row_integrate(const struct vec3_row *rate, struct vec3_row *sum); /* NOLINT(bugprone-*) */
+double __wrap_row_integrate(const struct vec3_row *rate, struct vec3_row *sum); /* NOLINT(bugprone-*) */
+
+double __wrap_row_integrate(const struct vec3_row *rate, struct vec3_row *sum) /* NOLINT(bugprone-*) */
+{
+    integrations += 1;
+    return __real_row_integrate(rate, sum);
+}
+
+bool exponential_run(const struct problem *p, struct outcome *out)
+{
+    const double h = p->end / p->steps;
+    const enum collocation_kind kind = p->omega * h > RESOLVED ? COLLOCATION_SPANNING : COLLOCATION_RESOLVED;
+    struct vec3 c = vec3_make(RADIUS * sin(ANGLE), 0.0, -RADIUS * cos(ANGLE));
+    struct vec3 rate = vec3_make(0.0, 0.0, 0.0);
+    double excess = 0.0;
+    memset(out, 0, sizeof *out);
+    for (int i = 0; i < p->steps; ++i) {
+        struct collocation_problem from = {.rate = rate,
+                                           .reach = RADIUS,
+                                           .excess = excess,
+                                           .square = p->penalty / MASS,
+                                           .damping = p->viscous / MASS,
+                                           .pull = {{0.0, 0.0, -GRAVITY}}};
+        struct collocation step;
+        double x[4];
+        const double d = vec3_norm(c);
+        from.normal = vec3_scale(1.0 / d, c);
+        integrations = 0;
+        if (!collocation_make(&step, &from, h, kind, CONVERGED)) {
+            return false;
+        }
+        /* Two in a sweep, two for the first guess. */
+        out->iterations += (integrations - 2) / 2;
+        const struct collocation_change change = collocation_change_at(&step, 2.0);
+        collocation_excess(&step, 2.0, x);
+        /* As press_apply does: the centre takes on the distance that has been carried along, so rounding does not pile up. */
+        c = vec3_axpy(vec3_add(c, change.moved), excess - (d - RADIUS), from.normal);
+        rate = vec3_add(rate, change.gained);
+        excess = x[0];
+    }
+    out->evaluations = LOBATTO_POINTS * out->iterations;
+    out->x = c.x;
+    out->z = c.z;
+    return isfinite(c.x + c.z);
+}
