@@ -1,7 +1,7 @@
-"""Bodies and contacts are lists: three balls in a row, two contacts on the middle one.
+"""Bodies and contacts are lists: three balls in a row, two contacts on the middle one; two pairs at a time.
 
-The reference is scipy's DOP853 at 1e-13, restarted wherever a contact begins or ends. The scene's FMU is
-built for the test.
+The reference of the three balls is scipy's DOP853 at 1e-13, restarted wherever a contact begins or ends; that
+of each pair is the FMU of the pair alone. The scenes' FMUs are built for the test.
 """
 
 import os
@@ -11,26 +11,29 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from checks import check_close
+from checks import METHODS, check_close
 from contact_scenarios.fmu import ContactFmu
 from scipy.integrate import solve_ivp
 
 ROOT = Path(__file__).resolve().parents[2]
-SCENE = ROOT / "tests" / "physics" / "scenes" / "ThreeBalls.toml"
+SCENES = ("ThreeBalls", "TwoPairs")
 BALLS = ("left", "middle", "right")
 REACH, STIFFNESS, END = 0.2, 1e6, 0.5
 
 
 @pytest.fixture(scope="module")
-def three_balls(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("three_balls")
+def built(tmp_path_factory):
+    """The FMUs of SCENES, by name."""
+    folder = tmp_path_factory.mktemp("scenes")
     environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
-    options = [f"-DCONTACT_EXTRA_SCENES={SCENE}", f"-DPython3_EXECUTABLE={sys.executable}"]
+    extra = ";".join(str(ROOT / "tests" / "physics" / "scenes" / f"{name}.toml") for name in SCENES)
+    options = [f"-DCONTACT_EXTRA_SCENES={extra}", f"-DPython3_EXECUTABLE={sys.executable}"]
     configure = ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"]
-    for command in ([*configure, *options], ["cmake", "--build", str(folder), "--target", "ThreeBalls_fmu"]):
+    targets = [f"{name}_fmu" for name in SCENES]
+    for command in ([*configure, *options], ["cmake", "--build", str(folder), "--target", *targets]):
         made = subprocess.run(command, capture_output=True, text=True, env=environment)
         assert made.returncode == 0, made.stdout + made.stderr
-    return folder / "fmus" / "ThreeBalls.fmu"
+    return {name: folder / "fmus" / f"{name}.fmu" for name in SCENES}
 
 
 def gaps(state):
@@ -86,15 +89,15 @@ CASES = {
 
 
 @pytest.mark.parametrize("steps", [1, 100])
-@pytest.mark.parametrize("method", ["cvode_bdf", "cvode_adams"])
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("case", CASES)
-def test_a_ball_between_two_others_moves_as_in_the_reference(three_balls, case, method, steps):
+def test_a_ball_between_two_others_moves_as_in_the_reference(built, case, method, steps):
     places, velocity, masses = CASES[case]
     expected = reference(places, [velocity, [0, 0, 0], [0, 0, 0]], np.array(masses))
     values = {"solver.method": method, "left.initial_velocity": velocity, "gravity": [0, 0, 0]}
     for ball, place, mass in zip(BALLS, places, masses, strict=True):
         values |= {f"{ball}.center": place, f"{ball}.mass": mass}
-    with ContactFmu(three_balls) as fmu:
+    with ContactFmu(built["ThreeBalls"]) as fmu:
         fmu.start(values, tolerance=1e-10)
         for _ in range(steps):
             fmu.step(END / steps)
@@ -102,3 +105,97 @@ def test_a_ball_between_two_others_moves_as_in_the_reference(three_balls, case, 
         check_close("momentum", momentum, masses[0] * np.array(velocity), 1e-12)
         for k, ball in enumerate(BALLS):
             check_close(f"{ball}.position", fmu[f"{ball}.position"], expected[3 * k : 3 * k + 3], 1e-8)
+        # A ball that two contacts share is not for event_driven, and the FMU says so.
+        assert (fmu["solver.fallbacks"] > 0) == (method == "event_driven")
+
+
+# The values of body and contact in a pair, by the names they have in the FMU of the pair alone.
+PAIRS = {
+    "SphereSphere": {"source": "ball", "destination": "floor", "contact": "first"},
+    "SphereCylinder": {"source": "marble", "destination": "bowl", "contact": "second"},
+}
+BALL = {
+    "source.radius": 0.1,
+    "source.mass": 0.7,
+    "source.center": [0.02, 0.01, 0.4],
+    "source.initial_velocity": [0.3, -0.1, -2.0],
+    "source.motion": "free",
+    "destination.radius": 0.3,
+    "destination.center": [0.0, 0.0, 0.0],
+    "destination.motion": "fixed",
+    "contact.penalty_factor": 3e4,
+    "contact.viscous_penalty_factor": 20.0,
+    "contact.dashpot": "unclamped",
+}
+MARBLE = {
+    "source.radius": 0.02,
+    "source.mass": 0.05,
+    "source.center": [5.0, 1.0, 0.325],
+    "source.initial_velocity": [-0.2, 0.5, -1.0],
+    "source.motion": "free",
+    "destination.radius": 0.3,
+    "destination.center": [5.0, 0.0, 0.0],
+    "destination.axis": [0.0, 1.0, 0.0],
+    "destination.motion": "free",
+    "destination.mass": 3.0,
+    "contact.penalty_factor": 2e6,
+    "contact.viscous_penalty_factor": 1.5,
+    "contact.dashpot": "non_adhesive",
+}
+COMMON = {"contact.penalty_control": "user_defined", "contact.viscous_control": "user_defined"}
+RESTING = {"source.initial_velocity": [0.1, 0.0, 0.0], "source.center": [0.0, 0.0, 0.3999]}
+SIDE_BY_SIDE = {  # ball, marble
+    "both strike": (BALL, MARBLE),
+    "one lies, one strikes": ({**BALL, **RESTING, "contact.viscous_penalty_factor": 500.0}, MARBLE),
+    "one creeps, one strikes": ({**BALL, **RESTING, "contact.viscous_penalty_factor": 5e4}, MARBLE),
+    "one lies on a stiff floor, one strikes a stiff bowl": (
+        {**BALL, **RESTING, "contact.penalty_factor": 1e9, "source.center": [0.0, 0.0, 0.4]},
+        {**MARBLE, "contact.penalty_factor": 1e11},
+    ),
+}
+
+
+def motion_of(fmu, names):
+    """Positions, velocities and deepest penetration of a pair."""
+    bodies = [
+        fmu[f"{names[end]}.{what}"] for end in ("source", "destination") for what in ("position", "velocity")
+    ]
+    return np.concatenate([*bodies, [fmu[f"{names['contact']}.peak_penetration"]]])
+
+
+def motion_alone(path, values, times):
+    with ContactFmu(path) as fmu:
+        fmu.start({**COMMON, **values, "contact.location": "outside"}, tolerance=1e-12)
+        steps, motions = np.diff(times), []
+        for size in steps:
+            fmu.step(size)
+            motions.append(motion_of(fmu, {name: name for name in ("source", "destination", "contact")}))
+        return motions, fmu["contact.onsets"]
+
+
+@pytest.mark.parametrize("steps", [1, 40])
+@pytest.mark.parametrize("case", SIDE_BY_SIDE)
+def test_each_of_two_pairs_moves_as_if_it_were_alone(built, fmu_path, case, steps):
+    times = np.linspace(0.0, 0.3, steps + 1)
+    values = {}
+    for names, pair in zip(PAIRS.values(), SIDE_BY_SIDE[case], strict=True):
+        for name, value in {**COMMON, **pair}.items():
+            part, row = name.split(".", 1)
+            values[f"{names[part]}.{row}"] = value
+    both = {name: [] for name in PAIRS}
+    with ContactFmu(built["TwoPairs"]) as fmu:
+        fmu.start(values | {"solver.method": "event_driven"}, tolerance=1e-12)
+        for size in np.diff(times):
+            fmu.step(size)
+            for name, names in PAIRS.items():
+                both[name].append(motion_of(fmu, names))
+        assert fmu["solver.fallbacks"] == 0
+        if case == "both strike":
+            start = [fmu[f"{contact}.last_onset_time"] for contact in ("first", "second")]
+            end = [fmu[f"{k}.last_onset_time"] + fmu[f"{k}.last_duration"] for k in ("first", "second")]
+            assert max(start) < min(end), "at the same time"
+        onsets = {name: fmu[f"{names['contact']}.onsets"] for name, names in PAIRS.items()}
+    for name, pair in zip(PAIRS, SIDE_BY_SIDE[case], strict=True):
+        expected, onsets_alone = motion_alone(fmu_path(name), pair, times)
+        check_close(name, both[name], expected, 1e-13)
+        assert onsets[name] == onsets_alone > 0
