@@ -146,7 +146,7 @@ double watch_largest(const struct watch *w, const struct watched *what, double e
         if (slope_of(what, &w->at[i]) > 0.0 && slope_of(what, &w->at[i + 1]) < 0.0) {
             double top;
             const double value = top_between(&probe, i, &top);
-            largest = fmax(largest, top <= end ? value : 0.0);
+            largest = top <= end ? fmax(largest, value) : largest;
         }
         if (w->s[i + 1] <= end) {
             largest = fmax(largest, value_of(what, &w->at[i + 1]));
