@@ -71,7 +71,7 @@ static enum advance_result advance_phase(struct solver *s, const struct scene_va
             return result;
         }
         counter_add(&q->counters.fallbacks, 1);
-        motion_rebase(q);
+        q->integrator_fresh = 1;
     }
     return cvode_advance(s->cvode, v, q, step);
 }
