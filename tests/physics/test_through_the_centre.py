@@ -1,0 +1,82 @@
+"""A ball fast enough to pass through the middle of a solid, where the force turns round.
+
+Head-on the penetration obeys m s'' + c s' + k s = 0 up to the centre and again, from that depth, behind it:
+two pieces of an oscillator in closed form. The force jumps at the centre, which event_driven leaves to CVODE.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from checks import METHODS, check_close, check_relative, run
+from head_on import ACROSS, AXIS, FMU, RADII
+from scipy.optimize import brentq
+
+REACH, SPEED, START, END = 0.6, 3.0, 0.7, 0.7
+
+
+def oscillator(k, c, depth, rate, t):
+    """Depth and its rate at t, mass 1, below critical damping."""
+    decay, turn = c / 2, math.sqrt(k - c * c / 4)
+    shrink, cosine, sine = math.exp(-decay * t), math.cos(turn * t), math.sin(turn * t) / turn
+    return (
+        shrink * (depth * (cosine + decay * sine) + rate * sine),
+        shrink * (rate * (cosine - decay * sine) - depth * k * sine),
+    )
+
+
+def way_through(k, c):
+    """How far along its line the ball is at END, and how fast."""
+    to_centre = brentq(lambda t: oscillator(k, c, 0.0, SPEED, t)[0] - REACH, 0.0, 0.3, xtol=1e-15)
+    rate = oscillator(k, c, 0.0, SPEED, to_centre)[1]
+    out = brentq(lambda t: oscillator(k, c, REACH, -rate, t)[0], 0.0, 1.0, xtol=1e-15)
+    speed = -oscillator(k, c, REACH, -rate, out)[1]
+    left = END - (START - REACH) / SPEED - to_centre - out
+    assert left > 0.0 and speed > 0.0
+    return START + REACH + speed * left, speed
+
+
+def solid(shape, along, **more):
+    values = {
+        **RADII,
+        "source.motion": "free",
+        "destination.motion": "fixed",
+        "source.center": (-START * along).tolist(),
+        "source.initial_velocity": (SPEED * along).tolist(),
+        "destination.center": [0.0, 0.0, 0.0],
+        "gravity": [0.0, 0.0, 0.0],
+        "contact.location": "outside",
+        "contact.penalty_control": "user_defined",
+        "contact.viscous_control": "user_defined",
+        "contact.dashpot": "unclamped",
+        **more,
+    }
+    return values | ({"destination.axis": AXIS.tolist()} if shape == "cylinder" else {})
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("steps", [1, 70])
+@pytest.mark.parametrize("stiffness, damping", [(10.0, 0.0), (10.0, 0.3), (15.0, 0.0)])
+@pytest.mark.parametrize("shape", FMU)
+def test_a_ball_passes_through_the_centre_of_a_solid(opened, shape, stiffness, damping, steps, method):
+    factors = {"contact.penalty_factor": stiffness, "contact.viscous_penalty_factor": damping}
+    fmu = run(opened(FMU[shape]), solid(shape, ACROSS, **factors), END, steps, tolerance=1e-12, method=method)
+    way, speed = way_through(stiffness, damping)
+    check_relative("displacement", fmu["source.displacement"], way * ACROSS, 1e-9)
+    check_relative("velocity", fmu["source.velocity"], speed * ACROSS, 1e-9)
+    check_close("onsets", fmu["contact.onsets"], 1, 0)
+    assert (fmu["solver.fallbacks"] > 0) == (method == "event_driven")
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("steps", [1, 20])
+def test_a_ball_on_the_axis_of_a_solid_cylinder_is_thrown_out_across_it(opened, steps, method):
+    """It keeps its speed along the axis; the energy p_n g^2/2 of the start becomes speed across it."""
+    values = solid("cylinder", AXIS, **{"contact.penalty_factor": 100.0, "source.center": [0.0, 0.0, 0.0]})
+    values["contact.viscous_penalty_factor"] = 0.0
+    fmu = run(opened("SphereCylinder"), values, 1.0, steps, tolerance=1e-12, method=method)
+    velocity = fmu["source.velocity"]
+    check_relative("along", velocity @ AXIS, SPEED, 1e-9)
+    check_relative("across", np.linalg.norm(velocity - (velocity @ AXIS) * AXIS), REACH * 10.0, 1e-9)
+    assert fmu["contact.active"] is False
+    assert (fmu["solver.fallbacks"] > 0) == (method == "event_driven")
