@@ -177,13 +177,11 @@ static void what_relaxes_to_the_load_solves_the_equation(void)
     }
 }
 
-/* The largest |y| exp(decay z), y from the closed form, over three turns or until the faster decay is over. */
+/* The largest |y| exp(decay z), y from the closed form, over some turns or until the faster decay is over. */
 static long double largest_part(const struct oscillator *o, double y, double rate, double decay)
 {
     const struct oscillator_rates rates = oscillator_rates_of(o);
-    const long double turn_square = o->square - 0.25L * o->damping * o->damping;
-    const long double turn = turn_square > 0.0L ? sqrtl(turn_square) : 0.0L;
-    const long double end = fmaxl(turn > 0.0L ? 20.0L / turn : 0.0L, 40.0L / rates.faster);
+    const long double end = 40.0L / rates.faster;
     long double largest = 0.0L;
     for (int i = 0; i <= 600; ++i) {
         const long double z = end * i / 600.0L;
@@ -200,7 +198,9 @@ static void the_envelope_bounds_the_oscillation_tightly(void)
     struct random r = {7};
     for (int k = 0; k < 600; ++k) {
         const double square = random_power(&r, -2.0, 6.0);
-        const double ratio = k % 2 == 0 ? random_between(&r, 0.0, 2.0) : random_power(&r, -3.0, 2.0);
+        const double near = 1.0 + random_sign(&r) * random_power(&r, -12.0, -1.0);
+        const double far = k % 3 == 0 ? random_between(&r, 0.0, 2.0) : random_power(&r, -3.0, 2.0);
+        const double ratio = k % 3 == 1 ? near : far;
         const struct oscillator o = {square, 2.0 * ratio * sqrt(square)};
         const double y = random_index(&r, 5) == 0 ? 0.0 : random_between(&r, -1.0, 1.0);
         const double rate =
