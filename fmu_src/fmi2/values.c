@@ -108,12 +108,17 @@ static inline bool all_readable(struct instance *instance, enum call call, const
     return true;
 }
 
-/* Each on its own, with messages. */
+/* Any number, with messages. Apart from fmi2GetReal, so that reading a vector does not save registers for it. */
 __attribute__((noinline)) static fmi2Status
 get_reals(struct instance *instance, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[])
 {
-    if (!ready(instance, CALL_GetReal, vr, nvr, value) ||
-        !all_readable(instance, CALL_GetReal, vr, nvr, TYPES_REAL)) {
+    if (!ready(instance, CALL_GetReal, vr, nvr, value)) {
+        return fmi2Error;
+    }
+    if (instance->phase == PHASE_STEP && model_get_reals(instance->model, vr, nvr, value) == nvr) {
+        return fmi2OK;
+    }
+    if (!all_readable(instance, CALL_GetReal, vr, nvr, TYPES_REAL)) {
         return fmi2Error;
     }
     for (size_t i = 0; i < nvr; ++i) {
@@ -122,13 +127,13 @@ get_reals(struct instance *instance, const fmi2ValueReference vr[], size_t nvr, 
     return fmi2OK;
 }
 
-fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[])
+/* Vectors are mostly read as a whole. Flattened, because calls would be a good part of what that costs. */
+__attribute__((flatten)) fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                                                fmi2Real value[])
 {
     struct instance *instance = c;
-    if (instance == NULL) {
-        return fmi2Error;
-    }
-    if (instance->phase == PHASE_STEP && model_get_reals(instance->model, vr, nvr, value) == nvr) {
+    if (instance != NULL && instance->phase == PHASE_STEP && nvr == 3 && vr != NULL && value != NULL &&
+        model_get_vector(instance->model, vr, value)) {
         return fmi2OK;
     }
     return get_reals(instance, vr, nvr, value);

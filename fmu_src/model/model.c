@@ -206,35 +206,37 @@ static enum model_status take_step(struct model *m, double end_time)
     return motion_is_finite(m) ? status : step_refused(m, &before, end_time);
 }
 
-static bool step_is_quiet(struct model *m, double end_time)
+bool model_glide(struct model *m, double end_time)
 {
 #if SCENE_ANY_FREE
-    return flight_glide(&m->state.motion, end_time);
+    if (!m->state.signals_open && flight_glide(&m->state.motion, end_time)) {
+        if (m->outputs > OUTPUTS_FIXED) {
+            model_foresee_reading(m, m->state.motion.clock);
+        }
+        return true;
+    }
 #else
     (void)m, (void)end_time;
-    return false;
 #endif
+    return false;
 }
 
 enum model_status model_step(struct model *m, double end_time)
 {
-    enum model_status status = MODEL_OK;
     if (!m->state.initialized) {
         return model_report(m, MODEL_ERROR, "A step to %.17g s before the end of the initialization.",
                             end_time);
     }
     if (m->state.signals_open) {
         model_apply_inputs(m);
-    }
-    if (!step_is_quiet(m, end_time)) {
-        status = take_step(m, end_time);
-    }
-    if (m->state.signals_open) {
         model_close_inputs(m);
     }
+    if (model_glide(m, end_time)) {
+        return MODEL_OK;
+    }
+    const enum model_status status = take_step(m, end_time);
     if (m->outputs > OUTPUTS_FIXED) {
         m->outputs = OUTPUTS_FIXED;
-        model_foresee_reading(m);
     }
     return status;
 }

@@ -48,6 +48,10 @@ enum model_status model_exit_initialization(struct model *m);
  * values are those of that time and the next step may go on from there. */
 enum model_status model_step(struct model *m, double end_time);
 
+/* The same, quickly, for the many steps of a flight in which nothing else happens (dynamics/flight.h); false, and nothing
+ * done, where it takes model_step. */
+bool model_glide(struct model *m, double end_time);
+
 double model_time(const struct model *m);
 
 /* Would this value be refused? Reports it if so. NaN and infinity always are. */
@@ -62,8 +66,9 @@ void model_set_integer(struct model *m, const struct variable *variable, int32_t
 double model_get_real(struct model *m, const struct variable *variable);
 
 /* The same for many references once the model is initialized, quickly: returns how many it read before one that is no Real
- * variable or that has to be computed; none where an array is missing. */
+ * variable or that has to be computed. model_get_vector reads the three of a vector or, where they are anything else, none. */
 size_t model_get_reals(const struct model *m, const uint32_t *references, size_t count, double *values);
+bool model_get_vector(const struct model *m, const uint32_t *references, double *values);
 int32_t model_get_integer(struct model *m, const struct variable *variable);
 
 /* d^order/dt^order of a real input from the present communication point on; orders 1 and 2. */

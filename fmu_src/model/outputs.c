@@ -121,27 +121,35 @@ static void update_bodies(struct model *m)
     m->outputs = OUTPUTS_BODIES;
 }
 
-void model_foresee_reading(struct model *m)
-{
 #if SCENE_ANY_FREE
-    struct scene_values *v = &m->state.values;
-    const struct motion *q = &m->state.motion;
-    if (!q->gliding) {
-        return;
-    }
+/* Apart from model_foresee_reading, which need not save registers for it. */
+__attribute__((noinline)) static void show_prescribed(struct scene_values *v, const struct motion *q)
+{
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            const struct body_state at = flight_falling_at(v, q, i, q->clock);
-            put_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
-        } else if (body_is_prescribed(v, i)) {
+        if (body_is_prescribed(v, i)) {
             update_body(v, q, i);
         }
     }
-    m->outputs = OUTPUTS_BODIES;
-#else
-    (void)m;
-#endif
 }
+
+void model_foresee_reading(struct model *m, double clock)
+{
+    struct scene_values *v = &m->state.values;
+    const struct motion *q = &m->state.motion;
+    bool prescribed = false;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const struct body_state at = flight_falling_at(v, q, i, clock);
+            put_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
+        }
+        prescribed = prescribed || body_is_prescribed(v, i);
+    }
+    m->outputs = OUTPUTS_BODIES;
+    if (prescribed) {
+        show_prescribed(v, q);
+    }
+}
+#endif
 
 static void update_all(struct model *m)
 {

@@ -74,6 +74,11 @@ static bool state_is_sound(const struct model_state *state)
         }
 #endif
     }
+#if SCENE_ANY_FREE
+    if (state->motion.quiet_clock != 0.0 || state->motion.gliding != 0) {
+        return false; /* nobody saves a glide, see model_save */
+    }
+#endif
     return isfinite(state->motion.base) && isfinite(state->motion.clock) && isfinite(state->start_time);
 }
 

@@ -41,12 +41,13 @@ struct model_state {
     uint8_t initialized;
 };
 
-/* Which outputs are those of the present; each includes the ones before. */
+/* Which outputs are those of the present; each includes the ones before. As bits, these are the variables that can be read as
+ * they stand (enum variable_source); VARIABLE_FIXED means nothing there and tells the first two apart. */
 enum outputs {
-    OUTPUTS_NONE,
-    OUTPUTS_FIXED,  /* of bodies that never move */
-    OUTPUTS_BODIES, /* displacement, position and velocity of all */
-    OUTPUTS_ALL
+    OUTPUTS_NONE = VARIABLE_GIVEN,
+    OUTPUTS_FIXED = OUTPUTS_NONE | VARIABLE_FIXED,  /* of bodies that never move */
+    OUTPUTS_BODIES = OUTPUTS_FIXED | VARIABLE_BODY, /* displacement, position and velocity of all */
+    OUTPUTS_ALL = OUTPUTS_BODIES | VARIABLE_COMPUTED
 };
 
 struct model {
@@ -85,8 +86,10 @@ void model_close_inputs(struct model *m);
 /* Computes outputs of the present, `wanted` at least. */
 void model_update_outputs(struct model *m, enum outputs wanted);
 
-/* After a step: whoever read after the one before will read again. In flight, where it is cheap, the motion of the bodies is
- * made current at once. */
-void model_foresee_reading(struct model *m);
+#if SCENE_ANY_FREE
+/* After a glide to `clock`: whoever read after the step before will read again. In flight, where it is cheap, the motion of the
+ * bodies is made current at once. The clock comes by value: read back from where it was written just now it costs more. */
+void model_foresee_reading(struct model *m, double clock);
+#endif
 
 #endif

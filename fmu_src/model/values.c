@@ -45,23 +45,35 @@ double model_get_real(struct model *m, const struct variable *variable)
     return value;
 }
 
+/* Where a Real stands, if it can be read as it stands and its table entry has these marks; else NULL. */
+static inline const double *known_real(const struct model *m, uint32_t reference, uint32_t marks)
+{
+    const uint32_t real = reference < SCENE_REFERENCES ? scene_reals[reference] : 0;
+    const bool known = (real & (uint32_t)m->outputs) && (real & marks) == marks;
+    return known ? (const double *)&m->state.values + (real & VARIABLE_OFFSET) / sizeof(double) : NULL;
+}
+
+bool model_get_vector(const struct model *m, const uint32_t *references, double *values)
+{
+    const uint32_t first = references[0];
+    const bool in_order = references[1] == first + 1 && references[2] == first + 2;
+    const double *from = in_order ? known_real(m, first, VARIABLE_VECTOR) : NULL;
+    if (!from) {
+        return false;
+    }
+    /* One by one: what is read in wider portions than it was written in keeps the processor waiting. */
+    values[0] = from[0];
+    values[1] = from[1];
+    values[2] = from[2];
+    return true;
+}
+
 size_t model_get_reals(const struct model *m, const uint32_t *references, size_t count, double *values)
 {
-    static const uint32_t current[] = {
-        [OUTPUTS_NONE] = VARIABLE_GIVEN,
-        [OUTPUTS_FIXED] = VARIABLE_GIVEN,
-        [OUTPUTS_BODIES] = VARIABLE_GIVEN | VARIABLE_BODY,
-        [OUTPUTS_ALL] = VARIABLE_GIVEN | VARIABLE_BODY | VARIABLE_COMPUTED,
-    };
-    const uint32_t known = current[m->outputs];
     size_t i = 0;
-    for (; references && values && i < count; ++i) {
-        const uint32_t reference = references[i];
-        const uint32_t real = reference < SCENE_REFERENCES ? scene_reals[reference] : 0;
-        if (!(real & known)) {
-            break;
-        }
-        memcpy(&values[i], (const char *)&m->state.values + (real & VARIABLE_OFFSET), sizeof values[i]);
+    const double *from = NULL;
+    while (i < count && (from = known_real(m, references[i], 0)) != NULL) {
+        values[i++] = *from;
     }
     return i;
 }

@@ -31,9 +31,12 @@ struct variable {
 /* What has to be current for a value to be that of the present; bits above those of an offset. */
 enum variable_source {
     VARIABLE_OFFSET = 0xffff,
-    VARIABLE_GIVEN = 0x10000,   /* nothing: the importer gave it */
-    VARIABLE_BODY = 0x20000,    /* the motion of the bodies */
-    VARIABLE_COMPUTED = 0x40000 /* everything */
+    VARIABLE_GIVEN = 0x10000,    /* nothing: the importer gave it */
+    VARIABLE_FIXED = 0x20000,    /* no variable has it, see enum outputs */
+    VARIABLE_BODY = 0x40000,     /* the motion of the bodies */
+    VARIABLE_COMPUTED = 0x80000, /* everything */
+    VARIABLE_VECTOR =
+        0x100000 /* also: the first component of a vector, whose others follow in offset and reference */
 };
 
 /* All it takes to read a Real variable: its offset and its enum variable_source; 0 for a reference that has none. By value

@@ -143,8 +143,14 @@ def test_reals_are_read_where_the_table_has_them(scene_folder, scene):
             assert real == 0, reference
             continue
         given = said["causality"] in ("parameter", "input")
-        source = 1 if given else 2 if motion.search(table[reference].name.decode()) else 4
-        assert (real & 0xFFFF, real >> 16) == (table[reference].offset, source), said
+        name = table[reference].name.decode()
+        source = 1 if given else 4 if motion.search(name) else 8
+        vector = 16 if name.endswith("[1]") else 0
+        assert (real & 0xFFFF, real >> 16) == (table[reference].offset, source | vector), said
+        if vector:
+            following = [table[reference + k] for k in (1, 2)]
+            assert [row.name.decode() for row in following] == [f"{name[:-3]}[{k}]" for k in (2, 3)]
+            assert [row.offset - table[reference].offset for row in following] == [8, 16]
 
 
 PROBE = """
