@@ -84,8 +84,10 @@ function(add_contact_fmu scene)
     # Debug information goes when the library is stripped; until then tests read from it which lines have code
     # (format 4: readelf of Debian 12 mixes up the file names of clang's format 5).
     target_compile_options(${SCENE_NAME} PRIVATE -gdwarf-4 -ffunction-sections -fdata-sections)
+    # Code and constants share their pages: the padding between them would be a seventh of a force element.
     # The version script hides SUNDIALS too: a host that links its own would else take over the FMU's calls.
     target_link_options(${SCENE_NAME} PRIVATE -Wl,--gc-sections -Wl,--as-needed -Wl,--build-id=none
+        -Wl,-z,noseparate-code
         "-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/fmi2_exports.map")
     if(NOT CONTACT_SANITIZE) # whose functions only the host's process has
         target_link_options(${SCENE_NAME} PRIVATE -Wl,-z,defs)

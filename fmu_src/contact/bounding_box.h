@@ -19,4 +19,8 @@ struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, str
 /* Diagonal of the smallest box around both [m]. */
 double bounding_box_diagonal(const struct bounding_box *a, const struct bounding_box *b);
 
+/* d/dt of that diagonal while b moves with `rate` [m/s]; where edges of both lie on each other, it is a's that counts. */
+double bounding_box_diagonal_rate(const struct bounding_box *a, const struct bounding_box *b,
+                                  struct vec3 rate);
+
 #endif

@@ -1,11 +1,11 @@
-/* Derivatives with respect to time of inputs and outputs. */
+/* Derivatives with respect to time of inputs and outputs, and of outputs with respect to inputs. */
 #include <math.h>
 
 #include "fmi2/call_order.h"
 #include "fmi2/log.h"
 
 /* maxOutputDerivativeOrder of the model description; inputs are polynomials of second degree at most. */
-enum { LOWEST_ORDER = 1, HIGHEST_INPUT_ORDER = 2, HIGHEST_OUTPUT_ORDER = 1 };
+enum { LOWEST_ORDER = 1, HIGHEST_ORDER = 2 };
 
 /* The Real variable of a reference with the wanted causality, or NULL after a message. */
 static const struct variable *find_real(struct instance *instance, enum call call,
@@ -32,12 +32,12 @@ static bool arrays_given(struct instance *instance, enum call call, const fmi2Va
 }
 
 static fmi2Status check_order(struct instance *instance, enum call call, const struct variable *variable,
-                              fmi2Integer order, int highest)
+                              fmi2Integer order)
 {
-    if (order < LOWEST_ORDER || order > highest) {
+    if (order < LOWEST_ORDER || order > HIGHEST_ORDER) {
         return log_report(instance, fmi2Discard,
                           "%s: derivative of order %d of %s refused, allowed: %d to %d", call_name(call),
-                          order, variable->name, LOWEST_ORDER, highest);
+                          order, variable->name, LOWEST_ORDER, HIGHEST_ORDER);
     }
     return fmi2OK;
 }
@@ -50,8 +50,7 @@ static fmi2Status check_input_derivative(struct instance *instance, fmi2ValueRef
     if (variable == NULL) {
         return fmi2Error;
     }
-    const fmi2Status status =
-        check_order(instance, CALL_SetRealInputDerivatives, variable, order, HIGHEST_INPUT_ORDER);
+    const fmi2Status status = check_order(instance, CALL_SetRealInputDerivatives, variable, order);
     if (status == fmi2OK && !isfinite(value)) {
         return log_report(
             instance, fmi2Discard,
@@ -84,6 +83,23 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
     return worst;
 }
 
+static fmi2Status check_output_derivative(struct instance *instance, fmi2ValueReference reference,
+                                          fmi2Integer order)
+{
+    const struct variable *variable =
+        find_real(instance, CALL_GetRealOutputDerivatives, reference, VARIABLE_OUTPUT);
+    if (variable == NULL) {
+        return fmi2Error;
+    }
+    if (!model_has_derivatives(variable)) {
+        return log_report(instance, fmi2Discard,
+                          "fmi2GetRealOutputDerivatives: %s sums up the last step; its derivatives are not "
+                          "provided, allowed: those of the other Real outputs",
+                          variable->name);
+    }
+    return check_order(instance, CALL_GetRealOutputDerivatives, variable, order);
+}
+
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[])
 {
@@ -92,19 +108,44 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
         return fmi2Error;
     }
     for (size_t i = 0; i < nvr; ++i) {
-        const struct variable *variable =
-            find_real(instance, CALL_GetRealOutputDerivatives, vr[i], VARIABLE_OUTPUT);
-        if (variable == NULL) {
-            return fmi2Error;
-        }
-        fmi2Status status =
-            check_order(instance, CALL_GetRealOutputDerivatives, variable, order[i], HIGHEST_OUTPUT_ORDER);
-        if (status == fmi2OK) {
-            status = status_of(model_get_output_derivative(instance->model, variable, order[i], &value[i]));
-        }
-        if (status > fmi2Warning) {
+        const fmi2Status status = check_output_derivative(instance, vr[i], order[i]);
+        if (status != fmi2OK) {
             return status;
         }
+    }
+    return status_of(model_get_output_derivatives(instance->model, vr, order, nvr, value));
+}
+
+/* Unknowns are the outputs; in initialization mode the calculated parameters too (ModelStructure: InitialUnknowns). */
+static bool is_unknown(struct instance *instance, fmi2ValueReference reference)
+{
+    const struct variable *variable = scene_variable(reference);
+    if (instance->phase == PHASE_INITIALIZATION && variable != NULL &&
+        variable->causality == VARIABLE_CALCULATED_PARAMETER) {
+        return true;
+    }
+    return find_real(instance, CALL_GetDirectionalDerivative, reference, VARIABLE_OUTPUT) != NULL;
+}
+
+static fmi2Status check_known(struct instance *instance, fmi2ValueReference reference, fmi2Real change)
+{
+    const struct variable *variable = scene_variable(reference);
+    if (variable != NULL && instance->phase == PHASE_INITIALIZATION &&
+        variable->causality == VARIABLE_PARAMETER && variable->type == VARIABLE_REAL) {
+        return log_report(
+            instance, fmi2Discard,
+            "fmi2GetDirectionalDerivative: derivatives with respect to the parameter %s are not "
+            "provided, allowed: with respect to Real inputs",
+            variable->name);
+    }
+    variable = find_real(instance, CALL_GetDirectionalDerivative, reference, VARIABLE_INPUT);
+    if (variable == NULL) {
+        return fmi2Error;
+    }
+    if (!isfinite(change)) {
+        return log_report(instance, fmi2Discard,
+                          "fmi2GetDirectionalDerivative: dvKnown of %s = %g refused, allowed: finite",
+                          variable->name, change);
     }
     return fmi2OK;
 }
@@ -114,15 +155,25 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2Real dvKnown[], fmi2Real dvUnknown[])
 {
     struct instance *instance = c;
-    (void)vUnknown_ref;
-    (void)nUnknown;
-    (void)vKnown_ref;
-    (void)nKnown;
-    (void)dvKnown;
-    (void)dvUnknown;
-    if (call_allowed(instance, CALL_GetDirectionalDerivative)) {
-        log_report(instance, fmi2Error,
-                   "fmi2GetDirectionalDerivative: not provided (providesDirectionalDerivative is false)");
+    const enum call call = CALL_GetDirectionalDerivative;
+    if (!call_allowed(instance, call) ||
+        !call_array_given(instance, call, "vUnknown_ref", vUnknown_ref, nUnknown) ||
+        !call_array_given(instance, call, "vKnown_ref", vKnown_ref, nKnown) ||
+        !call_array_given(instance, call, "dvKnown", dvKnown, nKnown) ||
+        !call_array_given(instance, call, "dvUnknown", dvUnknown, nUnknown)) {
+        return fmi2Error;
     }
-    return fmi2Error;
+    for (size_t i = 0; i < nUnknown; ++i) {
+        if (!is_unknown(instance, vUnknown_ref[i])) {
+            return fmi2Error;
+        }
+    }
+    for (size_t i = 0; i < nKnown; ++i) {
+        const fmi2Status status = check_known(instance, vKnown_ref[i], dvKnown[i]);
+        if (status != fmi2OK) {
+            return status;
+        }
+    }
+    return status_of(model_get_directional_derivative(instance->model, vUnknown_ref, nUnknown, vKnown_ref,
+                                                      nKnown, dvKnown, dvUnknown));
 }

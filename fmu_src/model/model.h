@@ -75,9 +75,23 @@ int32_t model_get_integer(struct model *m, const struct variable *variable);
 enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order,
                                              double value);
 
-/* First derivative of a displacement, position, velocity or gap; others are refused. */
-enum model_status model_get_output_derivative(struct model *m, const struct variable *variable, int order,
-                                              double *value);
+/* Whether an output has derivatives with respect to time: those do not that sum up the last step (mean and peaks). */
+bool model_has_derivatives(const struct variable *variable);
+
+/* d^order/dt^order of such outputs at the present time, orders 1 and 2, in the regimes in force. MODEL_DISCARD: beyond the range
+ * of numbers. */
+__attribute__((cold)) enum model_status model_get_output_derivatives(struct model *m,
+                                                                     const uint32_t *references,
+                                                                     const int *orders, size_t count,
+                                                                     double *values);
+
+/* What the real variables `unknowns` change by, to first order and in the regimes in force, when the real inputs `knowns`
+ * change by `direction`: J direction. Until the end of initialization the inputs move the start, with the automatic factors.
+ * MODEL_DISCARD: beyond the range of numbers. */
+__attribute__((cold)) enum model_status
+model_get_directional_derivative(struct model *m, const uint32_t *unknowns, size_t unknown_count,
+                                 const uint32_t *knowns, size_t known_count, const double *direction,
+                                 double *values);
 
 size_t model_state_size(void);
 

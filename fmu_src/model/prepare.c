@@ -28,15 +28,15 @@ static struct bounding_box body_box(const struct scene_values *v, int body, stru
 }
 
 /* Seen from the source's centre, so that a common offset costs no digits. */
-static double start_diagonal(const struct scene_values *v, const struct motion *q, int contact)
+static void start_boxes(const struct scene_values *v, const struct motion *q, int contact,
+                        struct bounding_box boxes[2])
 {
     const int from = contact_source(contact);
     const int to = contact_destination(contact);
     const struct vec3 apart = vec3_sub(body_center(v, to), body_center(v, from));
     const struct vec3 moved = vec3_sub(start_displacement(v, q, to), start_displacement(v, q, from));
-    const struct bounding_box source = body_box(v, from, vec3_make(0.0, 0.0, 0.0));
-    const struct bounding_box destination = body_box(v, to, vec3_add(apart, moved));
-    return bounding_box_diagonal(&source, &destination);
+    boxes[0] = body_box(v, from, vec3_make(0.0, 0.0, 0.0));
+    boxes[1] = body_box(v, to, vec3_add(apart, moved));
 }
 
 static struct contact_factors factors_of(const struct scene_values *v, int contact)
@@ -52,6 +52,24 @@ static struct contact_factors factors_of(const struct scene_values *v, int conta
         .reference_modulus = contact_reference_modulus(v, contact)};
 }
 
+double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate)
+{
+    struct bounding_box boxes[2];
+    start_boxes(&m->state.values, &m->state.motion, contact, boxes);
+    return bounding_box_diagonal_rate(&boxes[0], &boxes[1], rate);
+}
+
+/* Automatic factors are proportional to the diagonal, the others do not know it. */
+struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope)
+{
+    const struct contact_factors factors = factors_of(&m->state.values, contact);
+    const struct contact_law none = contact_law_of(&factors, DASHPOT_UNCLAMPED, 0.0);
+    struct contact_law slope = contact_law_of(&factors, DASHPOT_UNCLAMPED, diagonal_slope);
+    slope.stiffness -= none.stiffness;
+    slope.damping -= none.damping;
+    return slope;
+}
+
 /* Inside when the centre (or axis) is closer than r_d and the source fits in, else outside. */
 static int automatic_side(const struct contact_shape *shape, const struct contact_geometry *start)
 {
@@ -62,7 +80,9 @@ static int automatic_side(const struct contact_shape *shape, const struct contac
 static void prepare_contact(const struct scene_values *v, struct motion *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
-    state->diagonal = start_diagonal(v, q, contact);
+    struct bounding_box boxes[2];
+    start_boxes(v, q, contact, boxes);
+    state->diagonal = bounding_box_diagonal(&boxes[0], &boxes[1]);
     const struct contact_factors factors = factors_of(v, contact);
     const struct contact_law law =
         contact_law_of(&factors, (enum dashpot)contact_dashpot(v, contact), state->diagonal);

@@ -71,6 +71,11 @@ bool model_open_solver(struct model *m, const struct scene_values *v);
 /* Puts the motion at the start that the present parameters and inputs describe. */
 void model_prepare(struct model *m);
 
+/* d/ds of the diagonal of the bounding box, and of the factors made from it, when the separation at the start changes by
+ * `rate` s. */
+double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate);
+struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope);
+
 /* The paths that the inputs describe at the start. */
 void model_start_paths(struct model *m);
 

@@ -85,32 +85,3 @@ int32_t model_get_integer(struct model *m, const struct variable *variable)
     memcpy(&value, (const char *)&m->state.values + variable->offset, sizeof value);
     return value;
 }
-
-enum model_status model_get_output_derivative(struct model *m, const struct variable *variable, int order,
-                                              double *value)
-{
-    struct system_instant at;
-    model_update_outputs(m, OUTPUTS_ALL);
-    system_now(&m->state.values, &m->state.motion, &at);
-    if (order == 1) {
-        switch (variable->row) {
-        case ROW_body_displacement:
-        case ROW_body_position:
-            *value = vec3_get(at.velocity[variable->element], variable->component);
-            return MODEL_OK;
-        case ROW_body_velocity:
-            *value = vec3_get(at.acceleration[variable->element], variable->component);
-            return MODEL_OK;
-        case ROW_contact_gap:
-            *value = at.geometry[variable->element].gap_rate;
-            return MODEL_OK;
-        default:
-            break;
-        }
-    }
-    return model_report(
-        m, MODEL_DISCARD,
-        "Derivative %d of %s is not provided (allowed: order 1 of displacement, position, velocity "
-        "and gap).",
-        order, variable->name);
-}

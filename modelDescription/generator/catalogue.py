@@ -1,18 +1,19 @@
 """Reading variables.toml: units, declared types and the row of every variable."""
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from .errors import InputError, allowed
 
 ROW_KEYS = {
     "vr", "type", "causality", "start", "start_destination", "min", "max", "dim", "symbol", "description",
-    "shape", "when", "tolerance",
+    "shape", "when", "tolerance", "depends",
 }  # fmt: skip
 TYPE_KEYS = {"base", "quantity", "unit", "display", "min", "max", "nominal", "description", "items"}
 CAUSALITIES = ("parameter", "calculatedParameter", "input", "output")
 BASES = ("Real", "Integer", "Boolean", "Enumeration")
+DEPENDENCIES = ("dependent", "fixed")  # of those that FMI 2.0 has
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,7 @@ class Row:
     shape: str | None = None
     when: tuple[dict, ...] = ()
     tolerance: bool = False
+    depends: dict[str, str] = field(default_factory=dict)  # inputs felt at once -> dependenciesKind
 
     @property
     def owner(self) -> str:
@@ -133,6 +135,7 @@ def read_catalogue(path: Path) -> Catalogue:
     _check_units(catalogue, shown)
     _check_ranges(catalogue, shown)
     _check_references(catalogue, shown)
+    _check_dependencies(catalogue, shown)
     return catalogue
 
 
@@ -203,3 +206,17 @@ def _check_references(catalogue: Catalogue, shown: str) -> None:
                     raise InputError(
                         shown, f"[variable.\"{row.key}\"]: unknown choice '{choice}' {allowed(choices)}"
                     )
+
+
+def _check_dependencies(catalogue: Catalogue, shown: str) -> None:
+    """Outputs alone depend on inputs, on inputs that exist, in a way that FMI knows."""
+    inputs = [row.key for row in catalogue.rows.values() if row.causality == "input"]
+    for row in catalogue.rows.values():
+        where = f'[variable."{row.key}"]: depends'
+        if row.depends and row.causality != "output":
+            raise InputError(shown, f"{where} belongs to outputs and only to them")
+        for key, kind in row.depends.items():
+            if key not in inputs:
+                raise InputError(shown, f"{where}: unknown input '{key}' {allowed(inputs)}")
+            if kind not in DEPENDENCIES:
+                raise InputError(shown, f"{where}: '{key}' is {kind!r} {allowed(DEPENDENCIES)}")

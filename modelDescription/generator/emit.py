@@ -108,11 +108,15 @@ def _context(resolved: Resolved) -> dict:
             for name, unit in resolved.catalogue.units.items()
             if any(t.unit == name for t in types)
         },
-        "outputs": _positions(variables, ("output",)),
+        "outputs": [
+            (i, resolved.dependencies(variable))
+            for i, variable in enumerate(variables, 1)
+            if variable.cell.row.causality == "output"
+        ],
         "unknowns": _positions(variables, ("output", "calculatedParameter")),
         "has_inputs": any(v.cell.row.causality == "input" for v in variables),
         "has_derivatives": any(
-            resolved.has(f"body.{name}") for name in ("displacement", "position", "velocity")
+            v.cell.row.causality == "output" and v.cell.row.type.base == "Real" for v in variables
         ),
         "any_free": resolved.may("body.motion", "free"),
         "any_prescribed": resolved.may("body.motion", "prescribed"),

@@ -75,6 +75,23 @@ class Resolved:
     def has(self, key: str) -> bool:
         return any(cell.open for cell in self.of(key))
 
+    def dependencies(self, variable: "Variable") -> list[tuple[int, str]]:
+        """Inputs that an output feels at once: position in modelDescription.xml, dependenciesKind."""
+        cell = variable.cell
+        bodies = set(range(len(self.scene.bodies)))
+        if cell.row.owner == "body":
+            bodies = {cell.element}
+        elif cell.row.owner == "contact":
+            contact = self.scene.contacts[cell.element]
+            bodies = {contact.source, contact.destination}
+        return [
+            (index, cell.row.depends[other.cell.row.key])
+            for index, other in enumerate(self.variables, 1)
+            if other.cell.row.key in cell.row.depends
+            and other.cell.element in bodies
+            and (cell.row.owner != "body" or other.component == variable.component)
+        ]
+
 
 def resolve(scene: Scene, catalogue: Catalogue) -> Resolved:
     cells = [cell for row in catalogue.rows.values() for cell in _cells_of(row, scene)]

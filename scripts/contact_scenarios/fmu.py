@@ -220,6 +220,14 @@ class ContactFmu:
         values = self.call("getRealOutputDerivatives", variable.references, orders)
         return np.array(values) if variable.is_vector else values[0]
 
+    def jacobian(self, unknown: str, known: str) -> np.ndarray:
+        """d unknown / d known at the present communication point: a row for each component of the output, a
+        column for each component of the input"""
+        rows, columns = self.variable(unknown).references, self.variable(known).references
+        directions = np.eye(len(columns)).tolist()
+        found = [self.call("getDirectionalDerivative", rows, columns, one) for one in directions]
+        return np.array(found).T
+
     # state
 
     def save(self) -> bytes:

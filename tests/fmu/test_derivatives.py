@@ -10,7 +10,7 @@ from ctypes import c_double, c_int, c_uint
 
 import pytest
 import raw
-from raw import DISCARD, array
+from raw import array
 
 FREE = {"gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 50.0], "source.mass": 2.0}
 # Both solvers run at this tolerance; a hundred times of it is allowed on numbers of the order of one.
@@ -232,19 +232,3 @@ def test_output_derivatives_are_those_of_difference_quotients():
             columns = zip(*(row[which] for row in rows), strict=True)
             quotients = [(a - 8 * b + 8 * d - e) / (12 * h) for a, b, _, d, e in columns]
             assert slopes[2][which] == pytest.approx(quotients, abs=1e-9 / h)
-
-
-def test_a_derivative_of_what_jumps_is_not_provided(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        force = fmu.variables["contact.normal_force"]
-        with instance.expect(DISCARD, "contact.normal_force", "not provided") as got:
-            got(
-                instance.call(
-                    "GetRealOutputDerivatives",
-                    array(c_uint, [force.reference]),
-                    1,
-                    array(c_int, [1]),
-                    array(c_double, [0.0]),
-                )
-            )

@@ -1,0 +1,274 @@
+"""Directional derivatives of every FMU: differences through the FMU itself, and what ModelStructure says.
+
+At some communication point of a run each input is moved a little and every Real output read again; a saved
+state undoes it. Fourth-order differences with steps of 1e-4 of a metre or of a metre per second are right to
+about 1e-9 where nothing changes its regime on the way.
+"""
+
+import xml.etree.ElementTree as ElementTree
+from ctypes import c_double, c_uint
+
+import numpy as np
+import pytest
+import raw
+from raw import DISCARD, ERROR, OK, array
+from runs import RUNS, begin, go_on, time_after
+
+STEP = 1e-4
+UNKNOWN = 4_000_000_000
+
+
+def jacobian(instance: raw.Instance, unknowns, knowns) -> np.ndarray:
+    columns = []
+    values = array(c_double, [0.0] * len(unknowns))
+    rows = array(c_uint, [variable.reference for variable in unknowns])
+    for known in knowns:
+        instance.ok(
+            "GetDirectionalDerivative",
+            rows,
+            len(unknowns),
+            array(c_uint, [known.reference]),
+            1,
+            array(c_double, [1.0]),
+            values,
+        )
+        columns.append(list(values))
+    return np.array(columns).T
+
+
+def read(instance: raw.Instance, variables) -> np.ndarray:
+    values = array(c_double, [0.0] * len(variables))
+    instance.ok("GetReal", array(c_uint, [one.reference for one in variables]), len(variables), values)
+    return np.array(values)
+
+
+def moved(instance: raw.Instance, known, by: float, unknowns, blob: bytes) -> np.ndarray:
+    value = instance.get_one(known)
+    assert instance.set_one(known, value + by) == OK
+    values = read(instance, unknowns)
+    instance.restore(blob)
+    return values
+
+
+def differences(instance: raw.Instance, unknowns, knowns) -> np.ndarray:
+    blob = instance.save()
+    columns = []
+    for known in knowns:
+        near, far = (
+            moved(instance, known, h, unknowns, blob) - moved(instance, known, -h, unknowns, blob)
+            for h in (STEP, 2 * STEP)
+        )
+        columns.append((8 * near - far) / (12 * STEP))
+    return np.array(columns).T
+
+
+def declared(fmu: raw.Fmu) -> dict[str, dict[str, str]]:
+    """Output -> input -> dependenciesKind, as ModelStructure has them"""
+    root = ElementTree.parse(fmu.folder / "modelDescription.xml").getroot()
+    names = list(fmu.variables)
+    found = {}
+    for entry in root.findall("ModelStructure/Outputs/Unknown"):
+        indices = entry.get("dependencies").split()
+        kinds = entry.get("dependenciesKind", "").split()
+        pairs = zip(indices, kinds, strict=True)
+        found[names[int(entry.get("index")) - 1]] = {names[int(i) - 1]: kind for i, kind in pairs}
+    return found
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_derivatives_are_those_of_difference_quotients(name):
+    run = RUNS[name]
+    with begin(run) as instance:
+        go_on(instance, run, 0, run.saved_at)
+        instance.set(run.inputs(time_after(run.saved_at)))
+        unknowns = instance.fmu.select("output", kind="Real")
+        knowns = instance.fmu.select("input", kind="Real")
+        given = jacobian(instance, unknowns, knowns)
+        expected = differences(instance, unknowns, knowns)
+        # Rounding of the values over the step, and the formula's own error on slopes as large as the largest.
+        size = np.abs(read(instance, unknowns))[:, None] * 1e-15 / STEP
+        allowed = 100 * size + 1e-7 * np.max(np.abs(expected), axis=1, keepdims=True) + 1e-9
+        wrong = [
+            f"d {unknowns[i].name} / d {knowns[j].name}: {given[i, j]}, differences {expected[i, j]}"
+            for i, j in np.argwhere(~(np.abs(given - expected) <= allowed))
+        ]
+        assert wrong == []
+        structure = declared(instance.fmu)
+        undeclared = [
+            (unknowns[i].name, knowns[j].name)
+            for i, j in np.argwhere(given != 0.0)
+            if knowns[j].name not in structure[unknowns[i].name]
+        ]
+        assert undeclared == []
+
+
+def test_some_run_makes_every_kind_of_dependency_felt():
+    """The runs above would not notice an input that moves nothing: here each dependency of a pair shows."""
+    felt = set()
+    for name in ("both prescribed", "on a shaken sphere", "force element"):
+        run = RUNS[name]
+        with begin(run) as instance:
+            go_on(instance, run, 0, run.saved_at)
+            instance.set(run.inputs(time_after(run.saved_at)))
+            unknowns = instance.fmu.select("output", kind="Real")
+            knowns = instance.fmu.select("input", kind="Real")
+            for i, j in np.argwhere(jacobian(instance, unknowns, knowns) != 0.0):
+                felt.add((unknowns[i].name.partition("[")[0], knowns[j].name.partition("[")[0]))
+    structure = declared(raw.load("SphereSphere"))
+    kinds = {variable.name: variable.type for variable in raw.load("SphereSphere").variables.values()}
+    claimed = {
+        (output.partition("[")[0], known.partition("[")[0])
+        for output, entries in structure.items()
+        for known in entries
+        if kinds[output] == "Real" and not output.startswith("contact.last_")
+    }
+    assert claimed == felt
+
+
+@pytest.mark.parametrize("scene", raw.SCENES)
+def test_fixed_dependencies_are_ones_or_zeros(scene):
+    """dependenciesKind fixed: bodies go where they are put, whatever the place"""
+    fmu = raw.load(scene)
+    entries = [(o, k) for o, known in declared(fmu).items() for k, kind in known.items() if kind == "fixed"]
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        for output, known in entries:
+            prescribed = instance.get(known.partition(".")[0] + ".motion") == 2
+            assert jacobian(instance, [fmu.variables[output]], [fmu.variables[known]]) == [
+                [float(prescribed)]
+            ]
+
+
+def edge(
+    values: dict, unknown: str = "contact.normal_force", known: str = "source.prescribed_displacement[1]"
+):
+    """A derivative of a ForceElement with a sphere beside a cylinder along z"""
+    with raw.Instance(raw.load("ForceElement")) as instance:
+        instance.initialize({"contact.viscous_penalty_factor": 100.0, **values})
+        variables = instance.fmu.variables
+        return jacobian(instance, [variables[unknown]], [variables[known]])[0, 0]
+
+
+def test_on_an_edge_the_derivative_is_that_of_the_regime_in_force():
+    """g = 0 counts as apart, a clipped force as clipped, and g' = 0 as receding."""
+    beside = {"source.radius": 0.25, "destination.radius": 0.5}
+    touching = {**beside, "source.center": [0.75, 0.0, 0.0]}
+    inwards = {**touching, "source.prescribed_velocity": [-1.0, 0.0, 0.0]}
+    assert edge(inwards) == 0.0
+    deeper = {**inwards, "source.center": [0.75 - 2**-20, 0.0, 0.0]}
+    assert edge(deeper) == -1e6
+    # The law is zero where p_n g = -p_nv g': 2^20 N/m times 2^-10 m and 2^10 N s/m times 1 m/s.
+    clipped = {
+        **beside,
+        "source.center": [0.75 - 2**-10, 0.0, 0.0],
+        "contact.penalty_factor": 2.0**20,
+        "contact.viscous_penalty_factor": 2.0**10,
+    }
+    speed = "source.prescribed_velocity[1]"
+    for rate, expected in [(1.0, 0.0), (1.0 - 2**-40, -(2.0**20)), (1.5, 0.0)]:
+        assert edge({**clipped, "source.prescribed_velocity": [rate, 0.0, 0.0]}) == expected
+    receding = {**clipped, "contact.dashpot": "approach_only"}
+    for rate, expected in [(0.0, 0.0), (-(2.0**-40), -(2.0**10))]:
+        assert edge({**receding, "source.prescribed_velocity": [rate, 0.0, 0.0]}, known=speed) == expected
+        assert edge({**receding, "source.prescribed_velocity": [rate, 0.0, 0.0]}) == -(2.0**20)
+
+
+def test_where_there_is_no_direction_the_one_in_use_is_held():
+    """On the axis the normal is the documented one, x here; a step along it counts, one across does not."""
+    on_axis = {"source.center": [0.0, 0.0, 0.0], "contact.location": "outside"}
+    along = [
+        edge(on_axis, "contact.source_force[1]", f"source.prescribed_displacement[{k}]") for k in (1, 2, 3)
+    ]
+    across = [
+        edge(on_axis, "contact.source_force[2]", f"source.prescribed_displacement[{k}]") for k in (1, 2, 3)
+    ]
+    assert sorted([np.abs(along).max(), np.abs(across).max()]) == [0.0, 1e6]
+    assert edge(on_axis, "contact.direction[2]") == 0.0
+
+
+def test_directions_add_up(fmu):
+    """J (a + b) = J a + J b; an input named twice counts twice."""
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        known, unknowns = fmu.select("input", kind="Real"), fmu.select("output", kind="Real")
+        matrix = jacobian(instance, unknowns, known)
+        direction = np.linspace(-1.0, 2.0, len(known))
+        values = array(c_double, [0.0] * len(unknowns))
+        for repeat in (1, 2):
+            instance.ok(
+                "GetDirectionalDerivative",
+                array(c_uint, [one.reference for one in unknowns]),
+                len(unknowns),
+                array(c_uint, [one.reference for one in known] * repeat),
+                len(known) * repeat,
+                array(c_double, list(direction) * repeat),
+                values,
+            )
+            assert list(values) == pytest.approx(list(repeat * matrix @ direction), rel=1e-12, abs=1e-12)
+
+
+def test_asking_changes_nothing(fmu):
+    with raw.Instance(fmu) as asked, raw.Instance(fmu) as plain:
+        for instance in (asked, plain):
+            instance.initialize()
+        for k in range(5):
+            jacobian(asked, fmu.select("output", kind="Real"), fmu.select("input", kind="Real"))
+            assert asked.run([0.1], start=0.1 * k) == plain.run([0.1], start=0.1 * k)
+
+
+def ask(instance: raw.Instance, unknown: int, known: int, change: float = 1.0) -> int:
+    return instance.call(
+        "GetDirectionalDerivative",
+        array(c_uint, [unknown]),
+        1,
+        array(c_uint, [known]),
+        1,
+        array(c_double, [change]),
+        array(c_double, [0.0]),
+    )
+
+
+def test_wrong_references_are_refused(fmu):
+    gap = fmu.variables["contact.gap"].reference
+    known = fmu.select("input", kind="Real")[0]
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        for wrong in ("source.radius", "contact.active", known.name):
+            with instance.expect(ERROR, "fmi2GetDirectionalDerivative", wrong, "no Real output") as got:
+                got(ask(instance, fmu.variables[wrong].reference, known.reference))
+        for wrong in ("source.radius", "contact.active", "contact.gap_rate"):
+            with instance.expect(ERROR, "fmi2GetDirectionalDerivative", wrong, "no Real input") as got:
+                got(ask(instance, gap, fmu.variables[wrong].reference))
+        for references in [(UNKNOWN, known.reference), (gap, UNKNOWN)]:
+            with instance.expect(ERROR, "unknown value reference", str(UNKNOWN)) as got:
+                got(ask(instance, *references))
+        for change in (float("nan"), float("inf")):
+            with instance.expect(DISCARD, known.name, "finite") as got:
+                got(ask(instance, gap, known.reference, change))
+        assert instance.call("GetDirectionalDerivative", None, 0, None, 0, None, None) == OK
+
+
+def test_a_derivative_beyond_the_range_of_numbers_is_refused():
+    fmu = raw.load("ForceElement")
+    with raw.Instance(fmu) as instance:
+        instance.initialize({"source.center": [0.55, 0.0, 0.0], "contact.penalty_factor": 1e150})
+        names = ("contact.normal_force", "source.prescribed_displacement[1]")
+        references = [fmu.variables[name].reference for name in names]
+        assert ask(instance, *references) == OK
+        with instance.expect(DISCARD, "contact.normal_force", "range of numbers") as got:
+            got(ask(instance, *references, 1e200))
+
+
+def test_in_initialization_mode_inputs_are_known_and_parameters_are_not(fmu):
+    gap = fmu.variables["contact.gap"].reference
+    with raw.Instance(fmu) as instance:
+        instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+        assert ask(instance, gap, fmu.select("input")[0].reference) == ERROR
+        instance.ok("EnterInitializationMode")
+        for output in fmu.select("output", "calculatedParameter", kind="Real"):
+            assert ask(instance, output.reference, fmu.select("input")[0].reference) == OK
+        with instance.expect(DISCARD, "parameter source.radius", "not provided") as got:
+            got(ask(instance, gap, fmu.variables["source.radius"].reference))
+        instance.ok("ExitInitializationMode")
+        for constant in fmu.select("calculatedParameter"):
+            assert ask(instance, constant.reference, fmu.select("input")[0].reference) == ERROR
