@@ -31,6 +31,25 @@ BAD = [
     ),
     ('unit = "m", display = "mm"', 'unit = "ft", display = "mm"', ["type.Length", "'ft'", "allowed: 1, J"]),
     ('unit = "m", display = "mm"', 'unit = "m", display = "in"', ["type.Length", "'in'", "allowed: mm"]),
+    (
+        'depends = { "body.prescribed_displacement" = "fixed" }',
+        'depends = { "body.displaced" = "fixed" }',
+        [
+            'variable."body.displacement"',
+            "unknown input 'body.displaced'",
+            "allowed: body.prescribed_displacement",
+        ],
+    ),
+    (
+        'depends = { "body.prescribed_displacement" = "fixed" }',
+        'depends = { "body.prescribed_displacement" = "loose" }',
+        ['variable."body.displacement"', "'body.prescribed_displacement' is 'loose'", "allowed: dependent"],
+    ),
+    (
+        "start = 0.1\n",
+        'start = 0.1\ndepends = { "body.external_force" = "fixed" }\n',
+        ['variable."body.radius"', "depends belongs to outputs"],
+    ),
     ("vr = 1\n", "", ["incomplete", "vr"]),
     ("[project]", "[project", ["not valid TOML", "line"]),
 ]

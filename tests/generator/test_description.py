@@ -7,7 +7,7 @@ from pathlib import Path
 import fmpy
 import pytest
 from fmpy import read_model_description
-from generated import FOLDER, ROOT, SCENES, describe, generate, run, scene_file, table
+from generated import FOLDER, ROOT, SCENES, describe, generate, row_of, run, scene_file, table
 from lxml import etree
 
 PINNED = [scene for scene in SCENES if scene_file(scene).get("pinned")]
@@ -85,6 +85,33 @@ def test_model_structure_lists_all_outputs_and_all_unknowns(folder, scene):
     assert listed["InitialUnknowns"] == [
         name for name in names if of[name] in ("output", "calculatedParameter")
     ]
+
+
+def felt_at_once(output, scene):
+    """Input -> dependenciesKind of an output, from the names and the rows of variables.toml alone"""
+    _, row = row_of(output, scene_file(scene))
+    owner, component = output.partition(".")[0], output.partition("[")[2]
+    bodies = ["source", "destination"] if owner not in ("source", "destination") else [owner]
+    found = {}
+    for key, kind in row.get("depends", {}).items():
+        for body in bodies:
+            names = [f"{key.replace('body', body)}[{k}]" for k in (1, 2, 3)]
+            if len(bodies) == 1:
+                names = [name for name in names if name.endswith(component)]
+            found |= {name: kind for name in names if name in describe(scene)}
+    return found
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_outputs_depend_on_the_inputs_that_their_rows_name(folder, scene):
+    root = etree.parse(folder / scene / "modelDescription.xml").getroot()
+    names = list(describe(scene))
+    for entry in root.find("ModelStructure/Outputs"):
+        inputs = [names[int(index) - 1] for index in entry.get("dependencies").split()]
+        kinds = (entry.get("dependenciesKind") or "").split()
+        assert inputs == sorted(inputs, key=names.index)
+        output = names[int(entry.get("index")) - 1]
+        assert dict(zip(inputs, kinds, strict=True)) == felt_at_once(output, scene), output
 
 
 @pytest.mark.parametrize("scene", SCENES)

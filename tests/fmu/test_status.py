@@ -1,0 +1,158 @@
+"""fmi2GetStatus and its kin, asked after steps that went well, were refused, or ended early."""
+
+from ctypes import POINTER, byref, c_char_p, c_double, c_int, cast
+
+import pytest
+import raw
+from raw import DISCARD, ERROR, OK
+from runs import RUNS, begin, go_on
+
+SOLVER_SCENES = [name for name in raw.SCENES if name != "ForceElement"]
+KINDS = {
+    raw.DO_STEP_STATUS: "fmi2DoStepStatus",
+    raw.PENDING_STATUS: "fmi2PendingStatus",
+    raw.LAST_SUCCESSFUL_TIME: "fmi2LastSuccessfulTime",
+    raw.TERMINATED: "fmi2Terminated",
+}
+# The function, its answer's type, a value it would not give, and the kind it answers.
+FUNCTIONS = {
+    "GetStatus": (c_int, -7, raw.DO_STEP_STATUS),
+    "GetRealStatus": (c_double, -7.5, raw.LAST_SUCCESSFUL_TIME),
+    "GetIntegerStatus": (c_int, -7, None),
+    "GetBooleanStatus": (c_int, -7, raw.TERMINATED),
+    "GetStringStatus": (c_char_p, b"untouched", None),
+}
+
+
+def busy(scene: str, limit: int = 3) -> dict:
+    """A ball that falls on the other body and bounces, with too few internal steps for one step"""
+    lying = {"destination.axis": [0.0, 1.0, 0.0]} if scene == "SphereCylinder" else {}
+    return {"contact.penalty_factor": 1e5, "solver.max_internal_steps": limit, **lying}
+
+
+def ask(instance: raw.Instance, function: str, kind: int):
+    """(status, value)"""
+    ctype, value, _ = FUNCTIONS[function]
+    holder = ctype(value)
+    pointer = cast(byref(holder), POINTER(ctype))
+    return instance.call(function, kind, pointer), holder.value
+
+
+def answers(instance: raw.Instance) -> tuple:
+    """Status of the last step, last successful time, terminated"""
+    found = [ask(instance, name, kind) for name, (_, _, kind) in FUNCTIONS.items() if kind is not None]
+    assert [status for status, _ in found] == [OK] * 3
+    return tuple(value for _, value in found)
+
+
+def test_each_function_answers_its_own_kind_and_leaves_the_value_alone_otherwise(fmu):
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        instance.run([0.25])
+        for function, (_, untouched, answered) in FUNCTIONS.items():
+            for kind in (*KINDS, 4, -1, 77):
+                del instance.messages[:]
+                status, value = ask(instance, function, kind)
+                if kind == answered:
+                    assert (status, instance.messages) == (OK, [])
+                    assert value != untouched
+                else:
+                    assert (status, value) == (DISCARD, untouched)
+                    (message,) = instance.messages
+                    for word in (f"fmi2{function}", KINDS.get(kind, "(unknown)"), "not available"):
+                        assert word in message.text
+
+
+def test_a_place_for_the_answer_is_needed(fmu):
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        for function, (_, _, kind) in FUNCTIONS.items():
+            with instance.expect(ERROR, f"fmi2{function}", "null pointer") as got:
+                got(instance.call(function, kind or 0, None))
+
+
+def test_before_the_first_step_all_is_well(fmu):
+    with raw.Instance(fmu) as instance:
+        instance.initialize(start=1.5)
+        assert answers(instance) == (OK, 1.5, 0)
+
+
+def test_refused_steps_show_and_good_ones_end_it(fmu):
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        instance.run([0.25])
+        for arguments, status in [((0.25, -1.0, 1), DISCARD), ((7.0, 0.1, 1), ERROR)]:
+            assert instance.call("DoStep", *arguments) == status
+            assert answers(instance) == (status, 0.25, 0)
+        instance.run([0.25], start=0.25)
+        assert answers(instance) == (OK, 0.5, 0)
+        instance.ok("Terminate")
+        assert answers(instance) == (OK, 0.5, 0)
+        instance.ok("Reset")
+        instance.initialize(start=3.0)
+        assert answers(instance) == (OK, 3.0, 0)
+
+
+def stop_early(instance: raw.Instance, end: float) -> float:
+    """Steps towards `end` until one stops early; the time reached"""
+    time = answers(instance)[1]
+    assert instance.call("DoStep", time, end - time, 1) == DISCARD
+    status, reached, ended = answers(instance)
+    assert (status, ended) == (DISCARD, 0)
+    assert time <= reached < end
+    return reached
+
+
+@pytest.mark.parametrize("scene", SOLVER_SCENES)
+def test_an_interrupted_step_is_resumed_where_it_stopped(scene):
+    """Going on after each fmi2Discard leads where an uninterrupted run ends."""
+    with raw.Instance(raw.load(scene)) as whole, raw.Instance(raw.load(scene)) as broken:
+        whole.initialize(busy(scene, 1_000_000), tolerance=1e-12)
+        whole.ok("DoStep", 0.0, 1.0, 1)
+        broken.initialize(busy(scene), tolerance=1e-12)
+        stops = 0
+        time, status = 0.0, DISCARD
+        while status == DISCARD:
+            status = broken.call("DoStep", time, 1.0 - time, 1)
+            before, (told, time, _) = time, answers(broken)
+            assert told == status
+            assert time > before
+            stops += 1
+            assert stops < 10_000
+        assert (status, time) == (OK, 1.0)
+        assert stops > 1
+        for name in ("source.position", "source.velocity"):
+            assert broken.get(name) == pytest.approx(whole.get(name), rel=1e-7, abs=1e-7)
+        for name in ("energy.total", "contact.onsets"):
+            assert broken.get(name) == pytest.approx(whole.get(name), rel=1e-9)
+
+
+@pytest.mark.parametrize("scene", SOLVER_SCENES)
+def test_the_values_after_an_early_stop_are_those_of_the_last_successful_time(scene):
+    with raw.Instance(raw.load(scene)) as stopped, raw.Instance(raw.load(scene)) as there:
+        stopped.initialize(busy(scene), tolerance=1e-12)
+        reached = stop_early(stopped, 1.0)
+        there.initialize(busy(scene, 1_000_000), tolerance=1e-12)
+        there.ok("DoStep", 0.0, reached, 1)
+        for name in ("source.position", "source.velocity", "energy.total"):
+            assert stopped.get(name) == pytest.approx(there.get(name), rel=1e-8, abs=1e-8)
+
+
+@pytest.mark.parametrize("scene", SOLVER_SCENES)
+def test_an_early_stop_can_be_undone_by_a_saved_state(scene):
+    with raw.Instance(raw.load(scene)) as instance:
+        instance.initialize(busy(scene))
+        blob = instance.save()
+        reached = stop_early(instance, 1.0)
+        instance.restore(blob)
+        assert answers(instance)[1] == 0.0
+        assert stop_early(instance, 1.0) == reached
+
+
+def test_the_time_is_that_of_the_motion_at_every_step():
+    run = RUNS["off a cylinder's end"]
+    with begin(run) as instance:
+        for index in range(20):
+            go_on(instance, run, index, index + 1)
+            time = answers(instance)[1]
+            assert instance.get("source.position")[1] == pytest.approx(0.3 + time, rel=1e-13)
