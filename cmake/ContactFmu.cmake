@@ -1,7 +1,7 @@
 # add_contact_fmu(scene.toml): the FMU of one scene, <build>/fmus/<Scene>.fmu.
 #
 #   configure   modelDescription/generate.py writes <build>/scenes/<Scene>/: modelDescription.xml, scene.h,
-#               scene_variables.c, documentation/ and scene.cmake (SCENE_NAME, SCENE_HAS_CVODE)
+#               scene_variables.c, documentation/ and scene.cmake (SCENE_NAME, SCENE_HAS_CVODE, SCENE_HAS_CYLINDER)
 #   compile     all of fmu_src as one unit against that scene.h -> <build>/libraries/<Scene>.so
 #   pack        the library, stripped, with description and documentation into a ZIP
 #
@@ -53,6 +53,9 @@ function(contact_scene_options target folder has_cvode)
     target_link_libraries(${target} PUBLIC contact::fmi2_headers m)
     if(has_cvode)
         target_link_libraries(${target} PUBLIC contact::sundials)
+    endif()
+    if(NOT SCENE_HAS_CYLINDER) # the contact folder, which knows no scene, hears of it here
+        target_compile_definitions(${target} PRIVATE CONTACT_SPHERES_ONLY)
     endif()
     set_target_properties(${target} PROPERTIES C_VISIBILITY_PRESET hidden POSITION_INDEPENDENT_CODE ON)
 endfunction()

@@ -21,7 +21,7 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
                                             struct vec3 fallback)
 {
     struct contact_geometry at = {.offset = c, .normal = fallback};
-    if (shape->destination == SHAPE_CYLINDER) {
+    if (contact_is_cylinder(shape)) {
         at.axial = vec3_dot(c, shape->axis);
         at.offset = vec3_axpy(c, -at.axial, shape->axis);
     }
@@ -43,14 +43,14 @@ bool contact_within_extents(const struct contact_shape *shape, double axial)
 
 struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at)
 {
-    const bool flipped = shape->destination == SHAPE_CYLINDER && shape->side < 0;
+    const bool flipped = contact_is_cylinder(shape) && shape->side < 0;
     return flipped ? vec3_scale(-1.0, at->normal) : at->normal;
 }
 
 struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w)
 {
     struct vec3 across = vec3_axpy(w, -vec3_dot(normal, w), normal);
-    if (shape->destination == SHAPE_CYLINDER) {
+    if (contact_is_cylinder(shape)) {
         across = vec3_axpy(across, -vec3_dot(shape->axis, w), shape->axis);
     }
     return across;
@@ -58,7 +58,7 @@ struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 no
 
 struct vec3 contact_default_normal(const struct contact_shape *shape)
 {
-    if (shape->destination != SHAPE_CYLINDER) {
+    if (!contact_is_cylinder(shape)) {
         return vec3_make(0.0, 0.0, -1.0);
     }
     const struct vec3 e = shape->axis;

@@ -37,6 +37,17 @@ struct contact_geometry {
     bool degenerate; /* d = 0: n is the fallback */
 };
 
+/* Whether the destination is a cylinder; never, at compile time, where the build knows of spheres only (ContactFmu.cmake). */
+static inline bool contact_is_cylinder(const struct contact_shape *shape)
+{
+#ifdef CONTACT_SPHERES_ONLY
+    (void)shape;
+    return false;
+#else
+    return shape->destination == SHAPE_CYLINDER;
+#endif
+}
+
 /* The distance at which the bodies touch: r_s + r_d outside, r_d - r_s inside [m]. */
 double contact_reach(const struct contact_shape *shape);
 

@@ -18,7 +18,7 @@ static void add_turning(double m[3][3], double factor, const struct contact_shap
         m[i][i] += factor;
     }
     add_outer(m, -factor, n, n);
-    if (shape->destination == SHAPE_CYLINDER) {
+    if (contact_is_cylinder(shape)) {
         add_outer(m, -factor, shape->axis, shape->axis);
     }
 }

@@ -41,7 +41,7 @@ static void vary_direction(const struct contact_shape *shape, const struct conta
         return;
     }
     struct vec3 turned = vec3_sub(c[order], variation_scale(result->distance, result->normal, order));
-    if (shape->destination == SHAPE_CYLINDER) {
+    if (contact_is_cylinder(shape)) {
         turned = vec3_axpy(turned, -vec3_dot(c[order], shape->axis), shape->axis);
     }
     result->normal[order] =

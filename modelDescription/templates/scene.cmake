@@ -2,3 +2,4 @@
 set(SCENE_NAME "{{ scene.name }}")
 set(SCENE_GUID "{{ guid }}")
 set(SCENE_HAS_CVODE {{ "ON" if has_cvode else "OFF" }})
+set(SCENE_HAS_CYLINDER {{ "ON" if any_cylinder else "OFF" }})
