@@ -1,5 +1,7 @@
 #include "dynamics/motion.h"
 
+#include <float.h>
+
 void counter_add(int32_t *counter, long more)
 {
     const long room = (long)INT32_MAX - *counter;
@@ -73,7 +75,7 @@ void motion_rebase(struct motion *q)
         q->contact[j].change_clock -= q->clock;
         q->contact[j].settled_clock -= q->clock;
         if (q->contact[j].regime == REGIME_APART || q->contact[j].regime == REGIME_RELEASED) {
-            q->contact[j].carried_gap = (double)INFINITY; /* it has flown on */
+            q->contact[j].carried_gap = DBL_MAX; /* not known: it has flown on */
         }
     }
     q->horizon_clock -= q->clock;

@@ -164,22 +164,35 @@ static enum model_status advance_motion(struct model *m, double end_time)
 }
 #endif
 
-/* Whether the motion of free bodies, and the energies that go with it, are still numbers. */
+#if SCENE_ANY_FREE
+/* Large, infinite or NaN as the largest of the motion of a free body is. */
+static double size_of_motion(const struct scene_values *v, const struct motion *q, int body)
+{
+    const struct vec3 speed = q->body[body].velocity;
+    return body_mass(v, body) * vec3_dot(speed, speed) + vec3_norm(q->body[body].moved);
+}
+#endif
+
+/* Whether the motion of the bodies, and the energies that go with it, are still numbers. */
 static bool motion_is_finite(const struct model *m)
 {
-    double sum = motion_time(&m->state.motion);
-#if SCENE_ANY_FREE
+    const struct scene_values *v = &m->state.values;
     const struct motion *q = &m->state.motion;
-    if (!system_is_force_element(&m->state.values)) {
+    double sum = motion_time(q);
+#if SCENE_ANY_FREE
+    if (!system_is_force_element(v)) {
         sum += q->dissipated + q->external_work;
     }
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(&m->state.values, i)) {
-            const struct vec3 speed = q->body[i].velocity;
-            sum += body_mass(&m->state.values, i) * vec3_dot(speed, speed) + vec3_norm(q->body[i].moved);
-        }
-    }
 #endif
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_prescribed(v, i)) {
+            const struct body_instant at = system_body_now(v, q, i);
+            sum += vec3_norm(at.displacement) + vec3_norm(at.velocity);
+        }
+#if SCENE_ANY_FREE
+        sum += body_is_free(v, i) ? size_of_motion(v, q, i) : 0.0;
+#endif
+    }
     return isfinite(sum);
 }
 

@@ -52,13 +52,19 @@ static void put_contact(struct scene_values *v, const struct motion *q, const st
 }
 
 #if SCENE_ANY_FREE
+/* Divided, not scaled by 1/window, which is infinite for steps of less than 1e-308 s. */
+static struct vec3 mean_of(struct vec3 impulse, double window)
+{
+    return window > 0.0 ? vec3_make(impulse.x / window, impulse.y / window, impulse.z / window)
+                        : vec3_make(0.0, 0.0, 0.0);
+}
+
 static void put_history(struct scene_values *v, const struct motion *q, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
     const struct vec3 impulse = vec3_sub(state->impulse, state->impulse_mark);
     const bool touching = state->regime != REGIME_APART;
-    put_contact_mean_force(v, contact,
-                           q->window > 0.0 ? vec3_scale(1.0 / q->window, impulse) : vec3_make(0.0, 0.0, 0.0));
+    put_contact_mean_force(v, contact, mean_of(impulse, q->window));
     put_contact_peak_force(v, contact, state->peak_force);
     put_contact_peak_penetration(v, contact, state->peak_penetration);
     put_contact_onsets(v, contact, state->onsets);

@@ -1,4 +1,5 @@
 /* Saved states: the flat struct itself behind a header that says what it is. */
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -54,6 +55,66 @@ static bool value_in_range(const struct scene_values *values, const struct varia
     return row->causality == VARIABLE_OUTPUT || (value >= row->min && value <= row->max);
 }
 
+/* Whether the bytes from one member up to another, doubles all of them, are numbers of this size at most. */
+static bool all_within(const void *from, const void *to, double most)
+{
+    const char *end = to;
+    for (const char *at = from; at < end; at += sizeof(double)) {
+        double value;
+        memcpy(&value, at, sizeof value);
+        if (!(fabs(value) <= most)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool all_finite(const void *from, const void *to)
+{
+    return all_within(from, to, DBL_MAX);
+}
+
+/* Inputs and their derivatives are below 1e150; more would overflow when the path's origin is moved. */
+static bool paths_are_sound(const struct motion *q)
+{
+    return all_within(q->path, q->path + SCENE_BODIES, 1e300);
+}
+
+static bool known_regime(int32_t regime)
+{
+    return regime >= REGIME_APART && regime <= REGIME_RELEASED;
+}
+
+static bool contact_is_sound(const struct contact_state *contact, bool initialized)
+{
+    if (!known_regime(contact->regime) || (initialized && contact->side != 1 && contact->side != -1)) {
+        return false;
+    }
+#if SCENE_ANY_FREE
+    /* Times up to which something was looked for may be infinite. */
+    return known_regime(contact->change_regime) && contact->onsets >= 0 && !isnan(contact->change_clock) &&
+           !isnan(contact->settled_clock) && all_finite(contact, &contact->change_clock);
+#else
+    return all_finite(contact, &contact->regime);
+#endif
+}
+
+/* As model_save leaves it: clock at zero, bodies where they are, an integrator that starts afresh. */
+static bool motion_is_sound(const struct motion *q)
+{
+    const struct solver_counters *n = &q->counters;
+    const bool counted = n->steps >= 0 && n->force_evaluations >= 0 && n->events >= 0 &&
+                         n->rejected_steps >= 0 && n->fallbacks >= 0;
+#if SCENE_ANY_FREE
+    /* nobody saves a glide, see model_save */
+    const bool at_rest = q->clock == 0.0 && q->quiet_clock == 0.0 && q->gliding == 0;
+    return counted && at_rest && paths_are_sound(q) && !isnan(q->horizon_clock) &&
+           all_finite(q->origin, &q->counters) && all_finite(q, q->contact);
+#else
+    return counted && paths_are_sound(q) && all_finite(q, q->contact);
+#endif
+}
+
 /* A wrong checksum catches accidents; this catches what could still do harm. */
 static bool state_is_sound(const struct model_state *state)
 {
@@ -63,23 +124,31 @@ static bool state_is_sound(const struct model_state *state)
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_state *contact = &state->motion.contact[j];
-        if (contact->regime < REGIME_APART || contact->regime > REGIME_RELEASED ||
-            (state->initialized && contact->side != 1 && contact->side != -1)) {
+        if (!contact_is_sound(&state->motion.contact[j], state->initialized != 0)) {
             return false;
         }
-#if SCENE_ANY_FREE
-        if (contact->change_regime < REGIME_APART || contact->change_regime > REGIME_RELEASED) {
-            return false;
-        }
-#endif
     }
-#if SCENE_ANY_FREE
-    if (state->motion.quiet_clock != 0.0 || state->motion.gliding != 0) {
-        return false; /* nobody saves a glide, see model_save */
+    return motion_is_sound(&state->motion) && all_finite(state->signals, &state->motion) &&
+           all_finite(&state->importer_tolerance, state->marks);
+}
+
+/* Whether all that can be read then are numbers; numbers near the end of their range may give none. Says nothing. */
+static bool gives_numbers(struct model *m, const struct model_state *state)
+{
+    const struct model_state before = m->state;
+    const struct model_host host = m->host;
+    m->host.log = NULL;
+    m->state = *state;
+    m->outputs = OUTPUTS_NONE;
+    model_update_outputs(m, OUTPUTS_ALL);
+    bool finite = true;
+    for (int i = 0; i < scene_variable_count && finite; ++i) {
+        finite = value_in_range(&m->state.values, &scene_variables[i]);
     }
-#endif
-    return isfinite(state->motion.base) && isfinite(state->motion.clock) && isfinite(state->start_time);
+    m->state = before;
+    m->host = host;
+    m->outputs = OUTPUTS_NONE;
+    return finite;
 }
 
 static enum model_status check_header(struct model *m, const struct model_state *state)
@@ -118,6 +187,10 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
     const enum model_status status = check_header(m, &state);
     if (status != MODEL_OK) {
         return status;
+    }
+    if (!gives_numbers(m, &state)) {
+        return model_report(m, MODEL_ERROR,
+                            "Saved state refused: its motion is beyond the range of numbers.");
     }
 #if SCENE_ANY_FREE
     if (state.initialized && !model_open_solver(m, &state.values)) {

@@ -134,6 +134,28 @@ static void the_normal_is_perpendicular_to_a_cylinders_axis(void)
     }
 }
 
+/* Where c is along the axis to rounding, what the projection leaves points anywhere; a normal made of it must not push along
+ * the axis. */
+static void near_the_axis_the_normal_still_lies_across(void)
+{
+    struct random r = {11};
+    int on_the_axis = 0;
+    for (int i = 0; i < CONFIGURATIONS; ++i) {
+        struct contact_shape shape = random_shape(&r, 1.0);
+        shape.destination = SHAPE_CYLINDER;
+        shape.axis = random_direction(&r);
+        const struct vec3 fallback = contact_default_normal(&shape);
+        struct vec3 c = vec3_scale(random_between(&r, -100.0, 100.0), shape.axis);
+        c = vec3_axpy(c, random_between(&r, 0.0, 1e-12) * (i % 2), fallback);
+        const struct contact_geometry at = contact_geometry_at(&shape, c, c, fallback);
+        CHECK_CLOSE("n.e_d", vec3_dot(at.normal, shape.axis), 0.0, 32.0 * DBL_EPSILON);
+        CHECK_CLOSE("|n|", vec3_norm(at.normal), 1.0, 4.0 * DBL_EPSILON);
+        CHECK(at.distance <= 1.1e-12 + 4.0 * DBL_EPSILON * vec3_norm(c));
+        on_the_axis += at.degenerate;
+    }
+    CHECK(on_the_axis > 0 && on_the_axis < CONFIGURATIONS / 2);
+}
+
 /* e_c starts at the source's centre. Of a sphere it ends at the destination's centre; of a cylinder r_s e_c is the
  * source's contact point: nearest to the axis outside, farthest from it inside. */
 static void directions_are_those_of_the_design(void)
@@ -219,6 +241,7 @@ int main(void)
     CHECK_TEST(geometry_is_that_of_long_double_at_every_scale);
     CHECK_TEST(the_gap_of_bodies_that_almost_touch_has_no_rounding);
     CHECK_TEST(the_normal_is_perpendicular_to_a_cylinders_axis);
+    CHECK_TEST(near_the_axis_the_normal_still_lies_across);
     CHECK_TEST(directions_are_those_of_the_design);
     CHECK_TEST(on_the_axis_or_at_the_centre_the_fallback_is_the_normal);
     CHECK_TEST(end_planes_belong_to_the_cylinder);

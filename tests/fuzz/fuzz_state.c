@@ -1,0 +1,209 @@
+/*
+ * Saved states whose bytes somebody changed, with checksums that fit or not, brought back and gone on with. A state is refused
+ * and changes nothing, or it is taken over and then every call answers as ever: no crash, no endless step, finite values.
+ */
+#include <stdlib.h>
+
+#include "bytes.h"
+#include "host.h"
+#include "model/state.h"
+
+enum { MOST_INTERNAL_STEPS = 100, CHANGES_AT_MOST = 64, LARGEST_BLOCK = 16384 };
+
+/* The adapter's header, as tests/fmu/blob.py has it: magic, version, scene, checksum, size, times, flags. */
+enum { HEADER_SIZE = 48, HEADER_CHECKSUM = 12, CHECKED_FROM = 16 };
+
+static uint32_t fnv_32(const uint8_t *bytes, size_t size)
+{
+    uint32_t hash = 2166136261u;
+    for (size_t i = 0; i < size; ++i) {
+        hash = (hash ^ bytes[i]) * 16777619u;
+    }
+    return hash;
+}
+
+static uint64_t fnv_64(const uint8_t *bytes, size_t size)
+{
+    uint64_t hash = 14695981039346656037u;
+    for (size_t i = 0; i < size; ++i) {
+        hash = (hash ^ bytes[i]) * 1099511628211u;
+    }
+    return hash;
+}
+
+static void forge_checksums(uint8_t *block, size_t size)
+{
+    const size_t payload = offsetof(struct model_state, values);
+    const uint64_t inner = fnv_64(block + HEADER_SIZE + payload, sizeof(struct model_state) - payload);
+    memcpy(block + HEADER_SIZE + offsetof(struct model_state, checksum), &inner, sizeof inner);
+    const uint32_t outer = fnv_32(block + CHECKED_FROM, size - CHECKED_FROM);
+    memcpy(block + HEADER_CHECKSUM, &outer, sizeof outer);
+}
+
+/* However the state was changed, a step of it has to end soon. */
+static void bound_work(uint8_t *block)
+{
+    const struct variable *limit = host_variable(ROW_solver_max_internal_steps, 0, 0);
+    if (limit != NULL) {
+        uint8_t *at = block + HEADER_SIZE + offsetof(struct model_state, values) + limit->offset;
+        int32_t steps;
+        memcpy(&steps, at, sizeof steps);
+        steps = steps > MOST_INTERNAL_STEPS ? MOST_INTERNAL_STEPS : steps;
+        memcpy(at, &steps, sizeof steps);
+    }
+}
+
+/* The bodies near to each other, soft, by any method and law. */
+static void choose_values(fmi2Component c, struct bytes *b)
+{
+    host_set_integer(c, ROW_solver_method, 0, 1 + (int)bytes_choice(b, 3));
+    host_set_integer(c, ROW_solver_max_internal_steps, 0, MOST_INTERNAL_STEPS);
+    host_set_integer(c, ROW_body_motion, 0, 3 - (int)bytes_choice(b, 3));
+    host_set_integer(c, ROW_body_motion, 1, 1 + (int)bytes_choice(b, 3));
+    host_set_integer(c, ROW_contact_location, 0, 1 + (int)bytes_choice(b, 3));
+    host_set_integer(c, ROW_contact_method, 0, 2 - (int)bytes_choice(b, 2));
+    host_set_integer(c, ROW_contact_penalty_control, 0, bytes_choice(b, 4) == 3 ? 3 : 2);
+    host_set_integer(c, ROW_contact_dashpot, 0, 1 + (int)bytes_choice(b, 3));
+    host_set_integer(c, ROW_body_finite_length, 1, (int)bytes_choice(b, 2));
+    host_set_real(c, ROW_contact_penalty_factor, 0, 0, bytes_power(b, 2.0, 8.0));
+    host_set_real(c, ROW_body_center, 0, 0, bytes_choice(b, 2) ? 0.61 : 0.37);
+    host_set_real(c, ROW_body_center, 0, 2, 0.0);
+    host_set_real(c, ROW_gravity, 0, 0, bytes_between(b, -20.0, 20.0));
+}
+
+/* Brings the instance to where it is saved: any phase, any number of steps. */
+static void begin(fmi2Component c, struct bytes *b)
+{
+    choose_values(c, b);
+    const unsigned far = bytes_one(b);
+    if (far % 8 == 1 || fmi2SetupExperiment(c, fmi2False, 0.0, 0.0, fmi2False, 0.0) > fmi2Warning ||
+        fmi2EnterInitializationMode(c) > fmi2Warning) {
+        return;
+    }
+    if (far % 8 == 2 || fmi2ExitInitializationMode(c) > fmi2Warning) {
+        return;
+    }
+    double time = 0.0;
+    for (unsigned i = 0; i < far / 8; ++i) {
+        const fmi2Status status = fmi2DoStep(c, time, 0.02, fmi2True);
+        if (fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &time) > fmi2Warning || status > fmi2Discard) {
+            return;
+        }
+    }
+    if (far % 8 == 3) {
+        (void)fmi2Terminate(c);
+    }
+}
+
+static size_t save(fmi2Component c, uint8_t *block)
+{
+    fmi2FMUstate state = NULL;
+    size_t size = 0;
+    fmi2Status status = fmi2GetFMUstate(c, &state);
+    CLAIM(status == fmi2OK);
+    status = fmi2SerializedFMUstateSize(c, state, &size);
+    CLAIM(status == fmi2OK && size == HEADER_SIZE + sizeof(struct model_state) && size <= LARGEST_BLOCK);
+    status = fmi2SerializeFMUstate(c, state, (fmi2Byte *)block, size);
+    CLAIM(status == fmi2OK);
+    status = fmi2FreeFMUstate(c, &state);
+    CLAIM(status == fmi2OK && state == NULL);
+    return size;
+}
+
+static void change(uint8_t *block, size_t size, struct bytes *b)
+{
+    for (int i = 0; i < CHANGES_AT_MOST && b->left > 0; ++i) {
+        uint16_t at = 0;
+        const unsigned kind = bytes_choice(b, 4);
+        bytes_copy(b, &at, sizeof at);
+        size_t place = at % size;
+        if (kind == 0) {
+            block[place] ^= bytes_one(b);
+        } else if (kind == 1) {
+            place -= place % 4;
+            const int32_t value = (int8_t)bytes_one(b);
+            memcpy(block + place, &value, sizeof value);
+        } else {
+            place -= place % 8;
+            const double value = bytes_real(b);
+            memcpy(block + place, &value, place + 8 <= size ? 8 : size - place);
+        }
+    }
+}
+
+/* What an importer may do with a state that was taken over. */
+static void go_on(fmi2Component c)
+{
+    host.shown = c;
+    host_read_all(c);
+    double time = 0.0;
+    const double zero = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        if (fmi2GetRealStatus(c, fmi2LastSuccessfulTime, &time) > fmi2Warning) {
+            break;
+        }
+        const struct variable *force = host_variable(ROW_body_external_force, 0, i % 3);
+        const fmi2Integer order = 1 + i % 2;
+        (void)fmi2SetReal(c, &force->reference, 1, &zero);
+        (void)fmi2SetRealInputDerivatives(c, &force->reference, 1, &order, &zero);
+        const fmi2Status status = fmi2DoStep(c, time, 0.01 * (1 << (3 * i)), fmi2True);
+        CLAIM(status <= fmi2Error);
+        host_read_all(c);
+    }
+    uint8_t block[LARGEST_BLOCK];
+    (void)save(c, block);
+    (void)fmi2Terminate(c);
+    host_read_all(c);
+    const fmi2Status status = fmi2Reset(c);
+    CLAIM(status == fmi2OK);
+}
+
+static void bring_back(fmi2Component c, const uint8_t *block, size_t size)
+{
+    uint8_t before[LARGEST_BLOCK], after[LARGEST_BLOCK];
+    fmi2FMUstate state = NULL;
+    const size_t whole = save(c, before);
+    fmi2Byte *exact = malloc(size > 0 ? size : 1);
+    CLAIM(exact != NULL);
+    memcpy(exact, block, size);
+    fmi2Status status = fmi2DeSerializeFMUstate(c, exact, size, &state);
+    free(exact);
+    CLAIM((status == fmi2OK) == (state != NULL));
+    if (status == fmi2OK) {
+        status = fmi2SetFMUstate(c, state);
+    }
+    CLAIM(status == fmi2OK || status == fmi2Error);
+    if (status == fmi2OK) {
+        go_on(c);
+    } else {
+        CLAIM(host.messages > 0);
+        CLAIM(save(c, after) == whole && memcmp(before, after, whole) == 0);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct bytes b = {data, size};
+    uint8_t block[LARGEST_BLOCK];
+    host_begin();
+    fmi2Component giver = host_instance();
+    begin(giver, &b);
+    size_t block_size = save(giver, block);
+    const unsigned how = bytes_one(&b);
+    change(block, block_size, &b);
+    if (how % 8 != 1) {
+        bound_work(block);
+        forge_checksums(block, block_size);
+    }
+    if (how % 8 == 2) {
+        block_size = block_size * (how / 8) / 32;
+    }
+    fmi2Component taker = how % 8 == 3 ? giver : host_instance();
+    bring_back(taker, block, block_size);
+    if (taker != giver) {
+        fmi2FreeInstance(taker);
+    }
+    fmi2FreeInstance(giver);
+    host_end();
+    return 0;
+}
