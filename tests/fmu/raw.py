@@ -225,6 +225,12 @@ class Instance:
             rows.append(self.bits("output"))
         return rows
 
+    def time(self) -> float:
+        """Where the last step ended"""
+        time = c_double()
+        self.ok("GetRealStatus", LAST_SUCCESSFUL_TIME, ctypes.byref(time))
+        return time.value
+
     # states
 
     def save(self) -> bytes:

@@ -6,6 +6,7 @@ The prototypes below are written from fmi2FunctionTypes.h. Instances of the FMU 
 from __future__ import annotations
 
 import atexit
+import copy
 import ctypes
 import functools
 import os
@@ -141,12 +142,21 @@ class Fmu:
         self.name = root.find("CoSimulation").get("modelIdentifier")
         self.guid = root.get("guid")
         self.variables = {variable.name: variable for variable in _read_variables(root)}
-        self.library_file = next(self.folder.glob(f"binaries/*/{self.name}.so"))
-        self.library = ctypes.CDLL(str(self.library_file))
+        self._open(next(self.folder.glob(f"binaries/*/{self.name}.so")))
+
+    def _open(self, library_file: Path) -> None:
+        self.library_file = library_file
+        self.library = ctypes.CDLL(str(library_file))
         for name, arguments in ARGUMENTS.items():
             function = getattr(self.library, name)
             function.argtypes = arguments
             function.restype = RESULTS.get(name, c_int)
+
+    def with_library(self, library_file: Path) -> Fmu:
+        """The same FMU with another build of its code"""
+        other = copy.copy(self)
+        other._open(library_file)
+        return other
 
     def select(self, *causalities: str, kind: str | None = None) -> list[Variable]:
         return [

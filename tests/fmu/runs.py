@@ -190,8 +190,8 @@ def time_after(count: int) -> float:
     return time
 
 
-def begin(run: Run, **options: Any) -> raw.Instance:
-    instance = raw.Instance(raw.load(run.scene), **options)
+def begin(run: Run, fmu: raw.Fmu | None = None, **options: Any) -> raw.Instance:
+    instance = raw.Instance(fmu or raw.load(run.scene), **options)
     return instance.initialize({**run.values, **run.inputs(0.0)}, tolerance=run.tolerance)
 
 
