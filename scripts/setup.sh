@@ -7,6 +7,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 packages=(
     build-essential clang cmake ninja-build    # both compilers that are supported
     clang-format clang-tidy                    # what the tests check the sources with
+    libclang-rt-dev valgrind                   # fuzzers, and one more look at memory
     libsundials-dev                            # CVODE
     git ca-certificates                        # where sources must be fetched instead
     python3 python3-venv

@@ -1,5 +1,6 @@
-"""The code of an FMU compiled and linked once more, with another compiler or other flags, by the build's own commands."""
+"""The code of an FMU built once more, with another compiler or other flags, by the build's own commands."""
 
+import itertools
 import os
 import shlex
 import subprocess
@@ -30,7 +31,7 @@ def _plain(line: str) -> list[str]:
     """The command without its compiler, its output and its flags of optimization"""
     words = [word for word in shlex.split(line) if word not in (":", "&&")]
     kept = []
-    for before, word in zip(words, words[1:], strict=False):
+    for before, word in itertools.pairwise(words):
         if before in ("-o", "-MT", "-MF") or word == "-o" or word.startswith(LEFT_OUT):
             continue
         kept.append(word)

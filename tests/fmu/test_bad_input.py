@@ -272,3 +272,22 @@ def test_a_shell_smaller_than_its_ball_is_refused_where_inside_is_pinned():
         instance.ok("EnterInitializationMode")
         with instance.expect(ERROR, "source.radius", "destination.radius", "inside") as got:
             got(instance.call("ExitInitializationMode"))
+
+
+@pytest.mark.parametrize("size", [5e-324, 1e-310, 1e-300])
+def test_a_step_of_hardly_any_time_gives_numbers(universal, size):
+    """1 / size would be infinite; the mean of no impulse over it is 0."""
+    with raw.Instance(universal) as instance:
+        instance.initialize({"source.center": [5.0, 0.0, 0.0]})
+        instance.ok("DoStep", 0.0, size, 1)
+        assert instance.get("contact.mean_force") == [0.0, 0.0, 0.0]
+
+
+def test_a_prescribed_motion_beyond_all_numbers_is_discarded(universal):
+    """Its rate is within range, and so is the length of the step; their product is not"""
+    with raw.Instance(universal) as instance:
+        instance.initialize({"source.motion": "prescribed", "source.prescribed_velocity": [1e150, 0.0, 0.0]})
+        with instance.expect(DISCARD, "beyond the range of numbers") as got:
+            got(instance.call("DoStep", 0.0, 1e160, 1))
+        instance.ok("DoStep", 0.0, 1.0, 1)
+        assert all(math.isfinite(number) for number in instance.get("source.position"))

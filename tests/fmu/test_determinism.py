@@ -1,8 +1,9 @@
-"""The same inputs give the same bits: run to run, from one compiler to another, at any optimization, and across a saved state.
+"""The same inputs give the same bits: run to run, with any compiler and flags, across a saved state.
 
-Instance to instance and thread to thread are test_threads.py's, processes test_state.py's. No build may fuse a multiplication
-and an addition (-ffp-contract=off), none uses -ffast-math, and all call the same C library and CVODE: nothing else is left that
-a compiler may choose. A processor with fused operations (-march=native) therefore gives the same bits too.
+Instance to instance and thread to thread are test_threads.py's, processes test_state.py's. No build may fuse
+a multiplication and an addition (-ffp-contract=off), none uses -ffast-math, and all call the same C library
+and CVODE: nothing is left that a compiler may choose. A processor with fused operations (-march=native) therefore
+gives the same bits too.
 """
 
 import pytest

@@ -1,6 +1,7 @@
 /* replay FOLDER_OR_FILE...: every input once through the fuzzer's function, with any compiler. Prints how many there were;
  * a broken claim aborts after the input's name. */
 #include <dirent.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,6 +9,13 @@
 #include "host.h"
 
 static long inputs;
+static const char *present;
+
+static void name_it(int number)
+{
+    (void)number;
+    fprintf(stderr, "by %s\n", present);
+}
 
 static int replay_file(const char *name)
 {
@@ -24,7 +32,7 @@ static int replay_file(const char *name)
         return 1;
     }
     memcpy(exact, room, size);
-    fprintf(stderr, "%s\r", name);
+    present = name;
     LLVMFuzzerTestOneInput(exact, size);
     free(exact);
     ++inputs;
@@ -52,9 +60,10 @@ static int replay(const char *name)
 int main(int count, char **names)
 {
     int failures = 0;
+    signal(SIGABRT, name_it);
     for (int i = 1; i < count; ++i) {
         failures += replay(names[i]);
     }
-    printf("\n%ld inputs replayed\n", inputs);
+    printf("%ld inputs replayed\n", inputs);
     return failures > 0 || inputs == 0;
 }

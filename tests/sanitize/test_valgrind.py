@@ -1,4 +1,4 @@
-"""valgrind finds no wrong access, no unset value and no leak in an FMU run by the C host, whatever method steps it."""
+"""valgrind finds no wrong access, no unset value and no leak in an FMU that the C host runs."""
 
 import shutil
 import subprocess

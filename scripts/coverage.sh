@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# scripts/coverage.sh [PYTEST PATHS...]: which branches of the C code the tests and the fuzzers' corpora take.
+# Builds with gcc --coverage in build-coverage, runs the C tests, the replays and the Python tests named (default: FMU,
+# physics, property), prints what each file has and writes build-coverage/coverage/index.html with every line.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$root"
+build=$root/build-coverage
+gcovr_version=8.3
+
+paths=("$@")
+((${#paths[@]} > 0)) || paths=(tests/fmu tests/physics tests/property)
+
+cmake --preset default -B "$build" -Wno-dev --log-level=WARNING -DPython3_EXECUTABLE="$root/.venv/bin/python" \
+    -DCMAKE_BUILD_TYPE=Debug -DCONTACT_STRIP=OFF "-DCMAKE_C_FLAGS=--coverage -fprofile-update=atomic"
+find "$build" -name '*.gcda' -delete
+cmake --build "$build" -- --quiet
+
+if [[ ! -x $build/venv/bin/gcovr ]]; then
+    python3 -m venv "$build/venv"
+    "$build/venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-input "gcovr==$gcovr_version"
+fi
+
+ctest --test-dir "$build" -L unit --output-on-failure </dev/null || true
+export PYTHONPATH=$root/scripts PYTHONDONTWRITEBYTECODE=1 CONTACT_BUILD=$build CONTACT_FMUS=$build/fmus
+# How big and how bare the finished libraries are is no claim about this build.
+.venv/bin/python -m pytest -q -n 2 -p no:cacheprovider --ignore=tests/fmu/test_leave_out.py \
+    --ignore=tests/fmu/test_validity.py --ignore=tests/fmu/test_determinism.py "${paths[@]}" </dev/null || true
+
+mkdir -p "$build/coverage"
+"$build/venv/bin/gcovr" --root "$root" --filter 'fmu_src/' --gcov-ignore-errors=all --merge-mode-functions=merge-use-line-min \
+    --txt-metric branch --txt "$build/coverage/branches.txt" --html-details "$build/coverage/index.html" \
+    --json-summary "$build/coverage/summary.json" "$build"
+cat "$build/coverage/branches.txt"

@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# scripts/fuzz.sh [--minutes N] [--only NAME]: runs each fuzzer N minutes (10), or the one named: calls, state, run_sphere,
+# run_cylinder, run_three_balls, scene_files. New inputs are kept in build-fuzz/found/NAME, what broke a claim in
+# build-fuzz/findings/NAME; `build-fuzz/tests/fuzz/fuzz_NAME FILE` runs one again and prints its values.
+# The status is 1 when there is a finding.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$root"
+
+fail() { printf 'fuzz: %s\n' "$*" >&2; exit 2; }
+
+minutes=10
+names=(calls state run_sphere run_cylinder run_three_balls scene_files)
+while (($# > 0)); do
+    case $1 in
+        --minutes) [[ ${2:-} =~ ^[1-9][0-9]*$ ]] || fail "--minutes takes a whole number"; minutes=$2; shift 2 ;;
+        --only) [[ " ${names[*]} " == *" ${2:-} "* ]] || fail "--only takes one of: ${names[*]}"; names=("$2"); shift 2 ;;
+        *) fail "unknown: $1 (allowed: --minutes N, --only NAME)" ;;
+    esac
+done
+
+cmake --preset fuzz -Wno-dev --log-level=WARNING -DPython3_EXECUTABLE="$root/.venv/bin/python"
+targets=()
+for name in "${names[@]}"; do
+    [[ $name == scene_files ]] || targets+=("fuzz_$name")
+done
+((${#targets[@]} == 0)) || cmake --build --preset fuzz --target "${targets[@]}" -- --quiet
+
+findings=0
+for name in "${names[@]}"; do
+    printf '\n== %s, %d minutes\n' "$name" "$minutes"
+    if [[ $name == scene_files ]]; then
+        CONTACT_FUZZ_MINUTES=$minutes .venv/bin/python -m pytest -q -p no:cacheprovider tests/fuzz/test_scene_files.py \
+            </dev/null || findings=1
+        continue
+    fi
+    corpus=$root/tests/fuzz/corpus/fuzz_${name%%_*}
+    found=$root/build-fuzz/found/$name
+    broken=$root/build-fuzz/findings/$name
+    mkdir -p "$found" "$broken"
+    # A fuzzer goes on after a finding; inputs are tried in other lengths from the start.
+    (cd "$broken" && nice "$root/build-fuzz/tests/fuzz/fuzz_$name" -fork=1 -ignore_crashes=1 -ignore_timeouts=1 \
+        -ignore_ooms=1 -timeout=10 -rss_limit_mb=2000 -max_len=500 -len_control=0 \
+        -max_total_time=$((60 * minutes)) "$found" "$corpus" >log 2>&1 </dev/null) || true
+    tail -n 1 "$broken/log"
+    count=$(find "$broken" -type f ! -name log | wc -l)
+    printf '%s: %d findings in %s\n' "$name" "$count" "${broken#"$root"/}"
+    ((count == 0)) || findings=1
+done
+exit "$findings"
