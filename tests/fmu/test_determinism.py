@@ -2,8 +2,8 @@
 
 Instance to instance and thread to thread are test_threads.py's, processes test_state.py's. No build may fuse
 a multiplication and an addition (-ffp-contract=off), none uses -ffast-math, and all call the same C library
-and CVODE: nothing is left that a compiler may choose. A processor with fused operations (-march=native) therefore
-gives the same bits too.
+and CVODE: nothing is left that a compiler may choose. A processor with fused operations (-march=native)
+therefore gives the same bits too.
 """
 
 import pytest
