@@ -203,12 +203,12 @@ int cvode_jacobian(double clock, N_Vector y, N_Vector rate, SUNMatrix jacobian, 
     return 0;
 }
 
-/* An exact zero counts as fallen already: a contact that starts on g = 0 does not end at once, a root just found is not
+/* Zero counts as fallen already: a contact that starts on g = 0 does not end at once, a root just found is not
  * found again, and CVODE, which gives up on functions that stay at zero, never sees one. 1e-100 is far below any gap, rate
  * or force that has a meaning and leaves room for the root finder's products and quotients. */
 static double not_zero(double value)
 {
-    return value == 0.0 ? -1e-100 : value;
+    return fabs(value) < 1e-100 ? -1e-100 : value;
 }
 
 /* Beyond the ends (positive) or within [m]; of no account, minus infinity, without ends. */

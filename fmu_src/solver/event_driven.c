@@ -46,6 +46,9 @@ static bool add_pair(struct stretch *all, const struct scene_values *v, const st
         return false;
     }
     const struct ending ending = ending_first(p);
+    if (piece_meets_centre(p) <= fmin(ending.s, p->end)) {
+        return false;
+    }
     if (ending.s <= p->end) {
         all->time = ending.s * p->unit;
         all->ending = contact;

@@ -125,13 +125,6 @@ static bool collocate(struct piece *p, double longest)
     return resolved_piece(p, &outlook, longest) || creeping_piece(p, &outlook, longest);
 }
 
-/* Where d = 0 the normal turns round; head-on, the piece would not see it. */
-static bool meets_centre(const struct piece *p)
-{
-    const struct watched distance = {PRESS_GAP, p->press.shape.side, contact_reach(&p->press.shape)};
-    return watch_first_fall(&p->watch, &distance) <= p->end;
-}
-
 bool piece_make(struct piece *p, const struct scene_values *v, const struct motion *q,
                 const struct system_instant *at, int contact, double longest, double tolerance)
 {
@@ -142,7 +135,13 @@ bool piece_make(struct piece *p, const struct scene_values *v, const struct moti
     if (!straight_piece_make(p, longest) && !collocate(p, longest)) {
         series_piece(p, longest);
     }
-    return p->end > 0.0 && !meets_centre(p);
+    return p->end > 0.0;
+}
+
+double piece_meets_centre(const struct piece *p)
+{
+    const struct watched distance = {PRESS_GAP, p->press.shape.side, contact_reach(&p->press.shape)};
+    return watch_first_fall(&p->watch, &distance);
 }
 
 struct press_change piece_change(const struct piece *p, double s)

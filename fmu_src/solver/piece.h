@@ -52,6 +52,9 @@ void piece_collocated(struct piece *p);
 bool piece_make(struct piece *p, const struct scene_values *v, const struct motion *q,
                 const struct system_instant *at, int contact, double longest, double tolerance);
 
+/* The s at which d = 0, where the normal turns round, which a head-on piece does not see; INFINITY: not within it. */
+double piece_meets_centre(const struct piece *p);
+
 struct press_change piece_change(const struct piece *p, double s);
 
 #endif
