@@ -1,0 +1,132 @@
+"""Runs scenes in worker processes; a row of the atlas for each method and each number of communication steps"""
+
+from __future__ import annotations
+
+import hashlib
+import multiprocessing
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from . import checks
+from .checks import TOLERANCE, Figures
+from .drive import Driver, Outcome
+from .scenes import Scene
+from .similar import Similar
+
+METHODS = ("event_driven", "cvode_bdf", "cvode_adams")
+MOST_STEPS = 10_000  # solver.max_internal_steps
+PATIENCE = 300.0  # s for one scene with all its runs
+
+_driver: Driver | None = None
+
+
+@dataclass
+class Row:
+    """One run"""
+
+    family: str
+    value: float
+    geometry: str
+    law: str
+    note: str
+    method: str
+    communication_steps: int
+    step_size: float
+    status: str
+    wrong: str  # the checks it failed
+    finite: bool
+    error: float
+    rounding: float
+    balance: float
+    gain: float
+    momentum: float
+    touch: float
+    onsets: int
+    expected_onsets: int
+    missed: bool
+    steps: int
+    events: int
+    fallbacks: int
+    seconds: float
+    bits: str  # of the end in the scene's own units
+    message: str
+
+
+def start_values(scene: Scene, method: str) -> dict[str, Any]:
+    return scene.motion.configuration() | {
+        "solver.method": method,
+        "solver.relative_tolerance": TOLERANCE,
+        "solver.absolute_tolerance": max(1e-4 * TOLERANCE * scene.motion.scale, 1e-300),
+        "solver.max_internal_steps": MOST_STEPS,
+    }
+
+
+def run_scene(scene: Scene) -> list[Row]:
+    global _driver  # one for each worker process
+    _driver = _driver or Driver()
+    motion, expected, rows = scene.motion, scene.expected(), []
+    for steps in scene.steps:
+        for method in METHODS:
+            start = start_values(scene, method)
+            outcome = _driver.run(motion.fmu, start, motion.end, steps, scene.jumps)
+            found = checks.figures(motion, expected[steps], outcome)
+            rows.append(row_of(scene, method, steps, outcome, found))
+    return rows
+
+
+def row_of(scene: Scene, method: str, steps: int, outcome: Outcome, found: Figures) -> Row:
+    motion, counts = scene.motion, outcome.counts
+    return Row(
+        family=scene.family,
+        value=scene.value,
+        geometry=motion.geometry,
+        law=motion.law,
+        note=scene.note,
+        method=method,
+        communication_steps=steps,
+        step_size=motion.end / steps,
+        status=outcome.status,
+        wrong=" ".join(found.wrong(method)),
+        steps=counts.get("solver.steps", 0),
+        events=counts.get("solver.events", 0),
+        fallbacks=counts.get("solver.fallbacks", 0),
+        seconds=outcome.seconds,
+        bits=bits(scene, outcome),
+        message=outcome.message,
+        **asdict(found),
+    )
+
+
+def bits(scene: Scene, outcome: Outcome) -> str:
+    """A short name for the end's last digits, where the scene is the same in other units as well"""
+    if not isinstance(scene.motion, Similar) or outcome.status != "ok":
+        return ""
+    units = scene.motion.units
+    ends = [
+        outcome.last.vector(f"{body}.{row}") / units.factor(*powers)
+        for body in ("source", "destination")
+        for row, powers in (("displacement", (1, 0, 0)), ("velocity", (1, 0, -1)))
+    ]
+    return hashlib.sha256((np.array(ends) + 0.0).tobytes()).hexdigest()[:8]
+
+
+def run_all(scenes: Sequence[Scene], workers: int) -> Iterator[tuple[Scene, list[Row]]]:
+    """In the order of the scenes"""
+    with multiprocessing.get_context("spawn").Pool(workers) as pool:
+        results = pool.imap(run_scene, scenes)
+        for scene in scenes:
+            try:
+                yield scene, results.next(timeout=PATIENCE)
+            except multiprocessing.TimeoutError:
+                raise TimeoutError(f"not done after {PATIENCE:g} s: {scene.name}") from None
+
+
+def thinned(scenes: Sequence[Scene], stride: int) -> list[Scene]:
+    """Every so many-th of each family; the strides pass through all geometries and laws"""
+    families: dict[str, list[Scene]] = {}
+    for scene in scenes:
+        families.setdefault(scene.family, []).append(scene)
+    return [scene for family in families.values() for scene in family[::stride]]
