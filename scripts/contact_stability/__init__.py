@@ -1,1 +1,1 @@
-"""The stability atlas: stiff and extreme scenes over all solver methods, each against an answer known beforehand"""
+"""The stability atlas: stiff and extreme scenes with every solver, against answers known beforehand"""

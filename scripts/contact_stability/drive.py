@@ -39,7 +39,9 @@ class Sample:
 class Outcome:
     """What came of a run"""
 
-    samples: list[Sample] = field(default_factory=list)  # at the start and after every step, also a discarded one
+    samples: list[Sample] = field(
+        default_factory=list
+    )  # at the start and after every step, also a discarded one
     counts: dict[str, int] = field(default_factory=dict)
     status: str = "ok"  # ok, refused (at initialization), discarded (in a step)
     message: str = ""

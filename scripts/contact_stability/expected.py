@@ -28,6 +28,8 @@ class Expected:
     sure: bool  # whether rounding cannot change the number of onsets
     strong: int  # onsets that nothing may miss
     last_onset: float | None
+    onset_rounding: float = 0.0  # s
+    through_middle: bool = False  # of a solid body, where the normal turns round
 
 
 def of_head_on(motion: HeadOn, jumps: Sequence[tuple[float, float]] = ()) -> Expected:
@@ -45,7 +47,9 @@ def of_head_on(motion: HeadOn, jumps: Sequence[tuple[float, float]] = ()) -> Exp
         largest = max(float(abs(u[2])) for u in moved.values())
     fastest = float(line.fastest)
     way = max(largest, fastest * motion.end, float(line.deepest))
-    resolution = EPSILON * float(line.reach)
+    apart = largest if motion.destination_mass is not None else 0.0  # both may have gone far together
+    resolution = EPSILON * (float(line.reach) + apart)
+    vanishing = line.touching and line.depth() < 1e3 * resolution
     slowest = min((float(v) for v in line.onset_speeds), default=math.inf)
     return Expected(
         displacement=moved,
@@ -54,9 +58,12 @@ def of_head_on(motion: HeadOn, jumps: Sequence[tuple[float, float]] = ()) -> Exp
         fastest=fastest,
         onsets=len(line.onset_times),
         sure=slowest > SLOW * fastest + 1e3 * resolution / motion.end
-        and line.closest_end > 1e3 * EPSILON * way,
+        and line.closest_end > 1e3 * EPSILON * way
+        and not vanishing,
         strong=sum(float(v) > 1e-3 * fastest for v in line.onset_speeds),
         last_onset=float(line.onset_times[-1]) if line.onset_times else None,
+        onset_rounding=8 * resolution * len(line.onset_times) / slowest if slowest > 0 else 0.0,
+        through_middle=line.through_middle,
     )
 
 

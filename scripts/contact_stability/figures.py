@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -15,7 +16,8 @@ from matplotlib.figure import Figure
 from .head_on import LAWS
 from .limits import worst
 from .run import METHODS, Row
-from .scenes import FAMILIES, Family
+from .scene import Family
+from .scenes import FAMILIES
 
 STYLE = {"font.family": "DejaVu Sans", "font.size": 8, "axes.titlesize": 10}
 REFUSED, NOTHING = "#94a3b8", "#f1f5f9"
@@ -31,8 +33,8 @@ class Map:
 MAPS = (
     Map(
         "error",
-        "Error of the place at the end over the length of the motion, the worst of all geometries and numbers of "
-        "communication steps.",
+        "Error of the place at the end over the length of the motion, the worst of all geometries and "
+        "numbers of communication steps.",
         (1e-17, 1.0),
         lambda row: row.error,
     ),
@@ -44,9 +46,10 @@ MAPS = (
     ),
     Map(
         "steps",
-        "Internal steps of the solver for each communication step, contact event and second of running on.",
+        "Internal steps of the solver for each communication step, event and radian of slow swinging in a "
+        "hollow body.",
         (1.0, 1e4),
-        lambda row: row.steps / (row.communication_steps + row.events),
+        lambda row: row.work,
     ),
 )
 LEGEND = "Grey: every run refused, with a message; a dot: some refused; a cross: a wrong result."
@@ -60,10 +63,18 @@ def draw(rows: Sequence[Row], folder: Path) -> list[dict[str, str]]:
     return [{"name": one.name, "caption": f"{one.caption} {LEGEND}"} for one in MAPS]
 
 
+def short(value: float) -> str:
+    """1e-9 rather than 1e-09, 1e5 rather than 100000"""
+    text = f"{value:.6g}" if 1e-3 < abs(value) < 1e4 or value == 0 else f"{value:.1e}".replace(".0e", "e")
+    return re.sub(r"e([-+])0*", lambda match: "e" + match[1].replace("+", ""), text)
+
+
 def _figure(shown: Map, rows: Sequence[Row]) -> Figure:
     families = [family for family in FAMILIES if any(row.family == family.name for row in rows)]
-    figure = Figure(figsize=(12.5, 1.28 * len(families) + 0.8), layout="constrained")
+    height = 1.28 * len(families) + 1.4  # inches, of which 0.5 at the top and 0.9 at the bottom
+    figure = Figure(figsize=(12.5, height))
     panels = figure.subplots(len(families), len(METHODS), squeeze=False)
+    figure.subplots_adjust(0.075, 0.9 / height, 0.985, 1 - 0.5 / height, 0.05, 0.75)
     for line, family in zip(panels, families, strict=True):
         own = [row for row in rows if row.family == family.name]
         for panel, method in zip(line, METHODS, strict=True):
@@ -72,7 +83,8 @@ def _figure(shown: Map, rows: Sequence[Row]) -> Figure:
                 panel.set_yticklabels([])
     for panel, method in zip(panels[0], METHODS, strict=True):
         panel.set_title(f"{method}\n{panel.get_title()}")
-    figure.colorbar(image, ax=panels, location="bottom", shrink=0.5, aspect=60, pad=0.005)
+    bar = figure.add_axes((0.25, 0.35 / height, 0.5, 0.12 / height))
+    figure.colorbar(image, cax=bar, orientation="horizontal")
     return figure
 
 
@@ -98,7 +110,7 @@ def _panel(panel: Axes, shown: Map, family: Family, rows: Sequence[Row]) -> mpl.
     panel.set_yticks(range(len(LAWS)), [law.replace("_", " ") for law in LAWS])
     stride = max(1, math.ceil(len(values) / 9))
     ticks = range(0, len(values), stride)
-    panel.set_xticks(ticks, [f"{values[k]:g}" for k in ticks])
+    panel.set_xticks(ticks, [short(values[k]) for k in ticks])
     panel.set_title(f"{family.name}: {family.axis}", fontsize=8, loc="left")
     panel.tick_params(length=2)
     return drawn

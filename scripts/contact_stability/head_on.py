@@ -120,7 +120,11 @@ class HeadOn:
         """The closed form, from the very numbers that the FMU is given"""
         with mp.workdps(DIGITS):
             source, free = mpf(self.source_mass), self.destination_mass is not None
-            mass = source * mpf(self.destination_mass) / (source + mpf(self.destination_mass)) if free else source
+            mass = (
+                source * mpf(self.destination_mass) / (source + mpf(self.destination_mass))
+                if free
+                else source
+            )
             radii = mpf(self.destination_radius), mpf(self.source_radius)
             return Line(
                 inside=self.inside,
@@ -174,6 +178,11 @@ class HeadOn:
     def passive(self) -> bool:
         """Whether nothing but gravity gives energy; a finite cylinder's end may"""
         return self.force == 0 and not self.prescribed and self.length is None
+
+    def swings(self, time: float) -> float:
+        """Radians of the pendulum that a ball pressed into a hollow body is"""
+        pull = self.gravity * (self.destination_mass is None) + self.force / self.source_mass
+        return time * math.sqrt(abs(pull) / self.reach) if self.inside else 0.0
 
     def timed(self) -> HeadOn:
         return self if self.end else replace(self, end=2.5 * self.flight_time() + 2.5 * self.contact_time())

@@ -86,7 +86,16 @@ def _cell(value: object) -> object:
 
 
 def counts(rows: Sequence[Row]) -> Table:
-    header = ["method", "scenes", "right", "refused with a message", "wrong", "largest error", "energy", "gain"]
+    header = [
+        "method",
+        "scenes",
+        "right",
+        "refused with a message",
+        "wrong",
+        "largest error",
+        "energy",
+        "gain",
+    ]
     header += ["momentum", "most internal steps", "longest run"]
     cells = []
     for method in METHODS:
@@ -130,7 +139,14 @@ def refusals(rows: Sequence[Row]) -> Table:
         if row.status != "ok" and not row.wrong:
             found[row.method, row.family, reason(row)].append(row)
     cells = [
-        [method, family, span(row.value for row in own), laws(own), kind, f"{len(own)} of {runs[method, family]}"]
+        [
+            method,
+            family,
+            span(row.value for row in own),
+            laws(own),
+            kind,
+            f"{len(own)} of {runs[method, family]}",
+        ]
         for (method, family, kind), own in sorted(found.items(), key=lambda item: METHODS.index(item[0][0]))
     ]
     return Table("Refused, by the message", ["method", "axis", "values", "laws", "reason", "runs"], cells, 5)

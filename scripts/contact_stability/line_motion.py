@@ -19,6 +19,7 @@ from mpmath import mp, mpf
 from .swing import Swing
 
 DIGITS = 60
+ZERO, INFINITE = mpf(0), mpf("inf")
 FULL, SPRING, CLIPPED = "spring and dashpot", "spring alone", "clipped"
 
 
@@ -37,13 +38,14 @@ class Line:
     speed: mpf  # q'
     ends: tuple = ()  # times at which a finite cylinder's end is passed
     within: bool = True
-    time: mpf = mpf(0)
+    time: mpf = ZERO
     onset_times: list = field(default_factory=list)
     onset_speeds: list = field(default_factory=list)  # into the contact
-    last_duration: mpf = mpf(0)
-    fastest: mpf = mpf(0)
-    deepest: mpf = mpf(0)
-    closest_end: mpf = mpf("inf")  # |depth| where a finite cylinder's end was passed
+    last_duration: mpf = ZERO
+    fastest: mpf = ZERO
+    deepest: mpf = ZERO
+    through_middle: bool = False  # of a solid body
+    closest_end: mpf = INFINITE  # |depth| where a finite cylinder's end was passed
     touching: bool = False
     law: str = FULL
     _on_root: str = ""
@@ -52,8 +54,8 @@ class Line:
         return (abs(self.place) - self.reach) * (1 if self.inside else -1)
 
     def side(self) -> mpf:
-        """+1 or -1: where the source is; in the middle, where it goes to. At rest there, a solid body's contact
-        pushes to +z, the FMU's direction where there is no other."""
+        """+1 or -1: where the source is; in the middle, where it goes to. At rest there, a solid body's
+        contact pushes to +z, the FMU's direction where there is no other."""
         away = self.push + self.stiffness * self.reach / self.mass
         at_rest = mpf(1) if not self.inside and away > 0 else mp.sign(self.push) or mpf(1)
         return mp.sign(self.place) or mp.sign(self.speed) or at_rest
@@ -192,7 +194,7 @@ class Line:
             self._let_go()
             self._on_root = "left"
         elif event == "middle":
-            self.place = mpf(0)
+            self.place, self.through_middle = mpf(0), True
             self._on_root = "middle"
             self._choose_law()
         elif event == "rate":

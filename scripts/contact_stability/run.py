@@ -1,4 +1,4 @@
-"""Runs scenes in worker processes; a row of the atlas for each method and each number of communication steps"""
+"""Runs scenes in worker processes: a row for each method and each number of communication steps"""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 from . import checks
 from .checks import TOLERANCE, Figures
 from .drive import Driver, Outcome
-from .scenes import Scene
+from .scene import Scene
 from .similar import Similar
 
 METHODS = ("event_driven", "cvode_bdf", "cvode_adams")
@@ -44,6 +44,9 @@ class Row:
     gain: float
     momentum: float
     touch: float
+    touch_rounding: float
+    through_middle: bool
+    work: float
     onsets: int
     expected_onsets: int
     missed: bool

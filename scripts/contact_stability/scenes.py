@@ -2,63 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
 
-from .expected import Expected, of_head_on
+from . import together
 from .head_on import GEOMETRIES, LAWS, HeadOn
+from .scene import Family, Jump, Scene
 from .similar import Similar, bases, unit_systems
-
-STEPS = (1, 7)  # communication steps of a run, where a family does not say
-
-
-class Jump(NamedTuple):
-    """At the begin of communication step `step` the destination is moved to `shift` along z"""
-
-    step: int
-    shift: float
-
-
-@dataclass(frozen=True)
-class Scene:
-    """One motion; it is run with every method and each number of communication steps"""
-
-    family: str
-    value: float  # on the family's axis
-    motion: HeadOn | Similar
-    steps: Sequence[int] = STEPS
-    jumps: Sequence[Jump] = ()
-    note: str = ""  # what sets it apart from others at the same value
-
-    def __post_init__(self) -> None:
-        if isinstance(self.motion, HeadOn):
-            object.__setattr__(self, "motion", self.motion.timed())
-
-    def expected(self) -> dict[int, Expected]:
-        """By number of communication steps, which matters where inputs jump at them"""
-        if isinstance(self.motion, Similar):
-            return dict.fromkeys(self.steps, self.motion.expected())
-        if not self.jumps:
-            return dict.fromkeys(self.steps, of_head_on(self.motion))
-        end = self.motion.end
-        return {
-            steps: of_head_on(self.motion, [(end * (jump.step / steps), jump.shift) for jump in self.jumps])
-            for steps in self.steps
-        }
-
-    @property
-    def name(self) -> str:
-        parts = (self.family, f"{self.value:g}", self.motion.geometry, self.motion.law, self.note)
-        return ", ".join(part for part in parts if part)
-
-
-class Family(NamedTuple):
-    name: str
-    axis: str  # with its unit
-    text: str
-    make: Callable[[], Iterator[Scene]]
 
 
 def decades(first: int, last: int, stride: int = 1) -> list[float]:
@@ -110,7 +61,9 @@ def radius_ratio() -> Iterator[Scene]:
     for value in decades(0, 9):
         for one in variants():
             ratio = 1.25 * value if one.inside else value
-            yield Scene("radius ratio", value, replace(one, destination_radius=0.125 * ratio), note="small ball")
+            yield Scene(
+                "radius ratio", value, replace(one, destination_radius=0.125 * ratio), note="small ball"
+            )
             if not one.inside and value > 1:
                 large = replace(one, source_radius=0.125 * value, destination_radius=0.125)
                 yield Scene("radius ratio", value, large, note="large ball")
@@ -182,10 +135,18 @@ def communication_step() -> Iterator[Scene]:
                 thrown = replace(one, gap=0.125 if end > 0.4 else end / 3, gravity=0.0, end=end)
                 speed = 0.375 / end if end > 0.4 else 1.0
                 steps = (count,)
-                yield Scene("communication step", value, replace(thrown, speed=speed), steps=steps, note=f"{count} steps")
+                yield Scene(
+                    "communication step",
+                    value,
+                    replace(thrown, speed=speed),
+                    steps=steps,
+                    note=f"{count} steps",
+                )
                 if one.law in ("non_adhesive", "unclamped") and 0.4 < end <= 2e3:
                     falling = replace(one, ratio=0.4, end=end)
-                    yield Scene("communication step", value, falling, steps=steps, note=f"falling, {count} steps")
+                    yield Scene(
+                        "communication step", value, falling, steps=steps, note=f"falling, {count} steps"
+                    )
 
 
 def offset() -> Iterator[Scene]:
@@ -225,7 +186,9 @@ def rim() -> Iterator[Scene]:
                         for late in (0.0, away):
                             along = 0.5 - along_speed * (touch + late + side * value)
                             moved = replace(one, along=along, along_speed=along_speed, end=0.5)
-                            yield Scene("rim", value, moved, note=f"{along_speed:g} m/s, {side:+d}, {late:.2g} s")
+                            yield Scene(
+                                "rim", value, moved, note=f"{along_speed:g} m/s, {side:+d}, {late:.2g} s"
+                            )
 
 
 def force() -> Iterator[Scene]:
@@ -254,6 +217,11 @@ def units(which: str) -> Iterator[Scene]:
                 yield Scene(f"unit of {which}", power, Similar(number, system), note=base["name"])
 
 
+def at_once() -> Iterator[Scene]:
+    for group, number, motion in together.scenes():
+        yield Scene("all at once", group, motion, note=f"number {number}")
+
+
 FAMILIES = (
     Family("stiffness", "penalty factor, N/m", "The penalty factor", stiffness),
     Family("mass", "mass, kg", "The ball's mass", mass),
@@ -271,10 +239,13 @@ FAMILIES = (
     Family("rim", "time between touch and end, s", "The end of a finite cylinder", rim),
     Family("force", "external force, N", "Pressed on", force),
     Family("jump", "jump over the radius", "Prescribed motion that jumps", jumps),
+    Family("all at once", "group of random scenes", "Everything extreme at once", at_once),
     Family("unit of length", "length unit, power of two", "Oblique scenes", partial(units, "length")),
     Family("unit of mass", "mass unit, power of two", "Oblique scenes", partial(units, "mass")),
     Family("unit of time", "time unit, power of two", "Oblique scenes", partial(units, "time")),
-    Family("unit of all", "length and half of time's power, less mass's", "Oblique scenes", partial(units, "all")),
+    Family(
+        "unit of all", "length and half of time's power, less mass's", "Oblique scenes", partial(units, "all")
+    ),
 )
 
 

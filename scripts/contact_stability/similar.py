@@ -30,6 +30,8 @@ class Units(NamedTuple):
         return 2.0 ** (length * self.length + mass * self.mass + time * self.time)
 
 
+UNCHANGED = Units()
+
 # Dimension of a variable by the end of its name: powers of length, mass, time.
 DIMENSIONS = {
     "radius": (1, 0, 0),
@@ -69,7 +71,7 @@ class Similar:
     """A scene of oblique_references.json by its number, in other units"""
 
     number: int
-    units: Units = Units()
+    units: Units = UNCHANGED
 
     @property
     def base(self) -> dict[str, Any]:
@@ -140,6 +142,10 @@ class Similar:
         moved = values.get("destination.motion") == "prescribed" or values.get("destination.finite_length")
         return not moved and not any("external_force" in name for name in values)
 
+    def swings(self, time: float) -> float:
+        """None that last long"""
+        return 0.0
+
     def expected(self) -> Expected:
         base, length = self.base, self.units.factor(length=1)
         moved = np.array(base["displacement"]) * length
@@ -162,7 +168,7 @@ class Similar:
 
 def unit_systems() -> Iterator[tuple[str, int, Units]]:
     """Which unit, its power of two, and all three"""
-    yield "length", 0, Units()
+    yield "length", 0, UNCHANGED
     for power in (-30, -20, -10, 10, 20):
         yield "length", power, Units(length=power)
     for power in (-30, -20, -10, 10, 20, 30):

@@ -45,9 +45,7 @@ class Swing:
             return self.depth + (self.push * t - speed + self.speed) / (2 * self.half), speed
         return self.depth + self.speed * t + self.push * t**2 / 2, speed
 
-    def first_change(
-        self, weights: tuple[mpf, mpf, mpf], until: mpf, on_root: bool = False
-    ) -> mpf | None:
+    def first_change(self, weights: tuple[mpf, mpf, mpf], until: mpf, on_root: bool = False) -> mpf | None:
         """The first time before `until` at which f = weights . (s, s', 1) changes its sign; `on_root`: it is
         zero now, whatever its rounding says"""
         a, b, c = weights

@@ -1,16 +1,33 @@
 """The words of the page"""
 
 CHECKS = (
-    "Head-on scenes have a closed form, evaluated with 60 digits from the very numbers the FMU is given: flights "
-    "are parabolas, contacts damped oscillations, joined where the gap, the gap rate or the force changes its "
-    "sign. Oblique scenes, grazes and soft bodies passed off their middle have an end computed with 40 digits by "
-    "a Taylor integrator, and are repeated in other units of length, mass and time (powers of two): the numbers "
-    "are extreme, the motion is the same.",
-    "Asked of every run: finite outputs; the place at the end; energy.total constant, over the largest energy in "
-    "play; no mechanical energy gained where nothing gives any; momentum against the impulses of contact, "
-    "gravity and force; the number of onsets and the time of the last one. A run that is refused "
-    "(fmi2Discard or fmi2Error with a message) must have finite outputs and its energy in balance up to the time "
-    "it reached.",
+    "Head-on scenes have a closed form, evaluated with 60 digits from the very numbers the FMU is "
+    "given: flights are parabolas, contacts damped oscillations, joined where the gap, the gap rate or "
+    "the force changes its sign. Oblique scenes, grazes and soft bodies passed off their middle have an "
+    "end computed with 40 digits by a Taylor integrator, and are repeated in other units of length, "
+    "mass and time (powers of two): the numbers are extreme, the motion is the same.",
+    "Asked of every run: finite outputs; the place at the end; energy.total constant, over the largest "
+    "energy in play; no mechanical energy gained where nothing gives any; momentum against the impulses "
+    "of contact, gravity and force; the number of onsets and the time of the last one; the work. A run "
+    "that is refused (fmi2Discard or fmi2Error with a message) must have finite outputs and its energy "
+    "in balance up to the time it reached. Errors may be larger by what the rounding of the given radii "
+    "and places leaves open, and onsets that rounding alone decides are not counted.",
 )
 
-LIMITS = ()
+LIMITS = (
+    "event_driven has no limit of stiffness: its steps follow events and the slow motion. Its work is "
+    "bounded by 3000 internal steps for each communication step, event and radian of slow swinging; a "
+    "run that bounces for ever in one communication step ends with fmi2Discard at "
+    "solver.max_internal_steps, the state whole, and goes on when fmi2DoStep is called again.",
+    "cvode_bdf and cvode_adams resolve every oscillation of a contact, cvode_adams every decay as well. "
+    "A contact that lasts long against sqrt(m/p_n), or m/p_nv, ends with fmi2Discard at "
+    "solver.max_internal_steps: use event_driven.",
+    "cvode_bdf and cvode_adams hold their tolerance in displacements. An impact whose depth v "
+    "sqrt(m/p_n) is not large against relative tolerance times displacement (mass ratios from 1e10, "
+    "p_n/m from 1e16 1/s2 on) gives a speed that is off by more than the tolerance, with energy in "
+    "balance to rounding or not: use event_driven.",
+    "cvode_bdf and cvode_adams find events by samples: a flight shorter than an internal step (a ball "
+    "that swings through a hollow body much smaller than its amplitude) is not seen, and contact.onsets "
+    "counts too few.",
+    "Bodies that have gone far together lose digits of their gap: 1e-16 of the displacement.",
+)

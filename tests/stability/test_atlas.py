@@ -1,0 +1,141 @@
+"""A fast part of the atlas: event_driven is right everywhere, CVODE wherever it ends; the page tells it"""
+
+import csv
+import math
+import re
+from collections import Counter
+
+import pytest
+from contact_stability.__main__ import QUICK
+from contact_stability.checks import LIMITS, Figures
+from contact_stability.head_on import HeadOn
+from contact_stability.limits import groups, write_csv
+from contact_stability.page import draw_page
+from contact_stability.run import METHODS, run_all, run_scene, thinned
+from contact_stability.scene import Scene
+from contact_stability.scenes import FAMILIES, all_scenes
+from contact_stability.similar import Similar, Units, bases
+from lxml import etree
+
+CVODE = METHODS[1:]
+# What the page names as limits of CVODE: the depth of an impact below its tolerance, flights it does not see.
+NAMED = ("mass ratio", "jump", "all at once")
+
+
+@pytest.fixture(scope="module")
+def rows():
+    return [row for _, found in run_all(thinned(all_scenes(), QUICK), 2) for row in found]
+
+
+@pytest.mark.parametrize("family", [family.name for family in FAMILIES])
+def test_event_driven_is_right_or_says_what_stops_it(rows, family):
+    own = [row for row in rows if row.family == family and row.method == "event_driven"]
+    assert len(own) >= 4
+    wrong = [
+        (row.wrong, row.value, row.geometry, row.law, row.note, row.communication_steps)
+        for row in own
+        if row.wrong
+    ]
+    assert wrong == []
+    assert all(row.message for row in own if row.status != "ok")
+
+
+@pytest.mark.parametrize("method", CVODE)
+def test_cvode_is_right_where_it_ends(rows, method):
+    wrong = [
+        (row.wrong, row.family, row.value, row.geometry, row.law, row.note, row.communication_steps)
+        for row in rows
+        if row.method == method and row.wrong and row.family not in NAMED
+    ]
+    assert wrong == []
+
+
+@pytest.mark.parametrize("method", CVODE)
+def test_cvode_refuses_at_its_work_limit_and_nowhere_else(rows, method):
+    refused = [row for row in rows if row.method == method and row.status != "ok"]
+    assert all("solver.max_internal_steps" in row.message for row in refused)
+    ended = sum(row.status == "ok" for row in rows if row.method == method)
+    assert ended > 5 * len(refused) > 0
+
+
+def test_the_full_atlas_has_5000_scenes_for_each_method():
+    scenes = all_scenes()
+    assert sum(len(scene.steps) for scene in scenes) >= 5000
+    assert len({(scene.name, scene.motion, scene.steps) for scene in scenes}) == len(scenes)
+    reached = Counter(scene.family for scene in scenes)
+    assert reached.keys() == {family.name for family in FAMILIES}
+
+
+def test_the_declared_ranges_are_swept():
+    scenes = all_scenes()
+
+    def span(family, name="value"):
+        own = [getattr(scene, name) for scene in scenes if scene.family == family]
+        return min(own), max(own)
+
+    assert span("stiffness") == (1.0, 1e15)
+    assert span("mass") == (1e-9, 1e9)
+    assert span("mass ratio") == (1e-12, 1e12)
+    assert span("size") == (1e-9, 1e6)
+    assert span("radius ratio") == (1.0, 1e9)
+    assert span("clearance") == (1e-12, 0.1)
+    assert span("speed") == (0.0, 1e6)
+    assert span("damping") == (0.0, 1e4)
+    assert span("communication step") == (1e-9, 1e3)
+    assert span("offset") == (0.0, 1e9)
+    assert span("force")[1] == 1e12
+    sizes = [
+        scene.motion.end / n for scene in scenes for n in scene.steps if scene.family == "communication step"
+    ]
+    assert math.isclose(min(sizes), 1e-9) and math.isclose(max(sizes), 1e3)
+
+
+def test_other_units_give_the_same_bits(rows):
+    """event_driven: nothing in it knows a metre, a kilogram or a second."""
+    units = [Units(), Units(length=-30), Units(mass=20), Units(time=-20), Units(20, -20, 10)]
+    for number in range(0, len(bases()), 9):
+        found = {
+            row.bits
+            for system in units
+            for row in run_scene(Scene("units", 0.0, Similar(number, system), steps=(3,)))
+            if row.method == "event_driven"
+        }
+        assert len(found) == 1, bases()[number]["name"]
+
+
+def test_a_wrong_answer_is_found():
+    """Of each check, the least that is too much"""
+    for method in METHODS:
+        for name, limit in LIMITS[method].items():
+            assert Figures(**{name: 1.01 * limit}).wrong(method) == [name]
+            assert Figures(**{name: 0.99 * limit}).wrong(method) == []
+        assert Figures(missed=True).wrong(method) == ["onsets"]
+        assert Figures(finite=False).wrong(method) == ["finite"]
+
+
+def test_a_scene_of_another_law_is_told_apart(monkeypatch):
+    """The closed form of one damping against the FMU with another one"""
+    scene = Scene("damping", 0.2, HeadOn(ratio=0.2))
+    assert {row.wrong for row in run_scene(scene)} == {""}
+    expected = Scene("damping", 0.2, HeadOn(ratio=0.2001)).expected()
+    monkeypatch.setattr(Scene, "expected", lambda _: expected)
+    assert all("error" in row.wrong for row in run_scene(scene))
+
+
+def test_the_page_stands_alone_and_tells_every_refusal(rows, tmp_path):
+    write_csv(rows, tmp_path / "runs.csv")
+    write_csv(groups(rows), tmp_path / "summary.csv")
+    draw_page(rows, tmp_path, "A few scenes.")
+    page = etree.HTML((tmp_path / "index.html").read_text(encoding="utf-8"))
+    assert len(page.xpath("//img")) == 3
+    assert all(source.startswith("data:image/png;base64,") for source in page.xpath("//img/@src"))
+    assert page.xpath("//link | //script | //iframe") == []
+    refused = page.xpath("//table[caption='Refused, by the message']/tr/td[last()]/text()")
+    shown = sum(int(text.partition(" of ")[0]) for text in refused)
+    assert shown == sum(row.status != "ok" and not row.wrong for row in rows)
+    text = (tmp_path / "README.md").read_text(encoding="utf-8")
+    assert re.findall(r"!\[[^\]]+\]\((\w+\.png)\)", text) == ["error.png", "energy.png", "steps.png"]
+    for table in re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE):
+        assert len({line.replace("\\|", "").count("|") for line in table.splitlines()}) == 1, table
+    with (tmp_path / "runs.csv").open(encoding="utf-8") as stream:
+        assert len(list(csv.DictReader(stream))) == len(rows)
