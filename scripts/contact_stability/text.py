@@ -26,6 +26,9 @@ LIMITS = (
     "sqrt(m/p_n) is not large against relative tolerance times displacement (mass ratios from 1e10, "
     "p_n/m from 1e16 1/s2 on) gives a speed that is off by more than the tolerance, with energy in "
     "balance to rounding or not: use event_driven.",
+    "cvode_bdf and cvode_adams take internal steps of about a tenth of r_d - r_s in a hollow body at the "
+    "speed of the moment: an impact that is 1000 clearances deep ends with fmi2Discard at "
+    "solver.max_internal_steps.",
     "cvode_bdf and cvode_adams find events by samples: a flight shorter than an internal step (a ball "
     "that swings through a hollow body much smaller than its amplitude) is not seen, and contact.onsets "
     "counts too few.",
