@@ -59,7 +59,7 @@ def draw(rows: Sequence[Row], folder: Path) -> list[dict[str, str]]:
     """Name and caption of each figure; the files are name.png"""
     for one in MAPS:
         with mpl.rc_context(STYLE):
-            _figure(one, rows).savefig(folder / f"{one.name}.png", dpi=110, metadata={"Software": None})
+            _figure(one, rows).savefig(folder / f"{one.name}.png", dpi=90, metadata={"Software": None})
     return [{"name": one.name, "caption": f"{one.caption} {LEGEND}"} for one in MAPS]
 
 

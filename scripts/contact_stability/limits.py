@@ -167,7 +167,8 @@ def mistakes(rows: Sequence[Row]) -> Table:
 
 def _worst_name(rows: Sequence[Row]) -> str:
     row = max(rows, key=lambda one: 0.0 if math.isnan(one.error) else one.error)
-    return f"{row.geometry}, {row.law}, {row.value:g}, {row.note} ({row.error:.0e})".replace(", ,", ",")
+    parts = (row.geometry, row.law, f"{row.value:g}", row.note)
+    return ", ".join(part for part in parts if part) + f" ({row.error:.0e})"
 
 
 def laws(rows: Sequence[Row]) -> str:
