@@ -91,7 +91,10 @@ __attribute__((flatten)) fmi2Status fmi2DoStep(fmi2Component c, fmi2Real current
 {
     struct instance *instance = c;
     (void)noSetFMUStatePriorToCurrentPoint;
-    if (instance != NULL && plainly_in_order(instance, currentCommunicationPoint, communicationStepSize) &&
+    if (instance == NULL) {
+        return fmi2Error;
+    }
+    if (plainly_in_order(instance, currentCommunicationPoint, communicationStepSize) &&
         model_glide(instance->model, currentCommunicationPoint + communicationStepSize)) {
         return fmi2OK; /* as the step before, so that step_status need not be written */
     }

@@ -132,8 +132,10 @@ __attribute__((flatten)) fmi2Status fmi2GetReal(fmi2Component c, const fmi2Value
                                                 fmi2Real value[])
 {
     struct instance *instance = c;
-    if (instance != NULL && instance->phase == PHASE_STEP && nvr == 3 && vr != NULL && value != NULL &&
-        model_get_vector(instance->model, vr, value)) {
+    if (instance == NULL) {
+        return fmi2Error;
+    }
+    if (instance->phase == PHASE_STEP && nvr == 3 && model_get_vector(instance->model, vr, value)) {
         return fmi2OK;
     }
     return get_reals(instance, vr, nvr, value);

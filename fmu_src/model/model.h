@@ -66,7 +66,8 @@ void model_set_integer(struct model *m, const struct variable *variable, int32_t
 double model_get_real(struct model *m, const struct variable *variable);
 
 /* The same for many references once the model is initialized, quickly: returns how many it read before one that is no Real
- * variable or that has to be computed. model_get_vector reads the three of a vector or, where they are anything else, none. */
+ * variable or that has to be computed. model_get_vector reads the three of a vector; none where they are anything else or an
+ * array is missing. */
 size_t model_get_reals(const struct model *m, const uint32_t *references, size_t count, double *values);
 bool model_get_vector(const struct model *m, const uint32_t *references, double *values);
 int32_t model_get_integer(struct model *m, const struct variable *variable);

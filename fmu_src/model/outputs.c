@@ -128,6 +128,7 @@ static void update_bodies(struct model *m)
 }
 
 #if SCENE_ANY_FREE
+#if SCENE_ANY_PRESCRIBED
 /* Apart from model_foresee_reading, which need not save registers for it. */
 __attribute__((noinline)) static void show_prescribed(struct scene_values *v, const struct motion *q)
 {
@@ -137,23 +138,29 @@ __attribute__((noinline)) static void show_prescribed(struct scene_values *v, co
         }
     }
 }
+#endif
 
 void model_foresee_reading(struct model *m, double clock)
 {
     struct scene_values *v = &m->state.values;
     const struct motion *q = &m->state.motion;
-    bool prescribed = false;
+    m->outputs = OUTPUTS_BODIES;
+    bool all_shown = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
             const struct body_state at = flight_falling_at(v, q, i, clock);
             put_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
+        } else if (body_is_prescribed(v, i)) {
+            all_shown = false;
         }
-        prescribed = prescribed || body_is_prescribed(v, i);
     }
-    m->outputs = OUTPUTS_BODIES;
-    if (prescribed) {
+#if SCENE_ANY_PRESCRIBED
+    if (!all_shown) {
         show_prescribed(v, q);
     }
+#else
+    (void)all_shown;
+#endif
 }
 #endif
 

@@ -55,6 +55,9 @@ static inline const double *known_real(const struct model *m, uint32_t reference
 
 bool model_get_vector(const struct model *m, const uint32_t *references, double *values)
 {
+    if (!references || !values) {
+        return false;
+    }
     const uint32_t first = references[0];
     const bool in_order = references[1] == first + 1 && references[2] == first + 2;
     const double *from = in_order ? known_real(m, first, VARIABLE_VECTOR) : NULL;

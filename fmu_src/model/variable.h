@@ -35,8 +35,7 @@ enum variable_source {
     VARIABLE_FIXED = 0x20000,    /* no variable has it, see enum outputs */
     VARIABLE_BODY = 0x40000,     /* the motion of the bodies */
     VARIABLE_COMPUTED = 0x80000, /* everything */
-    VARIABLE_VECTOR =
-        0x100000 /* also: the first component of a vector, whose others follow in offset and reference */
+    VARIABLE_VECTOR = 0x100000   /* also: first of a vector, whose others follow */
 };
 
 /* All it takes to read a Real variable: its offset and its enum variable_source; 0 for a reference that has none. By value
