@@ -95,7 +95,6 @@ def row_of(scene: Scene, method: str, steps: int, outcome: Outcome, found: Figur
         wrong=" ".join(found.wrong(method)),
         steps=counts.get("solver.steps", 0),
         events=counts.get("solver.events", 0),
-        fallbacks=counts.get("solver.fallbacks", 0),
         seconds=outcome.seconds,
         bits=bits(scene, outcome),
         message=outcome.message,
