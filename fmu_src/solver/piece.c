@@ -31,7 +31,7 @@ static void series_piece(struct piece *p, double longest)
     watch_sample(&p->watch);
 }
 
-/* Halvings of the fast decay, as long as they come before the nodes: no quantity turns twice between them. */
+/* At half the fast decay's time, once, twice, four times it and so on, as long as they come before the nodes: no quantity turns twice between them. */
 static void add_decay_places(struct piece *p)
 {
     const double first = 0.5 / oscillator_rates_of(&p->by.collocation.step.oscillator).faster;
