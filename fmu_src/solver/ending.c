@@ -47,8 +47,8 @@ struct watched ending_margin(const struct piece *p)
     if (law->dashpot == DASHPOT_NON_ADHESIVE) {
         return (struct watched){PRESS_FORCE, 1.0, open + law->damping * rate};
     }
-    const double force = largest_size(p, PRESS_FORCE);
-    const double idle = fmax(open, fmin(law->stiffness * p->tolerance, IDLE_DASHPOT * force));
+    const double load = press_load(&p->press);
+    const double idle = fmax(open, fmin(law->stiffness * p->tolerance, IDLE_DASHPOT * load));
     return (struct watched){PRESS_RATE, p->regime == REGIME_RECEDING ? 1.0 : -1.0,
                             idle / law->damping + rate};
 }
