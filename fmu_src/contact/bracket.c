@@ -2,33 +2,54 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdbool.h>
+
+/* Beyond a step of this part of s nothing is foretold. */
+static const double SHORT_STEP = 1e-6;
+
+/*
+ * Whether a step of Newton's method needs no look at where it leads: it misses the root by bend step^2 / 2 slope, and by the step times
+ * the slope's own error, seen as the difference between secant and mean slope. Both must be below rounding. NaN before the second look.
+ */
+static bool is_the_last(struct bracket_end now, struct bracket_end before, double next)
+{
+    const double step = next - now.s;
+    const double length = now.s - before.s;
+    const double bend = (now.slope - before.slope) / length;
+    const double mistrust = (now.value - before.value) / length - 0.5 * (now.slope + before.slope);
+    return fabs(step) <= SHORT_STEP * next &&
+           fabs(bend * step * step) + fabs(mistrust * step) <= 0.25 * DBL_EPSILON * fabs(now.slope * next);
+}
 
 static double root_from(bracket_function *f, const void *data, double low, double high, double rising,
                         double s)
 {
+    struct bracket_end before = {(double)NAN, (double)NAN, (double)NAN};
     /* Bisection alone would need about 1100 halvings to reach the smallest double, Newton a handful of steps. */
     for (int i = 0; i < 1200; ++i) {
-        double value;
-        double slope;
-        f(data, s, &value, &slope);
-        if (value == 0.0) {
+        struct bracket_end now = {.s = s};
+        f(data, s, &now.value, &now.slope);
+        if (now.value == 0.0) {
             return s;
         }
-        if (rising * value < 0.0) {
+        if (rising * now.value < 0.0) {
             low = s;
         } else {
             high = s;
         }
-        double next = s - value / slope;
+        double next = s - now.value / now.slope;
         if (fabs(next - s) <= DBL_EPSILON * s) {
             return s; /* and not on to the other end of the bracket, where s is its new end */
         }
         if (!(next > low && next < high)) {
             next = 0.5 * (low + high);
+        } else if (is_the_last(now, before, next)) {
+            return next;
         }
         if (next <= low || next >= high) {
             return next;
         }
+        before = now;
         s = next;
     }
     return s;
@@ -42,8 +63,16 @@ double bracket_root(bracket_function *f, const void *data, double low, double hi
     return root_from(f, data, low, high, value < 0.0 ? 1.0 : -1.0, 0.5 * (low + high));
 }
 
+/* From turn to turn, as an oscillation goes: half a cosine. */
+static double guess_between_turns(struct bracket_end low, struct bracket_end high)
+{
+    const double half_turn = 3.141592653589793;
+    const double mean = (low.value + high.value) / (high.value - low.value);
+    return low.s + acos(mean) / half_turn * (high.s - low.s);
+}
+
 /* A few steps of Newton's method from the secant, as long as they stay inside. */
-double bracket_guess(struct bracket_end low, struct bracket_end high)
+static double guess_by_cubic(struct bracket_end low, struct bracket_end high)
 {
     const double length = high.s - low.s;
     const double slope = length * low.slope;
@@ -59,7 +88,13 @@ double bracket_guess(struct bracket_end low, struct bracket_end high)
         }
         x = next;
     }
-    const double guess = low.s + x * length;
+    return low.s + x * length;
+}
+
+double bracket_guess(struct bracket_end low, struct bracket_end high)
+{
+    const bool turns = low.slope == 0.0 && high.slope == 0.0;
+    const double guess = turns ? guess_between_turns(low, high) : guess_by_cubic(low, high);
     return guess > low.s && guess < high.s ? guess : 0.5 * (low.s + high.s);
 }
 

@@ -13,7 +13,7 @@ struct bracket_end {
     double s, value, slope;
 };
 
-/* Of the cubic through both ends. */
+/* Of the cubic through both ends, of half a cosine where both are turns. */
 double bracket_guess(struct bracket_end low, struct bracket_end high);
 
 /* The root where f is known at both ends, other than zero at the first. */

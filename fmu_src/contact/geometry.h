@@ -48,6 +48,12 @@ static inline bool contact_is_cylinder(const struct contact_shape *shape)
 #endif
 }
 
+/* c without its part along a cylinder's axis. */
+static inline struct vec3 contact_across(const struct contact_shape *shape, struct vec3 c)
+{
+    return contact_is_cylinder(shape) ? vec3_axpy(c, -vec3_dot(c, shape->axis), shape->axis) : c;
+}
+
 /* The distance at which the bodies touch: r_s + r_d outside, r_d - r_s inside [m]. */
 double contact_reach(const struct contact_shape *shape);
 

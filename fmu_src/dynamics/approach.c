@@ -2,18 +2,18 @@
 
 #if SCENE_ANY_FREE
 
+#include "dynamics/flight.h"
+
 static void add_free(const struct scene_values *v, const struct motion *q, const struct system_instant *at,
                      double clock, int body, double sign, struct separation *out)
 {
-    struct vec3 force[3] = {q->path[body].force[0], q->path[body].force[1], q->path[body].force[2]};
-    path_shift(force, 3, clock);
-    const double inverse_mass = 1.0 / body_mass(v, body);
-    const struct vec3 rate[SEPARATION_DEGREE] = {
-        at->velocity[body], vec3_axpy(gravity(v), inverse_mass, force[0]),
-        vec3_scale(inverse_mass / 2.0, force[1]), vec3_scale(inverse_mass / 3.0, force[2])};
-    for (int i = 0; i < SEPARATION_DEGREE; ++i) {
+    struct vec3 force[3];
+    flight_force(q, body, clock, force);
+    struct vec3 rate[SEPARATION_DEGREE];
+    const int terms = flight_velocity(v, body, at->velocity[body], force, rate);
+    for (int i = 0; i < terms; ++i) {
         out->w[i] = vec3_axpy(out->w[i], sign, rate[i]);
-        out->c[i + 1] = vec3_axpy(out->c[i + 1], sign / (i + 1), rate[i]);
+        out->c[i + 1] = vec3_axpy(out->c[i + 1], sign * FLIGHT_MEAN[i], rate[i]);
     }
 }
 

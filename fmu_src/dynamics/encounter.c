@@ -6,6 +6,7 @@
 
 #include "contact/bracket.h"
 #include "dynamics/cuts.h"
+#include "dynamics/head_on.h"
 
 static enum contact_regime regime_at(const struct approach *path, const struct contact_law *law, double s)
 {
@@ -153,6 +154,12 @@ static bool first_touch(const struct approach *path, const struct extremes *extr
     return low.value > 0.0;
 }
 
+/* Of bodies that are apart and approach when they touch, if they do. */
+static struct encounter first_touch_at(double after)
+{
+    return (struct encounter){after, isfinite(after) ? REGIME_PRESSING : REGIME_APART, 0.0, false};
+}
+
 struct encounter encounter_next(const struct scene_values *v, const struct motion *q,
                                 const struct system_instant *at, double clock, int contact, double horizon)
 {
@@ -166,15 +173,21 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
         return (struct encounter){(double)INFINITY, present, 0.0, true};
     }
     const struct separation separation = separation_of(v, q, at, clock, contact);
-    const struct approach path = approach_make(&shape, &separation, at->geometry[contact].gap, horizon);
-    const bool simple = present == REGIME_APART && !has_ends;
-    if (simple && keeps_away(&path)) {
-        return (struct encounter){(double)INFINITY, present, 0.0, false};
-    }
     const double by_positions = system_gap_resolution(v, at, contact);
     const double resolution = system_gap_is_known(q, at, contact)
                                   ? 8.0 * DBL_EPSILON * fabs(at->geometry[contact].gap)
                                   : by_positions;
+    const bool simple = present == REGIME_APART && !has_ends;
+    double touch;
+    if (simple && !(q->contact[contact].settled_clock > clock) &&
+        head_on_is(&shape, &separation, at->geometry[contact].normal) &&
+        head_on_touch(&shape, &separation, &at->geometry[contact], resolution, horizon, &touch)) {
+        return first_touch_at(touch);
+    }
+    const struct approach path = approach_make(&shape, &separation, at->geometry[contact].gap, horizon);
+    if (simple && keeps_away(&path)) {
+        return first_touch_at((double)INFINITY);
+    }
     const double found = (q->contact[contact].settled_clock - clock) / horizon;
     const double settle = fmax(found, settling_time(&path, &shape, &law, &at->geometry[contact], resolution,
                                                     by_positions, &separation, present));
@@ -184,9 +197,8 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     }
     const struct extremes extremes = extremes_of(&path);
     struct encounter next;
-    double touch;
     if (simple && settle < 1.0 && first_touch(&path, &extremes, settle, &touch)) {
-        next = (struct encounter){touch * horizon, isfinite(touch) ? REGIME_PRESSING : present, 0.0, false};
+        next = first_touch_at(touch * horizon);
     } else {
         const int count = cuts_of_all(&path, &extremes, &shape, &law, cuts);
         next = first_change(&path, cuts, count, &law, present, false, settle);

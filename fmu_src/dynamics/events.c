@@ -35,31 +35,31 @@ static double gap_at_change(const struct scene_values *v, const struct motion *q
     return regime == REGIME_APART ? fmax(gap, 0.0) : gap;
 }
 
-/* A smooth piece of the motion starts here: nothing is known ahead, the integrator forgets, the balance is taken. */
+/* A smooth piece of the motion starts here: nothing is known ahead, the balance is taken. */
 static void begin_phase(const struct scene_values *v, struct motion *q, const struct system_instant *at)
 {
     q->horizon_clock = -(double)INFINITY;
-    motion_rebase(q);
     q->phase_energy = projection_balance(v, q, at);
 }
 
 void event_change_regime(const struct scene_values *v, struct motion *q, int contact,
-                         enum contact_regime regime)
+                         enum contact_regime regime, struct system_instant *at)
 {
-    struct system_instant at;
-    system_now(v, q, &at);
-    event_note_peaks(q, &at);
-    const double before = energy_stored(v, q, &at);
-    const double gap = gap_at_change(v, q, &at, contact, regime);
-    q->contact[contact].carried_gap = gap;
-    at.geometry[contact].gap = gap;
+    motion_rebase(v, q);
+    system_place(v, q, at);
+    if (!system_is_apart(q)) {
+        system_forces(v, q, q->clock, at);
+        event_note_peaks(q, at);
+    }
+    const double before = energy_stored(v, q, at);
+    at->geometry[contact].gap = gap_at_change(v, q, at, contact, regime);
+    q->contact[contact].carried_gap = at->geometry[contact].gap;
     set_regime(q, contact, regime);
-    q->dissipated += before - energy_stored(v, q, &at);
+    q->dissipated += before - energy_stored(v, q, at);
     counter_add(&q->counters.events, 1);
-    begin_phase(v, q, &at);
-    q->contact[contact].carried_gap = gap;
-    system_forces(v, q, q->clock, &at);
-    event_note_peaks(q, &at);
+    begin_phase(v, q, at);
+    system_forces(v, q, q->clock, at);
+    event_note_peaks(q, at);
 }
 
 void event_settle_regimes(const struct scene_values *v, struct motion *q, double stored_before, bool starting)
@@ -74,6 +74,7 @@ void event_settle_regimes(const struct scene_values *v, struct motion *q, double
     if (!starting) {
         q->external_work += energy_stored(v, q, &at) - stored_before;
     }
+    motion_rebase(v, q);
     begin_phase(v, q, &at);
 }
 
@@ -86,17 +87,16 @@ static void note_instant(struct motion *q, const struct system_instant *at)
     }
 }
 
-void event_begin_window(const struct scene_values *v, struct motion *q)
+void event_begin_window(const struct scene_values *v, struct motion *q, struct system_instant *at)
 {
-    struct system_instant at;
-    system_now(v, q, &at);
+    system_now(v, q, at);
     q->window = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].impulse_mark = q->contact[j].impulse;
         q->contact[j].peak_force = 0.0;
         q->contact[j].peak_penetration = 0.0;
     }
-    note_instant(q, &at);
+    note_instant(q, at);
 }
 
 void event_end_window(const struct scene_values *v, struct motion *q)

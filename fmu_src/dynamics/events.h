@@ -9,10 +9,10 @@
 /*
  * Puts a contact into a new regime at the present instant: counts an onset when bodies begin to overlap, closes the
  * duration when they cease to, and books a jump of the stored energy (a finite cylinder's end switched the force) as
- * dissipated. Counts an event. The clock is rebased.
+ * dissipated. Counts an event. The clock is rebased. `at` becomes the instant as system_now sees it from then on.
  */
 void event_change_regime(const struct scene_values *v, struct motion *q, int contact,
-                         enum contact_regime regime);
+                         enum contact_regime regime, struct system_instant *at);
 
 /*
  * Regimes by the geometry of the present: at the start, and after inputs have jumped. `stored_before` is the stored
@@ -22,8 +22,8 @@ void event_change_regime(const struct scene_values *v, struct motion *q, int con
 void event_settle_regimes(const struct scene_values *v, struct motion *q, double stored_before,
                           bool starting);
 
-/* Begins a communication step: the peaks and the mean force are those from here on; and ends it. */
-void event_begin_window(const struct scene_values *v, struct motion *q);
+/* Begins a communication step: the peaks and the mean force are those from here on, `at` is the instant; and ends it. */
+void event_begin_window(const struct scene_values *v, struct motion *q, struct system_instant *at);
 void event_end_window(const struct scene_values *v, struct motion *q);
 
 /* Takes the instant into account for the peaks of the communication step. */

@@ -2,6 +2,8 @@
 
 #if SCENE_ANY_FREE
 
+#include <string.h>
+
 #include "dynamics/energy.h"
 
 bool flight_is_free(const struct motion *q)
@@ -14,19 +16,39 @@ bool flight_is_free(const struct motion *q)
     return true;
 }
 
+void flight_force(const struct motion *q, int body, double clock, struct vec3 force[3])
+{
+    memcpy(force, q->path[body].force, sizeof q->path[body].force);
+    if (!path_is_steady(force, 3)) {
+        path_shift(force, 3, clock);
+    }
+}
+
+int flight_velocity(const struct scene_values *v, int body, struct vec3 start, const struct vec3 force[3],
+                    struct vec3 velocity[FLIGHT_TERMS])
+{
+    const double inverse_mass = 1.0 / body_mass(v, body);
+    velocity[0] = start;
+    velocity[1] = vec3_axpy(gravity(v), inverse_mass, force[0]);
+    if (path_is_steady(force, 3)) {
+        return 2;
+    }
+    velocity[2] = vec3_scale(inverse_mass / 2.0, force[1]);
+    velocity[3] = vec3_scale(inverse_mass / 3.0, force[2]);
+    return FLIGHT_TERMS;
+}
+
 struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,
                               const struct vec3 force[3], double time)
 {
-    const double inverse_mass = 1.0 / body_mass(v, body);
-    const struct vec3 velocity[4] = {start.velocity, vec3_axpy(gravity(v), inverse_mass, force[0]),
-                                     vec3_scale(inverse_mass / 2.0, force[1]),
-                                     vec3_scale(inverse_mass / 3.0, force[2])};
-    struct vec3 mean[4];
-    for (int i = 0; i < 4; ++i) {
-        mean[i] = vec3_scale(1.0 / (i + 1), velocity[i]);
+    struct vec3 velocity[FLIGHT_TERMS];
+    struct vec3 mean[FLIGHT_TERMS];
+    const int terms = flight_velocity(v, body, start.velocity, force, velocity);
+    for (int i = 0; i < terms; ++i) {
+        mean[i] = vec3_scale(FLIGHT_MEAN[i], velocity[i]);
     }
-    return (struct body_state){vec3_axpy(start.moved, time, path_at(mean, 4, time)),
-                               path_at(velocity, 4, time)};
+    return (struct body_state){vec3_axpy(start.moved, time, path_at(mean, terms, time)),
+                               path_at(velocity, terms, time)};
 }
 
 /* Force times velocity has degree five: exact with three Gauss-Legendre nodes, 0 and +-sqrt(3/5). */
@@ -60,8 +82,8 @@ static bool is_forced(const struct motion *q, int body)
 /* From the present to another clock. */
 static double work_until(const struct scene_values *v, const struct motion *q, int body, double clock)
 {
-    struct vec3 force[3] = {q->path[body].force[0], q->path[body].force[1], q->path[body].force[2]};
-    path_shift(force, 3, q->clock);
+    struct vec3 force[3];
+    flight_force(q, body, q->clock, force);
     return flight_work(v, body, q->body[body], force, clock - q->clock);
 }
 

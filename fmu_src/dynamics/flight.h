@@ -13,6 +13,18 @@
 /* No contact transmits a force: all are apart or released. */
 bool flight_is_free(const struct motion *q);
 
+/* The external force on a body as a polynomial of time from a clock on. */
+void flight_force(const struct motion *q, int body, double clock, struct vec3 force[3]);
+
+/* Coefficients of a free body's velocity as a polynomial of time, by gravity and a force with the same origin; returns how many it has:
+ * two while the force is steady. */
+enum { FLIGHT_TERMS = 4 };
+int flight_velocity(const struct scene_values *v, int body, struct vec3 start, const struct vec3 force[3],
+                    struct vec3 velocity[FLIGHT_TERMS]);
+
+/* Integral of s^i over [0, 1]: what makes displacements of velocities. */
+static const double FLIGHT_MEAN[FLIGHT_TERMS] = {1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0};
+
 /* A free body's state `time` after `start`, and the work of the external force until then; `force` has its origin there. */
 struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,
                               const struct vec3 force[3], double time);

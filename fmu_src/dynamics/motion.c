@@ -2,6 +2,8 @@
 
 #include <float.h>
 
+#include "dynamics/involved.h"
+
 void counter_add(int32_t *counter, long more)
 {
     const long room = (long)INT32_MAX - *counter;
@@ -40,8 +42,8 @@ struct vec3 path_at(const struct vec3 *coefficients, int count, double clock)
 
 void path_shift(struct vec3 *coefficients, int count, double clock)
 {
-    while (count > 1 && vec3_is_zero(coefficients[count - 1])) {
-        --count; /* most paths are constant or zero */
+    if (path_is_steady(coefficients, count)) {
+        return;
     }
     for (int done = 0; done < count - 1; ++done) {
         for (int i = count - 2; i >= done; --i) {
@@ -50,7 +52,19 @@ void path_shift(struct vec3 *coefficients, int count, double clock)
     }
 }
 
-void motion_rebase(struct motion *q)
+/* The input paths of a body: those its motion follows. */
+static void shift_paths(const struct scene_values *v, struct motion *q, int body)
+{
+    struct body_path *path = &q->path[body];
+    if (body_is_prescribed(v, body)) {
+        path_shift(path->displacement, 4, q->clock);
+        path_shift(path->velocity, 3, q->clock);
+    } else if (body_is_free(v, body)) {
+        path_shift(path->force, 3, q->clock);
+    }
+}
+
+void motion_rebase(const struct scene_values *v, struct motion *q)
 {
     q->integrator_fresh = 1;
 #if SCENE_ANY_FREE
@@ -65,9 +79,7 @@ void motion_rebase(struct motion *q)
         return;
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        path_shift(q->path[i].displacement, 4, q->clock);
-        path_shift(q->path[i].velocity, 3, q->clock);
-        path_shift(q->path[i].force, 3, q->clock);
+        shift_paths(v, q, i);
     }
 #if SCENE_ANY_FREE
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -75,7 +87,9 @@ void motion_rebase(struct motion *q)
         q->contact[j].change_clock -= q->clock;
         q->contact[j].settled_clock -= q->clock;
         if (q->contact[j].regime == REGIME_APART || q->contact[j].regime == REGIME_RELEASED) {
-            q->contact[j].carried_gap = DBL_MAX; /* not known: it has flown on */
+            /* Not known where it has flown on to, unless that was foreseen. */
+            q->contact[j].carried_gap =
+                q->contact[j].change_clock == 0.0 ? q->contact[j].change_gap : DBL_MAX;
         }
     }
     q->horizon_clock -= q->clock;

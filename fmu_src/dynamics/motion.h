@@ -99,10 +99,20 @@ double motion_remaining(const struct motion *q, double end_time);
 
 /* Moves the origin of the clock to the present: paths are shifted, durations kept; nothing else changes. The integrator
  * starts afresh. Must follow every change of the body states, and bodies must have arrived (flight.h). */
-void motion_rebase(struct motion *q);
+void motion_rebase(const struct scene_values *v, struct motion *q);
 
 /* A path's value at a clock, of `count` coefficients. */
 struct vec3 path_at(const struct vec3 *coefficients, int count, double clock);
+
+/* Whether nothing but the first coefficient counts, as of most paths. */
+static inline bool path_is_steady(const struct vec3 *coefficients, int count)
+{
+    double sum = 0.0;
+    for (int i = 1; i < count; ++i) {
+        sum += fabs(coefficients[i].x) + fabs(coefficients[i].y) + fabs(coefficients[i].z);
+    }
+    return sum == 0.0;
+}
 
 /* The same path with its origin moved to `clock`. */
 void path_shift(struct vec3 *coefficients, int count, double clock);

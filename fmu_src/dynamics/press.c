@@ -2,28 +2,25 @@
 
 #if SCENE_ANY_FREE
 
+#include <string.h>
+
 #include "dynamics/flight.h"
 
 static struct press_work work_on(const struct press *p, const struct scene_values *v, const struct motion *q,
                                  int body, double sign)
 {
     struct press_work work = {.order = 0};
-    struct body_path path = q->path[body];
+    const struct body_path *path = &q->path[body];
     if (body_is_free(v, body)) {
-        path_shift(path.force, 3, q->clock);
-        for (int i = 0; i < 3; ++i) {
-            work.path[i] = path.force[i];
-        }
+        memcpy(work.path, path->force, sizeof work.path);
         work.factor = sign * p->reduced_mass / body_mass(v, body);
         work.order = 1;
     } else if (body_is_prescribed(v, body)) {
-        path_shift(path.velocity, 3, q->clock);
-        for (int i = 0; i < 3; ++i) {
-            work.path[i] = path.velocity[i];
-        }
+        memcpy(work.path, path->velocity, sizeof work.path);
         work.factor = -sign * p->reduced_mass;
         work.order = 2;
     }
+    path_shift(work.path, 3, q->clock);
     return work;
 }
 
@@ -46,10 +43,7 @@ void press_make(struct press *p, const struct scene_values *v, const struct moti
 
 struct vec3 press_across(const struct press *p, struct vec3 c)
 {
-    if (SCENE_ANY_CYLINDER && p->shape.destination == SHAPE_CYLINDER) {
-        return vec3_axpy(c, -vec3_dot(c, p->shape.axis), p->shape.axis);
-    }
-    return c;
+    return contact_across(&p->shape, c);
 }
 
 struct vec3 press_along(const struct press *p, struct vec3 across)
@@ -67,8 +61,8 @@ double press_load(const struct press *p)
 static void move_body(const struct scene_values *v, struct motion *q, int body, double time, struct vec3 r,
                       struct vec3 r_rate)
 {
-    struct vec3 force[3] = {q->path[body].force[0], q->path[body].force[1], q->path[body].force[2]};
-    path_shift(force, 3, q->clock);
+    struct vec3 force[3];
+    flight_force(q, body, q->clock, force);
     if (!vec3_is_zero(force[0]) || !vec3_is_zero(force[1]) || !vec3_is_zero(force[2])) {
         q->external_work += flight_work(v, body, q->body[body], force, time);
     }

@@ -2,27 +2,22 @@
 
 #if SCENE_ANY_FREE
 
+#include "dynamics/head_on.h"
+
 /* Radians of y per s: 0.97 of critical damping. Nearer to it most of a turn is below rounding. */
 static const double SLOWEST_TURN = 0.25;
+
+static const double HALF_TURN = 3.141592653589793;
 
 static bool is_constant(const struct press_work *work)
 {
     return work->order == 0 || (vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
 }
 
-/* Exactly so, not nearly: any other motion leaves the normal. */
-static bool is_along_normal(const struct press *from)
+static bool is_pulled_straight(const struct press *from)
 {
-    const struct separation *flight = &from->flight;
-    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        const struct vec3 c = press_across(from, flight->c[i]);
-        const struct vec3 w = press_across(from, flight->w[i - 1]);
-        const struct vec3 sideways = vec3_cross(from->normal, c);
-        if (!vec3_is_zero(sideways) || !vec3_is_zero(vec3_axpy(w, -i, c)) || (i > 2 && !vec3_is_zero(c))) {
-            return false;
-        }
-    }
-    return is_constant(&from->work[0]) && is_constant(&from->work[1]);
+    return is_constant(&from->work[0]) && is_constant(&from->work[1]) &&
+           head_on_is(&from->shape, &from->flight, from->normal);
 }
 
 static double along_normal(const struct press *from, int degree)
@@ -34,7 +29,7 @@ bool press_straight_make(struct press_straight *p, const struct press *from)
 {
     const double square = from->by.k / from->reduced_mass;
     const double damping = from->by.c / from->reduced_mass;
-    if (!(damping * damping < 4.0 * square) || !is_along_normal(from)) {
+    if (!(damping * damping < 4.0 * square) || !is_pulled_straight(from)) {
         return false;
     }
     p->from = from;
@@ -44,13 +39,24 @@ bool press_straight_make(struct press_straight *p, const struct press *from)
     p->settled = 2.0 * along_normal(from, 2) / square;
     p->y = from->gap - p->settled;
     p->y_rate = along_normal(from, 1) / p->rate;
-    const double amplitude = oscillator_envelope_of(&p->oscillator, p->y, p->y_rate).amplitude;
-    return p->turn >= SLOWEST_TURN && fabs(p->settled) + amplitude < contact_reach(&from->shape);
+    p->amplitude = oscillator_envelope_of(&p->oscillator, p->y, p->y_rate).amplitude;
+    return p->turn >= SLOWEST_TURN && fabs(p->settled) + p->amplitude < contact_reach(&from->shape);
+}
+
+static void grow_nothing(const struct press_straight *p, double y[4])
+{
+    y[0] = y[1] = 0.0;
+    y[2] = -p->oscillator.damping * p->y_rate - p->y;
+    y[3] = -p->oscillator.damping * y[2] - p->y_rate;
 }
 
 /* y and its first three derivatives; without what y and y' are at the start, which they keep in digits of their own. */
 static void grow(const struct press_straight *p, double s, double y[4])
 {
+    if (s == 0.0) {
+        grow_nothing(p, y);
+        return;
+    }
     const double damping = p->oscillator.damping;
     const double half_turn = 0.5 * p->turn * s;
     const double sine = sin(half_turn);
@@ -64,25 +70,48 @@ static void grow(const struct press_straight *p, double s, double y[4])
     y[3] = -damping * y[2] - (p->y_rate + y[1]);
 }
 
+/* y' = exp(-damping s / 2) (y_rate cos + sideways sin) of turn s. */
+double press_straight_first_turn(const struct press_straight *p)
+{
+    const double sideways = -(p->y + 0.5 * p->oscillator.damping * p->y_rate) / p->turn;
+    const double angle = p->y_rate == 0.0  ? HALF_TURN
+                         : p->y_rate < 0.0 ? atan2(-p->y_rate, sideways)
+                                           : atan2(p->y_rate, -sideways);
+    return angle / p->turn;
+}
+
+bool press_straight_closes(const struct press_straight *p)
+{
+    return p->y_rate < 0.0 || (p->y_rate == 0.0 && p->y > 0.0);
+}
+
 bool press_straight_keeps(const struct press_straight *p, enum press_quantity quantity, double factor,
                           double offset)
 {
+    if (quantity == PRESS_GAP) {
+        return p->amplitude < factor * p->settled + offset;
+    }
     const double k = p->from->by.k;
     const double c = p->from->by.c * p->rate;
     const double bend = -p->oscillator.damping * p->y_rate - p->y;
-    double settled = p->settled;
-    double start = p->y; /* of what oscillates, and its rate */
-    double start_rate = p->y_rate;
-    if (quantity == PRESS_RATE) {
-        settled = 0.0;
-        start = p->rate * p->y_rate;
-        start_rate = p->rate * bend;
-    } else if (quantity == PRESS_FORCE) {
+    double settled = 0.0;
+    double start = p->rate * p->y_rate; /* of what oscillates, and its rate */
+    double start_rate = p->rate * bend;
+    if (quantity == PRESS_FORCE) {
         settled = -k * p->settled;
         start = k * p->y + c * p->y_rate;
         start_rate = k * p->y_rate + c * bend;
     }
     return oscillator_envelope_of(&p->oscillator, start, start_rate).amplitude < factor * settled + offset;
+}
+
+static void sample_from(const struct press_straight *p, const double y[4], struct press_sample *sample)
+{
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PRESS_GAP][i] = y[i];
+        sample->of[PRESS_RATE][i] = p->rate * y[i + 1];
+        sample->of[PRESS_FORCE][i] = -(p->from->by.k * y[i] + p->from->by.c * sample->of[PRESS_RATE][i]);
+    }
 }
 
 void press_straight_sample(const void *press_straight, double s, struct press_sample *sample)
@@ -92,11 +121,18 @@ void press_straight_sample(const void *press_straight, double s, struct press_sa
     grow(p, s, y);
     y[0] += p->from->gap;
     y[1] += p->y_rate;
-    for (int i = 0; i < 3; ++i) {
-        sample->of[PRESS_GAP][i] = y[i];
-        sample->of[PRESS_RATE][i] = p->rate * y[i + 1];
-        sample->of[PRESS_FORCE][i] = -(p->from->by.k * y[i] + p->from->by.c * sample->of[PRESS_RATE][i]);
-    }
+    sample_from(p, y, sample);
+}
+
+/* Where y' = 0 the phase of y is that of a turning point: |y| = turn amplitude exp(-damping s / 2). */
+void press_straight_sample_turn(const struct press_straight *p, double s, bool deepest,
+                                struct press_sample *sample)
+{
+    const double damping = p->oscillator.damping;
+    const double shrunk = damping > 0.0 ? p->turn * exp(-0.5 * damping * s) : 1.0;
+    const double size = deepest ? -shrunk * p->amplitude : shrunk * p->amplitude;
+    const double y[4] = {p->settled + size, 0.0, -size, damping * size};
+    sample_from(p, y, sample);
 }
 
 /* From the oscillator's own balance of energy: p_nv g'^2 = -(m g'^2 / 2 + p_n (g - settled)^2 / 2)'. */

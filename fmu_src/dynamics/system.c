@@ -142,7 +142,7 @@ void system_evaluate(const struct scene_values *v, const struct motion *q, doubl
 }
 
 #if SCENE_ANY_FREE
-/* INFINITY where nothing is known. */
+/* DBL_MAX or INFINITY where nothing is known. */
 static double known_gap(const struct motion *q, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
@@ -158,7 +158,7 @@ static void take_known_gaps(const struct scene_values *v, const struct motion *q
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double known = known_gap(q, j);
-        if (fabs(known - at->geometry[j].gap) <= system_gap_resolution(v, at, j)) {
+        if (known < DBL_MAX && fabs(known - at->geometry[j].gap) <= system_gap_resolution(v, at, j)) {
             at->geometry[j].gap = known;
         }
     }
@@ -170,7 +170,7 @@ bool system_gap_is_known(const struct motion *q, const struct system_instant *at
 }
 #endif
 
-void system_now(const struct scene_values *v, const struct motion *q, struct system_instant *at)
+void system_place(const struct scene_values *v, const struct motion *q, struct system_instant *at)
 {
 #if SCENE_ANY_FREE
     system_kinematics(v, q, q->clock, q->body, at);
@@ -178,6 +178,11 @@ void system_now(const struct scene_values *v, const struct motion *q, struct sys
 #else
     system_kinematics(v, q, q->clock, 0, at);
 #endif
+}
+
+void system_now(const struct scene_values *v, const struct motion *q, struct system_instant *at)
+{
+    system_place(v, q, at);
     system_forces(v, q, q->clock, at);
 }
 

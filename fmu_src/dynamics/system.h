@@ -47,7 +47,8 @@ void system_forces(const struct scene_values *v, const struct motion *q, double 
 void system_evaluate(const struct scene_values *v, const struct motion *q, double clock,
                      const struct body_state *bodies, struct system_instant *at);
 
-/* The same at the present state of q. */
+/* The same at the present state of q; and without accelerations and forces. */
+void system_place(const struct scene_values *v, const struct motion *q, struct system_instant *at);
 void system_now(const struct scene_values *v, const struct motion *q, struct system_instant *at);
 
 /* contact_within_extents, true at compile time in scenes of spheres. */

@@ -202,7 +202,7 @@ void model_apply_inputs(struct model *m)
     system_now(&m->state.values, q, &at);
     const double stored = energy_stored(&m->state.values, q, &at);
 #endif
-    motion_rebase(q);
+    motion_rebase(&m->state.values, q);
     memcpy(q->path, next, sizeof next);
 #if SCENE_ANY_FREE
     event_settle_regimes(&m->state.values, q, stored, false);

@@ -159,7 +159,7 @@ static enum model_status advance_motion(struct model *m, double end_time)
 {
     struct motion *q = &m->state.motion;
     q->clock += motion_remaining(q, end_time);
-    motion_rebase(q);
+    motion_rebase(&m->state.values, q);
     return MODEL_OK;
 }
 #endif
@@ -200,7 +200,7 @@ static bool motion_is_finite(const struct model *m)
 static enum model_status step_refused(struct model *m, const struct motion *before, double end_time)
 {
     m->state.motion = *before;
-    motion_rebase(&m->state.motion);
+    motion_rebase(&m->state.values, &m->state.motion);
     return model_report(
         m, MODEL_DISCARD,
         "The step to %.17g s takes the motion beyond the range of numbers; it stays at %.17g s "

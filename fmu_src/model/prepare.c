@@ -138,7 +138,8 @@ void model_prepare(struct model *m)
     }
 #if SCENE_ANY_FREE
     event_settle_regimes(v, q, 0.0, true);
-    event_begin_window(v, q);
+    struct system_instant at;
+    event_begin_window(v, q, &at);
 #endif
 }
 

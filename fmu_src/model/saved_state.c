@@ -34,7 +34,7 @@ void model_save(struct model *m, void *bytes)
 #if SCENE_ANY_FREE
         flight_arrive(&m->state.values, &m->state.motion);
 #endif
-        motion_rebase(&m->state.motion);
+        motion_rebase(&m->state.values, &m->state.motion);
         m->outputs = OUTPUTS_NONE;
     }
     m->state.checksum = payload_checksum(&m->state);

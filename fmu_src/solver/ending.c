@@ -19,9 +19,14 @@ static const double GAP_HYSTERESIS = 1e-6;
  * deforms the contact by less than the error allowed, nor beyond this part of the load. */
 static const double IDLE_DASHPOT = 1e-3;
 
+/* Of the gap or its rate. */
 static double largest_size(const struct piece *p, enum press_quantity quantity)
 {
     double largest = 0.0;
+    if (p->kind == PIECE_STRAIGHT) { /* whose places do not show the rate */
+        const struct press_straight *made = &p->by.straight;
+        return quantity == PRESS_RATE ? made->rate * made->amplitude : fabs(made->settled) + made->amplitude;
+    }
     for (int i = 0; i < p->watch.count; ++i) {
         largest = fmax(largest, fabs(p->watch.at[i].of[quantity][0]));
     }
@@ -53,14 +58,12 @@ struct watched ending_margin(const struct piece *p)
                             idle / law->damping + rate};
 }
 
-static double parting(const struct piece *p)
+static double parting(struct piece *p)
 {
     struct watched overlap = {PRESS_GAP, -1.0, 0.0};
     const double s = watch_first_fall(&p->watch, &overlap);
     if (s < (double)INFINITY) {
-        struct press_sample then;
-        p->watch.sampler(p->watch.piece, s, &then);
-        if (then.of[PRESS_RATE][0] > CLEAN_PARTING * largest_size(p, PRESS_RATE)) {
+        if (watch_see(&p->watch, s)->of[PRESS_RATE][0] > CLEAN_PARTING * largest_size(p, PRESS_RATE)) {
             return s;
         }
         overlap.offset = ending_gap_slack(p);
@@ -69,7 +72,7 @@ static double parting(const struct piece *p)
     return s;
 }
 
-struct ending ending_first(const struct piece *p)
+struct ending ending_first(struct piece *p)
 {
     struct ending first = {(double)INFINITY, REGIME_APART};
     if (p->spans) {

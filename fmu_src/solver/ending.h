@@ -19,7 +19,7 @@ struct ending {
     enum contact_regime regime;
 };
 
-struct ending ending_first(const struct piece *p);
+struct ending ending_first(struct piece *p);
 
 #endif
 #endif

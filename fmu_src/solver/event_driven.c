@@ -62,10 +62,8 @@ static bool add_pair(struct stretch *all, const struct scene_values *v, const st
 
 /* Pairs made before a shorter one came are made again: a piece is at its best at its end. */
 static bool stretch_make(struct stretch *all, const struct scene_values *v, const struct motion *q,
-                         double longest)
+                         const struct system_instant *at, double longest)
 {
-    struct system_instant at;
-    system_now(v, q, &at);
     all->time = longest;
     all->ending = -1;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -74,7 +72,7 @@ static bool stretch_make(struct stretch *all, const struct scene_values *v, cons
     for (double before = (double)INFINITY; all->time < before;) {
         before = SCENE_CONTACTS > 1 ? all->time : 0.0;
         for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            if (contact_transmits(q, j) && j != all->ending && !add_pair(all, v, q, &at, j)) {
+            if (contact_transmits(q, j) && j != all->ending && !add_pair(all, v, q, at, j)) {
                 return false;
             }
         }
@@ -87,18 +85,18 @@ static void book_flights(const struct scene_values *v, struct motion *q, double 
 {
     for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i) && !body_is_pressed(q, i, -1)) {
-            struct vec3 force[3] = {q->path[i].force[0], q->path[i].force[1], q->path[i].force[2]};
-            path_shift(force, 3, q->clock);
+            struct vec3 force[3];
+            flight_force(q, i, q->clock, force);
             q->external_work += flight_work(v, i, q->body[i], force, time);
         }
     }
 }
 
-static void stretch_apply(const struct stretch *all, const struct scene_values *v, struct motion *q)
+static void stretch_apply(struct stretch *all, const struct scene_values *v, struct motion *q)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(q, j)) {
-            const struct piece *p = &all->piece[j];
+            struct piece *p = &all->piece[j];
             const double s = j == all->ending || all->time < p->end * p->unit ? all->time / p->unit : p->end;
             const struct press_change change = piece_change(p, s);
             peaks_note(p, &q->contact[j], s);
@@ -123,9 +121,10 @@ enum advance_result event_driven_advance(const struct scene_values *v, struct mo
         if (step->budget-- <= 0) {
             return ADVANCE_STEP_LIMIT;
         }
-        if (!stretch_make(&all, v, q, left)) {
+        if (!stretch_make(&all, v, q, advance_now(step, v, q), left)) {
             return ADVANCE_FAILED;
         }
+        step->is_now = false;
         stretch_apply(&all, v, q);
         if (all.ending >= 0) {
             step->contact = all.ending;

@@ -51,7 +51,7 @@ static double largest_spanning(const struct piece *p, const struct watched *what
     return fmax(largest_in_turn(p, what, 0.0, turn), largest_in_turn(p, what, best - 0.5 * turn, turn));
 }
 
-void peaks_note(const struct piece *p, struct contact_state *state, double end)
+void peaks_note(struct piece *p, struct contact_state *state, double end)
 {
     const struct watched force = {PRESS_FORCE, 1.0, 0.0};
     const struct watched penetration = {PRESS_GAP, -1.0, 0.0};
@@ -61,12 +61,11 @@ void peaks_note(const struct piece *p, struct contact_state *state, double end)
         deepest = largest_spanning(p, &penetration);
         strongest = largest_spanning(p, &force);
     } else {
-        struct press_sample then;
-        p->watch.sampler(p->watch.piece, end, &then);
-        deepest = watch_largest(&p->watch, &penetration, end, &then);
+        const struct press_sample *then = watch_see(&p->watch, end);
+        deepest = watch_largest(&p->watch, &penetration, end, then);
         /* A spring alone pushes hardest where it is pressed in deepest. */
         strongest =
-            p->press.by.c > 0.0 ? watch_largest(&p->watch, &force, end, &then) : p->press.by.k * deepest;
+            p->press.by.c > 0.0 ? watch_largest(&p->watch, &force, end, then) : p->press.by.k * deepest;
     }
     state->peak_force = fmax(state->peak_force, strongest);
     state->peak_penetration = fmax(state->peak_penetration, deepest);

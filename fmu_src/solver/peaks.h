@@ -7,7 +7,7 @@
 #if SCENE_ANY_FREE
 
 /* Takes the piece up to `end` into account for the peaks of the communication step. */
-void peaks_note(const struct piece *p, struct contact_state *state, double end);
+void peaks_note(struct piece *p, struct contact_state *state, double end);
 
 #endif
 #endif

@@ -132,6 +132,7 @@ bool piece_make(struct piece *p, const struct scene_values *v, const struct moti
     p->regime = (enum contact_regime)q->contact[contact].regime;
     p->resolution = system_gap_resolution(v, at, contact);
     p->tolerance = tolerance;
+    p->watch.seen_s = -1.0;
     if (!straight_piece_make(p, longest) && !collocate(p, longest)) {
         series_piece(p, longest);
     }
@@ -140,6 +141,9 @@ bool piece_make(struct piece *p, const struct scene_values *v, const struct moti
 
 double piece_meets_centre(const struct piece *p)
 {
+    if (p->kind == PIECE_STRAIGHT) {
+        return (double)INFINITY; /* made where it cannot */
+    }
     const struct watched distance = {PRESS_GAP, p->press.shape.side, contact_reach(&p->press.shape)};
     return watch_first_fall(&p->watch, &distance);
 }

@@ -20,18 +20,27 @@ void solver_close(struct solver *s)
     cvode_close(&s->cvode);
 }
 
+const struct system_instant *advance_now(struct advance *step, const struct scene_values *v,
+                                         const struct motion *q)
+{
+    if (!step->is_now) {
+        system_now(v, q, &step->now);
+        step->is_now = true;
+    }
+    return &step->now;
+}
+
 /* To the end of the step, and as far again as the phase has already lasted: a flight of many communication steps is searched
  * a few times, a short one not far beyond its end. */
-static void look_ahead(const struct scene_values *v, struct motion *q, double remaining)
+static void look_ahead(const struct scene_values *v, struct motion *q, double remaining, struct advance *step)
 {
     if (q->horizon_clock > q->clock) {
         return;
     }
     const double horizon = fmax(remaining, q->clock);
-    struct system_instant at;
-    system_now(v, q, &at);
+    const struct system_instant *at = advance_now(step, v, q);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct encounter next = encounter_next(v, q, &at, q->clock, j, horizon);
+        const struct encounter next = encounter_next(v, q, at, q->clock, j, horizon);
         q->contact[j].change_clock = q->clock + next.after;
         q->contact[j].change_regime = (int32_t)next.regime;
         q->contact[j].change_gap = next.gap;
@@ -62,6 +71,7 @@ static enum advance_result advance_phase(struct solver *s, const struct scene_va
         return sampled_advance(v, q, step);
     }
     if (flight_is_free(q)) {
+        step->is_now = false;
         flight_advance(v, q, step->clock_end);
         return ADVANCE_REACHED;
     }
@@ -73,38 +83,41 @@ static enum advance_result advance_phase(struct solver *s, const struct scene_va
         counter_add(&q->counters.fallbacks, 1);
         q->integrator_fresh = 1;
     }
+    step->is_now = false;
     return cvode_advance(s->cvode, v, q, step);
 }
 
 static enum solver_status run_phases(struct solver *s, const struct scene_values *v, struct motion *q,
-                                     double end_time)
+                                     struct advance *step, double end_time)
 {
-    struct advance step = {.budget = solver_max_internal_steps(v)};
     for (;;) {
         const double remaining = motion_remaining(q, end_time);
         if (!(remaining > 0.0)) {
             return SOLVER_DONE;
         }
-        look_ahead(v, q, remaining);
+        look_ahead(v, q, remaining, step);
         const int next = contact_changing_first(q);
         const double change = q->contact[next].change_clock;
         const double end = q->clock + remaining;
-        step.clock_end = fmin(end, fmin(change, q->horizon_clock));
-        switch (advance_phase(s, v, q, &step)) {
+        step->clock_end = fmin(end, fmin(change, q->horizon_clock));
+        switch (advance_phase(s, v, q, step)) {
         case ADVANCE_REACHED:
-            if (step.clock_end >= change) {
+            if (step->clock_end >= change) {
                 if (!flight_is_free(q) && !system_is_force_element(v)) {
                     projection_restore_energy(v, q, next);
                 }
-                event_change_regime(v, q, next, (enum contact_regime)q->contact[next].change_regime);
+                event_change_regime(v, q, next, (enum contact_regime)q->contact[next].change_regime,
+                                    &step->now);
+                step->is_now = true;
                 break;
             }
-            if (step.clock_end >= end) {
+            if (step->clock_end >= end) {
                 return SOLVER_DONE;
             }
             break;
         case ADVANCE_EVENT:
-            event_change_regime(v, q, step.contact, step.regime);
+            event_change_regime(v, q, step->contact, step->regime, &step->now);
+            step->is_now = true;
             break;
         case ADVANCE_STEP_LIMIT:
             return SOLVER_STEP_LIMIT;
@@ -113,7 +126,7 @@ static enum solver_status run_phases(struct solver *s, const struct scene_values
             return SOLVER_FAILED;
         }
         /* An event costs a step of the budget, so that a storm of events ends too. */
-        if (--step.budget <= 0) {
+        if (--step->budget <= 0) {
             return SOLVER_STEP_LIMIT;
         }
     }
@@ -123,8 +136,11 @@ enum solver_status solver_run(struct solver *s, const struct scene_values *v, st
                               double end_time)
 {
     const double start = motion_time(q);
-    event_begin_window(v, q);
-    const enum solver_status status = run_phases(s, v, q, end_time);
+    struct advance step;
+    step.budget = solver_max_internal_steps(v);
+    event_begin_window(v, q, &step.now);
+    step.is_now = true;
+    const enum solver_status status = run_phases(s, v, q, &step, end_time);
     q->window = motion_time(q) - start;
     event_end_window(v, q);
     q->quiet_clock = status == SOLVER_DONE && !system_is_force_element(v) ? flight_quiet_until(v, q) : 0.0;

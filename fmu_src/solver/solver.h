@@ -42,9 +42,15 @@ enum advance_result { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_STEP_LIMIT, ADVANC
 struct advance {
     double clock_end;           /* in: not beyond this clock */
     long budget;                /* in: at most so many internal steps; out: what is left of it */
+    struct system_instant now;  /* what advance_now knows; */
+    bool is_now;                /* to be cleared by whoever moves the bodies */
     int contact;                /* out, ADVANCE_EVENT: which contact changes its regime at q->clock */
     enum contact_regime regime; /* out, ADVANCE_EVENT: and into which */
 };
+
+/* The present instant: computed once, however many ask for it. */
+const struct system_instant *advance_now(struct advance *step, const struct scene_values *v,
+                                         const struct motion *q);
 
 /* Prepares the memory for the scene's method; false when out of memory. Called again it adapts to changed values. */
 bool solver_open(struct solver *s, const struct scene_values *v, const struct solver_memory *memory);

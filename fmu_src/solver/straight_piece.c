@@ -4,21 +4,28 @@
 
 #include "solver/ending.h"
 
-static const double FULL_TURN = 6.283185307179586;
-enum { QUARTERS = 4 };
+static const double PI = 3.141592653589793;
 
-/* A turn of the oscillation. No two places are further apart than a quarter of it: no quantity turns twice between them. */
+/* From turn to turn of the gap, two of them at most. No two places are further apart than half a turn of the oscillation: no quantity
+ * turns twice between them. */
 static void watch_straight(struct piece *p)
 {
-    const double until = fmin(p->end, FULL_TURN / p->by.straight.turn);
-    const int parts = (int)fmin(QUARTERS, 1.0 + QUARTERS * until * p->by.straight.turn / FULL_TURN);
-    p->watch.sampler = press_straight_sample;
-    p->watch.piece = &p->by.straight;
-    p->watch.count = parts + 1;
-    for (int i = 0; i <= parts; ++i) {
-        p->watch.s[i] = until * i / parts;
+    const struct press_straight *made = &p->by.straight;
+    struct watch *w = &p->watch;
+    w->sampler = press_straight_sample;
+    w->piece = &p->by.straight;
+    w->count = 0;
+    watch_place(w, 0.0);
+    bool deepest = press_straight_closes(made);
+    double turn = press_straight_first_turn(made);
+    for (; w->count < 3 && turn < p->end; turn += PI / made->turn) {
+        press_straight_sample_turn(made, turn, deepest, &w->at[w->count]);
+        w->s[w->count++] = turn;
+        deepest = !deepest;
     }
-    watch_sample(&p->watch);
+    if (w->count < 3) {
+        watch_place(w, p->end);
+    }
 }
 
 /* Whether the bodies neither part nor change their regime any more. */

@@ -2,6 +2,8 @@
 
 #if SCENE_ANY_FREE
 
+#include <float.h>
+
 #include "contact/bracket.h"
 
 struct probe {
@@ -9,11 +11,26 @@ struct probe {
     const struct watched *what;
 };
 
+void watch_place(struct watch *w, double s)
+{
+    w->sampler(w->piece, s, &w->at[w->count]);
+    w->s[w->count++] = s;
+}
+
 void watch_sample(struct watch *w)
 {
     for (int i = 0; i < w->count; ++i) {
         w->sampler(w->piece, w->s[i], &w->at[i]);
     }
+}
+
+const struct press_sample *watch_see(struct watch *w, double s)
+{
+    if (w->seen_s != s) {
+        w->sampler(w->piece, s, &w->seen);
+        w->seen_s = s;
+    }
+    return &w->seen;
 }
 
 static double value_of(const struct watched *what, const struct press_sample *at)
@@ -113,6 +130,13 @@ double watch_first_fall(const struct watch *w, const struct watched *what)
 /* A top this much above a place is known from there to rounding: what the parabola misses is smaller by the distance once more. */
 static const double NEAR_TOP = 1e-10;
 
+/* Whether a place is itself the top, to rounding. */
+static bool is_top(const struct watched *what, const struct press_sample *at)
+{
+    const double slope = slope_of(what, at);
+    return slope * slope <= DBL_EPSILON * fabs(at->of[what->quantity][2] * value_of(what, at));
+}
+
 /* The value at the top between two places and where it is. */
 static double top_between(const struct probe *probe, int i, double *top)
 {
@@ -143,7 +167,8 @@ double watch_largest(const struct watch *w, const struct watched *what, double e
     const struct probe probe = {w, what};
     double largest = fmax(value_of(what, &w->at[0]), value_of(what, then));
     for (int i = 0; i + 1 < w->count && w->s[i] < end; ++i) {
-        if (slope_of(what, &w->at[i]) > 0.0 && slope_of(what, &w->at[i + 1]) < 0.0) {
+        if (slope_of(what, &w->at[i]) > 0.0 && slope_of(what, &w->at[i + 1]) < 0.0 &&
+            !is_top(what, &w->at[i]) && !is_top(what, &w->at[i + 1])) {
             double top;
             const double value = top_between(&probe, i, &top);
             largest = top <= end ? fmax(largest, value) : largest;

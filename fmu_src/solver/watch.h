@@ -17,10 +17,18 @@ struct watch {
     int count;
     double s[WATCH_POINTS];
     struct press_sample at[WATCH_POINTS];
+    double seen_s; /* where watch_see has looked last; below zero: nowhere yet */
+    struct press_sample seen;
 };
+
+/* Samples at one place more, beyond those there are. */
+void watch_place(struct watch *w, double s);
 
 /* Samples at the first `count` places already in w->s. */
 void watch_sample(struct watch *w);
+
+/* The sample at a place of its own, kept for whoever asks for the same next. */
+const struct press_sample *watch_see(struct watch *w, double s);
 
 /* factor quantity + offset */
 struct watched {

@@ -8,6 +8,8 @@
 #include "random.h"
 #include "scene_model.h"
 
+static const double HALF_TURN = 3.14159265358979323846;
+
 /* Two balls, one free to fall on the other along x under a steady force; gap and speed at the start. */
 static struct model head_on(struct random *r, double damping)
 {
@@ -83,6 +85,35 @@ static void the_gap_is_that_of_a_loaded_damped_oscillator(void)
             /* Third derivatives are of the values' size, per radian. */
             CHECK_CLOSE("slope", (b[0] - a[0]) / step, a[1] + 0.5 * step * a[2],
                         step * step * (fabs(a[0]) + fabs(a[1]) + fabs(a[2])) + 1e-7 * fabs(a[0]) + 1e-12);
+        }
+    }
+}
+
+/* From turn to turn the gap goes from its deepest to its widest and back; there the sample is the one of any place. */
+static void at_its_turns_the_gap_stands(void)
+{
+    struct random r = {23};
+    for (int k = 0; k < 2000; ++k) {
+        const struct model m = head_on(&r, k % 2 == 0 ? 0.0 : random_between(&r, 0.0, 600.0));
+        const struct press from = press_of(&m);
+        struct press_straight p;
+        CHECK(press_straight_make(&p, &from));
+        bool deepest = press_straight_closes(&p);
+        CHECK(deepest == (from.flight.c[1].x > 0.0)); /* n = -x */
+        double turn = press_straight_first_turn(&p);
+        CHECK(turn > 0.0 && turn <= (1.0 + 4.0 * DBL_EPSILON) * HALF_TURN / p.turn);
+        for (int i = 0; i < 3; ++i, turn += HALF_TURN / p.turn, deepest = !deepest) {
+            struct press_sample at, there;
+            press_straight_sample(&p, turn, &at);
+            press_straight_sample_turn(&p, turn, deepest, &there);
+            for (int j = 0; j < PRESS_QUANTITIES; ++j) {
+                const double size = j == PRESS_GAP    ? 1.0
+                                    : j == PRESS_RATE ? p.rate
+                                                      : from.by.k + from.by.c * p.rate;
+                for (int n = 0; n < 3; ++n) {
+                    CHECK_CLOSE("at a turn", there.of[j][n], at.of[j][n], 64.0L * DBL_EPSILON * 1e-2L * size);
+                }
+            }
         }
     }
 }
@@ -177,6 +208,7 @@ static void what_is_said_to_last_lasts(void)
 int main(void)
 {
     CHECK_TEST(the_gap_is_that_of_a_loaded_damped_oscillator);
+    CHECK_TEST(at_its_turns_the_gap_stands);
     CHECK_TEST(a_step_keeps_momentum_and_energy);
     CHECK_TEST(other_motion_is_refused);
     CHECK_TEST(what_is_said_to_last_lasts);
