@@ -68,7 +68,7 @@ bool call_allowed(struct instance *instance, enum call call)
     if (instance == NULL) {
         return false;
     }
-    if ((call_rules[call].phases & (unsigned)instance->phase) == 0) {
+    if (((unsigned)instance->phase & ~call_rules[call].phases) != 0) {
         report_call_order(instance, call);
         return false;
     }

@@ -8,6 +8,8 @@
 #define PHASES_STEPPED (PHASE_STEP | PHASE_TERMINATED | PHASE_ERROR)
 #define PHASES_INITIALIZED (PHASE_INITIALIZATION | PHASES_STEPPED)
 #define PHASES_ALL (PHASE_INSTANTIATED | PHASES_INITIALIZED)
+/* Of functions that only read: a logger may call them on the instance that is telling it something. */
+#define PHASES_READ(phases) ((unsigned)(phases) | PHASE_TELLING)
 
 /*
  * After the table "calling sequence of co-simulation functions" of FMI 2.0.5, section 4.2.4. Two harmless
@@ -21,10 +23,10 @@
     ROW(ExitInitializationMode, PHASE_INITIALIZATION)                                                        \
     ROW(Terminate, PHASE_STEP)                                                                               \
     ROW(Reset, PHASES_ALL)                                                                                   \
-    ROW(GetReal, PHASES_ALL)                                                                                 \
-    ROW(GetInteger, PHASES_ALL)                                                                              \
-    ROW(GetBoolean, PHASES_ALL)                                                                              \
-    ROW(GetString, PHASES_ALL)                                                                               \
+    ROW(GetReal, PHASES_READ(PHASES_ALL))                                                                    \
+    ROW(GetInteger, PHASES_READ(PHASES_ALL))                                                                 \
+    ROW(GetBoolean, PHASES_READ(PHASES_ALL))                                                                 \
+    ROW(GetString, PHASES_READ(PHASES_ALL))                                                                  \
     ROW(SetReal, PHASES_SETTABLE)                                                                            \
     ROW(SetInteger, PHASES_SETTABLE)                                                                         \
     ROW(SetBoolean, PHASES_SETTABLE)                                                                         \
@@ -32,19 +34,19 @@
     ROW(GetFMUstate, PHASES_ALL)                                                                             \
     ROW(SetFMUstate, PHASES_ALL)                                                                             \
     ROW(FreeFMUstate, PHASES_ALL)                                                                            \
-    ROW(SerializedFMUstateSize, PHASES_ALL)                                                                  \
-    ROW(SerializeFMUstate, PHASES_ALL)                                                                       \
+    ROW(SerializedFMUstateSize, PHASES_READ(PHASES_ALL))                                                     \
+    ROW(SerializeFMUstate, PHASES_READ(PHASES_ALL))                                                          \
     ROW(DeSerializeFMUstate, PHASES_ALL)                                                                     \
-    ROW(GetDirectionalDerivative, PHASES_INITIALIZED)                                                        \
+    ROW(GetDirectionalDerivative, PHASES_READ(PHASES_INITIALIZED))                                           \
     ROW(SetRealInputDerivatives, PHASES_SETTABLE)                                                            \
-    ROW(GetRealOutputDerivatives, PHASES_STEPPED)                                                            \
+    ROW(GetRealOutputDerivatives, PHASES_READ(PHASES_STEPPED))                                               \
     ROW(DoStep, PHASE_STEP)                                                                                  \
     ROW(CancelStep, 0)                                                                                       \
-    ROW(GetStatus, PHASES_STEPPED)                                                                           \
-    ROW(GetRealStatus, PHASES_STEPPED)                                                                       \
-    ROW(GetIntegerStatus, PHASES_STEPPED)                                                                    \
-    ROW(GetBooleanStatus, PHASES_STEPPED)                                                                    \
-    ROW(GetStringStatus, PHASES_STEPPED)
+    ROW(GetStatus, PHASES_READ(PHASES_STEPPED))                                                              \
+    ROW(GetRealStatus, PHASES_READ(PHASES_STEPPED))                                                          \
+    ROW(GetIntegerStatus, PHASES_READ(PHASES_STEPPED))                                                       \
+    ROW(GetBooleanStatus, PHASES_READ(PHASES_STEPPED))                                                       \
+    ROW(GetStringStatus, PHASES_READ(PHASES_STEPPED))
 
 #define CALL_NAME(function, phases) CALL_##function,
 enum call { CALL_TABLE(CALL_NAME) CALL_COUNT };

@@ -120,7 +120,7 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
 static bool is_unknown(struct instance *instance, fmi2ValueReference reference)
 {
     const struct variable *variable = scene_variable(reference);
-    if (instance->phase == PHASE_INITIALIZATION && variable != NULL &&
+    if ((instance->phase & PHASE_INITIALIZATION) != 0 && variable != NULL &&
         variable->causality == VARIABLE_CALCULATED_PARAMETER) {
         return true;
     }
@@ -130,7 +130,7 @@ static bool is_unknown(struct instance *instance, fmi2ValueReference reference)
 static fmi2Status check_known(struct instance *instance, fmi2ValueReference reference, fmi2Real change)
 {
     const struct variable *variable = scene_variable(reference);
-    if (variable != NULL && instance->phase == PHASE_INITIALIZATION &&
+    if (variable != NULL && (instance->phase & PHASE_INITIALIZATION) != 0 &&
         variable->causality == VARIABLE_PARAMETER && variable->type == VARIABLE_REAL) {
         return log_report(
             instance, fmi2Discard,

@@ -20,8 +20,9 @@ enum phase {
     PHASE_INITIALIZATION = 1 << 1,
     PHASE_STEP = 1 << 2, /* between two communication steps */
     PHASE_TERMINATED = 1 << 3,
-    PHASE_ERROR = 1 << 4, /* a step failed for good: values, saved states and fmi2Reset remain */
-    PHASE_FATAL = 1 << 5  /* only fmi2FreeInstance remains */
+    PHASE_ERROR = 1 << 4,  /* a step failed for good: values, saved states and fmi2Reset remain */
+    PHASE_FATAL = 1 << 5,  /* only fmi2FreeInstance remains */
+    PHASE_TELLING = 1 << 6 /* beside one of the others: the logger is being called, see log.h */
 };
 
 struct experiment {

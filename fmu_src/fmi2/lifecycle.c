@@ -106,7 +106,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
 void fmi2FreeInstance(fmi2Component c)
 {
     struct instance *instance = c;
-    if (instance != NULL) {
+    if (instance != NULL && (instance->phase & PHASE_TELLING) == 0) {
         void (*release)(void *) = instance->host.release;
         state_list_clear(instance); /* what the importer forgot */
         model_destroy(instance->model);

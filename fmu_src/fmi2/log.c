@@ -109,14 +109,24 @@ static void send_message(struct instance *instance, fmi2Status status, const cha
         trim_cut_character(text);
     }
     escape_message(text, escaped);
+    const enum phase phase = instance->phase;
+    instance->phase = (enum phase)(phase | PHASE_TELLING);
     instance->callbacks.logger(instance->callbacks.componentEnvironment, instance->name, status, category,
                                escaped);
+    instance->phase = phase;
+}
+
+/* Never while the logger is at work: one that called wrongly each time it is told would never come to an end. */
+static bool is_heard(const struct instance *instance, unsigned category_bits)
+{
+    return instance->callbacks.logger != NULL && (instance->phase & PHASE_TELLING) == 0 &&
+           (instance->log_categories & category_bits) != 0;
 }
 
 fmi2Status log_report(struct instance *instance, fmi2Status status, const char *format, ...)
 {
     const struct log_category_name *category = category_of_status(status);
-    if (instance->callbacks.logger == NULL || (instance->log_categories & category->bits) == 0) {
+    if (!is_heard(instance, category->bits)) {
         return status;
     }
     char message[MESSAGE_SIZE];
@@ -132,8 +142,7 @@ bool log_wanted_by_importer(void *context, const char *category)
 {
     const struct instance *instance = context;
     unsigned bits = 0;
-    return instance->callbacks.logger != NULL && log_category_bits(category, &bits) &&
-           (instance->log_categories & bits) != 0;
+    return log_category_bits(category, &bits) && is_heard(instance, bits);
 }
 
 void log_from_model(void *context, enum model_status status, const char *category, const char *message)

@@ -58,7 +58,7 @@ static inline const struct variable *find_readable(struct instance *instance, en
                                                    fmi2ValueReference reference, enum type_bits types)
 {
     const struct variable *variable = find_variable(instance, call, reference, types);
-    if (variable != NULL && instance->phase == PHASE_INSTANTIATED && !has_start(variable)) {
+    if (variable != NULL && (instance->phase & PHASE_INSTANTIATED) != 0 && !has_start(variable)) {
         log_report(instance, fmi2Error, "%s: %s has no value before initialization mode", call_name(call),
                    variable->name);
         return NULL;

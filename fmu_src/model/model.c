@@ -234,6 +234,13 @@ bool model_glide(struct model *m, double end_time)
     return false;
 }
 
+static void forget_outputs(struct model *m)
+{
+    if (m->outputs > OUTPUTS_FIXED) {
+        m->outputs = OUTPUTS_FIXED;
+    }
+}
+
 enum model_status model_step(struct model *m, double end_time)
 {
     if (!m->state.initialized) {
@@ -247,9 +254,8 @@ enum model_status model_step(struct model *m, double end_time)
     if (model_glide(m, end_time)) {
         return MODEL_OK;
     }
+    forget_outputs(m); /* whoever is told of the step may read in the midst of it */
     const enum model_status status = take_step(m, end_time);
-    if (m->outputs > OUTPUTS_FIXED) {
-        m->outputs = OUTPUTS_FIXED;
-    }
+    forget_outputs(m);
     return status;
 }
