@@ -2,7 +2,7 @@
 
 #include <stdlib.h>
 
-#include "model/variable.h"
+#include "host.h"
 #include "scene.h"
 
 enum { LONGEST_ARRAY = 6 };
@@ -69,6 +69,41 @@ static void free_arrays(struct arrays *a)
     free(a->reals);
 }
 
+static void claim_numbers(fmi2Status status, const fmi2Real *values, size_t count)
+{
+    for (size_t i = 0; i < count && status <= fmi2Warning; ++i) {
+        CLAIM(isfinite(values[i]));
+    }
+}
+
+/* The next variable of that kind from a random one on; there is one in every scene. */
+static fmi2ValueReference any_real_of(struct bytes *b, enum variable_causality causality)
+{
+    int i = bytes_one(b) % scene_variable_count;
+    while (scene_variables[i].causality != causality || scene_variables[i].type != VARIABLE_REAL) {
+        i = (i + 1) % scene_variable_count;
+    }
+    return scene_variables[i].reference;
+}
+
+/* Of outputs with respect to inputs, or of anything to anything; numbers where it is answered. */
+static fmi2Status any_directional_derivative(fmi2Component c, const struct arrays *unknown, struct bytes *b)
+{
+    struct arrays known = any_arrays(b);
+    const bool sensible = bytes_one(b) < 250;
+    for (size_t i = 0; sensible && unknown->references != NULL && i < unknown->count; ++i) {
+        unknown->references[i] = any_real_of(b, VARIABLE_OUTPUT);
+    }
+    for (size_t i = 0; sensible && known.references != NULL && i < known.count; ++i) {
+        known.references[i] = any_real_of(b, VARIABLE_INPUT);
+    }
+    const fmi2Status status = fmi2GetDirectionalDerivative(
+        c, unknown->references, unknown->count, known.references, known.count, known.reals, unknown->reals);
+    claim_numbers(status, unknown->reals, unknown->count);
+    free_arrays(&known);
+    return status;
+}
+
 fmi2Status arrays_call(fmi2Component c, struct bytes *b)
 {
     const unsigned function = bytes_choice(b, 11);
@@ -105,10 +140,10 @@ fmi2Status arrays_call(fmi2Component c, struct bytes *b)
         break;
     case 9:
         status = fmi2GetRealOutputDerivatives(c, a.references, a.count, a.orders, a.reals);
+        claim_numbers(status, a.reals, a.count);
         break;
     default:
-        status =
-            fmi2GetDirectionalDerivative(c, a.references, a.count, a.references, a.count, a.reals, a.reals);
+        status = any_directional_derivative(c, &a, b);
         break;
     }
     free_arrays(&a);

@@ -256,7 +256,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         struct player *player = &players[bytes_choice(&b, PLAYERS)];
         const bool heard = player->component != NULL && player->hears_all;
         const long messages = host.messages;
+        host.told = player->component;
         const fmi2Status status = call(player, &b);
+        host.told = NULL;
         CLAIM(status >= fmi2OK && status <= fmi2Error);
         CLAIM(status <= fmi2OK || !heard || !player->hears_all || host.messages > messages);
         CLAIM(player->component != NULL || status == fmi2Error || status == fmi2OK);

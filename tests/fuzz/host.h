@@ -21,6 +21,7 @@ struct host {
     long countdown; /* allocations until one fails; negative: none does */
     long messages;
     char last_message[2048];
+    fmi2Component told; /* where set, the logger calls back into this instance, which is the one that tells */
     fmi2Component shown; /* where set, a broken claim prints all its values */
     char note[128];      /* and this */
 };
