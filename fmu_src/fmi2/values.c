@@ -122,7 +122,12 @@ get_reals(struct instance *instance, const fmi2ValueReference vr[], size_t nvr, 
         return fmi2Error;
     }
     for (size_t i = 0; i < nvr; ++i) {
-        value[i] = model_get_real(instance->model, scene_variable(vr[i]));
+        const struct variable *variable = scene_variable(vr[i]);
+        const enum model_status status = model_check_reading(instance->model, variable);
+        if (status != MODEL_OK) {
+            return status_of(status);
+        }
+        value[i] = model_get_real(instance->model, variable);
     }
     return fmi2OK;
 }
@@ -148,7 +153,12 @@ static fmi2Status get_integers(struct instance *instance, enum call call, enum t
         return fmi2Error;
     }
     for (size_t i = 0; i < nvr; ++i) {
-        value[i] = model_get_integer(instance->model, scene_variable(vr[i]));
+        const struct variable *variable = scene_variable(vr[i]);
+        const enum model_status status = model_check_reading(instance->model, variable);
+        if (status != MODEL_OK) {
+            return status_of(status);
+        }
+        value[i] = model_get_integer(instance->model, variable);
     }
     return fmi2OK;
 }

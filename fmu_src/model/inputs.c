@@ -3,6 +3,7 @@
  * with it. A prescribed body goes on with its prescribed velocity unless its displacement has derivatives of its own; where
  * all bodies are prescribed (a force element) only given derivatives move them.
  */
+#include <math.h>
 #include <string.h>
 
 #include "dynamics/energy.h"
@@ -173,11 +174,45 @@ static bool same_path(const struct body_path *a, const struct body_path *b)
            same_coefficients(a->velocity, b->velocity, 3) && same_coefficients(a->force, b->force, 3);
 }
 
-void model_apply_inputs(struct model *m)
+enum model_status model_refuse_inputs(const struct model *m)
+{
+    return model_report(
+        m, MODEL_DISCARD,
+        "The inputs set last would take an energy beyond the range of numbers and are not in force "
+        "(allowed: inputs with finite energies).");
+}
+
+#if SCENE_ANY_FREE
+/* Other paths from now on, and the work that the change does; false, and the motion as before, where that is no number. */
+static bool change_paths(const struct scene_values *v, struct motion *q, const struct body_path *next)
+{
+    const struct motion before = *q;
+    struct system_instant at;
+    system_now(v, q, &at);
+    const double stored = energy_stored(v, q, &at);
+    motion_rebase(v, q);
+    memcpy(q->path, next, sizeof q->path);
+    event_settle_regimes(v, q, stored, false);
+    if (isfinite(q->external_work)) {
+        return true;
+    }
+    *q = before;
+    return false;
+}
+#else
+static bool change_paths(const struct scene_values *v, struct motion *q, const struct body_path *next)
+{
+    motion_rebase(v, q);
+    memcpy(q->path, next, sizeof q->path);
+    return true;
+}
+#endif
+
+bool model_apply_inputs(struct model *m)
 {
     struct motion *q = &m->state.motion;
     if (!m->state.signals_changed || !m->state.initialized) {
-        return;
+        return true;
     }
 #if SCENE_ANY_FREE
     flight_arrive(&m->state.values, q);
@@ -193,20 +228,9 @@ void model_apply_inputs(struct model *m)
         renew_path(m, i, m->state.marks[i], &next[i]);
         same = same && same_path(&before, &next[i]);
     }
-    m->state.signals_changed = 0;
-    if (same) {
-        return;
-    }
-#if SCENE_ANY_FREE
-    struct system_instant at;
-    system_now(&m->state.values, q, &at);
-    const double stored = energy_stored(&m->state.values, q, &at);
-#endif
-    motion_rebase(&m->state.values, q);
-    memcpy(q->path, next, sizeof next);
-#if SCENE_ANY_FREE
-    event_settle_regimes(&m->state.values, q, stored, false);
-#endif
+    const bool applied = same || change_paths(&m->state.values, q, next);
+    m->state.signals_changed = !applied;
+    return applied;
 }
 
 void model_close_inputs(struct model *m)

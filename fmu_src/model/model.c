@@ -248,7 +248,9 @@ enum model_status model_step(struct model *m, double end_time)
                             end_time);
     }
     if (m->state.signals_open) {
-        model_apply_inputs(m);
+        if (!model_apply_inputs(m)) {
+            return model_refuse_inputs(m);
+        }
         model_close_inputs(m);
     }
     if (model_glide(m, end_time)) {

@@ -62,6 +62,9 @@ enum model_status model_check_integer(struct model *m, const struct variable *va
 void model_set_real(struct model *m, const struct variable *variable, double value);
 void model_set_integer(struct model *m, const struct variable *variable, int32_t value);
 
+/* Whether a variable has a value now; MODEL_DISCARD where that would be beyond the range of numbers. */
+enum model_status model_check_reading(struct model *m, const struct variable *variable);
+
 /* Outputs are brought up to date with the inputs first. */
 double model_get_real(struct model *m, const struct variable *variable);
 

@@ -1,4 +1,6 @@
 /* The outputs of the present instant: what the model shows, computed from the motion and nothing else. */
+#include <math.h>
+
 #include "dynamics/energy.h"
 #include "dynamics/flight.h"
 #include "model/state.h"
@@ -28,8 +30,10 @@ static void put_force(struct scene_values *v, int contact, double normal_force, 
     put_contact_destination_force(v, contact, vec3_scale(-1.0, source_force));
 }
 
-static void put_contact(struct scene_values *v, const struct motion *q, const struct system_instant *at,
-                        int contact)
+/* Numbers within their ranges can still multiply to more than a double holds: these functions return a sum that is finite
+ * only if all outputs of theirs are. */
+static double put_contact(struct scene_values *v, const struct motion *q, const struct system_instant *at,
+                          int contact)
 {
     const struct contact_shape shape = system_shape(v, q, contact);
     const struct contact_law law = system_law(v, q, contact);
@@ -49,6 +53,7 @@ static void put_contact(struct scene_values *v, const struct motion *q, const st
     put_contact_active(v, contact, regime != REGIME_APART);
     put_contact_within_extents(v, contact, within);
     put_force(v, contact, force, vec3_scale(-shape.side * force, g->normal));
+    return force + g->distance + g->gap_rate + law.stiffness + law.damping;
 }
 
 #if SCENE_ANY_FREE
@@ -59,20 +64,22 @@ static struct vec3 mean_of(struct vec3 impulse, double window)
                         : vec3_make(0.0, 0.0, 0.0);
 }
 
-static void put_history(struct scene_values *v, const struct motion *q, int contact)
+static double put_history(struct scene_values *v, const struct motion *q, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
     const struct vec3 impulse = vec3_sub(state->impulse, state->impulse_mark);
     const bool touching = state->regime != REGIME_APART;
-    put_contact_mean_force(v, contact, mean_of(impulse, q->window));
+    const struct vec3 mean = mean_of(impulse, q->window);
+    put_contact_mean_force(v, contact, mean);
     put_contact_peak_force(v, contact, state->peak_force);
     put_contact_peak_penetration(v, contact, state->peak_penetration);
     put_contact_onsets(v, contact, state->onsets);
     put_contact_last_onset_time(v, contact, state->onset_time);
     put_contact_last_duration(v, contact, touching ? q->clock - state->touch_clock : state->last_duration);
+    return mean.x + mean.y + mean.z + state->peak_force;
 }
 
-static void put_world(struct scene_values *v, const struct motion *q, const struct system_instant *at)
+static double put_world(struct scene_values *v, const struct motion *q, const struct system_instant *at)
 {
     const double kinetic = energy_kinetic_of(v, at);
     const double potential = energy_potential_of(v, at);
@@ -82,12 +89,14 @@ static void put_world(struct scene_values *v, const struct motion *q, const stru
     put_energy_contact(v, stored);
     put_energy_dissipated(v, q->dissipated);
     put_energy_external_work(v, q->external_work);
-    put_energy_total(v, kinetic + potential + stored + q->dissipated - q->external_work);
+    const double total = kinetic + potential + stored + q->dissipated - q->external_work;
+    put_energy_total(v, total);
     put_solver_steps(v, q->counters.steps);
     put_solver_force_evaluations(v, q->counters.force_evaluations);
     put_solver_events(v, q->counters.events);
     put_solver_rejected_steps(v, q->counters.rejected_steps);
     put_solver_fallbacks(v, q->counters.fallbacks);
+    return total;
 }
 #endif
 
@@ -169,33 +178,35 @@ static void update_all(struct model *m)
     struct scene_values *v = &m->state.values;
     struct motion *q = &m->state.motion;
     struct system_instant at;
+    double sum = 0.0;
     system_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (system_is_force_element(v)) {
             q->contact[j].regime = (int32_t)system_regime(v, q, &at, j);
         }
         q->contact[j].normal = at.geometry[j].normal;
-        put_contact(v, q, &at, j);
+        sum += put_contact(v, q, &at, j);
 #if SCENE_ANY_FREE
-        put_history(v, q, j);
+        sum += put_history(v, q, j);
 #endif
     }
 #if SCENE_ANY_FREE
-    put_world(v, q, &at);
+    sum += put_world(v, q, &at);
 #endif
     warn_of_missing_direction(m, &at);
-    m->outputs = OUTPUTS_ALL;
+    /* What is no number has to be looked at one by one. */
+    m->outputs = isfinite(sum) ? OUTPUTS_ALL : OUTPUTS_BODIES;
 }
 
-void model_update_outputs(struct model *m, enum outputs wanted)
+bool model_update_outputs(struct model *m, enum outputs wanted)
 {
     if (m->outputs >= wanted) {
-        return;
+        return true;
     }
     if (!m->state.initialized) {
         model_prepare(m);
-    } else {
-        model_apply_inputs(m);
+    } else if (!model_apply_inputs(m)) {
+        return false;
     }
     update_bodies(m);
     /* Bodies that overlap may have to be warned of, whatever is asked. */
@@ -203,4 +214,5 @@ void model_update_outputs(struct model *m, enum outputs wanted)
         !system_is_apart(&m->state.motion)) {
         update_all(m);
     }
+    return true;
 }

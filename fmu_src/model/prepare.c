@@ -1,7 +1,9 @@
 /* The start of a motion from parameters and inputs, and what is refused at the end of initialization. */
+#include <math.h>
 #include <string.h>
 
 #include "contact/bounding_box.h"
+#include "dynamics/energy.h"
 #include "model/state.h"
 
 static struct vec3 start_displacement(const struct scene_values *v, const struct motion *q, int body)
@@ -191,6 +193,25 @@ static enum model_status check_factors(struct model *m, int contact)
         name, contact_reference_modulus(&m->state.values, contact), state->diagonal);
 }
 
+/* Finite parameters can multiply to infinite forces and energies as well. */
+static enum model_status check_start(struct model *m)
+{
+    const struct scene_values *v = &m->state.values;
+    struct system_instant at;
+    system_now(v, &m->state.motion, &at);
+    double sum = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        sum += at.normal_force[j];
+    }
+#if SCENE_ANY_FREE
+    sum += energy_kinetic_of(v, &at) + energy_potential_of(v, &at) + energy_stored(v, &m->state.motion, &at);
+#endif
+    return isfinite(sum) ? MODEL_OK
+                         : model_report(m, MODEL_ERROR,
+                                        "The start is beyond the range of numbers "
+                                        "(allowed: finite forces and energies).");
+}
+
 enum model_status model_check_consistency(struct model *m)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -203,5 +224,5 @@ enum model_status model_check_consistency(struct model *m)
             return status;
         }
     }
-    return MODEL_OK;
+    return check_start(m);
 }

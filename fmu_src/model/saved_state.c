@@ -85,11 +85,25 @@ static bool known_regime(int32_t regime)
     return regime >= REGIME_APART && regime <= REGIME_RELEASED;
 }
 
+/* A unit vector, to rounding. */
+static bool is_direction(struct vec3 a)
+{
+    return fabs(vec3_dot(a, a) - 1.0) < 1e-9;
+}
+
 static bool contact_is_sound(const struct contact_state *contact, bool initialized)
 {
     if (!known_regime(contact->regime) || (initialized && contact->side != 1 && contact->side != -1)) {
         return false;
     }
+    if (initialized && !is_direction(contact->normal)) {
+        return false;
+    }
+#if SCENE_ANY_CYLINDER
+    if (initialized && !is_direction(contact->axis) && !vec3_is_zero(contact->axis)) { /* zero: of a sphere */
+        return false;
+    }
+#endif
 #if SCENE_ANY_FREE
     /* Times up to which something was looked for may be infinite. */
     return known_regime(contact->change_regime) && contact->onsets >= 0 && !isnan(contact->change_clock) &&
@@ -140,7 +154,10 @@ static bool gives_numbers(struct model *m, const struct model_state *state)
     m->host.log = NULL;
     m->state = *state;
     m->outputs = OUTPUTS_NONE;
-    model_update_outputs(m, OUTPUTS_ALL);
+    if (!model_update_outputs(m, OUTPUTS_ALL)) {
+        m->state.signals_changed = 0; /* inputs that are no good may still be replaced */
+        (void)model_update_outputs(m, OUTPUTS_ALL);
+    }
     bool finite = true;
     for (int i = 0; i < scene_variable_count && finite; ++i) {
         finite = value_in_range(&m->state.values, &scene_variables[i]);

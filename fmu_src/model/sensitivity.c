@@ -142,7 +142,9 @@ enum model_status model_get_output_derivatives(struct model *m, const uint32_t *
     enum model_status status = MODEL_OK;
     struct system_instant at;
     struct system_variation along;
-    model_update_outputs(m, OUTPUTS_ALL);
+    if (!model_update_outputs(m, OUTPUTS_ALL)) {
+        return model_refuse_inputs(m);
+    }
     system_now(&m->state.values, &m->state.motion, &at);
     variation_in_time(&m->state.values, &m->state.motion, &at, &along);
     for (size_t i = 0; i < count && status == MODEL_OK; ++i) {
@@ -236,7 +238,9 @@ enum model_status model_get_directional_derivative(struct model *m, const uint32
     enum model_status status = MODEL_OK;
     struct system_instant at;
     struct system_variation along;
-    model_update_outputs(m, OUTPUTS_ALL);
+    if (!model_update_outputs(m, OUTPUTS_ALL)) {
+        return model_refuse_inputs(m);
+    }
     system_now(&m->state.values, &m->state.motion, &at);
     memset(&along, 0, sizeof along);
     for (int i = 0; i < SCENE_BODIES; ++i) {

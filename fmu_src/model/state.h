@@ -82,14 +82,18 @@ void model_start_paths(struct model *m);
 /* Contradictions between parameters; reports the first. */
 enum model_status model_check_consistency(struct model *m);
 
-/* Takes changed inputs over into the paths of the motion. */
-void model_apply_inputs(struct model *m);
+/* Takes changed inputs over into the paths of the motion; false, and the motion as before, where an energy would be beyond the range
+ * of numbers. They remain to be taken over: others may be set. */
+bool model_apply_inputs(struct model *m);
 
 /* From the present communication point on, inputs go on as they are. */
 void model_close_inputs(struct model *m);
 
-/* Computes outputs of the present, `wanted` at least. */
-void model_update_outputs(struct model *m, enum outputs wanted);
+/* Computes outputs of the present, `wanted` at least; false where the inputs cannot be taken over. */
+bool model_update_outputs(struct model *m, enum outputs wanted);
+
+/* "The inputs ... beyond the range of numbers ...", for who cannot take them over. */
+enum model_status model_refuse_inputs(const struct model *m);
 
 #if SCENE_ANY_FREE
 /* After a glide to `clock`: whoever read after the step before will read again. In flight, where it is cheap, the motion of the

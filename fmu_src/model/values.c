@@ -37,9 +37,23 @@ static enum outputs outputs_for(const struct model *m, const struct variable *va
     return given && m->state.initialized ? OUTPUTS_NONE : OUTPUTS_ALL;
 }
 
+enum model_status model_check_reading(struct model *m, const struct variable *variable)
+{
+    if (!model_update_outputs(m, outputs_for(m, variable))) {
+        return model_refuse_inputs(m);
+    }
+    if (variable->type == VARIABLE_REAL && !isfinite(model_get_real(m, variable))) {
+        return model_report(m, MODEL_DISCARD,
+                            "%s is beyond the range of numbers (allowed: parameters and inputs with finite "
+                            "forces and energies).",
+                            variable->name);
+    }
+    return MODEL_OK;
+}
+
 double model_get_real(struct model *m, const struct variable *variable)
 {
-    model_update_outputs(m, outputs_for(m, variable));
+    (void)model_update_outputs(m, outputs_for(m, variable));
     double value;
     memcpy(&value, (const char *)&m->state.values + variable->offset, sizeof value);
     return value;
@@ -83,7 +97,7 @@ size_t model_get_reals(const struct model *m, const uint32_t *references, size_t
 
 int32_t model_get_integer(struct model *m, const struct variable *variable)
 {
-    model_update_outputs(m, outputs_for(m, variable));
+    (void)model_update_outputs(m, outputs_for(m, variable));
     int32_t value;
     memcpy(&value, (const char *)&m->state.values + variable->offset, sizeof value);
     return value;
