@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Longest message; an instance name or a message beyond it is cut, never split inside a UTF-8 character. */
+/* Longest message; an instance name or a message beyond it is cut. */
 #define MESSAGE_SIZE 1024
 #define NAME_SHOWN 200
 
@@ -64,30 +64,37 @@ static const struct log_category_name *category_of_status(fmi2Status status)
     return &known_categories[0];
 }
 
-/* Drops the bytes of a character that the end of the buffer has cut in two. */
-static void trim_cut_character(char *text)
+/* Bytes of the UTF-8 character that a text begins with; 0 where it begins with something else or only a part. */
+static size_t character_length(const char *text)
 {
-    size_t length = strlen(text);
-    while (length > 0 && ((unsigned char)text[length - 1] & 0xC0u) == 0x80u) {
-        --length;
+    const unsigned char first = (unsigned char)text[0];
+    const size_t length = first < 0x80u ? 1 : first < 0xC2u ? 0 : first < 0xE0u ? 2 : first < 0xF0u ? 3 : 4;
+    for (size_t i = 1; i < length; ++i) {
+        if (((unsigned char)text[i] & 0xC0u) != 0x80u) {
+            return 0;
+        }
     }
-    if (length > 0 && ((unsigned char)text[length - 1] & 0xC0u) == 0xC0u) {
-        --length;
-    }
-    text[length] = '\0';
+    return first < 0xF5u ? length : 0;
 }
 
 /*
  * The logger takes a printf format in which '#' marks value references (FMI 2.0.5, fmi2CallbackLogger): both
- * are doubled.
+ * are doubled. What is no UTF-8, a character cut in two among it, becomes question marks.
  */
 static void escape_message(const char *text, char *escaped)
 {
-    for (; *text != '\0'; ++text) {
+    while (*text != '\0') {
+        const size_t length = character_length(text);
         if (*text == '%' || *text == '#') {
             *escaped++ = *text;
         }
-        *escaped++ = *text;
+        *escaped++ = *text++;
+        if (length == 0) {
+            escaped[-1] = '?';
+        }
+        for (size_t i = 1; i < length; ++i) {
+            *escaped++ = *text++;
+        }
     }
     *escaped = '\0';
 }
@@ -98,15 +105,11 @@ static void send_message(struct instance *instance, fmi2Status status, const cha
 {
     char text[MESSAGE_SIZE];
     char escaped[2 * MESSAGE_SIZE];
-    int length;
     if (instance->model != NULL) {
-        length = snprintf(text, sizeof text, "%.*s at %.12g s: %s", NAME_SHOWN, instance->name,
-                          model_time(instance->model), message);
+        (void)snprintf(text, sizeof text, "%.*s at %.12g s: %s", NAME_SHOWN, instance->name,
+                       model_time(instance->model), message);
     } else {
-        length = snprintf(text, sizeof text, "%.*s: %s", NAME_SHOWN, instance->name, message);
-    }
-    if (length >= (int)sizeof text) {
-        trim_cut_character(text);
+        (void)snprintf(text, sizeof text, "%.*s: %s", NAME_SHOWN, instance->name, message);
     }
     escape_message(text, escaped);
     const enum phase phase = instance->phase;

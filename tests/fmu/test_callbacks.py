@@ -1,4 +1,4 @@
-"""Callbacks that are missing or gone; a logger that makes another instance. test_meddling_logger.py has more."""
+"""Callbacks that are missing or gone. What a logger may call is test_meddling_logger.py's."""
 
 import ctypes
 from ctypes import byref

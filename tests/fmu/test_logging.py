@@ -129,6 +129,9 @@ def test_reset_returns_to_the_logging_of_the_instantiation(fmu):
         "a\nb\tc",
         "x" * 5000,
         "ü" * 5000,
+        "€" * 5000,
+        "x€" * 2000,
+        "a🎱" * 2000,
         "%" * 3000,
     ],
 )
@@ -137,9 +140,26 @@ def test_any_instance_name_makes_a_good_message(universal, name):
         complain(instance)
         assert instance.loggers == [name.encode()] * 2
         for message in instance.messages:
-            assert name[:100] in message.text
+            assert name[:50] in message.text
             assert len(message.raw) < 2048
             assert as_printf(message) == message.text.replace("#", "##").encode()
+
+
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [
+        (b"Stra\xdfe", "Stra?e at"),  # Latin-1
+        (b"\xff\xfe", "?? at"),
+        (b"\x80ball\xe2\x82", "?ball?? at"),
+        (b"\xc0\xaf\xf5\x80", "???? at"),  # never in UTF-8
+        (("€" * 67).encode(), "€" * 66 + "?? at"),  # cut after 200 bytes
+    ],
+)
+def test_what_is_no_utf_8_becomes_question_marks(universal, name, shown):
+    with raw.Instance(universal, name=name) as instance:
+        complain(instance)
+        assert instance.loggers == [name] * 2
+        assert instance.messages[0].text.startswith(shown)
 
 
 def as_printf(message: raw.Message) -> bytes:

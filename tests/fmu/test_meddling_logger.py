@@ -126,7 +126,7 @@ def test_a_run_goes_the_way_it_goes_without(name):
 
 @pytest.mark.parametrize("scene", SOLVER_SCENES)
 def test_a_step_that_stops_early_may_be_watched(scene):
-    """Each stop comes with a message from the midst of fmi2DoStep; what is read there is what is read after it"""
+    """Each stop is told from the midst of fmi2DoStep; what is read there is what is read afterwards"""
     busy = {"contact.penalty_factor": 1e5, "solver.max_internal_steps": 1}
     lying = {"destination.axis": [0.0, 1.0, 0.0]} if scene == "SphereCylinder" else {}
     fmu = raw.load(scene)
