@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import base64
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from contact_pages import write_pages
 
 from . import figures, tables
 from .problems import benchmarks, stiff_families
@@ -43,12 +42,7 @@ def draw_page(folder: Path) -> list[Path]:
         *given,
     ]
     context = {"versions": versions, "made": summary["made"], "plan": summary["plan"], "sections": sections}
-    files = []
-    for template, name in (("page.html", "index.html"), ("page.md", "README.md")):
-        text = _environment(folder).get_template(template).render(context)
-        (folder / name).write_text(text.rstrip() + "\n", encoding="utf-8")
-        files.append(folder / name)
-    return files
+    return write_pages(Path(__file__).parent, folder, context)
 
 
 def _work_precision(
@@ -111,23 +105,3 @@ def given_section(section: dict[str, Any], folder: Path) -> Section:
 
 def _text(cell: Any) -> str:
     return f"{cell:.4g}" if isinstance(cell, float) else str(cell)
-
-
-def _environment(folder: Path) -> Environment:
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=select_autoescape(["html"]),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-
-    def embedded(name: str) -> str:
-        data = base64.b64encode((folder / f"{name}.svg").read_bytes()).decode()
-        return f"data:image/svg+xml;base64,{data}"
-
-    def cell(text: str) -> str:
-        return str(text).replace("|", "\\|").replace("\n", " ")
-
-    environment.filters |= {"embedded": embedded, "cell": cell}
-    return environment

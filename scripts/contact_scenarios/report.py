@@ -5,7 +5,7 @@ from __future__ import annotations
 import datetime
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, select_autoescape
+from contact_pages import write_pages
 
 from . import tables
 from .runner import ScenarioResult
@@ -13,19 +13,13 @@ from .runner import ScenarioResult
 
 def write_report(results: list[ScenarioResult], folder: Path) -> Path:
     """index.html in `folder`, next to the plots it shows"""
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=select_autoescape(["html"]),
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"error": tables.format_error, "allowed": tables.format_allowed}
-    page = environment.get_template("report.html").render(
-        results=results,
-        value=tables.format_value,
-        plot=lambda result: result.plot.relative_to(folder).as_posix() if result.plot else None,
-        made=datetime.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
-    )
-    file = folder / "index.html"
-    file.write_text(page, encoding="utf-8")
+    context = {
+        "results": results,
+        "value": tables.format_value,
+        "error": tables.format_error,
+        "allowed": tables.format_allowed,
+        "plot": lambda result: result.plot.relative_to(folder).as_posix() if result.plot else None,
+        "made": datetime.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
+    }
+    (file,) = write_pages(Path(__file__).parent, folder, context, {"report.html": "index.html"})
     return file

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import base64
 import datetime
 from collections.abc import Sequence
 from pathlib import Path
 
+from contact_pages import write_pages
 from contact_report.machine import versions
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 
 from . import figures, limits, text
 from .checks import TOLERANCE
@@ -34,28 +33,4 @@ def draw_page(rows: Sequence[Row], folder: Path, plan: str) -> list[Path]:
         "versions": versions(),
         "texts": text,
     }
-    files = []
-    for template, name in (("page.html", "index.html"), ("page.md", "README.md")):
-        page = _environment(folder).get_template(template).render(context)
-        (folder / name).write_text(page.rstrip() + "\n", encoding="utf-8")
-        files.append(folder / name)
-    return files
-
-
-def _environment(folder: Path) -> Environment:
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
-        autoescape=select_autoescape(["html"]),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-
-    def embedded(name: str) -> str:
-        return "data:image/png;base64," + base64.b64encode((folder / f"{name}.png").read_bytes()).decode()
-
-    def cell(text: str) -> str:
-        return str(text).replace("|", "\\|").replace("\n", " ")
-
-    environment.filters |= {"embedded": embedded, "cell": cell}
-    return environment
+    return write_pages(Path(__file__).parent, folder, context)
