@@ -2,6 +2,8 @@
 
 #if SCENE_ANY_FREE
 
+#include <float.h>
+
 #include "dynamics/energy.h"
 #include "dynamics/projection.h"
 
@@ -35,6 +37,22 @@ static double gap_at_change(const struct scene_values *v, const struct motion *q
     return regime == REGIME_APART ? fmax(gap, 0.0) : gap;
 }
 
+/* Bodies that part after a way long against their sizes, out of a deep impact, do so with a gap rounded as that way is: by more than
+ * their positions here, so that they would touch again at once. They are put where the gap is zero. A larger gap is a cylinder's end. */
+static void close_rounded_gap(const struct scene_values *v, struct motion *q, struct system_instant *at,
+                              int contact, double lasted)
+{
+    const double gap = fabs(at->geometry[contact].gap);
+    const double way = vec3_norm(at->rate[contact]) * lasted + q->contact[contact].peak_penetration;
+    if (!(system_inverse_mass(v, contact) > 0.0) || gap > 32.0 * DBL_EPSILON * way ||
+        gap <= 0.25 * system_gap_resolution(v, at, contact)) {
+        return;
+    }
+    projection_close_gap(v, q, contact);
+    motion_rebase(v, q);
+    system_place(v, q, at);
+}
+
 /* A smooth piece of the motion starts here: nothing is known ahead, the balance is taken. */
 static void begin_phase(const struct scene_values *v, struct motion *q, const struct system_instant *at)
 {
@@ -45,11 +63,15 @@ static void begin_phase(const struct scene_values *v, struct motion *q, const st
 void event_change_regime(const struct scene_values *v, struct motion *q, int contact,
                          enum contact_regime regime, struct system_instant *at)
 {
+    const double lasted = q->clock;
     motion_rebase(v, q);
     system_place(v, q, at);
     if (!system_is_apart(q)) {
         system_forces(v, q, q->clock, at);
         event_note_peaks(q, at);
+    }
+    if (regime == REGIME_APART && q->contact[contact].regime != (int32_t)REGIME_APART) {
+        close_rounded_gap(v, q, at, contact, lasted);
     }
     const double before = energy_stored(v, q, at);
     at->geometry[contact].gap = gap_at_change(v, q, at, contact, regime);
