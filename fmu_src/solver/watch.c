@@ -113,14 +113,21 @@ static double fall_between(const struct probe *probe, int i)
     return (double)INFINITY;
 }
 
+/* At the first two places. What is zero and stays so, as the gap rate of bodies at rest, is not below. */
+static bool starts_below(const struct watch *w, const struct watched *what)
+{
+    const double first = value_of(what, &w->at[0]);
+    const double second = value_of(what, &w->at[1]);
+    return fmax(first, second) <= 0.0 && fmin(first, second) < 0.0;
+}
+
 double watch_first_fall(const struct watch *w, const struct watched *what)
 {
     const struct probe probe = {w, what};
     double fall = (double)INFINITY;
     for (int i = 0; i + 1 < w->count && !(fall < (double)INFINITY); ++i) {
         fall = fall_between(&probe, i);
-        if (i == 0 && !(fall < (double)INFINITY) && value_of(what, &w->at[0]) <= 0.0 &&
-            value_of(what, &w->at[1]) <= 0.0) {
+        if (i == 0 && !(fall < (double)INFINITY) && starts_below(w, what)) {
             return w->s[0];
         }
     }

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from contact_stability import together
-from contact_stability.head_on import HeadOn
+from contact_stability.head_on import GEOMETRIES, HeadOn
 from contact_stability.run import run_scene
 from contact_stability.scene import Jump, Scene
 
@@ -47,3 +47,14 @@ def test_a_shell_that_jumps_far_away_hits_its_ball_once_in_every_swing(law, radi
 def test_random_deep_impacts_touch_once_each(group, number):
     scenes = {(group, number): motion for group, number, motion in together.scenes()}
     check_right(Scene("all at once", group, scenes[group, number]))
+
+
+@pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])
+@pytest.mark.parametrize("geometry", GEOMETRIES)
+def test_a_ball_that_a_dashpot_has_stopped_causes_no_more_events(geometry, dashpot):
+    """Its gap rate has become 0, which is neither approach nor parting."""
+    stopped = HeadOn(
+        geometry=geometry, law="viscous_only", damping=1e4, dashpot=dashpot, gravity=0.0, speed=30.0, end=10.0
+    )
+    for row in check_right(Scene("viscous only", 1e4, stopped, steps=(1, 7, 50))):
+        assert row.events <= 3 and row.steps <= 50 + row.communication_steps
