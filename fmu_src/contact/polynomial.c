@@ -1,6 +1,7 @@
 #include "contact/polynomial.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 #include "contact/bracket.h"
 
@@ -105,6 +106,16 @@ static int roots_between(const struct polynomial *p, const double *cuts, int cut
     return count;
 }
 
+/* Whether the slope keeps the sign it has at zero, by the size of its terms. */
+static bool is_monotone(const struct polynomial *p)
+{
+    double rest = 0.0;
+    for (int i = 2; i <= p->degree; ++i) {
+        rest += i * fabs(p->a[i]);
+    }
+    return fabs(p->a[1]) > (1.0 + 1e-12) * rest; /* whatever the sum's rounding */
+}
+
 int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_MAX_DEGREE])
 {
     struct polynomial chain[POLYNOMIAL_MAX_DEGREE + 1];
@@ -112,14 +123,16 @@ int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_
     if (degree < 1) {
         return 0;
     }
-    const int lowest = degree > 2 ? 2 : degree;
+    int lowest = degree;
     chain[degree] = *p;
     chain[degree].degree = degree;
-    for (int i = degree; i > lowest; --i) {
-        chain[i - 1] = polynomial_derivative(&chain[i]);
+    while (lowest > 2 && !is_monotone(&chain[lowest])) {
+        chain[lowest - 1] = polynomial_derivative(&chain[lowest]);
+        --lowest;
     }
-    double cuts[POLYNOMIAL_MAX_DEGREE];
-    int count = quadratic_sign_changes(&chain[lowest], roots);
+    double cuts[POLYNOMIAL_MAX_DEGREE] = {0.0};
+    int count = lowest > 2 ? roots_between(&chain[lowest], cuts, 0, roots)
+                           : quadratic_sign_changes(&chain[lowest], roots);
     for (int i = lowest + 1; i <= degree; ++i) {
         for (int j = 0; j < count; ++j) {
             cuts[j] = roots[j];

@@ -40,6 +40,14 @@ static double margin_slope(const struct contact_shape *shape, const struct conta
     return law->stiffness * now->gap_rate + law->damping * bend;
 }
 
+/* Rounding of p_n g + p_nv g'. Of the rate: what it makes of n, from positions, and of n.w. */
+static double margin_noise(const struct contact_law *law, const struct contact_geometry *now,
+                           double resolution, double by_positions, const struct separation *separation)
+{
+    const double turn = 8.0 * DBL_EPSILON + by_positions / now->distance;
+    return law->stiffness * resolution + fmin(turn, 1.0) * law->damping * vec3_norm(separation->w[0]);
+}
+
 /* Until then the present regime, whose boundary has just been crossed, is taken to last. `resolution` is that of the gap,
  * `by_positions` what it would be from positions alone. */
 static double settling_time(const struct approach *path, const struct contact_shape *shape,
@@ -57,10 +65,7 @@ static double settling_time(const struct approach *path, const struct contact_sh
     }
     if (present == REGIME_RELEASED) {
         const double margin = law->stiffness * now->gap + law->damping * now->gap_rate;
-        /* Of the rate: what rounding makes of n, from positions, and of n.w. */
-        const double turn = 8.0 * DBL_EPSILON + by_positions / now->distance;
-        const double noise =
-            law->stiffness * resolution + fmin(turn, 1.0) * law->damping * vec3_norm(separation->w[0]);
+        const double noise = margin_noise(law, now, resolution, by_positions, separation);
         settle = fmax(settle, leaving_time(margin, noise, margin_slope(shape, law, now, separation), 0.0));
     }
     return settle / path->horizon;
@@ -160,6 +165,33 @@ static struct encounter first_touch_at(double after)
     return (struct encounter){after, isfinite(after) ? REGIME_PRESSING : REGIME_APART, 0.0, false};
 }
 
+/* Where formulas tell; false where they do not. */
+static bool head_on_change(const struct contact_shape *shape, const struct contact_law *law,
+                           const struct separation *separation, const struct contact_geometry *now,
+                           enum contact_regime present, double resolution, double by_positions,
+                           double horizon, struct encounter *next)
+{
+    if (!head_on_is(shape, separation, now->normal)) {
+        return false;
+    }
+    if (present == REGIME_APART) {
+        double touch;
+        if (!head_on_touch(shape, separation, now, resolution, horizon, &touch)) {
+            return false;
+        }
+        *next = first_touch_at(touch);
+        return true;
+    }
+    struct head_on_end end;
+    const double noise = margin_noise(law, now, resolution, by_positions, separation);
+    if (!head_on_release(shape, law, separation, now, resolution, noise, &end)) {
+        return false;
+    }
+    *next = end.after <= horizon ? (struct encounter){end.after, end.regime, end.gap, false}
+                                 : (struct encounter){(double)INFINITY, present, 0.0, false};
+    return true;
+}
+
 struct encounter encounter_next(const struct scene_values *v, const struct motion *q,
                                 const struct system_instant *at, double clock, int contact, double horizon)
 {
@@ -177,13 +209,14 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     const double resolution = system_gap_is_known(q, at, contact)
                                   ? 8.0 * DBL_EPSILON * fabs(at->geometry[contact].gap)
                                   : by_positions;
-    const bool simple = present == REGIME_APART && !has_ends;
-    double touch;
-    if (simple && !(q->contact[contact].settled_clock > clock) &&
-        head_on_is(&shape, &separation, at->geometry[contact].normal) &&
-        head_on_touch(&shape, &separation, &at->geometry[contact], resolution, horizon, &touch)) {
-        return first_touch_at(touch);
+    struct encounter next;
+    if (!has_ends && (present == REGIME_APART || present == REGIME_RELEASED) &&
+        !(q->contact[contact].settled_clock > clock) &&
+        head_on_change(&shape, &law, &separation, &at->geometry[contact], present, resolution, by_positions,
+                       horizon, &next)) {
+        return next;
     }
+    const bool simple = present == REGIME_APART && !has_ends;
     const struct approach path = approach_make(&shape, &separation, at->geometry[contact].gap, horizon);
     if (simple && keeps_away(&path)) {
         return first_touch_at((double)INFINITY);
@@ -196,7 +229,7 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
         return first_change(&path, cuts, cuts_of_ends(&path, cuts, 0), &law, present, true, settle);
     }
     const struct extremes extremes = extremes_of(&path);
-    struct encounter next;
+    double touch;
     if (simple && settle < 1.0 && first_touch(&path, &extremes, settle, &touch)) {
         next = first_touch_at(touch * horizon);
     } else {

@@ -2,7 +2,7 @@
 
 #if SCENE_ANY_FREE
 
-/* Of the terms of the discriminant: below it the bodies might just graze, and the root keeps less than half of its digits. */
+/* Of the terms of the discriminant: below it zero might just be grazed, and the root keeps less than half of its digits. */
 static const double LEAST_DISCRIMINANT = 1e-8;
 
 /* Of the reach: nearer to the centre the gap does not tell any more on which side of it the source is. */
@@ -32,54 +32,93 @@ bool head_on_is(const struct contact_shape *shape, const struct separation *sepa
     return true;
 }
 
-/* g = gap + rate t + bend t^2 */
+/* value + rate t + bend t^2 */
 struct parabola {
-    double gap, rate, bend;
+    double value, rate, bend;
 };
 
-/* Apart for good, beyond rounding: by the gap, or on the way out and up to where the bend brings them back. */
-static bool is_clearly_apart(const struct parabola *p, double resolution)
+/* Above zero for good, beyond rounding: by its value, or on the way up to where the bend brings it back. */
+static bool is_clearly_above(const struct parabola *p, double resolution)
 {
-    return p->gap > resolution ||
-           (p->gap >= 0.0 && p->rate > 0.0 && p->rate * p->rate > -4.0 * p->bend * resolution);
+    return p->value > resolution ||
+           (p->value >= 0.0 && p->rate > 0.0 && p->rate * p->rate > -4.0 * p->bend * resolution);
 }
 
-/* The first zero at which g >= 0 falls, by the one of the two formulas that does not cancel, and a step of Newton's method. */
+/* The first zero at which it falls from value >= 0, by the one of the two formulas that does not cancel, and a step of Newton's method. */
 static double first_zero(const struct parabola *p, double discriminant)
 {
     const double root = sqrt(discriminant);
-    const double t = p->rate < 0.0 ? 2.0 * p->gap / (root - p->rate) : -0.5 * (root + p->rate) / p->bend;
+    const double t = p->rate < 0.0 ? 2.0 * p->value / (root - p->rate) : -0.5 * (root + p->rate) / p->bend;
     if (!(t > 0.0)) {
         return (double)INFINITY;
     }
-    return t - (p->gap + t * (p->rate + t * p->bend)) / (p->rate + 2.0 * t * p->bend);
+    return t - (p->value + t * (p->rate + t * p->bend)) / (p->rate + 2.0 * t * p->bend);
 }
 
-static double widest_until(const struct parabola *p, double t)
+/* When it falls through zero first, INFINITY: never; false where rounding decides. */
+static bool first_fall(const struct parabola *p, double resolution, double *t)
 {
-    const double widest = fmax(p->gap, p->gap + t * (p->rate + t * p->bend));
+    const double square = p->rate * p->rate;
+    const double product = 4.0 * p->bend * p->value;
+    const double size = square + fabs(product);
+    if (!is_clearly_above(p, resolution) || !(fabs(square - product) > LEAST_DISCRIMINANT * size) ||
+        !isfinite(size)) {
+        return false;
+    }
+    *t = square > product ? first_zero(p, square - product) : (double)INFINITY;
+    return true;
+}
+
+static double largest_until(const struct parabola *p, double t)
+{
+    const double largest = fmax(p->value, p->value + t * (p->rate + t * p->bend));
     const double top = -0.5 * p->rate / p->bend;
-    return p->bend < 0.0 && top > 0.0 && top < t ? p->gap + 0.5 * top * p->rate : widest;
+    return p->bend < 0.0 && top > 0.0 && top < t ? p->value + 0.5 * top * p->rate : largest;
+}
+
+static struct parabola gap_of(const struct contact_shape *shape, const struct separation *separation,
+                              const struct contact_geometry *now)
+{
+    return (struct parabola){now->gap, shape->side * vec3_dot(now->normal, separation->c[1]),
+                             shape->side * vec3_dot(now->normal, separation->c[2])};
 }
 
 bool head_on_touch(const struct contact_shape *shape, const struct separation *separation,
                    const struct contact_geometry *now, double resolution, double horizon, double *touch)
 {
-    const struct parabola p = {now->gap, shape->side * vec3_dot(now->normal, separation->c[1]),
-                               shape->side * vec3_dot(now->normal, separation->c[2])};
-    const double square = p.rate * p.rate;
-    const double product = 4.0 * p.bend * p.gap;
-    const double size = square + fabs(product);
-    if (now->degenerate || !is_clearly_apart(&p, resolution) ||
-        !(fabs(square - product) > LEAST_DISCRIMINANT * size) || !isfinite(size)) {
+    const struct parabola gap = gap_of(shape, separation, now);
+    if (now->degenerate || !first_fall(&gap, resolution, touch)) {
         return false;
     }
-    *touch = square > product ? first_zero(&p, square - product) : (double)INFINITY;
     if (!(*touch <= horizon)) {
         *touch = (double)INFINITY;
     }
     return shape->side > 0 ||
-           widest_until(&p, fmin(*touch, horizon)) < (1.0 - CLEAR_OF_CENTRE) * contact_reach(shape);
+           largest_until(&gap, fmin(*touch, horizon)) < (1.0 - CLEAR_OF_CENTRE) * contact_reach(shape);
+}
+
+bool head_on_release(const struct contact_shape *shape, const struct contact_law *law,
+                     const struct separation *separation, const struct contact_geometry *now,
+                     double resolution, double margin_resolution, struct head_on_end *end)
+{
+    const struct parabola gap = gap_of(shape, separation, now);
+    const struct parabola overlap = {-gap.value, -gap.rate, -gap.bend};
+    struct parabola margin = {law->stiffness * gap.value + law->damping * gap.rate,
+                              law->stiffness * gap.rate + 2.0 * law->damping * gap.bend,
+                              law->stiffness * gap.bend};
+    if (fabs(margin.value) <= margin_resolution) {
+        margin.value = 0.0;
+    }
+    double parting;
+    double pressing;
+    if (now->degenerate || !(overlap.value > resolution) || !first_fall(&overlap, resolution, &parting) ||
+        !first_fall(&margin, margin_resolution, &pressing)) {
+        return false;
+    }
+    end->regime = parting <= pressing ? REGIME_APART : REGIME_PRESSING;
+    end->after = fmin(parting, pressing);
+    end->gap = parting <= pressing ? 0.0 : gap.value + pressing * (gap.rate + pressing * gap.bend);
+    return true;
 }
 
 #endif

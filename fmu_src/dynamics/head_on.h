@@ -17,5 +17,18 @@ bool head_on_is(const struct contact_shape *shape, const struct separation *sepa
 bool head_on_touch(const struct contact_shape *shape, const struct separation *separation,
                    const struct contact_geometry *now, double resolution, double horizon, double *touch);
 
+/* How a released contact ends: the gap opens (apart), or the law pushes again (pressing); INFINITY: never. */
+struct head_on_end {
+    double after; /* [s] */
+    enum contact_regime regime;
+    double gap; /* then [m] */
+};
+
+/* The same for bodies that overlap while the law would pull; `margin_resolution` is that of p_n g + p_nv g' [N]. The centre is not
+ * passed: the gap widens as long as the law would pull. */
+bool head_on_release(const struct contact_shape *shape, const struct contact_law *law,
+                     const struct separation *separation, const struct contact_geometry *now,
+                     double resolution, double margin_resolution, struct head_on_end *end);
+
 #endif
 #endif

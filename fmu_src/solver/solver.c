@@ -2,6 +2,8 @@
 
 #if SCENE_ANY_FREE
 
+#include <float.h>
+
 #include "dynamics/encounter.h"
 #include "dynamics/flight.h"
 #include "dynamics/projection.h"
@@ -30,15 +32,32 @@ const struct system_instant *advance_now(struct advance *step, const struct scen
     return &step->now;
 }
 
+/* Multiple of the time in which a released contact opens at its present rate: it is over by then, unless something pulls. */
+static const double RELEASE_TIMES = 4.0;
+
 /* To the end of the step, and as far again as the phase has already lasted: a flight of many communication steps is searched
- * a few times, a short one not far beyond its end. */
+ * a few times, a short one not far beyond its end. Not further than a released contact lasts: over so short a time its conditions are
+ * almost linear, and their roots cheap. */
+static double horizon_from(const struct motion *q, const struct system_instant *at, double remaining)
+{
+    double horizon = fmax(remaining, q->clock);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const double opens = -at->geometry[j].gap / at->geometry[j].gap_rate;
+        if (q->contact[j].regime == REGIME_RELEASED && opens > DBL_EPSILON * q->clock) {
+            horizon = fmin(horizon, RELEASE_TIMES * opens);
+        }
+    }
+    return horizon;
+}
+
+/* Says of every contact when its regime changes next. */
 static void look_ahead(const struct scene_values *v, struct motion *q, double remaining, struct advance *step)
 {
     if (q->horizon_clock > q->clock) {
         return;
     }
-    const double horizon = fmax(remaining, q->clock);
     const struct system_instant *at = advance_now(step, v, q);
+    const double horizon = horizon_from(q, at, remaining);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct encounter next = encounter_next(v, q, at, q->clock, j, horizon);
         q->contact[j].change_clock = q->clock + next.after;

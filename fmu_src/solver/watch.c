@@ -83,12 +83,19 @@ static struct bracket_end slope_end(const struct probe *probe, int i)
                                 probe->what->factor * at->of[probe->what->quantity][2]};
 }
 
+/* Where the quantity turns between two places. */
+static struct bracket_end turn_between(const struct probe *probe, int i)
+{
+    struct bracket_end turn = {
+        .s = bracket_root_between(probe_slope, probe, slope_end(probe, i), slope_end(probe, i + 1))};
+    probe_value(probe, turn.s, &turn.value, &turn.slope);
+    return turn;
+}
+
 /* Between two places: falls through zero, possibly by way of a dip, or rises from zero and falls. */
 static double fall_between(const struct probe *probe, int i)
 {
     const struct watch *w = probe->watch;
-    const double low = w->s[i];
-    const double high = w->s[i + 1];
     const double at_low = value_of(probe->what, &w->at[i]);
     const double at_high = value_of(probe->what, &w->at[i + 1]);
     const double from_low = slope_of(probe->what, &w->at[i]);
@@ -97,17 +104,15 @@ static double fall_between(const struct probe *probe, int i)
         return bracket_root_between(probe_value, probe, value_end(probe, i), value_end(probe, i + 1));
     }
     if (at_low > 0.0 && from_low < 0.0 && to_high > 0.0) {
-        const double dip =
-            bracket_root_between(probe_slope, probe, slope_end(probe, i), slope_end(probe, i + 1));
-        if (value_at(probe, dip) <= 0.0) {
-            return bracket_root(probe_value, probe, low, dip);
+        const struct bracket_end dip = turn_between(probe, i);
+        if (dip.value <= 0.0) {
+            return bracket_root_between(probe_value, probe, value_end(probe, i), dip);
         }
     }
     if (at_low <= 0.0 && at_high <= 0.0 && from_low > 0.0 && to_high < 0.0) {
-        const double hump =
-            bracket_root_between(probe_slope, probe, slope_end(probe, i), slope_end(probe, i + 1));
-        if (value_at(probe, hump) > 0.0) {
-            return bracket_root(probe_value, probe, hump, high);
+        const struct bracket_end hump = turn_between(probe, i);
+        if (hump.value > 0.0) {
+            return bracket_root_between(probe_value, probe, hump, value_end(probe, i + 1));
         }
     }
     return (double)INFINITY;

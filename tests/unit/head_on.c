@@ -99,6 +99,65 @@ static void what_rounding_decides_is_left_to_a_closer_look(void)
     CHECK(!head_on_touch(&huge.shape, &huge.separation, &huge.now, 1e-15, HORIZON, &touch));
 }
 
+/* The first time at which p_n g + p_nv g' falls below zero or g rises above it, by small steps and bisection. */
+static long double release_by_steps(const struct contact_law *law, double gap, double rate, double bend,
+                                    bool *parts)
+{
+    const long double step = 1e-4L;
+    for (long double t = step; t < HORIZON; t += step) {
+        for (int what = 0; what < 2; ++what) {
+            long double low = t - step;
+            long double high = t;
+            for (int i = 0; i < 100; ++i) {
+                const long double at = i == 0 ? t : 0.5L * (low + high);
+                const long double g = gap_at(gap, rate, bend, at);
+                const long double margin = law->stiffness * g + law->damping * (rate + 2.0L * at * bend);
+                const bool over = what == 0 ? g >= 0.0L : margin < 0.0L;
+                if (i == 0 && !over) {
+                    high = -1.0L;
+                    break;
+                }
+                *(over ? &high : &low) = at;
+            }
+            if (high >= 0.0L) {
+                *parts = what == 0;
+                return high;
+            }
+        }
+    }
+    return (long double)INFINITY;
+}
+
+static void a_release_ends_where_the_gap_opens_or_the_law_pushes_again(void)
+{
+    struct random r = {43};
+    int seen[2] = {0, 0};
+    for (int k = 0; k < 1000; ++k) {
+        const struct contact_law law = {100.0, random_between(&r, 5.0, 50.0), DASHPOT_NON_ADHESIVE};
+        const double gap = -random_between(&r, 1e-3, 0.3);
+        const double bend = random_between(&r, -3.0, 1.0);
+        /* The law has just ceased to push: its margin is zero, and grows. */
+        const double rate = -law.stiffness * gap / law.damping;
+        if (law.stiffness * rate + 2.0 * law.damping * bend < 1e-2) {
+            continue;
+        }
+        const struct flight f = flight_of(k % 2 == 0 ? 1 : -1, gap, rate, bend);
+        struct head_on_end end;
+        bool parts = false;
+        const long double expected = release_by_steps(&law, gap, rate, bend, &parts);
+        CHECK(head_on_release(&f.shape, &law, &f.separation, &f.now, 1e-15, 1e-13, &end));
+        if (isinf(expected)) {
+            CHECK(end.after > HORIZON - 1e-3);
+            continue;
+        }
+        CHECK(end.regime == (parts ? REGIME_APART : REGIME_PRESSING));
+        CHECK_CLOSE("end", end.after, expected, 1e-11L);
+        CHECK_CLOSE("gap", end.gap, parts ? 0.0L : gap_at(gap, rate, bend, expected), 1e-10L);
+        ++seen[parts];
+    }
+    CHECK(seen[0] > 20 && seen[1] > 200);
+}
+
 static void through_the_centre_of_a_hollow_ball_the_normal_turns(void)
 {
     double touch;
@@ -126,6 +185,7 @@ static void other_flights_are_refused(void)
 int main(void)
 {
     CHECK_TEST(the_touch_is_where_the_parabola_falls_through_zero);
+    CHECK_TEST(a_release_ends_where_the_gap_opens_or_the_law_pushes_again);
     CHECK_TEST(what_rounding_decides_is_left_to_a_closer_look);
     CHECK_TEST(through_the_centre_of_a_hollow_ball_the_normal_turns);
     CHECK_TEST(other_flights_are_refused);
