@@ -217,6 +217,34 @@ def test_peaks_are_of_the_last_communication_step_and_none_is_missed(opened, ste
     assert (fmu["contact.peak_penetration"], fmu["contact.peak_force"]) == (0, 0)
 
 
+@pytest.mark.parametrize("steps", [1, 3, 7, 100])
+def test_a_slide_presses_hardest_at_its_lowest_point_with_the_oscillation_on_top(opened, steps):
+    """Let go 60° off the lowest line of a hollow cylinder, without a dashpot: the load grows from m g/2 to
+    2 m g, and by m g/2 the force oscillates about it, 16 000 times a second. Off by the parabola that the load
+    falls from its largest in half an oscillation, (turning/omega)^2, and by how soft the wall is: 1e-8.
+    """
+    weight = 0.1 * 9.81
+    values = {
+        "source.radius": 0.05,
+        "source.mass": 0.1,
+        "source.center": [0.45 * math.sqrt(0.75), 0.0, -0.225],
+        "destination.axis": [0.0, 1.0, 0.0],
+        "contact.location": "inside",
+        "contact.method": "penalty",
+        "contact.penalty_factor": 1e9,
+    }
+    peaks = []
+    run(
+        opened("SphereCylinder"),
+        values,
+        0.7,
+        steps,
+        method="event_driven",
+        each=lambda fmu: peaks.append(fmu["contact.peak_force"]),
+    )
+    check_relative("peak force", max(peaks), 2.5 * weight, 2e-8)
+
+
 def test_automatic_factors_are_those_of_the_bounding_box(opened):
     """Box of radii 0.1 and 0.5 with centres 2 m apart along x: 2.6 x 1 x 1 m."""
     values = {
