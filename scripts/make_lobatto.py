@@ -3,13 +3,13 @@
     python scripts/make_lobatto.py > fmu_src/contact/lobatto.c
 
 Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32). With l_j the Lagrange polynomials
-of the nodes: `lobatto_integral[j][i]` is the integral of l_j from -1 to node i, `lobatto_monomial[j][k]` the
+of the n nodes: `integral[j n + i]` is the integral of l_j from -1 to node i, `monomial[j n + k]` the
 coefficient of sigma^k in l_j.
 """
 
 import mpmath
 
-POINTS = 12
+POINTS = (4, 8, 12)
 
 
 def nodes(points: int) -> list:
@@ -42,27 +42,39 @@ def number(x) -> str:
     return "0.0" if abs(value) < 1e-40 else repr(value)
 
 
-def table(name: str, rows: list, width: str) -> str:
-    """A C array of arrays."""
-    lines = [f"const double {name}[LOBATTO_POINTS]{width} = {{"]
+def table(name: str, rows: list) -> str:
+    """A C array, row after row."""
+    count = sum(len(row) for row in rows)
+    lines = [f"static const double {name}[{count}] = {{"]
     for row in rows:
-        lines.append("    {" + ", ".join(number(x) for x in row) + "},")
-    return "\n".join([*lines, "};"])
+        lines.append("    " + ", ".join(number(x) for x in row) + ",")
+    return "\n".join([*lines, "};\n"])
+
+
+def tables(points: int) -> str:
+    """Those of so many nodes."""
+    at = nodes(points)
+    basis = [lagrange(at, j) for j in range(points)]
+    return "\n".join(
+        [
+            table(f"node_{points}", [at]),
+            table(f"integral_{points}", [[integral(b, x) for x in at] for b in basis]),
+            table(f"monomial_{points}", basis),
+        ]
+    )
 
 
 def main() -> None:
     """Prints the file."""
     mpmath.mp.dps = 60
-    at = nodes(POINTS)
-    basis = [lagrange(at, j) for j in range(POINTS)]
     print("/* Written by scripts/make_lobatto.py; not to be edited. */")
     print('#include "contact/lobatto.h"\n\n/* clang-format off */')
-    listed = ", ".join(number(x) for x in at)
-    print(f"const double lobatto_node[LOBATTO_POINTS] = {{{listed}}};\n")
-    print(table("lobatto_integral", [[integral(b, x) for x in at] for b in basis], "[LOBATTO_POINTS]"))
-    print()
-    print(table("lobatto_monomial", basis, "[LOBATTO_POINTS]"))
-    print("/* clang-format on */")
+    for points in POINTS:
+        print(tables(points))
+    print("const struct lobatto lobatto[LOBATTO_SIZES] = {")
+    for points in POINTS:
+        print(f"    {{{points}, node_{points}, integral_{points}, monomial_{points}}},")
+    print("};\n/* clang-format on */")
 
 
 if __name__ == "__main__":

@@ -44,13 +44,23 @@ struct collocation_problem {
     bool leads;                               /* whether E is other than zero */
 };
 
+/* Vectors are in the frame of the start: n there, the direction of the motion along the contact, and across both. A motion in
+ * a plane, as most are, keeps n in the first two and H in the third. */
 struct collocation {
     struct collocation_problem from;
-    double half; /* half the step [s] */
+    const struct lobatto *nodes;
     enum collocation_kind kind;
-    double distance;                /* d at the start [m] */
-    struct vec3 momentum;           /* H at the start [m^2/s] */
-    struct vec3 turned, spun;       /* what of n and H at the start is y; zero if resolved */
+    double half;                              /* half the step [s] */
+    double distance;                          /* d at the start [m] */
+    struct vec3 frame[3];                     /* in the world; of a straight motion n alone */
+    struct vec3 pull[COLLOCATION_PULL_TERMS]; /* A */
+    struct vec3 lead[COLLOCATION_LEAD_TERMS]; /* E */
+    struct vec3 rate, momentum;               /* c' [m/s] and H at the start [m^2/s] */
+    bool planar;                              /* but for rounding */
+    bool straight;                            /* nothing turns n: head-on along a straight pull */
+    struct vec3_row pull_at, drive_at;        /* at the nodes: A, A - damping E */
+    struct vec3_row lead_at;                  /* half E, if there is any */
+    struct vec3 turned, spun;                 /* what of n and H at the start is y; zero if resolved */
     struct vec3_row n, h;           /* at the nodes: what has been added to n and H, oscillation apart */
     struct vec3_row n_rate, h_rate; /* d/ds of these */
     lobatto_row x;                  /* at the nodes; with y only if resolved */
@@ -59,10 +69,10 @@ struct collocation {
     lobatto_row led;                /* half n.E, likewise [m] */
     lobatto_row y_of_y, y_of_rate;  /* the oscillation's basis at the nodes, if resolved */
     int terms;                      /* coefficients of `slow` that matter */
-    bool straight;                  /* nothing turns n: head-on along a straight pull */
     struct oscillator oscillator;   /* of y, per s; spanning: softened by the load's answer to y */
     double y, y_rate;               /* at the start [m] */
     double interior_error;          /* estimate of what the polynomials leave out between the ends [m] */
+    int sweeps;                     /* of the iteration so far */
 };
 
 /* Whether the iteration converged to `tolerance` [m]. Of the step > 0 [s] times the oscillator's rates (oscillator_rates_of) must be
@@ -70,7 +80,21 @@ struct collocation {
  *   spanning   the slower 3 or more
  *   creeping   the faster 3 or more and four times the slower or more, the slower not much more than 3 */
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
-                      enum collocation_kind kind, double tolerance);
+                      enum collocation_kind kind, const struct lobatto *nodes, double tolerance);
+
+/* The same in parts, for a step that is to end where something happens.
+ *   begin   the load stays as it begins: x alone, for collocation_excess and collocation_lead
+ *   size    the length of the step; of one that has been swept, only by a little
+ *   sweep   returns how far it moved anything [m]
+ *   finish  sweeps until converged, with what a sweep before has moved; 0: none has */
+void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
+                       enum collocation_kind kind, const struct lobatto *nodes);
+void collocation_size(struct collocation *p, double step);
+double collocation_sweep(struct collocation *p);
+bool collocation_finish(struct collocation *p, double before, double tolerance);
+
+/* Of a resolved step: its error at s close to its end, where the order of the nodes' quadrature counts [m]. */
+double collocation_error_near_end(const struct collocation *p, double s);
 
 /* x and its first three derivatives; n.E half and its first two. */
 void collocation_excess(const struct collocation *p, double s, double x[4]);
@@ -84,7 +108,7 @@ void collocation_creeping_push(const struct collocation *p, double s, double pus
 /* x without y, and its derivatives. */
 void collocation_slow_excess(const struct collocation *p, double s, double x[4]);
 
-/* What an oscillation (y, its rate) adds to n and H for which the load, pull and distance stay as they are: the integral of P y,
+/* What an oscillation (y, its rate) adds, in the frame, to n and H for which the load, pull and distance stay as they are: the integral of P y,
  * P slow, is -P (y' + damping y) / square but for a part smaller by the slow rate over the oscillation's. */
 struct collocation_wave {
     struct vec3 turned, spun;
@@ -98,7 +122,7 @@ struct collocation_change {
     struct vec3 gained; /* c'(s) - c'(0) [m/s] */
 };
 
-/* Exact at s = 2 to the collocation's order at its ends, before that to its interior error. */
+/* In the world. Exact at s = 2 to the collocation's order at its ends, before that to its interior error. */
 struct collocation_change collocation_change_at(const struct collocation *p, double s);
 
 /* The integral from 0 to s of damping (x' + n.E)^2 dt: the energy the dashpot has taken, per unit of mass [m^2/s^2]. */

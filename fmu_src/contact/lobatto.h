@@ -3,15 +3,20 @@
 #define CONTACT_LOBATTO_H
 
 /* Both ends are nodes, so that the load is exact where the oscillation is split off. With twelve points a step takes a
- * slow motion about one radian at full accuracy; fewer points cost more steps, more points more sweeps. */
-enum { LOBATTO_POINTS = 12 };
+ * slow motion about one radian at full accuracy; more points cost more sweeps. With fewer a sweep costs less, by their
+ * square: eight are for half that way, four for a tenth. Multiples of four: so many sums are made at once (lobatto_row.c). */
+enum lobatto_size { LOBATTO_FOUR, LOBATTO_EIGHT, LOBATTO_TWELVE, LOBATTO_SIZES };
 
-extern const double lobatto_node[LOBATTO_POINTS];
+enum { LOBATTO_MOST = 12 };
 
-/* [j][i]: the integral from -1 to node i of the polynomial that is 1 at node j and 0 at the others. */
-extern const double lobatto_integral[LOBATTO_POINTS][LOBATTO_POINTS];
+struct lobatto {
+    int points;
+    const double *node; /* [i], ascending */
+    const double *
+        integral; /* [j points + i]: from -1 to node i, of the polynomial that is 1 at node j and 0 at the others */
+    const double *monomial; /* [j points + k]: the coefficient of sigma^k in that polynomial */
+};
 
-/* [j][k]: the coefficient of sigma^k in that polynomial. */
-extern const double lobatto_monomial[LOBATTO_POINTS][LOBATTO_POINTS];
+extern const struct lobatto lobatto[LOBATTO_SIZES];
 
 #endif

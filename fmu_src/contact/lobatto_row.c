@@ -1,52 +1,67 @@
 #include "contact/lobatto_row.h"
 
-void row_put_vec3(struct vec3_row *row, int node, struct vec3 a)
+/* Two numbers that a processor treats at once, each as if it were alone: the digits do not depend on it. */
+typedef double number_pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+enum { BLOCK = 4 }; /* sums that stay in registers */
+
+/* sum[i] = sum over j of matrix[j points + i] values[j], for four i */
+static void multiply_block(int points, const double *matrix, const double *values, number_pair sum[2])
 {
-    row->x[node] = a.x;
-    row->y[node] = a.y;
-    row->z[node] = a.z;
+    number_pair low = {0.0, 0.0};
+    number_pair high = {0.0, 0.0};
+    for (int j = 0; j < points; ++j) {
+        const number_pair *by = (const number_pair *)(matrix + j * points);
+        low += by[0] * values[j];
+        high += by[1] * values[j];
+    }
+    sum[0] = low;
+    sum[1] = high;
 }
 
 /* By the differences from the first value, which keep the digits of a function that hardly changes. */
-void row_coefficients(const double *values, double *a)
+void row_coefficients(const struct lobatto *nodes, const double *values, double *a)
 {
-    for (int k = 0; k < LOBATTO_POINTS; ++k) {
-        a[k] = 0.0;
+    lobatto_row grown;
+    for (int j = 0; j < nodes->points; ++j) {
+        grown[j] = values[j] - values[0];
     }
-    for (int j = 1; j < LOBATTO_POINTS; ++j) {
-        const double value = values[j] - values[0];
-        for (int k = 0; k < LOBATTO_POINTS; ++k) {
-            a[k] += lobatto_monomial[j][k] * value;
-        }
+    multiply_block(nodes->points, nodes->monomial, grown, (number_pair *)a);
+    for (int k = BLOCK; k < nodes->points; k += BLOCK) {
+        multiply_block(nodes->points, nodes->monomial + k, grown, (number_pair *)(a + k));
     }
     a[0] += values[0];
 }
 
-void row_at_nodes(const double *a, double *values)
+void row_at_nodes(const struct lobatto *nodes, const double *a, double *values)
 {
-    for (int i = 0; i < LOBATTO_POINTS; ++i) {
-        values[i] = 0.0;
-    }
-    for (int k = LOBATTO_POINTS - 1; k >= 0; --k) {
-        for (int i = 0; i < LOBATTO_POINTS; ++i) {
-            values[i] = values[i] * lobatto_node[i] + a[k];
+    for (int i = 0; i < nodes->points; i += BLOCK) {
+        const number_pair *at = (const number_pair *)(nodes->node + i);
+        number_pair low = {0.0, 0.0};
+        number_pair high = {0.0, 0.0};
+        for (int k = nodes->points - 1; k >= 0; --k) {
+            low = low * at[0] + a[k];
+            high = high * at[1] + a[k];
         }
+        number_pair *out = (number_pair *)(values + i);
+        out[0] = low;
+        out[1] = high;
     }
 }
 
-double row_at(const double *a, double s)
+double row_at(const double *a, int terms, double s)
 {
     double sum = 0.0;
-    for (int k = LOBATTO_POINTS - 1; k >= 0; --k) {
+    for (int k = terms - 1; k >= 0; --k) {
         sum = sum * (s - 1.0) + a[k];
     }
     return sum;
 }
 
-double row_slope(const double *a, double s)
+double row_slope(const double *a, int terms, double s)
 {
     double sum = 0.0;
-    for (int k = LOBATTO_POINTS - 1; k >= 1; --k) {
+    for (int k = terms - 1; k >= 1; --k) {
         sum = sum * (s - 1.0) + k * a[k];
     }
     return sum;
@@ -54,102 +69,68 @@ double row_slope(const double *a, double s)
 
 void row_derivatives(const double *a, int terms, double s, double out[4])
 {
-    out[0] = out[1] = out[2] = out[3] = 0.0;
+    const double sigma = s - 1.0;
+    double value = 0.0;
+    double first = 0.0;
+    double second = 0.0; /* half of it */
+    double third = 0.0;  /* a sixth */
     for (int k = terms - 1; k >= 0; --k) {
-        for (int i = 3; i >= 1; --i) {
-            out[i] = out[i] * (s - 1.0) + i * out[i - 1];
-        }
-        out[0] = out[0] * (s - 1.0) + a[k];
+        third = third * sigma + second;
+        second = second * sigma + first;
+        first = first * sigma + value;
+        value = value * sigma + a[k];
     }
+    out[0] = value;
+    out[1] = first;
+    out[2] = 2.0 * second;
+    out[3] = 6.0 * third;
 }
 
-enum { BLOCK = 4 }; /* sums that stay in registers */
-
-/* Four nodes' integrals; returns the larger of `change` and theirs. */
-static double integrate_block(const double *rate, double *sum, int first, double change)
-{
-    double now[BLOCK] = {0.0, 0.0, 0.0, 0.0};
-    for (int j = 0; j < LOBATTO_POINTS; ++j) {
-        const double *by = &lobatto_integral[j][first];
-        now[0] += by[0] * rate[j];
-        now[1] += by[1] * rate[j];
-        now[2] += by[2] * rate[j];
-        now[3] += by[3] * rate[j];
-    }
-    for (int i = 0; i < BLOCK; ++i) {
-        const double moved = fabs(now[i] - sum[first + i]);
-        change = moved > change ? moved : change;
-        sum[first + i] = now[i];
-    }
-    return change;
-}
-
-double row_integrate_one(const double *rate, double *sum)
+double row_integrate(const struct lobatto *nodes, const double *rate, double *sum)
 {
     double change = 0.0;
-    for (int first = 0; first < LOBATTO_POINTS; first += BLOCK) {
-        change = integrate_block(rate, sum, first, change);
+    for (int i = 0; i < nodes->points; i += BLOCK) {
+        double now[BLOCK];
+        multiply_block(nodes->points, nodes->integral + i, rate, (number_pair *)now);
+        for (int k = 0; k < BLOCK; ++k) {
+            const double moved = fabs(now[k] - sum[i + k]);
+            change = moved > change ? moved : change;
+            sum[i + k] = now[k];
+        }
     }
     return change;
 }
 
-/* In a plane, n and H have components that stay zero. */
-static double integrate_component(const double *rate, double *sum)
-{
-    for (int j = 0; j < LOBATTO_POINTS; ++j) {
-        if (rate[j] != 0.0 || sum[j] != 0.0) {
-            return row_integrate_one(rate, sum);
-        }
-    }
-    return 0.0;
-}
-
-double row_integrate(const struct vec3_row *rate, struct vec3_row *sum)
-{
-    const double x = integrate_component(rate->x, sum->x);
-    const double y = integrate_component(rate->y, sum->y);
-    return fmax(fmax(x, y), integrate_component(rate->z, sum->z));
-}
-
-double row_integral(const double *a, double s)
+double row_integral(const double *a, int terms, double s)
 {
     double above = 0.0;
     double below = 0.0;
-    for (int k = LOBATTO_POINTS - 1; k >= 0; --k) {
+    for (int k = terms - 1; k >= 0; --k) {
         above = above * (s - 1.0) + a[k] / (k + 1);
         below = a[k] / (k + 1) - below;
     }
     return above * (s - 1.0) + below;
 }
 
-static double integral_of(const double *sum, const double *rate, double s)
+double row_integral_to(const struct lobatto *nodes, const double *sum, const double *rate, double s)
 {
     if (s == 2.0) {
-        return sum[LOBATTO_POINTS - 1];
+        return sum[nodes->points - 1];
     }
     lobatto_row a;
-    row_coefficients(rate, a);
-    return row_integral(a, s);
+    row_coefficients(nodes, rate, a);
+    return row_integral(a, nodes->points, s);
 }
 
-struct vec3 row_integral3(const struct vec3_row *sum, const struct vec3_row *rate, double s)
+double row_tail(const struct lobatto *nodes, const double *values)
 {
-    return vec3_make(integral_of(sum->x, rate->x, s), integral_of(sum->y, rate->y, s),
-                     integral_of(sum->z, rate->z, s));
-}
-
-static double tail(const double *values)
-{
+    const int points = nodes->points;
     double last[2] = {0.0, 0.0};
-    for (int j = 0; j < LOBATTO_POINTS; ++j) {
-        last[0] += lobatto_monomial[j][LOBATTO_POINTS - 1] * values[j];
-        last[1] += lobatto_monomial[j][LOBATTO_POINTS - 2] * values[j];
+    for (int j = 0; j < points; ++j) {
+        const double *of = nodes->monomial + j * points + points - 2;
+        last[0] += of[0] * values[j];
+        last[1] += of[1] * values[j];
     }
     /* sigma^k = 2^(1-k) T_k + ... */
-    return ldexp(fmax(fabs(last[0]), fabs(last[1])), 2 - LOBATTO_POINTS);
-}
-
-double row_tail3(const struct vec3_row *values)
-{
-    return fmax(tail(values->x), fmax(tail(values->y), tail(values->z)));
+    return ldexp(fmax(fabs(last[0]), fabs(last[1])), 2 - points);
 }

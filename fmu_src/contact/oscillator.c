@@ -29,6 +29,50 @@ struct oscillator_basis oscillator_basis_at(const struct oscillator *o, double z
                              : decaying(decay, sqrt(-turn_square), o->square, z);
 }
 
+/* The sine and cosine of 1 - z and 1 + z from those of 1 and z, and so with the decay. */
+static void turning_about_one(double decay, double turn, const double *offset, int count, double *y_of_y,
+                              double *y_of_rate)
+{
+    const double sine_of_one = sin(turn);
+    const double cosine_of_one = cos(turn);
+    const double shrink_to_one = exp(-decay);
+    for (int i = 0; i < count / 2; ++i) {
+        const int mirrored = count - 1 - i;
+        const double z = offset[mirrored];
+        const double sine = sin(turn * z);
+        const double cosine = cos(turn * z);
+        const double shrink = decay > 0.0 ? exp(-decay * z) : 1.0;
+        const double after = shrink_to_one * shrink;
+        const double before = shrink_to_one / shrink;
+        const double same = sine_of_one * cosine;
+        const double other = cosine_of_one * sine;
+        const double cosines = cosine_of_one * cosine;
+        const double sines = sine_of_one * sine;
+        y_of_rate[i] = before * (same - other) / turn;
+        y_of_y[i] = before * (cosines + sines) + decay * y_of_rate[i];
+        y_of_rate[mirrored] = after * (same + other) / turn;
+        y_of_y[mirrored] = after * (cosines - sines) + decay * y_of_rate[mirrored];
+    }
+    y_of_y[0] = 1.0;
+    y_of_rate[0] = 0.0;
+}
+
+void oscillator_basis_about_one(const struct oscillator *o, const double *offset, int count, double *y_of_y,
+                                double *y_of_rate)
+{
+    const double decay = 0.5 * o->damping;
+    const double turn_square = o->square - decay * decay;
+    if (turn_square > 0.0) {
+        turning_about_one(decay, sqrt(turn_square), offset, count, y_of_y, y_of_rate);
+        return;
+    }
+    for (int i = 0; i < count; ++i) {
+        const struct oscillator_basis basis = oscillator_basis_at(o, 1.0 + offset[i]);
+        y_of_y[i] = basis.y_of_y;
+        y_of_rate[i] = basis.y_of_rate;
+    }
+}
+
 struct oscillator_rates oscillator_rates_of(const struct oscillator *o)
 {
     const double decay = 0.5 * o->damping;
@@ -61,10 +105,11 @@ struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, do
 
 void oscillator_follow(const struct oscillator *o, const double *load, double *s, int terms)
 {
+    const double inverse = 1.0 / o->square;
     double next = 0.0; /* s[k + 1] */
     double next_but_one = 0.0;
     for (int k = terms - 1; k >= 0; --k) {
-        s[k] = (load[k] - (k + 1) * (o->damping * next + (k + 2) * next_but_one)) / o->square;
+        s[k] = (load[k] - (k + 1) * (o->damping * next + (k + 2) * next_but_one)) * inverse;
         next_but_one = next;
         next = s[k];
     }
@@ -72,9 +117,10 @@ void oscillator_follow(const struct oscillator *o, const double *load, double *s
 
 void relaxation_follow(double rate, const double *load, double *s, int terms)
 {
+    const double inverse = 1.0 / rate;
     double next = 0.0;
     for (int k = terms - 1; k >= 0; --k) {
-        s[k] = (load[k] - (k + 1) * next) / rate;
+        s[k] = (load[k] - (k + 1) * next) * inverse;
         next = s[k];
     }
 }

@@ -19,6 +19,10 @@ struct oscillator_basis {
 
 struct oscillator_basis oscillator_basis_at(const struct oscillator *o, double z);
 
+/* y alone at 1 + offset, for an even count of ascending offsets from -1 to 1, symmetric about zero: at half the cost. */
+void oscillator_basis_about_one(const struct oscillator *o, const double *offset, int count, double *y_of_y,
+                                double *y_of_rate);
+
 /* The slower and the faster of the two rates at which y decays or turns: both sqrt(square) up to critical damping. */
 struct oscillator_rates {
     double slower, faster;

@@ -43,10 +43,10 @@ struct press_outlook press_outlook_of(const struct press *p)
 
 bool press_collocation_make(struct press_collocation *p, const struct press *from,
                             const struct press_outlook *outlook, double step, enum collocation_kind kind,
-                            double tolerance)
+                            const struct lobatto *nodes, double tolerance)
 {
     p->from = from;
-    return collocation_make(&p->step, &outlook->problem, step, kind, tolerance);
+    return collocation_make(&p->step, &outlook->problem, step, kind, nodes, tolerance);
 }
 
 /* F_n = -(k g + c g'). */
@@ -73,11 +73,14 @@ static void fill_sample(const struct press_collocation *p, const double x[4], do
                         struct press_sample *sample)
 {
     const double side = p->from->shape.side;
-    double led[3];
-    collocation_lead(&p->step, s, led);
+    const double per_time = side / p->step.half;
+    double led[3] = {0.0, 0.0, 0.0};
+    if (p->step.from.leads) {
+        collocation_lead(&p->step, s, led);
+    }
     for (int i = 0; i < 3; ++i) {
         sample->of[PRESS_GAP][i] = side * x[i];
-        sample->of[PRESS_RATE][i] = side * (x[i + 1] + led[i]) / p->step.half;
+        sample->of[PRESS_RATE][i] = per_time * (x[i + 1] + led[i]);
     }
     if (p->step.kind == COLLOCATION_CREEPING) {
         add_creeping_force(p, s, sample);
@@ -98,7 +101,7 @@ void press_collocation_sample_node(const struct press_collocation *p, int node, 
 {
     double x[4];
     collocation_excess_at_node(&p->step, node, x);
-    fill_sample(p, x, 1.0 + lobatto_node[node], sample);
+    fill_sample(p, x, 1.0 + p->step.nodes->node[node], sample);
 }
 
 /* What the oscillation alone brings to a quantity: y, its rate and its force all solve the oscillator's equation. */

@@ -29,7 +29,7 @@ struct press_collocation {
 /* False where the iteration does not converge. */
 bool press_collocation_make(struct press_collocation *p, const struct press *from,
                             const struct press_outlook *outlook, double step, enum collocation_kind kind,
-                            double tolerance);
+                            const struct lobatto *nodes, double tolerance);
 
 void press_collocation_sample(const void *press_collocation, double s, struct press_sample *sample);
 

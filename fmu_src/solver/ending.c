@@ -58,33 +58,32 @@ struct watched ending_margin(const struct piece *p)
                             idle / law->damping + rate};
 }
 
-static double parting(struct piece *p)
+static struct ending parting(struct piece *p)
 {
-    struct watched overlap = {PRESS_GAP, -1.0, 0.0};
-    const double s = watch_first_fall(&p->watch, &overlap);
-    if (s < (double)INFINITY) {
-        if (watch_see(&p->watch, s)->of[PRESS_RATE][0] > CLEAN_PARTING * largest_size(p, PRESS_RATE)) {
-            return s;
+    struct ending ending = {(double)INFINITY, {PRESS_GAP, -1.0, 0.0}, REGIME_APART};
+    ending.s = watch_first_fall(&p->watch, &ending.by);
+    if (ending.s < (double)INFINITY) {
+        const struct press_sample *then = watch_see(&p->watch, ending.s);
+        if (!(then->of[PRESS_RATE][0] > CLEAN_PARTING * largest_size(p, PRESS_RATE))) {
+            ending.by.offset = ending_gap_slack(p);
+            ending.s = watch_first_fall(&p->watch, &ending.by);
         }
-        overlap.offset = ending_gap_slack(p);
-        return watch_first_fall(&p->watch, &overlap);
     }
-    return s;
+    return ending;
 }
 
 struct ending ending_first(struct piece *p)
 {
-    struct ending first = {(double)INFINITY, REGIME_APART};
+    struct ending first = {(double)INFINITY, {PRESS_GAP, -1.0, 0.0}, REGIME_APART};
     if (p->spans) {
         return first;
     }
-    first.s = parting(p);
+    first = parting(p);
     if (ending_by_law(p)) {
         const struct watched margin = ending_margin(p);
         const double s = watch_first_fall(&p->watch, &margin);
         if (s < first.s) {
-            first.s = s;
-            first.regime = contact_regime_after(&p->press.law, p->regime);
+            first = (struct ending){s, margin, contact_regime_after(&p->press.law, p->regime)};
         }
     }
     return first;

@@ -14,11 +14,6 @@ double ending_gap_slack(const struct piece *p);
 bool ending_by_law(const struct piece *p);
 struct watched ending_margin(const struct piece *p);
 
-struct ending {
-    double s; /* INFINITY: not within the piece */
-    enum contact_regime regime;
-};
-
 struct ending ending_first(struct piece *p);
 
 #endif

@@ -5,7 +5,6 @@
 #include <float.h>
 
 #include "dynamics/flight.h"
-#include "solver/ending.h"
 #include "solver/peaks.h"
 
 /* The error allowed in a piece: of what the user asks for a thousandth, for impacts multiply errors, and no less than what
@@ -45,7 +44,7 @@ static bool add_pair(struct stretch *all, const struct scene_values *v, const st
         !piece_make(p, v, q, at, contact, all->time, tolerance_of(v, at, contact))) {
         return false;
     }
-    const struct ending ending = ending_first(p);
+    const struct ending ending = p->ending;
     if (piece_meets_centre(p) <= fmin(ending.s, p->end)) {
         return false;
     }

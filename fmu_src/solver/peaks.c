@@ -69,8 +69,8 @@ static struct summit summit_of(const struct piece *p, const struct watched *what
     const struct press_reserve reserve = {&p->by.collocation, what->quantity, -what->factor, 0.0};
     const struct oscillator_envelope envelope = press_envelope_of(&p->by.collocation, what->quantity);
     struct summit summit = {.place = 0.0};
-    double left[WATCH_POINTS];
-    double slope[WATCH_POINTS];
+    double left[WATCH_POINTS] = {0.0};
+    double slope[WATCH_POINTS] = {0.0};
     double oscillation = 0.0;
     int best = 0;
     for (int i = 0; i < w->count; ++i) {

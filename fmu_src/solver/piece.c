@@ -2,6 +2,8 @@
 
 #if SCENE_ANY_FREE
 
+#include "solver/ending.h"
+#include "solver/resolved.h"
 #include "solver/spanning.h"
 #include "solver/straight_piece.h"
 
@@ -22,6 +24,7 @@ static void series_piece(struct piece *p, double longest)
     p->end = fmin(p->by.series.step, longest / p->unit);
     p->watch.sampler = press_series_sample;
     p->watch.piece = &p->by.series;
+    p->watch.seen_s = -1.0;
     /* A step is a fifth of the radius of convergence at most (SERIES_ORDER); within a quarter of it, a twentieth of the
      * radius, no quantity of the contact turns twice. */
     p->watch.count = 5;
@@ -34,9 +37,10 @@ static void series_piece(struct piece *p, double longest)
 /* At half the fast decay's time, once, twice, four times it and so on, as long as they come before the nodes: no quantity turns twice between them. */
 static void add_decay_places(struct piece *p)
 {
+    const struct lobatto *nodes = p->by.collocation.step.nodes;
     const double first = 0.5 / oscillator_rates_of(&p->by.collocation.step.oscillator).faster;
     double s = 0.0;
-    while (s < 1.0 + lobatto_node[2] && p->watch.count < WATCH_POINTS - LOBATTO_POINTS) {
+    while (s < 1.0 + nodes->node[2] && p->watch.count < WATCH_POINTS - LOBATTO_MOST) {
         press_collocation_sample(&p->by.collocation, s, &p->watch.at[p->watch.count]);
         p->watch.s[p->watch.count++] = s;
         s = fmax(first, 2.0 * s);
@@ -51,12 +55,14 @@ void piece_collocated(struct piece *p)
     p->end = 2.0;
     p->watch.sampler = press_collocation_sample;
     p->watch.piece = &p->by.collocation;
+    p->watch.seen_s = -1.0;
     p->watch.count = 0;
     if (p->by.collocation.step.kind == COLLOCATION_CREEPING) {
         add_decay_places(p);
     }
-    for (int i = 0; i < LOBATTO_POINTS; ++i) {
-        const double s = 1.0 + lobatto_node[i];
+    const struct lobatto *nodes = p->by.collocation.step.nodes;
+    for (int i = 0; i < nodes->points; ++i) {
+        const double s = 1.0 + nodes->node[i];
         if (p->watch.count == 0 || s > p->watch.s[p->watch.count - 1]) {
             struct press_sample *at = &p->watch.at[p->watch.count];
             if (p->spans) {
@@ -69,25 +75,16 @@ void piece_collocated(struct piece *p)
     }
 }
 
-/* Not more than the tolerance off anywhere in the step, since it may end anywhere. */
-static bool watched_piece(struct piece *p, const struct press_outlook *outlook, double step,
-                          enum collocation_kind kind)
+bool piece_watched(struct piece *p, const struct press_outlook *outlook, double step,
+                   enum collocation_kind kind)
 {
-    if (!press_collocation_make(&p->by.collocation, &p->press, outlook, step, kind, 0.1 * p->tolerance) ||
+    if (!press_collocation_make(&p->by.collocation, &p->press, outlook, step, kind, &lobatto[LOBATTO_TWELVE],
+                                0.1 * p->tolerance) ||
         !(p->by.collocation.step.interior_error <= p->tolerance)) {
         return false;
     }
     piece_collocated(p);
     return true;
-}
-
-static bool resolved_piece(struct piece *p, const struct press_outlook *outlook, double longest)
-{
-    const double rate = outlook->rates.slower;
-    const double step = fmin(longest, PIECE_RESOLVED / rate);
-    return outlook->swings && rate * step >= PIECE_SHORTEST &&
-           (watched_piece(p, outlook, step, COLLOCATION_RESOLVED) ||
-            watched_piece(p, outlook, PIECE_SHORTEST / rate, COLLOCATION_RESOLVED));
 }
 
 static bool creeping_piece(struct piece *p, const struct press_outlook *outlook, double longest)
@@ -99,7 +96,7 @@ static bool creeping_piece(struct piece *p, const struct press_outlook *outlook,
     }
     double step = fmin(longest, fmin(CREEPING_STEP / outlook->turning, PIECE_SHORTEST / slower));
     for (int i = 0; i < ATTEMPTS && step * faster >= PIECE_SHORTEST; ++i) {
-        if (watched_piece(p, outlook, step, COLLOCATION_CREEPING)) {
+        if (piece_watched(p, outlook, step, COLLOCATION_CREEPING)) {
             const double decay = fabs(p->by.collocation.step.y);
             return spanning_left_out(decay, outlook->turning / faster, outlook->problem.reach,
                                      outlook->turning / faster) <= p->tolerance;
@@ -133,8 +130,12 @@ bool piece_make(struct piece *p, const struct scene_values *v, const struct moti
     p->resolution = system_gap_resolution(v, at, contact);
     p->tolerance = tolerance;
     p->watch.seen_s = -1.0;
+    p->ending.s = (double)NAN;
     if (!straight_piece_make(p, longest) && !collocate(p, longest)) {
         series_piece(p, longest);
+    }
+    if (isnan(p->ending.s)) {
+        p->ending = ending_first(p);
     }
     return p->end > 0.0;
 }

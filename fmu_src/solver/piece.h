@@ -19,6 +19,13 @@
 
 enum piece_kind { PIECE_STRAIGHT, PIECE_COLLOCATED, PIECE_SERIES };
 
+/* How the regime of its contact ends: at s, or not within the piece (INFINITY), by what falls below zero there, to which regime. */
+struct ending {
+    double s;
+    struct watched by;
+    enum contact_regime regime;
+};
+
 struct piece {
     struct press press;
     enum contact_regime regime;
@@ -35,6 +42,7 @@ struct piece {
     double end;         /* s */
     struct watch watch; /* sampled up to `end`; where closed form spans it, over the first turn;
                            of a spanning collocated piece without the oscillation */
+    struct ending ending;
 };
 
 /* For those who make collocated pieces. Below this many radians of the oscillator a series is exact in one step, and the load's
@@ -47,6 +55,10 @@ static const double PIECE_RESOLVED = 4.0;
 
 /* p->by.collocation has been made: sets up the rest. */
 void piece_collocated(struct piece *p);
+
+/* A step that is not more than the tolerance off anywhere, since it may end anywhere. */
+bool piece_watched(struct piece *p, const struct press_outlook *outlook, double step,
+                   enum collocation_kind kind);
 
 /* A piece from the present instant over at most `longest` > 0 seconds. `tolerance` is the error allowed in it [m]. False where
  * there is none. */

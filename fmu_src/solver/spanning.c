@@ -8,6 +8,10 @@
 /* Radians of the motion along the contact in a long step: at the nodes' full accuracy, with about 15 sweeps. */
 static const double LONG_STEP = 2.5;
 
+/* Radians of the motion along the contact up to which so few nodes are likely to do. */
+static const double FOUR_NODES = 0.05;
+static const double EIGHT_NODES = 0.5;
+
 enum { SPANNING_ATTEMPTS = 12 };
 
 double spanning_left_out(double a, double ratio, double distance, double radians)
@@ -70,6 +74,14 @@ static double nothing_until(const struct piece *p)
     return fmin(parts, lasts_until(&p->watch, &reserve));
 }
 
+static enum lobatto_size nodes_for(double radians)
+{
+    if (radians <= FOUR_NODES) {
+        return LOBATTO_FOUR;
+    }
+    return radians <= EIGHT_NODES ? LOBATTO_EIGHT : LOBATTO_TWELVE;
+}
+
 bool spanning_piece(struct piece *p, const struct press_outlook *outlook, double longest)
 {
     const double d = outlook->problem.reach;
@@ -79,19 +91,23 @@ bool spanning_piece(struct piece *p, const struct press_outlook *outlook, double
         spanning_left_out(outlook->oscillation, ratio, d, outlook->turning * step) > p->tolerance) {
         return false;
     }
+    enum lobatto_size size = LOBATTO_FOUR;
     for (int i = 0; i < SPANNING_ATTEMPTS && step * outlook->rates.slower >= PIECE_SHORTEST; ++i) {
         struct press_collocation *made = &p->by.collocation;
-        if (!press_collocation_make(made, &p->press, outlook, step, COLLOCATION_SPANNING,
+        const enum lobatto_size enough = nodes_for(outlook->turning * step);
+        size = enough > size ? enough : size;
+        if (!press_collocation_make(made, &p->press, outlook, step, COLLOCATION_SPANNING, &lobatto[size],
                                     0.1 * p->tolerance)) {
             step *= 0.5;
             continue;
         }
         /* At its end a step of this order is off by about the square of what it leaves out in between; by measurement ten
          * times the square of the tails themselves, which are larger by the points' number, is on the safe side. */
-        const double tail = LOBATTO_POINTS * made->step.interior_error;
+        const double tail = made->step.nodes->points * made->step.interior_error;
         const double error = tail * (10.0 * tail / d);
         if (!(error <= p->tolerance)) {
-            step *= 0.5;
+            step *= size == LOBATTO_TWELVE ? 0.5 : 1.0;
+            size += size == LOBATTO_TWELVE ? 0 : 1;
             continue;
         }
         piece_collocated(p);

@@ -11,18 +11,6 @@ static const double CONVERGED = 1e-13;
 /* Radians of the oscillator from which on a step spans it, as in the FMU (solver/piece.h). */
 static const double RESOLVED = 4.0;
 
-static long integrations;
-
-/* The linker puts it in the place of row_integrate. */
-double __real_row_integrate(const struct vec3_row *rate, struct vec3_row *sum); /* NOLINT(bugprone-*) */
-double __wrap_row_integrate(const struct vec3_row *rate, struct vec3_row *sum); /* NOLINT(bugprone-*) */
-
-double __wrap_row_integrate(const struct vec3_row *rate, struct vec3_row *sum) /* NOLINT(bugprone-*) */
-{
-    integrations += 1;
-    return __real_row_integrate(rate, sum);
-}
-
 bool exponential_run(const struct problem *p, struct outcome *out)
 {
     const double h = p->end / p->steps;
@@ -42,12 +30,10 @@ bool exponential_run(const struct problem *p, struct outcome *out)
         double x[4];
         const double d = vec3_norm(c);
         from.normal = vec3_scale(1.0 / d, c);
-        integrations = 0;
-        if (!collocation_make(&step, &from, h, kind, CONVERGED)) {
+        if (!collocation_make(&step, &from, h, kind, &lobatto[LOBATTO_TWELVE], CONVERGED)) {
             return false;
         }
-        /* Two in a sweep, two for the first guess. */
-        out->iterations += (integrations - 2) / 2;
+        out->iterations += step.sweeps;
         const struct collocation_change change = collocation_change_at(&step, 2.0);
         collocation_excess(&step, 2.0, x);
         /* As press_apply does: the centre takes on the distance that has been carried along, so rounding does not pile up. */
@@ -55,7 +41,7 @@ bool exponential_run(const struct problem *p, struct outcome *out)
         rate = vec3_add(rate, change.gained);
         excess = x[0];
     }
-    out->evaluations = LOBATTO_POINTS * out->iterations;
+    out->evaluations = lobatto[LOBATTO_TWELVE].points * out->iterations;
     out->x = c.x;
     out->z = c.z;
     return isfinite(c.x + c.z);

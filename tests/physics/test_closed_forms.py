@@ -220,8 +220,8 @@ def test_peaks_are_of_the_last_communication_step_and_none_is_missed(opened, ste
 @pytest.mark.parametrize("steps", [1, 3, 7, 100])
 def test_a_slide_presses_hardest_at_its_lowest_point_with_the_oscillation_on_top(opened, steps):
     """Let go 60° off the lowest line of a hollow cylinder, without a dashpot: the load grows from m g/2 to
-    2 m g, and by m g/2 the force oscillates about it, 16 000 times a second. Off by the parabola that the load
-    falls from its largest in half an oscillation, (turning/omega)^2, and by how soft the wall is: 1e-8.
+    2 m g, and by m g/2 the force oscillates about it, 16 000 times a second. Off by the parabola that the
+    load falls from its largest in half an oscillation, (turning/omega)^2, and by how soft the wall is: 1e-8.
     """
     weight = 0.1 * 9.81
     values = {

@@ -2,6 +2,8 @@
 #include "check.h"
 #include "collocation_problems.h"
 
+static const struct lobatto *const twelve = &lobatto[LOBATTO_TWELVE];
+
 /* Ten times what is asked: what is left is estimated from two sweeps. */
 static void a_step_is_converged_to_what_is_asked(void)
 {
@@ -11,10 +13,10 @@ static void a_step_is_converged_to_what_is_asked(void)
         const double asked = random_power(&r, -13.0, -5.0) * t.distance;
         struct collocation p;
         struct collocation best;
-        if (!collocation_make(&best, &t.problem, t.step, t.kind, 1e-15 * t.distance)) {
+        if (!collocation_make(&best, &t.problem, t.step, t.kind, twelve, 1e-15 * t.distance)) {
             continue;
         }
-        CHECK(collocation_make(&p, &t.problem, t.step, t.kind, asked));
+        CHECK(collocation_make(&p, &t.problem, t.step, t.kind, twelve, asked));
         const struct collocation_change change = collocation_change_at(&p, 2.0);
         const struct collocation_change target = collocation_change_at(&best, 2.0);
         CHECK_CLOSE("moved", vec3_norm(vec3_sub(change.moved, target.moved)), 0.0L, 10.0 * asked);
@@ -27,7 +29,7 @@ static void a_step_that_turns_too_far_is_refused(void)
     for (int k = 0; k < 300; ++k) {
         const struct trial t = random_trial(&r, (enum collocation_kind)(k % 3), 1.0, k % 2 == 0);
         struct collocation p;
-        CHECK(!collocation_make(&p, &t.problem, 100.0 / t.turning, t.kind, 1e-12 * t.distance));
+        CHECK(!collocation_make(&p, &t.problem, 100.0 / t.turning, t.kind, twelve, 1e-12 * t.distance));
     }
 }
 
@@ -42,9 +44,9 @@ static void a_step_through_the_centre_is_refused(void)
         from.square = rate * rate;
         from.damping = k % 2 == 0 ? 0.0 : 0.2 * rate;
         from.rate = vec3_scale(-1.5 * rate * from.reach, from.normal);
-        CHECK(!collocation_make(&p, &from, 3.5 / rate, COLLOCATION_RESOLVED, 1e-12 * from.reach));
+        CHECK(!collocation_make(&p, &from, 3.5 / rate, COLLOCATION_RESOLVED, twelve, 1e-12 * from.reach));
         from.rate = vec3_scale(0.1, from.rate);
-        CHECK(collocation_make(&p, &from, 3.5 / rate, COLLOCATION_RESOLVED, 1e-12 * from.reach));
+        CHECK(collocation_make(&p, &from, 3.5 / rate, COLLOCATION_RESOLVED, twelve, 1e-12 * from.reach));
     }
 }
 
@@ -53,7 +55,7 @@ static void check_refused(struct trial *t, double *value, const char *name)
     struct collocation p;
     const double kept = *value;
     *value = (double)NAN;
-    const bool made = collocation_make(&p, &t->problem, t->step, t->kind, 1e-12 * t->distance);
+    const bool made = collocation_make(&p, &t->problem, t->step, t->kind, twelve, 1e-12 * t->distance);
     check_that(!made, name, __FILE__, __LINE__);
     *value = kept;
 }
