@@ -60,16 +60,21 @@ static void begin_phase(const struct scene_values *v, struct motion *q, const st
     q->phase_energy = projection_balance(v, q, at);
 }
 
+static void note_peaks_of_touching(const struct scene_values *v, struct motion *q, struct system_instant *at)
+{
+    if (!system_is_apart(q)) {
+        system_forces(v, q, q->clock, at);
+        event_note_peaks(q, at);
+    }
+}
+
 void event_change_regime(const struct scene_values *v, struct motion *q, int contact,
                          enum contact_regime regime, struct system_instant *at)
 {
     const double lasted = q->clock;
     motion_rebase(v, q);
     system_place(v, q, at);
-    if (!system_is_apart(q)) {
-        system_forces(v, q, q->clock, at);
-        event_note_peaks(q, at);
-    }
+    note_peaks_of_touching(v, q, at);
     if (regime == REGIME_APART && q->contact[contact].regime != (int32_t)REGIME_APART) {
         close_rounded_gap(v, q, at, contact, lasted);
     }
@@ -80,8 +85,7 @@ void event_change_regime(const struct scene_values *v, struct motion *q, int con
     q->dissipated += before - energy_stored(v, q, at);
     counter_add(&q->counters.events, 1);
     begin_phase(v, q, at);
-    system_forces(v, q, q->clock, at);
-    event_note_peaks(q, at);
+    note_peaks_of_touching(v, q, at);
 }
 
 void event_settle_regimes(const struct scene_values *v, struct motion *q, double stored_before, bool starting)

@@ -9,7 +9,7 @@
 /*
  * Puts a contact into a new regime at the present instant: counts an onset when bodies begin to overlap, closes the
  * duration when they cease to, and books a jump of the stored energy (a finite cylinder's end switched the force) as
- * dissipated. Counts an event. The clock is rebased. `at` becomes the instant as system_now sees it from then on.
+ * dissipated. Counts an event. The clock is rebased. `at` becomes the instant as system_place sees it from then on.
  */
 void event_change_regime(const struct scene_values *v, struct motion *q, int contact,
                          enum contact_regime regime, struct system_instant *at);

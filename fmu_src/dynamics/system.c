@@ -101,7 +101,7 @@ static struct vec3 free_acceleration(const struct scene_values *v, const struct 
     return vec3_axpy(gravity(v), 1.0 / body_mass(v, body), force);
 }
 
-/* d/dt of a prescribed velocity; zero for a fixed body, whose path is zero. */
+/* d/dt of a prescribed velocity. */
 static struct vec3 path_rate(const struct motion *q, double clock, int body)
 {
     return vec3_axpy(q->path[body].velocity[1], 2.0 * clock, q->path[body].velocity[2]);
@@ -111,7 +111,9 @@ void system_forces(const struct scene_values *v, const struct motion *q, double 
                    struct system_instant *at)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        at->acceleration[i] = body_is_free(v, i) ? free_acceleration(v, q, clock, i) : path_rate(q, clock, i);
+        at->acceleration[i] = body_is_free(v, i)         ? free_acceleration(v, q, clock, i)
+                              : body_is_prescribed(v, i) ? path_rate(q, clock, i)
+                                                         : vec3_make(0.0, 0.0, 0.0);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_law law = system_law(v, q, j);

@@ -26,7 +26,7 @@ const struct system_instant *advance_now(struct advance *step, const struct scen
                                          const struct motion *q)
 {
     if (!step->is_now) {
-        system_now(v, q, &step->now);
+        system_place(v, q, &step->now);
         step->is_now = true;
     }
     return &step->now;

@@ -48,7 +48,7 @@ struct advance {
     enum contact_regime regime; /* out, ADVANCE_EVENT: and into which */
 };
 
-/* The present instant: computed once, however many ask for it. */
+/* The present instant, without accelerations and forces: computed once, however many ask for it. */
 const struct system_instant *advance_now(struct advance *step, const struct scene_values *v,
                                          const struct motion *q);
 
