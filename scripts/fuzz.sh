@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # scripts/fuzz.sh [--minutes N] [--only NAME]: runs each fuzzer N minutes (10), or the one named: calls, state, run_sphere,
-# run_cylinder, run_three_balls, scene_files. New inputs are kept in build-fuzz/found/NAME, what broke a claim in
-# build-fuzz/findings/NAME; `build-fuzz/tests/fuzz/fuzz_NAME FILE` runs one again and prints its values.
+# run_cylinder, run_three_balls, run_two_pairs, scene_files. New inputs are kept in build-fuzz/found/NAME, what broke a claim
+# in build-fuzz/findings/NAME; `build-fuzz/tests/fuzz/fuzz_NAME FILE` runs one again and prints its values.
 # The status is 1 when there is a finding.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -10,7 +10,7 @@ cd "$root"
 fail() { printf 'fuzz: %s\n' "$*" >&2; exit 2; }
 
 minutes=10
-names=(calls state run_sphere run_cylinder run_three_balls scene_files)
+names=(calls state run_sphere run_cylinder run_three_balls run_two_pairs scene_files)
 while (($# > 0)); do
     case $1 in
         --minutes) [[ ${2:-} =~ ^[1-9][0-9]*$ ]] || fail "--minutes takes a whole number"; minutes=$2; shift 2 ;;

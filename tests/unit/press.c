@@ -4,9 +4,8 @@
 #include <float.h>
 
 #include "check.h"
-#include "dynamics/energy.h"
+#include "pressed_model.h"
 #include "random.h"
-#include "scene_model.h"
 
 /* A ball against a cylinder along z, outside, head-on along x: a linear oscillator of g. */
 static struct model head_on(double speed, double damping)
@@ -19,18 +18,8 @@ static struct model head_on(double speed, double damping)
     v->contact[0].viscous_penalty_factor = damping;
     scene_start_free(&m, SOURCE, vec3_make(v->body[SOURCE].radius + v->body[DESTINATION].radius, 0.0, 0.0),
                      vec3_make(-speed, 0.0, 0.0));
-    model_prepare(&m);
-    m.state.motion.contact[0].regime = (int32_t)REGIME_PRESSING;
+    pressed_begin(&m);
     return m;
-}
-
-static struct press press_of(const struct model *m)
-{
-    struct system_instant at;
-    struct press p;
-    system_now(&m->state.values, &m->state.motion, &at);
-    press_make(&p, &m->state.values, &m->state.motion, &at, 0);
-    return p;
 }
 
 static void the_gap_is_that_of_a_damped_oscillator(void)
@@ -54,16 +43,6 @@ static void the_gap_is_that_of_a_damped_oscillator(void)
     }
 }
 
-static double balance(const struct model *m)
-{
-    struct system_instant at;
-    const struct scene_values *v = &m->state.values;
-    const struct motion *q = &m->state.motion;
-    system_now(v, q, &at);
-    return energy_kinetic_of(v, &at) + energy_potential_of(v, &at) + energy_stored(v, q, &at) +
-           q->dissipated - q->external_work;
-}
-
 static struct model random_pair(struct random *r)
 {
     struct model m = head_on(1.0, random_between(r, 0.0, 2000.0));
@@ -73,8 +52,7 @@ static struct model random_pair(struct random *r)
     scene_put_vector(v->body[SOURCE].external_force, random_vector(r, 50.0));
     scene_start_free(&m, SOURCE, vec3_make(0.599, 0.0, 0.1), random_vector(r, 3.0));
     scene_start_free(&m, DESTINATION, vec3_make(0.0, 0.0, 0.0), random_vector(r, 3.0));
-    model_prepare(&m);
-    m.state.motion.contact[0].regime = (int32_t)REGIME_PRESSING;
+    pressed_begin(&m);
     return m;
 }
 

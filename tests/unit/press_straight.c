@@ -4,9 +4,8 @@
 #include <float.h>
 
 #include "check.h"
-#include "dynamics/energy.h"
+#include "pressed_model.h"
 #include "random.h"
-#include "scene_model.h"
 
 static const double HALF_TURN = 3.14159265358979323846;
 
@@ -26,18 +25,8 @@ static struct model head_on(struct random *r, double damping)
                      vec3_make(random_between(r, -2.0, 2.0), 0.0, 0.0));
     scene_start_free(&m, DESTINATION, vec3_make(0.0, 0.0, 0.0),
                      vec3_make(random_between(r, -2.0, 2.0), 0.0, 0.0));
-    model_prepare(&m);
-    m.state.motion.contact[0].regime = (int32_t)REGIME_PRESSING;
+    pressed_begin(&m);
     return m;
-}
-
-static struct press press_of(const struct model *m)
-{
-    struct system_instant at;
-    struct press p;
-    system_now(&m->state.values, &m->state.motion, &at);
-    press_make(&p, &m->state.values, &m->state.motion, &at, 0);
-    return p;
 }
 
 /* g and g' at a time, from m_red g'' = -(p_n g + p_nv g') + m_red pull. */
@@ -116,16 +105,6 @@ static void at_its_turns_the_gap_stands(void)
             }
         }
     }
-}
-
-static double balance(const struct model *m)
-{
-    struct system_instant at;
-    const struct scene_values *v = &m->state.values;
-    const struct motion *q = &m->state.motion;
-    system_now(v, q, &at);
-    return energy_kinetic_of(v, &at) + energy_potential_of(v, &at) + energy_stored(v, q, &at) +
-           q->dissipated - q->external_work;
 }
 
 static void a_step_keeps_momentum_and_energy(void)

@@ -1,0 +1,179 @@
+/*
+ * Saved states in which a single value is one that no model ever has, with checksums that fit: each is refused with a message and
+ * changes nothing. What has no end or no number by right (how far was looked) is taken.
+ */
+#include <float.h>
+#include <stddef.h>
+
+#include "check.h"
+#include "scene_model.h"
+
+enum kind { REAL, INTEGER, WORD };
+
+struct change {
+    const char *name;
+    size_t at; /* in struct model_state */
+    enum kind kind;
+    double value;
+};
+
+#define IN(member) #member, offsetof(struct model_state, member)
+#define NOT_A_NUMBER ((double)NAN)
+#define ENDLESS ((double)INFINITY)
+
+static const struct change harmful[] = {
+    {IN(magic), WORD, 1.0},
+    {IN(version), WORD, 1.0},
+    {IN(scene), WORD, 1.0},
+    {IN(size), WORD, 1.0},
+    {IN(values.body[0].radius), REAL, 0.0},
+    {IN(values.body[0].radius), REAL, 1e151},
+    {IN(values.body[0].radius), REAL, NOT_A_NUMBER},
+    {IN(values.body[0].velocity[1]), REAL, ENDLESS},
+    {IN(values.body[0].motion), INTEGER, 0.0},
+    {IN(values.body[0].motion), INTEGER, 4.0},
+    {IN(signals[1][3].rate), REAL, NOT_A_NUMBER},
+    {IN(signals[0][8].curvature), REAL, -ENDLESS},
+    {IN(importer_tolerance), REAL, NOT_A_NUMBER},
+    {IN(start_time), REAL, ENDLESS},
+    {IN(motion.base), REAL, NOT_A_NUMBER},
+    {IN(motion.clock), REAL, 0.5},
+    {IN(motion.quiet_clock), REAL, 0.5},
+    {IN(motion.gliding), INTEGER, 1.0},
+    {IN(motion.horizon_clock), REAL, NOT_A_NUMBER},
+    {IN(motion.contact[0].normal.x), REAL, 2.0},
+    {IN(motion.contact[0].axis.z), REAL, 1e200},
+    {IN(motion.contact[0].stiffness), REAL, ENDLESS},
+    {IN(motion.contact[0].impulse.y), REAL, NOT_A_NUMBER},
+    {IN(motion.contact[0].touch_clock), REAL, NOT_A_NUMBER},
+    {IN(motion.contact[0].change_clock), REAL, NOT_A_NUMBER},
+    {IN(motion.contact[0].settled_clock), REAL, NOT_A_NUMBER},
+    {IN(motion.contact[0].change_regime), INTEGER, -1.0},
+    {IN(motion.contact[0].change_regime), INTEGER, 99.0},
+    {IN(motion.contact[0].onsets), INTEGER, -1.0},
+    {IN(motion.contact[0].regime), INTEGER, -1.0},
+    {IN(motion.contact[0].regime), INTEGER, 99.0},
+    {IN(motion.contact[0].side), INTEGER, 0.0},
+    {IN(motion.counters.steps), INTEGER, -1.0},
+    {IN(motion.counters.force_evaluations), INTEGER, -1.0},
+    {IN(motion.counters.events), INTEGER, -1.0},
+    {IN(motion.counters.rejected_steps), INTEGER, -1.0},
+    {IN(motion.counters.fallbacks), INTEGER, -1.0},
+    {IN(motion.origin[0].displacement.x), REAL, ENDLESS},
+    {IN(motion.origin[0].displacement.z), REAL, DBL_MAX}, /* finite, but the energy is not */
+    {IN(motion.body[0].velocity.z), REAL, NOT_A_NUMBER},
+    {IN(motion.phase_energy), REAL, NOT_A_NUMBER},
+    {IN(motion.dissipated), REAL, ENDLESS},
+    {IN(motion.window), REAL, NOT_A_NUMBER},
+    {IN(motion.path[1].displacement[3].z), REAL, 2e300},
+    {IN(motion.path[0].force[0].x), REAL, NOT_A_NUMBER},
+};
+
+static const struct change harmless[] = {
+    {IN(motion.horizon_clock), REAL, ENDLESS},
+    {IN(motion.contact[0].change_clock), REAL, ENDLESS},
+    {IN(motion.contact[0].settled_clock), REAL, -ENDLESS},
+    {IN(motion.contact[0].warned), INTEGER, 1.0},
+    {IN(motion.counters.steps), INTEGER, 2147483647.0},
+};
+
+struct heard {
+    enum model_status status;
+    int messages;
+};
+
+static void hear(void *context, enum model_status status, const char *category, const char *message)
+{
+    struct heard *heard = context;
+    heard->status = status;
+    heard->messages += 1;
+    CHECK(category[0] != '\0' && message[0] != '\0');
+}
+
+static void put(struct model_state *state, const struct change *change)
+{
+    unsigned char *at = (unsigned char *)state + change->at;
+    if (change->kind == REAL) {
+        memcpy(at, &change->value, sizeof change->value);
+    } else if (change->kind == INTEGER) {
+        const int32_t value = (int32_t)change->value;
+        memcpy(at, &value, sizeof value);
+    } else {
+        uint32_t word;
+        memcpy(&word, at, sizeof word);
+        word += (uint32_t)change->value;
+        memcpy(at, &word, sizeof word);
+    }
+    const unsigned char *byte = (const unsigned char *)state;
+    state->checksum = 14695981039346656037u;
+    for (size_t i = offsetof(struct model_state, values); i < sizeof *state; ++i) {
+        state->checksum = (state->checksum ^ byte[i]) * 1099511628211u;
+    }
+}
+
+/* A ball that has fallen on a lying cylinder for a while. */
+static void begin(struct model *m, struct heard *heard)
+{
+    *heard = (struct heard){MODEL_OK, 0};
+    *m = scene_model();
+    m->host.context = heard;
+    m->host.log = hear;
+    m->state.values.world.gravity[2] = -9.81;
+    scene_put(m->state.values.body[DESTINATION].axis, 0.0, 1.0, 0.0);
+    CHECK(model_exit_initialization(m) == MODEL_OK);
+    CHECK(model_step(m, 0.25) == MODEL_OK);
+    CHECK(model_step(m, 0.5) == MODEL_OK);
+}
+
+static void a_state_with_one_wrong_value_is_refused_and_changes_nothing(void)
+{
+    struct heard heard;
+    struct model m;
+    struct model_state good, after;
+    begin(&m, &heard);
+    model_save(&m, &good);
+    for (size_t i = 0; i < sizeof harmful / sizeof harmful[0]; ++i) {
+        struct model_state wrong = good;
+        put(&wrong, &harmful[i]);
+        heard.messages = 0;
+        const enum model_status status = model_restore(&m, &wrong, sizeof wrong);
+        model_save(&m, &after);
+        const bool holds = status == MODEL_ERROR && heard.messages == 1 && heard.status == MODEL_ERROR &&
+                           memcmp(&after, &good, sizeof good) == 0;
+        check_that(holds, harmful[i].name, __FILE__, __LINE__);
+    }
+    CHECK(model_step(&m, 0.75) == MODEL_OK);
+    solver_close(&m.solver);
+}
+
+static void what_may_be_without_end_is_taken(void)
+{
+    struct heard heard;
+    struct model m;
+    struct model_state good;
+    begin(&m, &heard);
+    heard.messages = 0;
+    model_save(&m, &good);
+    for (size_t i = 0; i < sizeof harmless / sizeof harmless[0]; ++i) {
+        struct model_state other = good;
+        put(&other, &harmless[i]);
+        check_that(model_restore(&m, &other, sizeof other) == MODEL_OK, harmless[i].name, __FILE__, __LINE__);
+        CHECK_CLOSE("time", model_time(&m), 0.5, DBL_EPSILON);
+    }
+    CHECK(heard.messages == 0);
+    solver_close(&m.solver);
+}
+
+static void a_model_that_is_not_there_can_be_destroyed(void)
+{
+    model_destroy(NULL);
+    CHECK(true);
+}
+
+int main(void)
+{
+    CHECK_TEST(a_state_with_one_wrong_value_is_refused_and_changes_nothing);
+    CHECK_TEST(what_may_be_without_end_is_taken);
+    CHECK_TEST(a_model_that_is_not_there_can_be_destroyed);
+    return check_summary("saved_state");
+}
