@@ -209,7 +209,8 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
         struct system_instant at;
         system_now(v, q, &at);
         event_note_peaks(q, &at);
-        if (step->budget <= 0) {
+        /* A return costs a step of the budget, so that roots that are no events come to an end. */
+        if (--step->budget <= 0) {
             return ADVANCE_STEP_LIMIT;
         }
     }
