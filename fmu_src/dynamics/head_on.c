@@ -49,7 +49,7 @@ static double first_zero(const struct parabola *p, double discriminant)
 {
     const double root = sqrt(discriminant);
     const double t = p->rate < 0.0 ? 2.0 * p->value / (root - p->rate) : -0.5 * (root + p->rate) / p->bend;
-    if (!(t > 0.0)) {
+    if (!(t > 0.0 && isfinite(t))) {
         return (double)INFINITY;
     }
     return t - (p->value + t * (p->rate + t * p->bend)) / (p->rate + 2.0 * t * p->bend);

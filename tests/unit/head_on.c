@@ -135,7 +135,7 @@ static void a_release_ends_where_the_gap_opens_or_the_law_pushes_again(void)
     for (int k = 0; k < 1000; ++k) {
         const struct contact_law law = {100.0, random_between(&r, 5.0, 50.0), DASHPOT_NON_ADHESIVE};
         const double gap = -random_between(&r, 1e-3, 0.3);
-        const double bend = random_between(&r, -3.0, 1.0);
+        const double bend = k % 3 == 0 ? 0.0 : random_between(&r, -3.0, 1.0);
         /* The law has just ceased to push: its margin is zero, and grows. */
         const double rate = -law.stiffness * gap / law.damping;
         if (law.stiffness * rate + 2.0 * law.damping * bend < 1e-2) {
