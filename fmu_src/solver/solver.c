@@ -38,13 +38,15 @@ static const double RELEASE_TIMES = 4.0;
 /* To the end of the step, and as far again as the phase has already lasted: a flight of many communication steps is searched
  * a few times, a short one not far beyond its end. Not further than a released contact lasts: over so short a time its conditions are
  * almost linear, and their roots cheap. */
-static double horizon_from(const struct motion *q, const struct system_instant *at, double remaining)
+static double horizon_from(const struct scene_values *v, const struct motion *q,
+                           const struct system_instant *at, double remaining)
 {
     double horizon = fmax(remaining, q->clock);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const double opens = -at->geometry[j].gap / at->geometry[j].gap_rate;
-        if (q->contact[j].regime == REGIME_RELEASED && opens > DBL_EPSILON * q->clock) {
-            horizon = fmin(horizon, RELEASE_TIMES * opens);
+        if (q->contact[j].regime == REGIME_RELEASED) {
+            const struct contact_geometry *now = &at->geometry[j];
+            const double opens = (system_gap_resolution(v, at, j) - now->gap) / now->gap_rate;
+            horizon = opens > DBL_EPSILON * q->clock ? fmin(horizon, RELEASE_TIMES * opens) : horizon;
         }
     }
     return horizon;
@@ -57,7 +59,7 @@ static void look_ahead(const struct scene_values *v, struct motion *q, double re
         return;
     }
     const struct system_instant *at = advance_now(step, v, q);
-    const double horizon = horizon_from(q, at, remaining);
+    const double horizon = horizon_from(v, q, at, remaining);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct encounter next = encounter_next(v, q, at, q->clock, j, horizon);
         q->contact[j].change_clock = q->clock + next.after;
