@@ -131,9 +131,28 @@ static void change(uint8_t *block, size_t size, struct bytes *b)
     }
 }
 
+/* Whether its state says that only the end is left, and then that nothing else is answered. */
+static bool is_fatal(fmi2Component c)
+{
+    fmi2FMUstate state = NULL;
+    if (fmi2GetFMUstate(c, &state) == fmi2OK) {
+        const fmi2Status status = fmi2FreeFMUstate(c, &state);
+        CLAIM(status == fmi2OK);
+        return false;
+    }
+    fmi2Status status = fmi2Reset(c);
+    CLAIM(state == NULL && status == fmi2Error);
+    status = fmi2DoStep(c, 0.0, 1.0, fmi2True);
+    CLAIM(status == fmi2Error);
+    return true;
+}
+
 /* What an importer may do with a state that was taken over. */
 static void go_on(fmi2Component c)
 {
+    if (is_fatal(c)) {
+        return;
+    }
     host.shown = c;
     host_read_all(c);
     double time = 0.0;
