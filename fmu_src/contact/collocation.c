@@ -24,8 +24,9 @@ static void follow(struct collocation *p, double softening)
     p->oscillator.square += softening;
     p->y = p->from.excess - p->x[0];
     p->y_rate = p->half * p->rate.x - row_slope(p->slow, points, 0.0);
-    for (int i = 0; i < points && p->kind == COLLOCATION_RESOLVED; ++i) {
-        p->x[i] += p->y * p->y_of_y[i] + p->y_rate * p->y_of_rate[i];
+    for (int i = 0; i < points && p->kind == COLLOCATION_RESOLVED; i += 2) {
+        const number_pair y = p->y * pair_at(p->y_of_y, i) + p->y_rate * pair_at(p->y_of_rate, i);
+        pair_put(p->x, i, pair_at(p->x, i) + y);
     }
 }
 
@@ -92,24 +93,29 @@ static double respond(struct collocation *p)
     const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->turned);
     const struct vec3 h = vec3_sub(p->momentum, p->spun);
     lobatto_row values;
-    double softening = 0.0;
-    for (int i = 0; i < points; ++i) {
-        const double hz = h.z + p->h.z[i];
-        double square = hz * hz;
-        double drive = (n.x + p->n.x[i]) * p->drive_at.x[i] + (n.y + p->n.y[i]) * p->drive_at.y[i];
+    lobatto_row softening;
+    double mean = 0.0;
+    for (int i = 0; i < points; i += 2) {
+        const number_pair hz = h.z + pair_at(p->h.z, i);
+        number_pair square = hz * hz;
+        number_pair drive = (n.x + pair_at(p->n.x, i)) * pair_at(p->drive_at.x, i) +
+                            (n.y + pair_at(p->n.y, i)) * pair_at(p->drive_at.y, i);
         if (!p->planar) {
-            const double hx = h.x + p->h.x[i];
-            const double hy = h.y + p->h.y[i];
+            const number_pair hx = h.x + pair_at(p->h.x, i);
+            const number_pair hy = h.y + pair_at(p->h.y, i);
             square += hx * hx + hy * hy;
-            drive += (n.z + p->n.z[i]) * p->drive_at.z[i];
+            drive += (n.z + pair_at(p->n.z, i)) * pair_at(p->drive_at.z, i);
         }
-        const double inverse = 1.0 / (p->from.reach + p->x[i]);
-        const double spin = half2 * square * inverse * inverse * inverse;
-        values[i] = spin + half2 * drive;
-        /* -df/dx of the spin, averaged over the step: integral / 2 */
-        softening += weight[i * points] * 1.5 * spin * inverse;
+        const number_pair inverse = 1.0 / (p->from.reach + pair_at(p->x, i));
+        const number_pair spin = half2 * square * inverse * inverse * inverse;
+        pair_put(values, i, spin + half2 * drive);
+        pair_put(softening, i, 1.5 * spin * inverse);
     }
-    return answer(p, values, softening);
+    /* -df/dx of the spin, averaged over the step: integral / 2 */
+    for (int i = 0; i < points && p->kind == COLLOCATION_SPANNING; ++i) {
+        mean += weight[i * points] * softening[i];
+    }
+    return answer(p, values, mean);
 }
 
 /* H' = d n x A */
@@ -117,17 +123,18 @@ static double spin_up(struct collocation *p)
 {
     const struct vec3_row *a = &p->pull_at;
     const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->turned);
-    double change;
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const double arm = p->half * (p->from.reach + p->x[i]);
-        p->h_rate.z[i] = arm * ((n.x + p->n.x[i]) * a->y[i] - (n.y + p->n.y[i]) * a->x[i]);
+    for (int i = 0; i < p->nodes->points; i += 2) {
+        const number_pair arm = p->half * (p->from.reach + pair_at(p->x, i));
+        const number_pair nx = n.x + pair_at(p->n.x, i);
+        const number_pair ny = n.y + pair_at(p->n.y, i);
+        pair_put(p->h_rate.z, i, arm * (nx * pair_at(a->y, i) - ny * pair_at(a->x, i)));
         if (!p->planar) {
-            const double nz = n.z + p->n.z[i];
-            p->h_rate.x[i] = arm * ((n.y + p->n.y[i]) * a->z[i] - nz * a->y[i]);
-            p->h_rate.y[i] = arm * (nz * a->x[i] - (n.x + p->n.x[i]) * a->z[i]);
+            const number_pair nz = n.z + pair_at(p->n.z, i);
+            pair_put(p->h_rate.x, i, arm * (ny * pair_at(a->z, i) - nz * pair_at(a->y, i)));
+            pair_put(p->h_rate.y, i, arm * (nz * pair_at(a->x, i) - nx * pair_at(a->z, i)));
         }
     }
-    change = row_integrate(p->nodes, p->h_rate.z, p->h.z);
+    double change = row_integrate(p->nodes, p->h_rate.z, p->h.z);
     if (!p->planar) {
         change = larger(row_integrate(p->nodes, p->h_rate.x, p->h.x), change);
         change = larger(row_integrate(p->nodes, p->h_rate.y, p->h.y), change);
@@ -140,25 +147,26 @@ static double turn(struct collocation *p)
 {
     const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->turned);
     const struct vec3 h = vec3_sub(p->momentum, p->spun);
-    double change;
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const double d = p->from.reach + p->x[i];
-        const double by = p->half / (d * d);
-        const double nx = n.x + p->n.x[i];
-        const double ny = n.y + p->n.y[i];
-        const double hz = h.z + p->h.z[i];
-        p->n_rate.x[i] = -by * hz * ny;
-        p->n_rate.y[i] = by * hz * nx;
+    for (int i = 0; i < p->nodes->points; i += 2) {
+        const number_pair d = p->from.reach + pair_at(p->x, i);
+        const number_pair by = p->half / (d * d);
+        const number_pair nx = n.x + pair_at(p->n.x, i);
+        const number_pair ny = n.y + pair_at(p->n.y, i);
+        const number_pair hz = h.z + pair_at(p->h.z, i);
+        number_pair to_x = -hz * ny;
+        number_pair to_y = hz * nx;
         if (!p->planar) {
-            const double nz = n.z + p->n.z[i];
-            const double hx = h.x + p->h.x[i];
-            const double hy = h.y + p->h.y[i];
-            p->n_rate.x[i] += by * hy * nz;
-            p->n_rate.y[i] -= by * hx * nz;
-            p->n_rate.z[i] = by * (hx * ny - hy * nx);
+            const number_pair nz = n.z + pair_at(p->n.z, i);
+            const number_pair hx = h.x + pair_at(p->h.x, i);
+            const number_pair hy = h.y + pair_at(p->h.y, i);
+            to_x += hy * nz;
+            to_y -= hx * nz;
+            pair_put(p->n_rate.z, i, by * (hx * ny - hy * nx));
         }
+        pair_put(p->n_rate.x, i, by * to_x);
+        pair_put(p->n_rate.y, i, by * to_y);
     }
-    change =
+    double change =
         larger(row_integrate(p->nodes, p->n_rate.x, p->n.x), row_integrate(p->nodes, p->n_rate.y, p->n.y));
     if (!p->planar) {
         change = larger(row_integrate(p->nodes, p->n_rate.z, p->n.z), change);

@@ -120,6 +120,7 @@ struct collocation_wave collocation_wave_of(const struct collocation *p, double 
 struct collocation_change {
     struct vec3 moved;  /* c(s) - c(0) [m] */
     struct vec3 gained; /* c'(s) - c'(0) [m/s] */
+    double excess;      /* x(s) [m] */
 };
 
 /* In the world. Exact at s = 2 to the collocation's order at its ends, before that to its interior error. */

@@ -155,7 +155,12 @@ static void move_on(struct collocation *p, double part)
 
 static void fill_nodes(struct collocation *p)
 {
-    for (int i = 0; i < p->nodes->points; ++i) {
+    const bool steady = !p->from.leads && vec3_is_zero(p->pull[1]) && vec3_is_zero(p->pull[2]);
+    for (int i = 0; i < p->nodes->points && steady; ++i) {
+        row_put_vec3(&p->pull_at, i, p->pull[0]);
+        row_put_vec3(&p->drive_at, i, p->pull[0]);
+    }
+    for (int i = 0; i < p->nodes->points && !steady; ++i) {
         const double t = p->half * (1.0 + p->nodes->node[i]);
         const struct vec3 pull = polynomial_of_time(p->pull, COLLOCATION_PULL_TERMS, t);
         struct vec3 drive = pull;

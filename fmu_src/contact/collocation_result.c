@@ -155,7 +155,7 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
     gained = vec3_axpy(gained, 1.0 / d, swing);
     gained = vec3_axpy(gained, -grown / (d * p->distance), vec3_cross(p->momentum, normal));
     return (struct collocation_change){in_world(p, vec3_axpy(vec3_scale(d, turned), grown, normal)),
-                                       in_world(p, gained)};
+                                       in_world(p, gained), x[0]};
 }
 
 /* The integral from 0 to s of (polynomial) X' or s' ds. */
@@ -183,7 +183,7 @@ static double along_slow(const struct collocation *p, const double *a, double s)
 static double along_rest(const struct collocation *p, const double *a, double s, double y, double y_rate)
 {
     const int points = p->nodes->points;
-    lobatto_row scaled;
+    lobatto_row scaled = {0.0};
     lobatto_row q;
     const bool decays = p->kind == COLLOCATION_CREEPING;
     const struct oscillator mirrored = {p->oscillator.square, -p->oscillator.damping};

@@ -7,6 +7,19 @@
 
 typedef double lobatto_row[LOBATTO_MOST];
 
+/* Two numbers that a processor treats at once, each as if it were alone: the digits do not depend on it. */
+typedef double number_pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+static inline number_pair pair_at(const double *row, int i)
+{
+    return *(const number_pair *)(row + i);
+}
+
+static inline void pair_put(double *row, int i, number_pair values)
+{
+    *(number_pair *)(row + i) = values;
+}
+
 struct vec3_row {
     lobatto_row x, y, z;
 };

@@ -197,9 +197,7 @@ struct press_change press_collocation_change(const struct press_collocation *p, 
         power *= change.time;
         change.r = vec3_axpy(change.r, -power, c);
     }
-    double x[4];
-    collocation_excess(&p->step, s, x);
-    change.gap = from->shape.side * x[0];
+    change.gap = from->shape.side * step.excess;
     if (from->by.c > 0.0) {
         change.dissipated = from->reduced_mass * collocation_dissipated(&p->step, s);
     }

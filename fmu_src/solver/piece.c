@@ -140,10 +140,20 @@ bool piece_make(struct piece *p, const struct scene_values *v, const struct moti
     return p->end > 0.0;
 }
 
+/* From one place to the next a quantity may turn once, so that it comes to more than at either; not to four times as much. */
+static bool stays_clear_of_centre(const struct piece *p)
+{
+    double deepest = 0.0;
+    for (int i = 0; i < p->watch.count; ++i) {
+        deepest = fmax(deepest, fabs(p->watch.at[i].of[PRESS_GAP][0]));
+    }
+    return 4.0 * deepest < contact_reach(&p->press.shape);
+}
+
 double piece_meets_centre(const struct piece *p)
 {
-    if (p->kind == PIECE_STRAIGHT) {
-        return (double)INFINITY; /* made where it cannot */
+    if (p->kind == PIECE_STRAIGHT || stays_clear_of_centre(p)) {
+        return (double)INFINITY; /* a straight one is made where it cannot */
     }
     const struct watched distance = {PRESS_GAP, p->press.shape.side, contact_reach(&p->press.shape)};
     return watch_first_fall(&p->watch, &distance);
