@@ -36,8 +36,8 @@ const struct system_instant *advance_now(struct advance *step, const struct scen
 static const double RELEASE_TIMES = 4.0;
 
 /* To the end of the step, and as far again as the phase has already lasted: a flight of many communication steps is searched
- * a few times, a short one not far beyond its end. Not further than a released contact lasts: over so short a time its conditions are
- * almost linear, and their roots cheap. */
+ * a few times, a short one not far beyond its end. At first not further than a released contact lasts: over so short a time its
+ * conditions are almost linear, and their roots cheap. */
 static double horizon_from(const struct scene_values *v, const struct motion *q,
                            const struct system_instant *at, double remaining)
 {
@@ -46,7 +46,7 @@ static double horizon_from(const struct scene_values *v, const struct motion *q,
         if (q->contact[j].regime == REGIME_RELEASED) {
             const struct contact_geometry *now = &at->geometry[j];
             const double opens = (system_gap_resolution(v, at, j) - now->gap) / now->gap_rate;
-            horizon = opens > DBL_EPSILON * q->clock ? fmin(horizon, RELEASE_TIMES * opens) : horizon;
+            horizon = opens > 0.0 ? fmin(horizon, fmax(RELEASE_TIMES * opens, q->clock)) : horizon;
         }
     }
     return horizon;
@@ -92,7 +92,6 @@ static enum advance_result advance_phase(struct solver *s, const struct scene_va
         return sampled_advance(v, q, step);
     }
     if (flight_is_free(q)) {
-        step->is_now = false;
         flight_advance(v, q, step->clock_end);
         return ADVANCE_REACHED;
     }
@@ -104,7 +103,6 @@ static enum advance_result advance_phase(struct solver *s, const struct scene_va
         counter_add(&q->counters.fallbacks, 1);
         q->integrator_fresh = 1;
     }
-    step->is_now = false;
     return cvode_advance(s->cvode, v, q, step);
 }
 
@@ -121,7 +119,9 @@ static enum solver_status run_phases(struct solver *s, const struct scene_values
         const double change = q->contact[next].change_clock;
         const double end = q->clock + remaining;
         step->clock_end = fmin(end, fmin(change, q->horizon_clock));
-        switch (advance_phase(s, v, q, step)) {
+        const enum advance_result result = advance_phase(s, v, q, step);
+        step->is_now = false;
+        switch (result) {
         case ADVANCE_REACHED:
             if (step->clock_end >= change) {
                 if (!flight_is_free(q) && !system_is_force_element(v)) {
