@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # scripts/coverage.sh [PYTEST PATHS...]: which branches of the C code the tests and the fuzzers' corpora take.
 # Builds with gcc --coverage in build-coverage, runs the C tests, the replays and the Python tests named (default: FMU,
-# physics, property), prints what each file has and writes build-coverage/coverage/index.html with every line.
+# physics, property), prints what each file has and each line with a branch that nothing took, and writes
+# build-coverage/coverage/index.html with every line. docs/coverage.md says why those are left.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$root"
@@ -32,5 +33,6 @@ find "$build/tests/sanitize" \( -name '*.gcno' -o -name '*.gcda' \) -delete
 mkdir -p "$build/coverage"
 "$build/venv/bin/gcovr" --root "$root" --filter 'fmu_src/' --gcov-ignore-errors=all --merge-mode-functions=merge-use-line-min \
     --txt-metric branch --txt "$build/coverage/branches.txt" --html-details "$build/coverage/index.html" \
-    --json-summary "$build/coverage/summary.json" "$build"
+    --json-summary "$build/coverage/summary.json" --json "$build/coverage/coverage.json" "$build"
 cat "$build/coverage/branches.txt"
+.venv/bin/python scripts/untaken_branches.py "$build/coverage/coverage.json"
