@@ -149,11 +149,13 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
     /* Differences of c = d n and c' = x' n + H x n / d, so that a short step keeps its digits. */
     const double grown = x[0] - p->from.excess;
     const double radial = x[1] / p->half;
-    const struct vec3 swing =
-        vec3_add(vec3_cross(spun, vec3_add(normal, turned)), vec3_cross(p->momentum, turned));
     struct vec3 gained = vec3_axpy(vec3_scale(radial, turned), radial - p->rate.x, normal);
-    gained = vec3_axpy(gained, 1.0 / d, swing);
-    gained = vec3_axpy(gained, -grown / (d * p->distance), vec3_cross(p->momentum, normal));
+    if (!p->straight) { /* which may be at the centre, where d = 0 */
+        const struct vec3 swing =
+            vec3_add(vec3_cross(spun, vec3_add(normal, turned)), vec3_cross(p->momentum, turned));
+        gained = vec3_axpy(gained, 1.0 / d, swing);
+        gained = vec3_axpy(gained, -grown / (d * p->distance), vec3_cross(p->momentum, normal));
+    }
     return (struct collocation_change){in_world(p, vec3_axpy(vec3_scale(d, turned), grown, normal)),
                                        in_world(p, gained), x[0]};
 }

@@ -71,6 +71,15 @@ struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 no
     return across;
 }
 
+struct vec3 contact_way_out(const struct contact_shape *shape, struct vec3 w, struct vec3 fallback)
+{
+    if (contact_is_cylinder(shape)) {
+        w = across_axis(shape, w, vec3_dot(w, shape->axis));
+    }
+    const double speed = vec3_norm(w);
+    return speed > 0.0 ? vec3_make(w.x / speed, w.y / speed, w.z / speed) : fallback;
+}
+
 struct vec3 contact_default_normal(const struct contact_shape *shape)
 {
     if (!contact_is_cylinder(shape)) {

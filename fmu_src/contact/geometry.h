@@ -70,6 +70,9 @@ struct vec3 contact_direction_of(const struct contact_shape *shape, const struct
 /* The part of w that turns n: without its components along n and along a cylinder's axis [m/s]. */
 struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w);
 
+/* Where d = 0 the distance can only grow: the unit vector along w, across a cylinder's axis, `fallback` where nothing of w is. */
+struct vec3 contact_way_out(const struct contact_shape *shape, struct vec3 w, struct vec3 fallback);
+
 /* A unit vector to start from where no direction is known: -z for a sphere (the source above the destination);
  * for a cylinder the coordinate axis least aligned with e_d, made perpendicular to it, negative. */
 struct vec3 contact_default_normal(const struct contact_shape *shape);

@@ -5,6 +5,7 @@
 #include <float.h>
 
 #include "contact/bracket.h"
+#include "dynamics/centre.h"
 #include "dynamics/cuts.h"
 #include "dynamics/head_on.h"
 
@@ -44,7 +45,7 @@ static double margin_slope(const struct contact_shape *shape, const struct conta
 static double margin_noise(const struct contact_law *law, const struct contact_geometry *now,
                            double resolution, double by_positions, const struct separation *separation)
 {
-    const double turn = 8.0 * DBL_EPSILON + by_positions / now->distance;
+    const double turn = 8.0 * DBL_EPSILON + (now->degenerate ? 0.0 : by_positions / now->distance);
     return law->stiffness * resolution + fmin(turn, 1.0) * law->damping * vec3_norm(separation->w[0]);
 }
 
@@ -205,6 +206,12 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
         return (struct encounter){(double)INFINITY, present, 0.0, true};
     }
     const struct separation separation = separation_of(v, q, at, clock, contact);
+    struct contact_geometry now = at->geometry[contact];
+    if (centre_is_met(v, at, contact, &shape)) {
+        now.normal = contact_way_out(&shape, separation.w[0], now.normal);
+        now.gap_rate = shape.side * vec3_dot(now.normal, separation.w[0]);
+        now.degenerate = true;
+    }
     const double by_positions = system_gap_resolution(v, at, contact);
     const double resolution = system_gap_is_known(q, at, contact)
                                   ? 8.0 * DBL_EPSILON * fabs(at->geometry[contact].gap)
@@ -212,8 +219,7 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     struct encounter next;
     if (!has_ends && (present == REGIME_APART || present == REGIME_RELEASED) &&
         !(q->contact[contact].settled_clock > clock) &&
-        head_on_change(&shape, &law, &separation, &at->geometry[contact], present, resolution, by_positions,
-                       horizon, &next)) {
+        head_on_change(&shape, &law, &separation, &now, present, resolution, by_positions, horizon, &next)) {
         return next;
     }
     const bool simple = present == REGIME_APART && !has_ends;
@@ -222,8 +228,8 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
         return first_touch_at((double)INFINITY);
     }
     const double found = (q->contact[contact].settled_clock - clock) / horizon;
-    const double settle = fmax(found, settling_time(&path, &shape, &law, &at->geometry[contact], resolution,
-                                                    by_positions, &separation, present));
+    const double settle =
+        fmax(found, settling_time(&path, &shape, &law, &now, resolution, by_positions, &separation, present));
     double cuts[MAX_CUTS];
     if (ends_only) {
         return first_change(&path, cuts, cuts_of_ends(&path, cuts, 0), &law, present, true, settle);

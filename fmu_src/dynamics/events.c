@@ -42,12 +42,14 @@ static double gap_at_change(const struct scene_values *v, const struct motion *q
 static void close_rounded_gap(const struct scene_values *v, struct motion *q, struct system_instant *at,
                               int contact, double lasted)
 {
-    const double gap = fabs(at->geometry[contact].gap);
+    const struct contact_shape shape = system_shape(v, q, contact);
+    const double gap = fabs(at->geometry[contact].distance - contact_reach(&shape));
     const double way = vec3_norm(at->rate[contact]) * lasted + q->contact[contact].peak_penetration;
     if (!(system_inverse_mass(v, contact) > 0.0) || gap > 32.0 * DBL_EPSILON * way ||
         gap <= 0.25 * system_gap_resolution(v, at, contact)) {
         return;
     }
+    q->contact[contact].carried_gap = DBL_MAX; /* not known: by positions */
     projection_close_gap(v, q, contact);
     motion_rebase(v, q);
     system_place(v, q, at);

@@ -2,8 +2,10 @@
 
 #if SCENE_ANY_FREE
 
+#include <float.h>
 #include <string.h>
 
+#include "dynamics/centre.h"
 #include "dynamics/flight.h"
 
 static struct press_work work_on(const struct press *p, const struct scene_values *v, const struct motion *q,
@@ -24,6 +26,24 @@ static struct press_work work_on(const struct press *p, const struct scene_value
     return work;
 }
 
+/*
+ * Where the centres meet n turns round: from there on it is where the motion goes, and c, which is rounding, lies along it. At rest
+ * the contact pushes along the direction that is at hand; unless the pull is stronger, for against it nothing leaves.
+ */
+static void leave_centre(struct press *p, const struct contact_geometry *geometry)
+{
+    const struct vec3 pull = press_across(p, vec3_scale(2.0, p->flight.c[2]));
+    const double reach = contact_reach(&p->shape);
+    if (p->by.k * reach / p->reduced_mass + vec3_dot(p->normal, pull) < 0.0) {
+        p->normal = contact_way_out(&p->shape, pull, p->normal);
+    }
+    p->normal = contact_way_out(&p->shape, p->flight.c[1], p->normal);
+    p->distance = fmax(reach + p->gap, 2.0 * DBL_EPSILON * reach);
+    p->gap = p->distance - reach;
+    p->rounded = vec3_axpy(vec3_scale(p->distance, p->normal), -1.0, geometry->offset);
+    p->flight.c[0] = vec3_add(p->flight.c[0], p->rounded);
+}
+
 void press_make(struct press *p, const struct scene_values *v, const struct motion *q,
                 const struct system_instant *at, int contact)
 {
@@ -35,8 +55,12 @@ void press_make(struct press *p, const struct scene_values *v, const struct moti
     p->normal = geometry->normal;
     p->distance = geometry->distance;
     p->gap = geometry->gap;
-    p->rounded = p->shape.side * p->gap - (geometry->distance - contact_reach(&p->shape));
+    const double shorter = p->shape.side * p->gap - (geometry->distance - contact_reach(&p->shape));
+    p->rounded = vec3_scale(shorter, p->normal);
     p->reduced_mass = 1.0 / system_inverse_mass(v, contact);
+    if (centre_is_met(v, at, contact, &p->shape)) {
+        leave_centre(p, geometry);
+    }
     p->work[0] = work_on(p, v, q, contact_source(contact), -1.0);
     p->work[1] = work_on(p, v, q, contact_destination(contact), 1.0);
 }
@@ -54,8 +78,9 @@ struct vec3 press_along(const struct press *p, struct vec3 across)
 double press_load(const struct press *p)
 {
     const struct vec3 across = press_along(p, press_across(p, p->flight.c[1]));
+    const double distance = fmax(p->distance, 0.5 * contact_reach(&p->shape));
     return p->reduced_mass *
-           fabs(vec3_dot(across, across) / p->distance + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
+           fabs(vec3_dot(across, across) / distance + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
 }
 
 static void move_body(const struct scene_values *v, struct motion *q, int body, double time, struct vec3 r,
@@ -76,7 +101,7 @@ void press_apply(const struct press *p, const struct press_change *change, const
 {
     struct contact_state *state = &q->contact[contact];
     const int ends[PRESS_ENDS] = {contact_source(contact), contact_destination(contact)};
-    const struct vec3 r = vec3_axpy(change->r, p->rounded, p->normal);
+    const struct vec3 r = vec3_add(change->r, p->rounded);
     for (int end = 0; end < PRESS_ENDS; ++end) {
         q->external_work += p->work[end].factor * change->work[end];
         if (body_is_free(v, ends[end])) {

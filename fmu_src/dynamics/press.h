@@ -31,7 +31,8 @@ struct press {
     struct separation flight;       /* C, W; of a cylinder all of it, the part along its axis too */
     struct vec3 normal;             /* n */
     double distance, gap;           /* d [m], g as carried along [m] */
-    double rounded;      /* by how much d must grow for its gap to be the carried one: rounding [m] */
+    struct vec3
+        rounded; /* what c lacks for d to be that of the carried gap, or that at the centre: rounding [m] */
     double reduced_mass; /* m_red [kg] */
     struct press_work work[PRESS_ENDS];
 };
@@ -57,7 +58,7 @@ struct press_change {
 void press_make(struct press *p, const struct scene_values *v, const struct motion *q,
                 const struct system_instant *at, int contact);
 
-/* Size of the force that would hold the bodies at their distance now [N]. */
+/* Size of the force that would hold the bodies at their distance now; close to the centre, where they only pass, at half their size [N]. */
 double press_load(const struct press *p);
 
 /* c without a cylinder's axial part. */

@@ -13,14 +13,38 @@ struct recurrence {
     double d[SERIES_TERMS];
     double closing[SERIES_TERMS]; /* c.w */
     double speed[SERIES_TERMS];   /* c.w / d = n.w */
+    bool straight;                /* n stays: d = n.c, through the centre too */
 };
 
-/* One radian of the spring's or the dashpot's own motion, whichever is shorter; with neither, of the passage. */
-static double natural_unit(const struct press *from)
+/* Exactly so, not nearly: head-on, whatever the forces do with time. */
+static bool stays_on_normal(const struct press *from)
+{
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        const struct vec3 c = vec3_cross(from->normal, press_across(from, from->flight.c[i]));
+        const struct vec3 w = vec3_cross(from->normal, press_across(from, from->flight.w[i - 1]));
+        if (!vec3_is_zero(c) || !vec3_is_zero(w)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* In which d changes by as much as it is: past the centre, or by the force from rest at it. */
+static double passage_of(const struct press *from)
+{
+    const double force = fabs(from->by.k * from->gap) / from->reduced_mass;
+    const double acceleration = force + 2.0 * vec3_norm(from->flight.c[2]);
+    return fmin(from->distance / vec3_norm(from->flight.w[0]), sqrt(from->distance / acceleration));
+}
+
+/* One radian of the spring's or the dashpot's own motion, whichever is shorter; shorter still, the passage: terms that do not bring
+ * d itself forth are then below the range of numbers, and are so within LONGEST_PASSAGE units. */
+static const double LONGEST_PASSAGE = 16.0;
+
+static double natural_unit(const struct press *from, double passage)
 {
     const double spring = sqrt(from->reduced_mass / from->law.stiffness);
     const double dashpot = from->reduced_mass / from->law.damping;
-    const double passage = from->distance / vec3_norm(from->flight.w[0]);
     const double unit = fmin(spring, fmin(dashpot, passage));
     return isfinite(unit) && unit > 0.0 ? unit : 1.0;
 }
@@ -33,15 +57,15 @@ static double convergent_step(double last_but_one, double last, double whole)
                 pow(rounding / fabs(last), 1.0 / SERIES_ORDER));
 }
 
-/* Both the motion, to a rounding of its largest term, and the gap, to a rounding of the distance, must have converged: a
+/* Both the motion, to a rounding of its largest term, and the gap, to a rounding of `distance`, must have converged: a
  * contact without force at the moment has no r, but a distance all the same. */
-static double reliable_step(const struct press_series *p)
+static double reliable_step(const struct press_series *p, double distance)
 {
     double largest = 0.0;
     for (int i = 2; i < SERIES_TERMS; ++i) {
         largest = fmax(largest, vec3_norm(p->r.at[i]));
     }
-    const double by_gap = convergent_step(p->gap[SERIES_ORDER - 1], p->gap[SERIES_ORDER], p->from->distance);
+    const double by_gap = convergent_step(p->gap[SERIES_ORDER - 1], p->gap[SERIES_ORDER], distance);
     const double by_motion =
         convergent_step(vec3_norm(p->r.at[SERIES_ORDER - 1]), vec3_norm(p->r.at[SERIES_ORDER]), largest);
     return largest > 0.0 ? fmin(by_gap, by_motion) : by_gap;
@@ -58,11 +82,17 @@ static void next_coefficient(struct press_series *p, struct recurrence *z, int i
     const struct vec3 next = i + 1 < SERIES_TERMS ? p->r.at[i + 1] : none;
     z->c.at[i] = press_across(from, vec3_add(c, p->r.at[i]));
     z->w.at[i] = vec3_axpy(w, (i + 1) / p->unit, next);
-    z->square[i] = series_dot(&z->c, &z->c, i);
-    z->d[i] = series_root(z->square, z->d, i);
-    z->closing[i] = series_dot(&z->c, &z->w, i);
-    z->speed[i] = series_divide(z->closing, z->d, z->speed, i);
-    z->n.at[i] = series_divide_vec3(&z->c, z->d, &z->n, i);
+    if (z->straight) {
+        z->d[i] = vec3_dot(from->normal, z->c.at[i]);
+        z->speed[i] = vec3_dot(from->normal, z->w.at[i]);
+        z->n.at[i] = i == 0 ? from->normal : none;
+    } else {
+        z->square[i] = series_dot(&z->c, &z->c, i);
+        z->d[i] = series_root(z->square, z->d, i);
+        z->closing[i] = series_dot(&z->c, &z->w, i);
+        z->speed[i] = series_divide(z->closing, z->d, z->speed, i);
+        z->n.at[i] = series_divide_vec3(&z->c, z->d, &z->n, i);
+    }
     p->gap[i] = i == 0 ? from->gap : side * z->d[i];
     p->rate[i] = side * z->speed[i];
     p->force[i] = -(from->by.k * p->gap[i] + from->by.c * p->rate[i]);
@@ -80,14 +110,20 @@ void press_series_make(struct press_series *p, const struct press *from)
 {
     struct recurrence z;
     p->from = from;
-    p->unit = natural_unit(from);
+    z.straight = stays_on_normal(from);
+    const double passage = z.straight ? (double)INFINITY : passage_of(from);
+    p->unit = natural_unit(from, passage);
     p->r.at[0] = p->r.at[1] = vec3_make(0.0, 0.0, 0.0);
     double power = 1.0;
     for (int i = 0; i < SERIES_TERMS; ++i) {
         next_coefficient(p, &z, i, power);
         power *= p->unit;
     }
-    p->step = reliable_step(p);
+    p->step =
+        reliable_step(p, z.straight ? fmax(contact_reach(&from->shape), from->distance) : from->distance);
+    if (p->unit == passage) {
+        p->step = fmin(p->step, LONGEST_PASSAGE);
+    }
 }
 
 static void sample_series(const double *series, double s, double out[3])

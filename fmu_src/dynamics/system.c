@@ -2,6 +2,8 @@
 
 #include <float.h>
 
+#include "dynamics/centre.h"
+
 struct contact_shape system_shape(const struct scene_values *v, const struct motion *q, int contact)
 {
     const int destination = contact_destination(contact);
@@ -210,12 +212,11 @@ enum contact_regime system_regime(const struct scene_values *v, const struct mot
     const struct contact_law law = system_law(v, q, contact);
     const struct contact_shape shape = system_shape(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    /* Where d = 0 the distance can only grow, at the speed across the axis; the fallback normal knows nothing of it. */
-    const struct vec3 w = at->rate[contact];
-    const struct vec3 along = SCENE_ANY_CYLINDER && shape.destination == SHAPE_CYLINDER
-                                  ? vec3_scale(vec3_dot(w, shape.axis), shape.axis)
-                                  : vec3_make(0.0, 0.0, 0.0);
-    const double rate = g->degenerate ? shape.side * vec3_norm(vec3_sub(w, along)) : g->gap_rate;
+    double rate = g->gap_rate;
+    if (centre_is_met(v, at, contact, &shape)) {
+        const struct vec3 w = at->rate[contact];
+        rate = shape.side * vec3_dot(contact_way_out(&shape, w, vec3_make(0.0, 0.0, 0.0)), w);
+    }
     return contact_regime_of(&law, g->gap, rate, system_within_extents(&shape, g));
 }
 

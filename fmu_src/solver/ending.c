@@ -89,4 +89,16 @@ struct ending ending_first(struct piece *p)
     return first;
 }
 
+void ending_at_centre(struct piece *p)
+{
+    const double s = piece_meets_centre(p);
+    if (s <= p->end && s < p->ending.s) {
+        /* Beyond it the bodies part as fast as they came. */
+        const struct press_sample *then = watch_see(&p->watch, s);
+        const double gap = then->of[PRESS_GAP][0];
+        p->ending.s = s;
+        p->ending.regime = contact_regime_of(&p->press.law, gap, -then->of[PRESS_RATE][0], true);
+    }
+}
+
 #endif

@@ -1,4 +1,4 @@
-/* When a regime of a pressing contact ends: what is watched, and by how much it must be passed. */
+/* When a regime of a pressing contact ends: what is watched, and by how much it must be passed. Where the centres meet it may go on. */
 #ifndef CONTACT_ENDING_H
 #define CONTACT_ENDING_H
 
@@ -15,6 +15,9 @@ bool ending_by_law(const struct piece *p);
 struct watched ending_margin(const struct piece *p);
 
 struct ending ending_first(struct piece *p);
+
+/* Ends the piece where it meets the centre, if that is before p->ending: the normal turns round, whether or not the regime changes. */
+void ending_at_centre(struct piece *p);
 
 #endif
 #endif

@@ -9,9 +9,11 @@
 
 /* The error allowed in a piece: of what the user asks for a thousandth, for impacts multiply errors, and no less than what
  * rounding leaves. */
-static double tolerance_of(const struct scene_values *v, const struct system_instant *at, int contact)
+static double tolerance_of(const struct scene_values *v, const struct motion *q,
+                           const struct system_instant *at, int contact)
 {
-    const double size = at->geometry[contact].distance;
+    const struct contact_shape shape = system_shape(v, q, contact);
+    const double size = fmax(at->geometry[contact].distance, contact_reach(&shape));
     const double asked = solver_relative_tolerance(v) * size + solver_absolute_tolerance(v);
     return fmax(1e-3 * asked, 8.0 * DBL_EPSILON * size);
 }
@@ -28,11 +30,11 @@ static bool pairs_are_alone(const struct scene_values *v, const struct motion *q
     return true;
 }
 
-/* What all pairs that press do until the first of them comes to the end of a piece or of its regime. */
+/* What all pairs that press do until the first of them comes to the end of a piece or of its regime, or to the centre. */
 struct stretch {
     struct piece piece[SCENE_CONTACTS];
     double time; /* [s] */
-    int ending;  /* the contact whose regime ends then; -1: none */
+    int ending;  /* the contact whose regime ends then or begins anew; -1: none */
     enum contact_regime next;
 };
 
@@ -40,14 +42,10 @@ static bool add_pair(struct stretch *all, const struct scene_values *v, const st
                      const struct system_instant *at, int contact)
 {
     struct piece *p = &all->piece[contact];
-    if (at->geometry[contact].degenerate ||
-        !piece_make(p, v, q, at, contact, all->time, tolerance_of(v, at, contact))) {
+    if (!piece_make(p, v, q, at, contact, all->time, tolerance_of(v, q, at, contact))) {
         return false;
     }
     const struct ending ending = p->ending;
-    if (piece_meets_centre(p) <= fmin(ending.s, p->end)) {
-        return false;
-    }
     if (ending.s <= p->end) {
         all->time = ending.s * p->unit;
         all->ending = contact;
@@ -125,7 +123,7 @@ enum advance_result event_driven_advance(const struct scene_values *v, struct mo
         }
         step->is_now = false;
         stretch_apply(&all, v, q);
-        if (all.ending >= 0) {
+        if (all.ending >= 0 && all.next != (enum contact_regime)q->contact[all.ending].regime) {
             step->contact = all.ending;
             step->regime = all.next;
             return ADVANCE_EVENT;

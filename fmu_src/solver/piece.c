@@ -106,6 +106,24 @@ static bool creeping_piece(struct piece *p, const struct press_outlook *outlook,
     return false;
 }
 
+/* A node as near to the centre as this part of the bodies' size: between the nodes it may come nearer, and d, as the sum of a large
+ * and a negative number, lack digits. */
+static const double NEAR_CENTRE = 0.1;
+
+/* Whether local coordinates hold all through a collocated piece: not where the direction turns about a centre that is too near. */
+static bool keeps_off_centre(const struct piece *p)
+{
+    const struct collocation *step = &p->by.collocation.step;
+    double nearest = step->from.reach;
+    for (int i = 0; i < step->nodes->points; ++i) {
+        nearest = fmin(nearest, step->from.reach + step->x[i]);
+    }
+    if (step->straight || nearest > NEAR_CENTRE * step->from.reach) {
+        return true;
+    }
+    return step->kind == COLLOCATION_CREEPING && !(piece_meets_centre(p) < (double)INFINITY);
+}
+
 static bool collocate(struct piece *p, double longest)
 {
     const struct press_outlook outlook = press_outlook_of(&p->press);
@@ -131,12 +149,14 @@ bool piece_make(struct piece *p, const struct scene_values *v, const struct moti
     p->tolerance = tolerance;
     p->watch.seen_s = -1.0;
     p->ending.s = (double)NAN;
-    if (!straight_piece_make(p, longest) && !collocate(p, longest)) {
+    if (!straight_piece_make(p, longest) && !(collocate(p, longest) && keeps_off_centre(p))) {
+        p->ending.s = (double)NAN;
         series_piece(p, longest);
     }
     if (isnan(p->ending.s)) {
         p->ending = ending_first(p);
     }
+    ending_at_centre(p);
     return p->end > 0.0;
 }
 
@@ -152,8 +172,8 @@ static bool stays_clear_of_centre(const struct piece *p)
 
 double piece_meets_centre(const struct piece *p)
 {
-    if (p->kind == PIECE_STRAIGHT || stays_clear_of_centre(p)) {
-        return (double)INFINITY; /* a straight one is made where it cannot */
+    if (p->kind == PIECE_STRAIGHT || p->press.shape.side < 0 || stays_clear_of_centre(p)) {
+        return (double)INFINITY; /* made where it cannot; in a hollow body it parts before */
     }
     const struct watched distance = {PRESS_GAP, p->press.shape.side, contact_reach(&p->press.shape)};
     return watch_first_fall(&p->watch, &distance);

@@ -65,7 +65,8 @@ bool piece_watched(struct piece *p, const struct press_outlook *outlook, double 
 bool piece_make(struct piece *p, const struct scene_values *v, const struct motion *q,
                 const struct system_instant *at, int contact, double longest, double tolerance);
 
-/* The s at which d = 0, where the normal turns round, which a head-on piece does not see; INFINITY: not within it. */
+/* The s at which d = 0, where the normal turns round, which a head-on piece does not see; INFINITY: not within it, or never, as in a
+ * hollow body. */
 double piece_meets_centre(const struct piece *p);
 
 struct press_change piece_change(const struct piece *p, double s);

@@ -18,9 +18,9 @@ LIMITS = (
     "event_driven has no limit of stiffness: its steps follow events and the slow motion. Its work is "
     "bounded by 3000 internal steps for each communication step, event and radian of slow swinging; a "
     "run that bounces for ever in one communication step ends with fmi2Discard at "
-    "solver.max_internal_steps, the state whole, and goes on when fmi2DoStep is called again. Where the "
-    "centres meet (d = 0, through the middle of a solid body) the rest of the contact is left to cvode_bdf, "
-    "counted in solver.fallbacks, and takes as many steps as that does.",
+    "solver.max_internal_steps, the state whole, and goes on when fmi2DoStep is called again. Nothing of "
+    "it is left to CVODE: a way through the middle of a solid body (d = 0), where the normal turns round, "
+    "is taken in two pieces.",
     "cvode_bdf and cvode_adams resolve every oscillation of a contact, cvode_adams every decay as well. "
     "A contact that lasts long against sqrt(m/p_n), or m/p_nv, ends with fmi2Discard at "
     "solver.max_internal_steps: use event_driven.",

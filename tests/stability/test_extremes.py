@@ -58,3 +58,39 @@ def test_a_ball_that_a_dashpot_has_stopped_causes_no_more_events(geometry, dashp
     )
     for row in check_right(Scene("viscous only", 1e4, stopped, steps=(1, 7, 50))):
         assert row.events <= 3 and row.steps <= 50 + row.communication_steps
+
+
+SOLID = ("sphere outside", "cylinder outside")
+
+
+@pytest.mark.parametrize("law", ["undamped", "non_adhesive", "unclamped", "approach_only"])
+@pytest.mark.parametrize("depth, speed", [(1.1, 1e5), (2.0, 1e6), (1e3, 1e4), (1e6, 1e6), (1e9, 1e3)])
+@pytest.mark.parametrize("geometry", SOLID)
+def test_a_bullet_passes_the_middle_in_a_few_pieces(geometry, depth, speed, law):
+    """`depth` of the impact over the way to the middle"""
+    small = HeadOn(
+        geometry=geometry, law=law, source_radius=2.0**-17, destination_radius=2.0**-10, gap=0.5, gravity=0.0
+    )
+    shot = replace(
+        small, speed=speed, penalty=(speed / (depth * small.reach)) ** 2, ratio=0.05, end=1e3 / speed
+    )
+    for row in check_right(Scene("bullet", depth, shot, steps=(1, 7))):
+        assert row.fallbacks == 0 and row.steps <= 40
+
+
+@pytest.mark.parametrize("law", ["undamped", "non_adhesive", "unclamped", "approach_only", "viscous_only"])
+@pytest.mark.parametrize("speed", [1.0, 0.0, -1.0, 1e-9])
+@pytest.mark.parametrize("overlap", [0.999999, 1.0])
+@pytest.mark.parametrize("geometry", SOLID)
+def test_a_start_in_the_middle_of_a_solid_is_right(geometry, overlap, speed, law):
+    one = HeadOn(geometry=geometry, law=law)
+    placed = replace(one, place=one.reach * (1 - overlap), gap=0.0, speed=speed, end=0.05)
+    for row in check_right(Scene("start", overlap, placed, steps=(1, 7, 50))):
+        assert row.fallbacks == 0 and row.steps <= 100 + 2 * row.communication_steps
+
+
+@pytest.mark.parametrize("group, number", [(3, 1), (3, 2), (5, 5), (8, 13), (9, 22)])
+def test_random_ways_through_the_middle_are_right(group, number):
+    scenes = {(group, number): motion for group, number, motion in together.scenes()}
+    for row in check_right(Scene("all at once", group, scenes[group, number])):
+        assert row.fallbacks == 0 and row.steps <= 100
