@@ -14,7 +14,8 @@ static double gap_at(const struct contact_shape *shape, double distance)
     if (shape->side > 0) {
         return source > other ? (distance - source) - other : (distance - other) - source;
     }
-    return (other - distance) - source;
+    /* Of a body that all but fills its shell other - source is exact; of a smaller one other - distance is, where they touch. */
+    return source > 0.5 * other ? (other - source) - distance : (other - distance) - source;
 }
 
 /*

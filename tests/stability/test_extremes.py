@@ -94,3 +94,12 @@ def test_random_ways_through_the_middle_are_right(group, number):
     scenes = {(group, number): motion for group, number, motion in together.scenes()}
     for row in check_right(Scene("all at once", group, scenes[group, number])):
         assert row.fallbacks == 0 and row.steps <= 100
+
+
+@pytest.mark.parametrize("clearance", [1e-9, 1e-11, 1e-13])
+@pytest.mark.parametrize("geometry", HOLLOW)
+def test_the_gap_of_a_ball_that_all_but_fills_its_shell_has_all_its_digits(geometry, clearance):
+    """Errors over the way, which is as short as the clearance"""
+    tight = HeadOn(geometry=geometry, law="undamped", source_radius=0.5 - clearance, gap=0.7 * clearance)
+    slow = replace(tight, gravity=0.0, speed=clearance, penalty=100.0)
+    check_right(Scene("clearance", clearance, slow, steps=(1, 7)))
