@@ -204,7 +204,10 @@ static enum model_status check_start(struct model *m)
         sum += at.normal_force[j];
     }
 #if SCENE_ANY_FREE
-    sum += energy_kinetic_of(v, &at) + energy_potential_of(v, &at) + energy_stored(v, &m->state.motion, &at);
+    if (!system_is_force_element(v)) {
+        sum +=
+            energy_kinetic_of(v, &at) + energy_potential_of(v, &at) + energy_stored(v, &m->state.motion, &at);
+    }
 #endif
     return isfinite(sum) ? MODEL_OK
                          : model_report(m, MODEL_ERROR,
