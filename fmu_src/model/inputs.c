@@ -193,7 +193,7 @@ static bool change_paths(const struct scene_values *v, struct motion *q, const s
     motion_rebase(v, q);
     memcpy(q->path, next, sizeof q->path);
     event_settle_regimes(v, q, stored, false);
-    if (isfinite(q->external_work)) {
+    if (isfinite(q->external_work) || system_is_force_element(v)) {
         return true;
     }
     *q = before;
