@@ -87,7 +87,9 @@ bool head_on_touch(const struct contact_shape *shape, const struct separation *s
                    const struct contact_geometry *now, double resolution, double horizon, double *touch)
 {
     const struct parabola gap = gap_of(shape, separation, now);
-    if (now->degenerate || !first_fall(&gap, resolution, touch)) {
+    /* Bodies that approach touch where the gap is zero, however small it is: nothing is left to rounding but the moment. */
+    const double unclear = gap.value > 0.0 && gap.rate < 0.0 ? 0.0 : resolution;
+    if (now->degenerate || !first_fall(&gap, unclear, touch)) {
         return false;
     }
     if (!(*touch <= horizon)) {

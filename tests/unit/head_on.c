@@ -88,8 +88,11 @@ static void what_rounding_decides_is_left_to_a_closer_look(void)
     double touch;
     const struct flight graze = flight_of(1, 0.25, -1.0, 1.0 + 1e-12);
     CHECK(!head_on_touch(&graze.shape, &graze.separation, &graze.now, 1e-15, HORIZON, &touch));
-    const struct flight touching = flight_of(1, 1e-16, -1.0, 0.0);
+    const struct flight touching = flight_of(1, 0.0, -1.0, 0.0);
     CHECK(!head_on_touch(&touching.shape, &touching.separation, &touching.now, 1e-15, HORIZON, &touch));
+    const struct flight near = flight_of(1, 1e-16, -1.0, 0.0);
+    CHECK(head_on_touch(&near.shape, &near.separation, &near.now, 1e-15, HORIZON, &touch));
+    CHECK_CLOSE("touch", touch, 1e-16L, 1e-30L);
     const struct flight hop = flight_of(1, 0.0, 1e-9, -4.9); /* 5e-20 m high */
     CHECK(!head_on_touch(&hop.shape, &hop.separation, &hop.now, 1e-15, HORIZON, &touch));
     struct flight huge = flight_of(1, 1.0, -1e200, 0.0);
