@@ -3,6 +3,7 @@
 The fixture in conftest.py checks in every one of these tests that nothing is printed.
 """
 
+import itertools
 import math
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 
@@ -96,13 +97,13 @@ def test_null_arrays_are_refused_unless_empty(fmu):
     with raw.Instance(fmu) as instance:
         instance.initialize()
         before = instance.bits()
-        reference = array(c_uint, [fmu.variables["contact.gap"].reference])
-        for function, kind in FUNCTIONS:
+        reference = array(c_uint, [fmu.variables["contact.gap"].reference] * 3)
+        for (function, kind), count in itertools.product(FUNCTIONS, (1, 3)):
             instance.ok(function, None, 0, None)
             with instance.expect(ERROR, f"fmi2{function}", "vr", "null") as got:
-                got(instance.call(function, None, 1, array(kind, [kind()])))
+                got(instance.call(function, None, count, array(kind, [kind()] * count)))
             with instance.expect(ERROR, f"fmi2{function}", "value", "null") as got:
-                got(instance.call(function, reference, 1, None))
+                got(instance.call(function, reference, count, None))
         for function in ("SetRealInputDerivatives", "GetRealOutputDerivatives"):
             instance.ok(function, None, 0, None, None)
             good = [reference, 1, array(c_int, [1]), array(c_double, [0.0])]

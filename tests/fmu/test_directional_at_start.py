@@ -29,6 +29,16 @@ STARTS = {
         "contact.viscous_control": "automatic",
         "contact.reference_modulus": 2e3,
     },
+    "automatic stiffness": {
+        "destination.motion": "prescribed",
+        "contact.penalty_control": "automatic",
+        "contact.reference_modulus": 2e3,
+    },
+    "automatic damping": {
+        "destination.motion": "prescribed",
+        "contact.viscous_control": "automatic",
+        "contact.reference_modulus": 2e3,
+    },
     "viscous only": {
         "destination.motion": "prescribed",
         "contact.penalty_control": "viscous_only",
@@ -44,6 +54,9 @@ STARTS = {
     "receding": {"destination.motion": "prescribed", "contact.dashpot": "approach_only",
                  "source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0},
 }  # fmt: skip
+
+
+MADE_OF_THE_DIAGONAL = ("automatic factors", "automatic stiffness")
 
 
 @pytest.mark.parametrize("scene", ["SphereSphere", "SphereCylinder"])
@@ -71,4 +84,4 @@ def test_derivatives_of_the_start_are_those_of_difference_quotients(scene, name)
         assert touching == ("apart" not in name)
         assert "contact.gap" in felt
         assert ("contact.peak_penetration" in felt) == touching
-        assert ("contact.effective_penalty_factor" in felt) == (name == "automatic factors")
+        assert ("contact.effective_penalty_factor" in felt) == (name in MADE_OF_THE_DIAGONAL)

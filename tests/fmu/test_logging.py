@@ -152,6 +152,7 @@ def test_any_instance_name_makes_a_good_message(universal, name):
         (b"\xff\xfe", "?? at"),
         (b"\x80ball\xe2\x82", "?ball?? at"),
         (b"\xc0\xaf\xf5\x80", "???? at"),  # never in UTF-8
+        (b"\xf5\x80\x80\x80", "???? at"),
         (("€" * 67).encode(), "€" * 66 + "?? at"),  # cut after 200 bytes
     ],
 )
