@@ -107,6 +107,20 @@ static void stretch_apply(struct stretch *all, const struct scene_values *v, str
     flight_restore(v, q);
 }
 
+/* What released contacts still store: it is lost as they open, while other pairs press. */
+static double stored_in_released(const struct scene_values *v, const struct motion *q, struct advance *step)
+{
+    double sum = 0.0;
+    for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].regime == REGIME_RELEASED) {
+            const struct contact_law law = system_law(v, q, j);
+            const double gap = advance_now(step, v, q)->geometry[j].gap;
+            sum += contact_stored_energy(&law, REGIME_RELEASED, gap);
+        }
+    }
+    return sum;
+}
+
 enum advance_result event_driven_advance(const struct scene_values *v, struct motion *q, struct advance *step)
 {
     if (!pairs_are_alone(v, q)) {
@@ -121,8 +135,10 @@ enum advance_result event_driven_advance(const struct scene_values *v, struct mo
         if (!stretch_make(&all, v, q, advance_now(step, v, q), left)) {
             return ADVANCE_FAILED;
         }
+        const double stored = stored_in_released(v, q, step);
         step->is_now = false;
         stretch_apply(&all, v, q);
+        q->dissipated += stored - stored_in_released(v, q, step);
         if (all.ending >= 0 && all.next != (enum contact_regime)q->contact[all.ending].regime) {
             step->contact = all.ending;
             step->regime = all.next;
