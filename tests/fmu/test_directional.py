@@ -62,6 +62,21 @@ def differences(instance: raw.Instance, unknowns, knowns) -> np.ndarray:
     return np.array(columns).T
 
 
+def checked_jacobian(instance: raw.Instance, unknowns, knowns) -> np.ndarray:
+    """The Jacobian the FMU gives, after comparison with difference quotients."""
+    given = jacobian(instance, unknowns, knowns)
+    expected = differences(instance, unknowns, knowns)
+    # Rounding of the values over the step, and the formula's own error on slopes as large as the largest.
+    size = np.abs(read(instance, unknowns))[:, None] * 1e-15 / STEP
+    allowed = 100 * size + 1e-7 * np.max(np.abs(expected), axis=1, keepdims=True) + 1e-9
+    wrong = [
+        f"d {unknowns[i].name} / d {knowns[j].name}: {given[i, j]}, differences {expected[i, j]}"
+        for i, j in np.argwhere(~(np.abs(given - expected) <= allowed))
+    ]
+    assert wrong == []
+    return given
+
+
 def declared(fmu: raw.Fmu) -> dict[str, dict[str, str]]:
     """Output -> input -> dependenciesKind, as ModelStructure has them"""
     root = ElementTree.parse(fmu.folder / "modelDescription.xml").getroot()
@@ -83,16 +98,7 @@ def test_derivatives_are_those_of_difference_quotients(name):
         instance.set(run.inputs(time_after(run.saved_at)))
         unknowns = instance.fmu.select("output", kind="Real")
         knowns = instance.fmu.select("input", kind="Real")
-        given = jacobian(instance, unknowns, knowns)
-        expected = differences(instance, unknowns, knowns)
-        # Rounding of the values over the step, and the formula's own error on slopes as large as the largest.
-        size = np.abs(read(instance, unknowns))[:, None] * 1e-15 / STEP
-        allowed = 100 * size + 1e-7 * np.max(np.abs(expected), axis=1, keepdims=True) + 1e-9
-        wrong = [
-            f"d {unknowns[i].name} / d {knowns[j].name}: {given[i, j]}, differences {expected[i, j]}"
-            for i, j in np.argwhere(~(np.abs(given - expected) <= allowed))
-        ]
-        assert wrong == []
+        given = checked_jacobian(instance, unknowns, knowns)
         structure = declared(instance.fmu)
         undeclared = [
             (unknowns[i].name, knowns[j].name)
