@@ -67,15 +67,6 @@ struct vec3 series_at_vec3(const struct vec3_series *a, int terms, double s)
     return sum;
 }
 
-double series_slope(const double *a, int terms, double s)
-{
-    double sum = 0.0;
-    for (int i = terms - 1; i >= 1; --i) {
-        sum = sum * s + i * a[i];
-    }
-    return sum;
-}
-
 double series_integral(const double *a, int terms, double s)
 {
     double sum = 0.0;

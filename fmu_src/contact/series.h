@@ -33,9 +33,6 @@ struct vec3 series_divide_vec3(const struct vec3_series *a, const double *b, con
 double series_at(const double *a, int terms, double s);
 struct vec3 series_at_vec3(const struct vec3_series *a, int terms, double s);
 
-/* Its derivative at s. */
-double series_slope(const double *a, int terms, double s);
-
 /* The integral from 0 to s. */
 double series_integral(const double *a, int terms, double s);
 
