@@ -140,13 +140,8 @@ static bool collocate(struct piece *p, double longest)
     return resolved_piece(p, &outlook, longest) || creeping_piece(p, &outlook, longest);
 }
 
-bool piece_make(struct piece *p, const struct scene_values *v, const struct motion *q,
-                const struct system_instant *at, int contact, double longest, double tolerance)
+static void piece_over(struct piece *p, double longest)
 {
-    press_make(&p->press, v, q, at, contact);
-    p->regime = (enum contact_regime)q->contact[contact].regime;
-    p->resolution = system_gap_resolution(v, at, contact);
-    p->tolerance = tolerance;
     p->watch.seen_s = -1.0;
     p->ending.s = (double)NAN;
     if (!straight_piece_make(p, longest) && !(collocate(p, longest) && keeps_off_centre(p))) {
@@ -155,6 +150,22 @@ bool piece_make(struct piece *p, const struct scene_values *v, const struct moti
     }
     if (isnan(p->ending.s)) {
         p->ending = ending_first(p);
+    }
+}
+
+/* What a piece is off is small against what happens in all of it, not against a contact that ends in less than this part of it. */
+static const double EARLY_ENDING = 1e-3;
+
+bool piece_make(struct piece *p, const struct scene_values *v, const struct motion *q,
+                const struct system_instant *at, int contact, double longest, double tolerance)
+{
+    press_make(&p->press, v, q, at, contact);
+    p->regime = (enum contact_regime)q->contact[contact].regime;
+    p->resolution = system_gap_resolution(v, at, contact);
+    p->tolerance = tolerance;
+    piece_over(p, longest);
+    if (p->kind == PIECE_COLLOCATED && p->ending.s > 0.0 && p->ending.s < EARLY_ENDING * p->end) {
+        piece_over(p, 2.0 * p->ending.s * p->unit);
     }
     ending_at_centre(p);
     return p->end > 0.0;
