@@ -230,13 +230,14 @@ double system_inverse_mass(const struct scene_values *v, int contact)
     return body_inverse_mass(v, contact_source(contact)) + body_inverse_mass(v, contact_destination(contact));
 }
 
-/* How little of g' means anything: what rounding makes of n.w, what an oscillation of the gap by its own resolution has,
- * and what the integrator lets pass. */
+/* How little of g' means anything: what rounding makes of n.w (n is chosen, not computed, where d = 0), what an oscillation of the gap by
+ * its own resolution has, and what the integrator lets pass. */
 static double rate_resolution(const struct scene_values *v, const struct contact_law *law,
                               const struct system_instant *at, int contact, double tolerated)
 {
     const double gap_resolution = system_gap_resolution(v, at, contact);
-    const double turn = 8.0 * DBL_EPSILON + gap_resolution / at->geometry[contact].distance;
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double turn = 8.0 * DBL_EPSILON + (g->degenerate ? 0.0 : gap_resolution / g->distance);
     const double oscillation = sqrt(law->stiffness * system_inverse_mass(v, contact));
     return vec3_norm(at->rate[contact]) * fmin(turn, 1.0) + oscillation * gap_resolution + tolerated;
 }

@@ -11,11 +11,11 @@
 #include "solver/cvode_memory.h"
 
 /* In contact the direction may turn by at most this angle [rad] in one internal step: parting and touching again within a
- * step would need it to turn by more. */
+ * step would need it to turn by more. Near the centre, where it turns fast, parting is as far away as the bodies are pressed in. */
 static const double LARGEST_TURN = 0.1;
 
-/* The time in which the direction of a contact turns that far, or in which bodies that approach unforeseen move by that
- * part of the source's radius [s]. Speeds up to sqrt(w^2 + 4 a d) are reached within a turn around a body. */
+/* The time in which the direction of a contact turns that far, or in which bodies move by that part of the depth, or of the source's
+ * radius where they approach unforeseen [s]. Speeds up to sqrt(w^2 + 4 a d) are reached within a turn around a body. */
 static double largest_step_of(const struct scene_values *v, const struct motion *q,
                               const struct system_instant *at, int contact)
 {
@@ -25,7 +25,8 @@ static double largest_step_of(const struct scene_values *v, const struct motion 
                                       path_at(q->path[contact_destination(contact)].force, 3, q->clock));
     const double a = vec3_norm(gravity(v)) + vec3_norm(pull) / body_mass(v, source);
     const double speed = sqrt(vec3_dot(at->rate[contact], at->rate[contact]) + 4.0 * a * distance);
-    const double length = contact_transmits(q, contact) ? distance : body_radius(v, source);
+    const double length =
+        contact_transmits(q, contact) ? fmax(distance, -at->geometry[contact].gap) : body_radius(v, source);
     return LARGEST_TURN * length / speed;
 }
 
@@ -71,10 +72,24 @@ static void arm_roots(struct cvode_problem *p, const struct system_instant *at)
     }
 }
 
+/* From where the centres meet, d = 0, n is where the motion leads. */
+static void leave_centres(const struct scene_values *v, struct motion *q)
+{
+    struct system_instant at;
+    system_place(v, q, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (at.geometry[j].degenerate) {
+            const struct contact_shape shape = system_shape(v, q, j);
+            q->contact[j].normal = contact_way_out(&shape, at.rate[j], q->contact[j].normal);
+        }
+    }
+}
+
 /* Starts CVODE from the motion, whose clock has just been set to zero. */
 static bool restart(struct cvode *c, const struct scene_values *v, struct motion *q)
 {
     struct system_instant at;
+    leave_centres(v, q);
     system_now(v, q, &at);
     c->problem.relative = tolerance_share(c->method) * solver_relative_tolerance(v);
     c->problem.absolute = tolerance_share(c->method) * solver_absolute_tolerance(v);
