@@ -201,7 +201,7 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
     const bool has_ends = approach_has_ends(&shape);
     const bool ends_only =
-        present != REGIME_APART && present != REGIME_RELEASED && !system_is_force_element(v);
+        present != REGIME_APART && present != REGIME_RELEASED && !contact_is_held(v, contact);
     if ((ends_only && !has_ends) || contact_is_coupled(v, q, contact)) {
         return (struct encounter){(double)INFINITY, present, 0.0, true};
     }

@@ -33,14 +33,21 @@ double energy_stored(const struct scene_values *v, const struct motion *q, const
     return sum;
 }
 
+double energy_dissipated_power_of(const struct scene_values *v, const struct motion *q,
+                                  const struct system_instant *at, int contact)
+{
+    const struct contact_law law = system_law(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    return contact_dissipated_power(&law, (enum contact_regime)q->contact[contact].regime,
+                                    at->normal_force[contact], g->gap, g->gap_rate);
+}
+
 double energy_dissipated_power(const struct scene_values *v, const struct motion *q,
                                const struct system_instant *at)
 {
     double sum = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_law law = system_law(v, q, j);
-        sum += contact_dissipated_power(&law, (enum contact_regime)q->contact[j].regime, at->normal_force[j],
-                                        at->geometry[j].gap, at->geometry[j].gap_rate);
+        sum += energy_dissipated_power_of(v, q, at, j);
     }
     return sum;
 }

@@ -13,7 +13,9 @@ double energy_potential_of(const struct scene_values *v, const struct system_ins
 /* Sum of p_n g^2 / 2 over the contacts. */
 double energy_stored(const struct scene_values *v, const struct motion *q, const struct system_instant *at);
 
-/* Sum of -(F_n + p_n g) g' over the contacts [W]. */
+/* -(F_n + p_n g) g' of a contact, and the sum over all [W]. */
+double energy_dissipated_power_of(const struct scene_values *v, const struct motion *q,
+                                  const struct system_instant *at, int contact);
 double energy_dissipated_power(const struct scene_values *v, const struct motion *q,
                                const struct system_instant *at);
 

@@ -10,6 +10,11 @@ bool body_is_prescribed(const struct scene_values *v, int body)
     return SCENE_ANY_PRESCRIBED && body_motion(v, body) == MOTION_PRESCRIBED;
 }
 
+bool contact_is_held(const struct scene_values *v, int contact)
+{
+    return !body_is_free(v, contact_source(contact)) && !body_is_free(v, contact_destination(contact));
+}
+
 bool system_is_force_element(const struct scene_values *v)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {

@@ -8,6 +8,9 @@
 bool body_is_free(const struct scene_values *v, int body);
 bool body_is_prescribed(const struct scene_values *v, int body);
 
+/* Whether neither body of the contact is free: its motion is given. */
+bool contact_is_held(const struct scene_values *v, int contact);
+
 /* Whether no body is free: the scene is a force element and has no states. */
 bool system_is_force_element(const struct scene_values *v);
 

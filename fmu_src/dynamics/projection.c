@@ -55,6 +55,9 @@ void projection_restore_energy(const struct scene_values *v, struct motion *q, i
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const double by_both = system_inverse_mass(v, contact);
+    if (!(by_both > 0.0)) {
+        return;
+    }
     const double gap_rate = at.geometry[contact].gap_rate;
     const double missing = q->phase_energy - projection_balance(v, q, &at);
     if (!(fabs(missing) <= LARGEST_CORRECTION * 0.5 * gap_rate * gap_rate / by_both)) {

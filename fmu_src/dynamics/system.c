@@ -275,6 +275,20 @@ double system_force_rate(const struct scene_values *v, const struct motion *q,
     return -(by.k * g->gap_rate + by.c * gap_acceleration);
 }
 
+double system_driving_power(const struct scene_values *v, const struct system_instant *at, int contact)
+{
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    double power = 0.0;
+    if (body_is_prescribed(v, source)) {
+        power -= vec3_dot(at->source_force[contact], at->velocity[source]);
+    }
+    if (body_is_prescribed(v, destination)) {
+        power += vec3_dot(at->source_force[contact], at->velocity[destination]);
+    }
+    return power;
+}
+
 double system_external_power(const struct scene_values *v, const struct motion *q, double clock,
                              const struct system_instant *at)
 {
@@ -285,14 +299,7 @@ double system_external_power(const struct scene_values *v, const struct motion *
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int source = contact_source(j);
-        const int destination = contact_destination(j);
-        if (body_is_prescribed(v, source)) {
-            power -= vec3_dot(at->source_force[j], at->velocity[source]);
-        }
-        if (body_is_prescribed(v, destination)) {
-            power += vec3_dot(at->source_force[j], at->velocity[destination]);
-        }
+        power += system_driving_power(v, at, j);
     }
     return power;
 }

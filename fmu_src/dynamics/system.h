@@ -82,7 +82,10 @@ double system_margin_armour(const struct scene_values *v, const struct motion *q
 double system_force_rate(const struct scene_values *v, const struct motion *q,
                          const struct system_instant *at, int contact);
 
-/* Power of the external forces on free bodies and of whatever moves the prescribed ones against the contact [W]. */
+/* Power of whatever moves prescribed bodies against a contact [W]. */
+double system_driving_power(const struct scene_values *v, const struct system_instant *at, int contact);
+
+/* That of all contacts, and of the external forces on free bodies [W]. */
 double system_external_power(const struct scene_values *v, const struct motion *q, double clock,
                              const struct system_instant *at);
 

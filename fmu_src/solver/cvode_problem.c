@@ -245,8 +245,11 @@ int cvode_roots(double clock, N_Vector y, double *roots, void *problem)
         const struct contact_geometry *g = &at.geometry[j];
         out[0] = out[1] = out[2] = out[3] = 1.0;
         if (contact_transmits(p->motion, j)) {
-            out[0] = not_zero(p->gap_armour[j] - g->gap);
-            out[1] = not_zero(p->margin_armour[j] + contact_regime_margin(&law, regime, g->gap, g->gap_rate));
+            if (!contact_is_held(p->values, j)) {
+                out[0] = not_zero(p->gap_armour[j] - g->gap);
+                out[1] =
+                    not_zero(p->margin_armour[j] + contact_regime_margin(&law, regime, g->gap, g->gap_rate));
+            }
             out[2] = not_zero(-g->gap_rate);
             out[3] = not_zero(system_force_rate(p->values, p->motion, &at, j));
         }

@@ -9,8 +9,8 @@
  *   2  -g'                the deepest penetration (rising gap rate)
  *   3  dF_n/dt            the largest force
  * The first two start with a trifle added, so that they are above zero wherever rounding let the phase begin; they end the
- * phase, the last two only feed the peaks. Without contact all are held at 1, unless
- * another contact presses on the bodies: then root 0 is also their touching, and an end of a cylinder.
+ * phase, the last two only feed the peaks. Without contact all are held at 1, unless another contact presses on the bodies: then
+ * root 0 is also their touching, and an end of a cylinder. Where neither body is free closed forms know both, and 0 and 1 are held.
  */
 #ifndef CONTACT_CVODE_PROBLEM_H
 #define CONTACT_CVODE_PROBLEM_H

@@ -6,6 +6,7 @@
 
 #include "dynamics/flight.h"
 #include "solver/peaks.h"
+#include "solver/sampled.h"
 
 /* The error allowed in a piece: of what the user asks for a thousandth, for impacts multiply errors, and no less than what
  * rounding leaves. */
@@ -18,12 +19,11 @@ static double tolerance_of(const struct scene_values *v, const struct motion *q,
     return fmax(1e-3 * asked, 8.0 * DBL_EPSILON * size);
 }
 
-/* Islands: the bodies that pressing contacts join. A pair alone, one of it free, is what pieces are made for. */
+/* Islands: the free bodies that pressing contacts join. A pair alone, one of it free, is what pieces are made for. */
 static bool pairs_are_alone(const struct scene_values *v, const struct motion *q)
 {
     for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
-        const bool held = contact_transmits(q, j) && !(system_inverse_mass(v, j) > 0.0);
-        if (held || contact_is_coupled(v, q, j)) {
+        if (contact_is_coupled(v, q, j)) {
             return false;
         }
     }
@@ -37,6 +37,11 @@ struct stretch {
     int ending;  /* the contact whose regime ends then or begins anew; -1: none */
     enum contact_regime next;
 };
+
+static bool is_piecewise(const struct scene_values *v, const struct motion *q, int contact)
+{
+    return contact_transmits(q, contact) && !contact_is_held(v, contact);
+}
 
 static bool add_pair(struct stretch *all, const struct scene_values *v, const struct motion *q,
                      const struct system_instant *at, int contact)
@@ -69,12 +74,25 @@ static bool stretch_make(struct stretch *all, const struct scene_values *v, cons
     for (double before = (double)INFINITY; all->time < before;) {
         before = SCENE_CONTACTS > 1 ? all->time : 0.0;
         for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            if (contact_transmits(q, j) && j != all->ending && !add_pair(all, v, q, at, j)) {
+            if (is_piecewise(v, q, j) && j != all->ending && !add_pair(all, v, q, at, j)) {
                 return false;
             }
         }
     }
     return true;
+}
+
+/* Contacts whose motion is given come along; false where the budget ends the stretch before its time. */
+static bool stretch_integrate_held(struct stretch *all, const struct scene_values *v, struct motion *q,
+                                   long *budget)
+{
+    const double to = q->clock + all->time;
+    const double reached = SCENE_CONTACTS > 1 ? sampled_integrate(v, q, to, budget) : to;
+    if (reached < to) {
+        all->time = reached - q->clock;
+        all->ending = -1;
+    }
+    return !(reached < to);
 }
 
 /* Bodies outside islands fly. */
@@ -92,7 +110,7 @@ static void book_flights(const struct scene_values *v, struct motion *q, double 
 static void stretch_apply(struct stretch *all, const struct scene_values *v, struct motion *q)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_transmits(q, j)) {
+        if (is_piecewise(v, q, j)) {
             struct piece *p = &all->piece[j];
             const double s = j == all->ending || all->time < p->end * p->unit ? all->time / p->unit : p->end;
             const struct press_change change = piece_change(p, s);
@@ -112,7 +130,7 @@ static double stored_in_released(const struct scene_values *v, const struct moti
 {
     double sum = 0.0;
     for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime == REGIME_RELEASED) {
+        if (q->contact[j].regime == REGIME_RELEASED && !contact_is_held(v, j)) {
             const struct contact_law law = system_law(v, q, j);
             const double gap = advance_now(step, v, q)->geometry[j].gap;
             sum += contact_stored_energy(&law, REGIME_RELEASED, gap);
@@ -135,10 +153,14 @@ enum advance_result event_driven_advance(const struct scene_values *v, struct mo
         if (!stretch_make(&all, v, q, advance_now(step, v, q), left)) {
             return ADVANCE_FAILED;
         }
+        const bool whole = stretch_integrate_held(&all, v, q, &step->budget);
         const double stored = stored_in_released(v, q, step);
         step->is_now = false;
         stretch_apply(&all, v, q);
         q->dissipated += stored - stored_in_released(v, q, step);
+        if (!whole) {
+            return ADVANCE_STEP_LIMIT;
+        }
         if (all.ending >= 0 && all.next != (enum contact_regime)q->contact[all.ending].regime) {
             step->contact = all.ending;
             step->regime = all.next;

@@ -20,17 +20,27 @@ struct panel {
     double size[TERMS];
 };
 
+static bool is_given(const struct scene_values *v, const struct motion *q, int contact)
+{
+    return contact_is_held(v, contact) && q->contact[contact].regime != REGIME_APART;
+}
+
 static void powers(const struct scene_values *v, const struct motion *q, double clock, double out[TERMS])
 {
     struct system_instant at;
     system_evaluate(v, q, clock, q->body, &at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        out[3 * j] = at.source_force[j].x;
-        out[3 * j + 1] = at.source_force[j].y;
-        out[3 * j + 2] = at.source_force[j].z;
+    for (int k = 0; k < TERMS; ++k) {
+        out[k] = 0.0;
     }
-    out[TERMS - 2] = energy_dissipated_power(v, q, &at);
-    out[TERMS - 1] = system_external_power(v, q, clock, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (is_given(v, q, j)) {
+            out[3 * j] = at.source_force[j].x;
+            out[3 * j + 1] = at.source_force[j].y;
+            out[3 * j + 2] = at.source_force[j].z;
+            out[TERMS - 2] += energy_dissipated_power_of(v, q, &at, j);
+            out[TERMS - 1] += system_driving_power(v, &at, j);
+        }
+    }
 }
 
 static struct panel integrate(const struct scene_values *v, struct motion *q, double from, double to)
@@ -55,32 +65,34 @@ static double force_noise(const struct scene_values *v, const struct motion *q,
 {
     double noise = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_law law = system_law(v, q, j);
-        noise += law.stiffness * system_gap_resolution(v, at, j) +
-                 8.0 * DBL_EPSILON * law.damping * vec3_norm(at->rate[j]);
+        if (is_given(v, q, j)) {
+            const struct contact_law law = system_law(v, q, j);
+            noise += law.stiffness * system_gap_resolution(v, at, j) +
+                     8.0 * DBL_EPSILON * law.damping * vec3_norm(at->rate[j]);
+        }
     }
     return noise;
 }
 
-static double largest_speed(const struct system_instant *at)
+static double largest_speed(const struct scene_values *v, const struct system_instant *at)
 {
     double speed = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        speed = fmax(speed, vec3_norm(at->velocity[i]));
+        speed = body_is_prescribed(v, i) ? fmax(speed, vec3_norm(at->velocity[i])) : speed;
     }
     return speed;
 }
 
 static bool agree(const struct scene_values *v, const struct motion *q, const struct panel *whole,
-                  const struct panel *left, const struct panel *right, double width)
+                  const struct panel *left, const struct panel *right, double clock, double width)
 {
     struct system_instant at;
-    system_evaluate(v, q, q->clock, q->body, &at);
+    system_evaluate(v, q, clock, q->body, &at);
     const double noise = width * force_noise(v, q, &at);
     const double tolerance = solver_relative_tolerance(v);
     for (int k = 0; k < TERMS; ++k) {
         const double difference = fabs(left->sum[k] + right->sum[k] - whole->sum[k]);
-        const double floor = k < TERMS - 2 ? noise : noise * 2.0 * largest_speed(&at);
+        const double floor = k < TERMS - 2 ? noise : noise * 2.0 * largest_speed(v, &at);
         if (!(difference <= tolerance * (left->size[k] + right->size[k]) + floor + DBL_MIN)) {
             return false;
         }
@@ -133,59 +145,63 @@ static double largest_between(const struct scene_values *v, struct motion *q, do
 /* Peaks inside a panel that the quadrature resolves: there force and penetration have one maximum at most. */
 static void note_peaks_between(const struct scene_values *v, struct motion *q, double from, double to)
 {
-    struct system_instant at;
-    system_evaluate(v, q, to, q->body, &at);
-    event_note_peaks(q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct contact_state *state = &q->contact[j];
-        for (int which = 0; which < 2; ++which) {
+        for (int which = 0; which < 2 && is_given(v, q, j); ++which) {
             const double middle = measure(v, q, 0.5 * (from + to), j, which);
             const double ends = fmax(measure(v, q, from, j, which), measure(v, q, to, j, which));
             double *peak = which == 0 ? &state->peak_force : &state->peak_penetration;
-            if (fmax(middle, ends) != fmin(middle, ends)) {
+            *peak = fmax(*peak, ends);
+            if (middle != ends) {
                 *peak = fmax(*peak, largest_between(v, q, from, to, j, which));
             }
         }
     }
 }
 
-static bool in_contact(const struct motion *q)
+static bool any_is_given(const struct scene_values *v, const struct motion *q)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime != REGIME_APART) {
+        if (is_given(v, q, j)) {
             return true;
         }
     }
     return false;
 }
 
-enum advance_result sampled_advance(const struct scene_values *v, struct motion *q, struct advance *step)
+double sampled_integrate(const struct scene_values *v, struct motion *q, double end, long *budget)
 {
-    double width = step->clock_end - q->clock;
-    if (!in_contact(q)) {
-        q->clock = step->clock_end;
-        return ADVANCE_REACHED;
+    if (!any_is_given(v, q)) {
+        return end;
     }
-    while (q->clock < step->clock_end) {
-        if (step->budget-- <= 0) {
-            return ADVANCE_STEP_LIMIT;
+    double clock = q->clock;
+    double width = end - clock;
+    while (clock < end) {
+        if ((*budget)-- <= 0) {
+            return clock;
         }
-        const double to = q->clock + width < step->clock_end ? q->clock + width : step->clock_end;
-        const double middle = 0.5 * (q->clock + to);
-        const struct panel whole = integrate(v, q, q->clock, to);
-        const struct panel left = integrate(v, q, q->clock, middle);
+        const double to = clock + width < end ? clock + width : end;
+        const double middle = 0.5 * (clock + to);
+        const struct panel whole = integrate(v, q, clock, to);
+        const struct panel left = integrate(v, q, clock, middle);
         const struct panel right = integrate(v, q, middle, to);
-        if (middle > q->clock && middle < to && !agree(v, q, &whole, &left, &right, to - q->clock)) {
+        if (middle > clock && middle < to && !agree(v, q, &whole, &left, &right, clock, to - clock)) {
             width *= 0.5;
             continue;
         }
         add_panel(q, &left);
         add_panel(q, &right);
-        note_peaks_between(v, q, q->clock, to);
-        q->clock = to;
+        note_peaks_between(v, q, clock, to);
+        clock = to;
         width *= 2.0;
     }
-    return ADVANCE_REACHED;
+    return clock;
+}
+
+enum advance_result sampled_advance(const struct scene_values *v, struct motion *q, struct advance *step)
+{
+    q->clock = sampled_integrate(v, q, step->clock_end, &step->budget);
+    return q->clock < step->clock_end ? ADVANCE_STEP_LIMIT : ADVANCE_REACHED;
 }
 
 #endif
