@@ -7,6 +7,8 @@ With the force F0 - F1 t towards the body, at rest with s = F0 / k before, the p
     s = (F0 - F1 t) / k + c F1 / k^2 + two exponentials
 
 until s = 0 (unclamped) or until k s + c s' = 0 (non_adhesive), from where on the force alone acts.
+
+A body drawn off a slow one lets go long before anything else happens; what that gave is not lost in the rest.
 """
 
 import math
@@ -15,7 +17,7 @@ from functools import cache
 import numpy as np
 import pytest
 from checks import check_close, start
-from head_on import FMU, GEOMETRIES, approach, head_on
+from head_on import ACROSS, AXIS, FMU, GEOMETRIES, approach, head_on
 from mpmath import mp, mpf
 
 mp.dps = 50
@@ -116,3 +118,22 @@ def test_a_fading_force_lets_go_once(opened, dashpot, stiffness, share, steps, t
     allowed = 1000 * tolerance + late  # the tolerance is one on the depth, which fades slowly
     check_close("last_duration", fmu["contact.last_duration"], loose, allowed)
     assert fmu["solver.steps"] <= 2000
+
+
+@pytest.mark.parametrize("end", [1e-7, 2.5, 1000.0])
+@pytest.mark.parametrize("shape", FMU)
+def test_a_body_drawn_off_leaves_its_small_impulse(opened, shape, end):
+    """Pressed in by s, the spring gives k s^2 / (2 V) until it lets go after s / V, small against a turn
+    of its oscillation and against its tolerance.
+    """
+    stiffness, mass, speed, depth = 1e5, 75.0, 0.3, 2e-8
+    values = head_on(shape, "outside", gap=-depth, speed=0.0, contact_penalty_factor=stiffness)
+    values |= {"source.mass": mass, "destination.motion": "prescribed"}
+    values["destination.prescribed_velocity"] = (-speed * ACROSS + 0.2 * AXIS).tolist()
+    fmu = start(opened(FMU[shape]), values, 1e-9, METHOD)
+    depth, energy = -fmu["contact.gap"], fmu["energy.total"]
+    fmu.step(end)
+    impulse = stiffness * depth**2 / (2 * speed)
+    check_close("velocity", fmu["source.velocity"], impulse / mass * ACROSS, 1e-8 * impulse / mass)
+    check_close("work", fmu["energy.external_work"], -energy, 1e-8 * energy)
+    check_close("last_duration", fmu["contact.last_duration"], depth / speed, 1e-8 * depth / speed)

@@ -202,3 +202,52 @@ def test_each_of_two_pairs_moves_as_if_it_were_alone(built, fmu_path, case, step
         expected, onsets_alone = motion_alone(fmu_path(name), pair, times)
         check_close(name, both[name], expected, 1e-13)
         assert onsets[name] == onsets_alone > 0
+
+
+PUSH, PULL = 0.03, 0.025  # s, towards each other and apart again
+DRIVEN = {
+    **BALL,
+    "source.center": [0.0, 0.0, 0.41],
+    "source.motion": "prescribed",
+    "destination.motion": "prescribed",
+    "contact.dashpot": "non_adhesive",
+}
+
+
+@pytest.mark.parametrize("steps", [1, 7])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_driven_pair_beside_a_free_one_is_no_burden_to_it(built, fmu_path, method, steps):
+    """Driven together and apart at a speed V, F = p_n s + p_nv V and then p_n s - p_nv V, down to zero."""
+    stiffness, damping = DRIVEN["contact.penalty_factor"], DRIVEN["contact.viscous_penalty_factor"]
+    speed = 1.5
+    deepest, open_at = speed * PUSH - 0.01, damping * speed / stiffness  # F = 0 on the way back
+    values = {"solver.method": method, "gravity": [0.0, 0.0, 0.0]}
+    for names, pair in zip(PAIRS.values(), (DRIVEN, MARBLE), strict=True):
+        for name, value in {**COMMON, **pair}.items():
+            part, row = name.split(".", 1)
+            values[f"{names[part]}.{row}"] = value
+    values["ball.prescribed_velocity"] = [0.0, 0.0, 0.4 - speed]
+    values["floor.prescribed_velocity"] = [0.0, 0.0, 0.4]
+    with ContactFmu(built["TwoPairs"]) as fmu:
+        fmu.start(values, tolerance=1e-12)
+        energy, impulse, peak = fmu["energy.total"], 0.0, 0.0
+        for time in (PUSH, PULL):
+            for _ in range(steps):
+                fmu.step(time / steps)
+                impulse += fmu["first.mean_force"][2] * time / steps
+                peak = max(peak, fmu["first.peak_force"])
+            fmu["ball.prescribed_velocity"] = [0.0, 0.0, 0.4 + speed]
+        assert fmu["solver.fallbacks"] == 0
+        marble = motion_of(fmu, PAIRS["SphereCylinder"])[:-1]
+        driven = fmu["energy.external_work"]
+        check_close("energy", fmu["energy.total"], energy, 1e-9 * abs(driven))
+        assert fmu["first.onsets"] == fmu["second.onsets"] == 1 and not fmu["first.active"]
+    pushed = stiffness * deepest**2 / 2 + damping * speed * deepest
+    pulled = stiffness * (deepest**2 - open_at**2) / 2 - damping * speed * (deepest - open_at)
+    tolerance = 1e-12 if method == "event_driven" else 1e-8
+    check_close("impulse", impulse, (pushed + pulled) / speed, tolerance * pushed / speed)
+    check_close("work", driven, pushed - pulled, tolerance * pushed)
+    check_close("peak", peak, stiffness * deepest + damping * speed, 1e-9 * stiffness)
+    times = np.linspace(0.0, PUSH + PULL, 3)
+    alone, _ = motion_alone(fmu_path("SphereCylinder"), {**MARBLE, "gravity": [0.0, 0.0, 0.0]}, times)
+    check_close("marble", marble, alone[-1][:-1], 1e-13 if method == "event_driven" else 1e-7)

@@ -125,3 +125,32 @@ def test_a_near_miss_of_the_centre_ends_where_the_taylor_reference_does(opened, 
     fmu = run(opened(FMU[shape]), values, END, 1, tolerance=1e-9, method="event_driven")
     check_close("position", fmu["source.displacement"] + values["source.center"], expected, 1e-13)
     check_close("onsets", fmu["contact.onsets"], reference.onsets, 0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("off", [0.0, 1e-12, 1e-7])
+@pytest.mark.parametrize("stiffness, damping", [(1e6, 1e3), (2e10, 1e4), (1e12, 0.0)])
+@pytest.mark.parametrize("shape", FMU)
+def test_a_ball_that_starts_in_the_centre_is_thrown_where_it_goes(
+    opened, shape, stiffness, damping, off, method
+):
+    """From the depth REACH, or `off` less, with F = p_n s + p_nv s' down to zero: then it is let go."""
+    values = solid(shape, ACROSS, **{"contact.dashpot": "non_adhesive"})
+    values |= {"contact.penalty_factor": stiffness, "contact.viscous_penalty_factor": damping}
+    values["source.center"] = (off * ACROSS).tolist()
+
+    def force(t):
+        depth, rate = oscillator(stiffness, damping, REACH - off, -SPEED, t)
+        return stiffness * depth + damping * rate
+
+    half_turn = math.pi / math.sqrt(stiffness - damping**2 / 4)
+    let_go = brentq(force, 0.0, half_turn, xtol=1e-18, rtol=1e-15)
+    depth, rate = oscillator(stiffness, damping, REACH - off, -SPEED, let_go)
+    end = 2.0 * half_turn
+    values["solver.max_internal_steps"] = 2000
+    fmu = run(opened(FMU[shape]), values, end, 1, tolerance=1e-10, method=method)
+    tolerance = 1e-12 if method == "event_driven" else 1e-7
+    check_relative("velocity", fmu["source.velocity"], -rate * ACROSS, tolerance)
+    way = REACH - off - depth - rate * (end - let_go)
+    check_relative("displacement", fmu["source.displacement"], way * ACROSS, tolerance)
+    assert fmu["solver.fallbacks"] == 0
