@@ -72,15 +72,26 @@ static void arm_roots(struct cvode_problem *p, const struct system_instant *at)
     }
 }
 
-/* From where the centres meet, d = 0, n is where the motion leads. */
+/* Relative acceleration by all but the contact itself. */
+static struct vec3 pull_of_others(const struct scene_values *v, const struct system_instant *at, int contact)
+{
+    const struct vec3 all =
+        vec3_sub(at->acceleration[contact_destination(contact)], at->acceleration[contact_source(contact)]);
+    return vec3_axpy(all, system_inverse_mass(v, contact), at->source_force[contact]);
+}
+
+/* From where the centres meet, d = 0, n is where the motion leads. At rest it is where other contacts push: the contact's own force
+ * follows c, so that no other direction lasts. */
 static void leave_centres(const struct scene_values *v, struct motion *q)
 {
     struct system_instant at;
-    system_place(v, q, &at);
+    system_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (at.geometry[j].degenerate) {
             const struct contact_shape shape = system_shape(v, q, j);
-            q->contact[j].normal = contact_way_out(&shape, at.rate[j], q->contact[j].normal);
+            struct vec3 n = q->contact[j].normal;
+            n = contact_is_coupled(v, q, j) ? contact_way_out(&shape, pull_of_others(v, &at, j), n) : n;
+            q->contact[j].normal = contact_way_out(&shape, at.rate[j], n);
         }
     }
 }
@@ -205,6 +216,10 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
         CVodeSetMaxNumSteps(c->memory, step->budget);
         const int flag = CVode(c->memory, end_of_leg(c, clock, step->clock_end), c->y, &clock, CV_NORMAL);
         book_counters(c, q, step);
+        if (flag == CV_TOO_CLOSE) { /* a last digit of the clock: nothing moves */
+            q->clock = step->clock_end;
+            return ADVANCE_REACHED;
+        }
         if (flag < 0 && flag != CV_TOO_MUCH_WORK) {
             return ADVANCE_FAILED;
         }

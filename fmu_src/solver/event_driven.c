@@ -8,15 +8,16 @@
 #include "solver/peaks.h"
 #include "solver/sampled.h"
 
-/* The error allowed in a piece: of what the user asks for a thousandth, for impacts multiply errors, and no less than what
- * rounding leaves. */
+/* The error allowed in a piece: of what the user asks for a thousandth, for impacts multiply errors, in proportion to d where the centre
+ * is near, for it turns n by its part of d, and no less than what rounding leaves. */
 static double tolerance_of(const struct scene_values *v, const struct motion *q,
                            const struct system_instant *at, int contact)
 {
     const struct contact_shape shape = system_shape(v, q, contact);
-    const double size = fmax(at->geometry[contact].distance, contact_reach(&shape));
+    const double distance = at->geometry[contact].distance;
+    const double size = fmax(distance, contact_reach(&shape));
     const double asked = solver_relative_tolerance(v) * size + solver_absolute_tolerance(v);
-    return fmax(1e-3 * asked, 8.0 * DBL_EPSILON * size);
+    return fmax(1e-3 * asked * (distance / size), 8.0 * DBL_EPSILON * size);
 }
 
 /* Islands: the free bodies that pressing contacts join. A pair alone, one of it free, is what pieces are made for. */
@@ -33,8 +34,8 @@ static bool pairs_are_alone(const struct scene_values *v, const struct motion *q
 /* What all pairs that press do until the first of them comes to the end of a piece or of its regime, or to the centre. */
 struct stretch {
     struct piece piece[SCENE_CONTACTS];
-    double time; /* [s] */
-    int ending;  /* the contact whose regime ends then or begins anew; -1: none */
+    double longest, time; /* at most, and as it is [s] */
+    int ending;           /* the contact whose regime ends then or begins anew; -1: none */
     enum contact_regime next;
 };
 
@@ -47,7 +48,9 @@ static bool add_pair(struct stretch *all, const struct scene_values *v, const st
                      const struct system_instant *at, int contact)
 {
     struct piece *p = &all->piece[contact];
-    if (!piece_make(p, v, q, at, contact, all->time, tolerance_of(v, q, at, contact))) {
+    const double longest =
+        all->time > 0.0 ? all->time : all->longest; /* if another ends at once, so does this one */
+    if (!piece_make(p, v, q, at, contact, longest, tolerance_of(v, q, at, contact))) {
         return false;
     }
     const struct ending ending = p->ending;
@@ -66,7 +69,7 @@ static bool add_pair(struct stretch *all, const struct scene_values *v, const st
 static bool stretch_make(struct stretch *all, const struct scene_values *v, const struct motion *q,
                          const struct system_instant *at, double longest)
 {
-    all->time = longest;
+    all->longest = all->time = longest;
     all->ending = -1;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         all->piece[j].unit = all->piece[j].end = 0.0;

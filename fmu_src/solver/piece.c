@@ -10,6 +10,9 @@
 /* Radians of the motion along the contact in a creeping step, which must be exact in between too. */
 static const double CREEPING_STEP = 1.0;
 
+/* Nor may d grow by more than this in one that leaves the centre: n turns with 1 / d^2. */
+static const double CREEPING_GROWTH = 4.0;
+
 /* The oscillator must be faster than the motion along the contact by so much for the two to be told apart. */
 static const double SEPARATION_OF_RATES = 20.0;
 
@@ -95,6 +98,9 @@ static bool creeping_piece(struct piece *p, const struct press_outlook *outlook,
         return false;
     }
     double step = fmin(longest, fmin(CREEPING_STEP / outlook->turning, PIECE_SHORTEST / slower));
+    if (outlook->turning > 0.0) {
+        step = fmin(step, CREEPING_GROWTH * p->press.distance / vec3_norm(outlook->problem.rate));
+    }
     for (int i = 0; i < ATTEMPTS && step * faster >= PIECE_SHORTEST; ++i) {
         if (piece_watched(p, outlook, step, COLLOCATION_CREEPING)) {
             const double decay = fabs(p->by.collocation.step.y);

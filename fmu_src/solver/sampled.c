@@ -100,6 +100,24 @@ static bool agree(const struct scene_values *v, const struct motion *q, const st
     return true;
 }
 
+/* cos of the angle by which n may turn from end to end of a panel, 0.5 rad: five nodes follow that. Where a panel ends just beyond the
+ * closest approach of the centres, n turns, or turns round, where no node sees it. */
+static const double LARGEST_TURN_COSINE = 0.88;
+
+static bool turns_little(const struct scene_values *v, const struct motion *q, double from, double to)
+{
+    struct system_instant at[2];
+    system_evaluate(v, q, from, q->body, &at[0]);
+    system_evaluate(v, q, to, q->body, &at[1]);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (is_given(v, q, j) &&
+            vec3_dot(at[0].geometry[j].normal, at[1].geometry[j].normal) < LARGEST_TURN_COSINE) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static void add_panel(struct motion *q, const struct panel *panel)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -182,10 +200,15 @@ double sampled_integrate(const struct scene_values *v, struct motion *q, double 
         }
         const double to = clock + width < end ? clock + width : end;
         const double middle = 0.5 * (clock + to);
+        const bool divides = middle > clock && middle < to;
+        if (divides && !turns_little(v, q, clock, to)) {
+            width *= 0.5;
+            continue;
+        }
         const struct panel whole = integrate(v, q, clock, to);
         const struct panel left = integrate(v, q, clock, middle);
         const struct panel right = integrate(v, q, middle, to);
-        if (middle > clock && middle < to && !agree(v, q, &whole, &left, &right, clock, to - clock)) {
+        if (divides && !agree(v, q, &whole, &left, &right, clock, to - clock)) {
             width *= 0.5;
             continue;
         }
