@@ -59,7 +59,7 @@ static struct panel integrate(const struct scene_values *v, struct motion *q, do
     return result;
 }
 
-/* What rounding alone does to the force; no agreement can be asked for below. */
+/* What rounding alone does to the force, through g, n and n.w; no agreement can be asked for below. */
 static double force_noise(const struct scene_values *v, const struct motion *q,
                           const struct system_instant *at)
 {
@@ -67,8 +67,10 @@ static double force_noise(const struct scene_values *v, const struct motion *q,
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (is_given(v, q, j)) {
             const struct contact_law law = system_law(v, q, j);
-            noise += law.stiffness * system_gap_resolution(v, at, j) +
-                     8.0 * DBL_EPSILON * law.damping * vec3_norm(at->rate[j]);
+            const double resolution = system_gap_resolution(v, at, j);
+            const double turn = fmin(8.0 * DBL_EPSILON + resolution / at->geometry[j].distance, 1.0);
+            noise += law.stiffness * resolution +
+                     turn * (law.damping * vec3_norm(at->rate[j]) + fabs(at->normal_force[j]));
         }
     }
     return noise;
@@ -83,16 +85,17 @@ static double largest_speed(const struct scene_values *v, const struct system_in
     return speed;
 }
 
+/* `at`: both ends. Near the centre n is noise at one of them, and almost all over the panel no more so than at the other. */
 static bool agree(const struct scene_values *v, const struct motion *q, const struct panel *whole,
-                  const struct panel *left, const struct panel *right, double clock, double width)
+                  const struct panel *left, const struct panel *right, const struct system_instant at[2],
+                  double width)
 {
-    struct system_instant at;
-    system_evaluate(v, q, clock, q->body, &at);
-    const double noise = width * force_noise(v, q, &at);
+    const double noise = width * fmin(force_noise(v, q, &at[0]), force_noise(v, q, &at[1]));
+    const double speed = fmax(largest_speed(v, &at[0]), largest_speed(v, &at[1]));
     const double tolerance = solver_relative_tolerance(v);
     for (int k = 0; k < TERMS; ++k) {
         const double difference = fabs(left->sum[k] + right->sum[k] - whole->sum[k]);
-        const double floor = k < TERMS - 2 ? noise : noise * 2.0 * largest_speed(v, &at);
+        const double floor = k < TERMS - 2 ? noise : noise * 2.0 * speed;
         if (!(difference <= tolerance * (left->size[k] + right->size[k]) + floor + DBL_MIN)) {
             return false;
         }
@@ -104,11 +107,9 @@ static bool agree(const struct scene_values *v, const struct motion *q, const st
  * closest approach of the centres, n turns, or turns round, where no node sees it. */
 static const double LARGEST_TURN_COSINE = 0.88;
 
-static bool turns_little(const struct scene_values *v, const struct motion *q, double from, double to)
+static bool turns_little(const struct scene_values *v, const struct motion *q,
+                         const struct system_instant at[2])
 {
-    struct system_instant at[2];
-    system_evaluate(v, q, from, q->body, &at[0]);
-    system_evaluate(v, q, to, q->body, &at[1]);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (is_given(v, q, j) &&
             vec3_dot(at[0].geometry[j].normal, at[1].geometry[j].normal) < LARGEST_TURN_COSINE) {
@@ -201,14 +202,17 @@ double sampled_integrate(const struct scene_values *v, struct motion *q, double 
         const double to = clock + width < end ? clock + width : end;
         const double middle = 0.5 * (clock + to);
         const bool divides = middle > clock && middle < to;
-        if (divides && !turns_little(v, q, clock, to)) {
+        struct system_instant at[2];
+        system_evaluate(v, q, clock, q->body, &at[0]);
+        system_evaluate(v, q, to, q->body, &at[1]);
+        if (divides && !turns_little(v, q, at)) {
             width *= 0.5;
             continue;
         }
         const struct panel whole = integrate(v, q, clock, to);
         const struct panel left = integrate(v, q, clock, middle);
         const struct panel right = integrate(v, q, middle, to);
-        if (divides && !agree(v, q, &whole, &left, &right, clock, to - clock)) {
+        if (divides && !agree(v, q, &whole, &left, &right, at, to - clock)) {
             width *= 0.5;
             continue;
         }

@@ -154,3 +154,57 @@ def test_a_ball_that_starts_in_the_centre_is_thrown_where_it_goes(
     way = REACH - off - depth - rate * (end - let_go)
     check_relative("displacement", fmu["source.displacement"], way * ACROSS, tolerance)
     assert fmu["solver.fallbacks"] == 0
+
+
+@pytest.mark.parametrize("steps", [1, 7, 13])
+@pytest.mark.parametrize("miss", [0.0, 1e-12, 1e-6, 1e-3, 0.1])
+@pytest.mark.parametrize("shape", FMU)
+def test_a_ball_led_through_a_solid_leaves_the_impulse_of_its_way(opened, shape, miss, steps):
+    """Along x past the centre at a distance b: with x dx = d dd, the integrals of F x / d and F b / d over x
+    are p_n (r d - d^2 / 2) and p_n b (r asinh(x / b) - x), r the reach.
+    """
+    stiffness, start, end = 1e4, -0.35, 0.41
+    values = solid(shape, ACROSS, **{"contact.penalty_factor": stiffness, "source.motion": "prescribed"})
+    values |= {"contact.viscous_penalty_factor": 0.0, "source.initial_velocity": [0.0, 0.0, 0.0]}
+    values["source.center"] = (start * ACROSS + miss * ASIDE).tolist()
+    values["source.prescribed_displacement.derivatives"] = [((end - start) * ACROSS).tolist()]
+    values["source.prescribed_velocity"] = ((end - start) * ACROSS).tolist()
+
+    def along(x):
+        d = math.hypot(x, miss)
+        return stiffness * (REACH * d - d * d / 2)
+
+    def aside(x):
+        return stiffness * miss * (REACH * math.asinh(x / miss) - x) if miss else 0.0
+
+    impulses = []
+
+    def record(fmu):
+        impulses.append(fmu["contact.mean_force"] / steps)
+
+    fmu = run(opened(FMU[shape]), values, 1.0, steps, tolerance=1e-10, each=record)
+    expected = (along(end) - along(start)) * ACROSS + (aside(end) - aside(start)) * ASIDE
+    size = stiffness * REACH
+    check_close("impulse", np.sum(impulses[1:], axis=0), expected / (end - start), 1e-8 * size)
+    stored = stiffness * ((REACH - math.hypot(end, miss)) ** 2 - (REACH - math.hypot(start, miss)) ** 2) / 2
+    check_close("work", fmu["energy.external_work"], stored, 1e-8 * size)
+    assert fmu["contact.onsets"] == 1
+
+
+@pytest.mark.parametrize("dashpot", ["unclamped", "approach_only"])
+@pytest.mark.parametrize("damping", [1e7, 1e9])
+@pytest.mark.parametrize("off", [1e-3, 1e-6, 1e-9])
+@pytest.mark.parametrize("shape", FMU)
+def test_a_far_overdamped_ball_creeps_off_the_centre_as_with_cvode(opened, shape, off, damping, dashpot):
+    """It starts beside the centre and goes past it: which way it leaves is decided within off / SPEED."""
+    values = solid(shape, ACROSS, **{"contact.dashpot": dashpot, "source.center": (off * ASIDE).tolist()})
+    values |= {"contact.penalty_factor": 2e10, "contact.viscous_penalty_factor": damping}
+    fmu = opened(FMU[shape])
+    end = 1e-3
+    expected = run(fmu, values, end, 1, tolerance=1e-11)["source.displacement"]
+    way = np.linalg.norm(expected)
+    fmu = run(fmu, values, end, 1, tolerance=1e-9, method="event_driven")
+    # d is known to roundings of the reach, and n to their part of d
+    rounded = 64 * np.finfo(float).eps * REACH / off
+    check_close("displacement", fmu["source.displacement"], expected, way * (1e-8 + rounded))
+    assert fmu["solver.steps"] < 100 and fmu["solver.fallbacks"] == 0
