@@ -6,6 +6,12 @@ double contact_reach(const struct contact_shape *shape)
                            : shape->other_radius - shape->source_radius;
 }
 
+/* Then r_d - r_s is exact. */
+static bool fills_shell(const struct contact_shape *shape)
+{
+    return shape->side < 0 && shape->source_radius > 0.5 * shape->other_radius;
+}
+
 /* Taken off one at a time, the larger first: the sum r_s + r_d would round once more. */
 static double gap_at(const struct contact_shape *shape, double distance)
 {
@@ -15,7 +21,7 @@ static double gap_at(const struct contact_shape *shape, double distance)
         return source > other ? (distance - source) - other : (distance - other) - source;
     }
     /* Of a body that all but fills its shell other - source is exact; of a smaller one other - distance is, where they touch. */
-    return source > 0.5 * other ? (other - source) - distance : (other - distance) - source;
+    return fills_shell(shape) ? (other - source) - distance : (other - distance) - source;
 }
 
 /*
@@ -48,6 +54,7 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
             (struct vec3){at.offset.x / at.distance, at.offset.y / at.distance, at.offset.z / at.distance};
     }
     at.gap = gap_at(shape, at.distance);
+    at.gap_terms = fills_shell(shape) ? contact_reach(shape) : shape->source_radius + shape->other_radius;
     at.gap_rate = shape->side * vec3_dot(at.normal, w);
     return at;
 }

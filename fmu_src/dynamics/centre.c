@@ -2,6 +2,8 @@
 
 #include <float.h>
 
+#include "dynamics/resolution.h"
+
 /* A distance below this part of the bodies' size is none. */
 static const double CENTRE = 1e-9;
 
@@ -14,5 +16,5 @@ bool centre_is_met(const struct scene_values *v, const struct system_instant *at
         return g->degenerate;
     }
     return reach + g->gap <= 16.0 * DBL_EPSILON * reach ||
-           (g->distance <= CENTRE * reach && g->distance <= system_gap_resolution(v, at, contact));
+           (g->distance <= CENTRE * reach && g->distance <= resolution_of_gap(v, at, contact));
 }

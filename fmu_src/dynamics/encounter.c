@@ -8,6 +8,7 @@
 #include "dynamics/centre.h"
 #include "dynamics/cuts.h"
 #include "dynamics/head_on.h"
+#include "dynamics/resolution.h"
 
 static enum contact_regime regime_at(const struct approach *path, const struct contact_law *law, double s)
 {
@@ -212,7 +213,7 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
         now.gap_rate = shape.side * vec3_dot(now.normal, separation.w[0]);
         now.degenerate = true;
     }
-    const double by_positions = system_gap_resolution(v, at, contact);
+    const double by_positions = resolution_of_gap(v, at, contact);
     const double resolution = system_gap_is_known(q, at, contact)
                                   ? 8.0 * DBL_EPSILON * fabs(at->geometry[contact].gap)
                                   : by_positions;
@@ -241,6 +242,10 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     } else {
         const int count = cuts_of_all(&path, &extremes, &shape, &law, cuts);
         next = first_change(&path, cuts, count, &law, present, false, settle);
+        const double rounding = fmax(by_positions, 8.0 * DBL_EPSILON * path.scale);
+        if (present == REGIME_APART && fabs(next.gap) <= rounding) {
+            next.gap = 0.0; /* they touch there; otherwise one has come in by an end */
+        }
     }
     next.passes_centre = passes_centre(&path, &extremes, next.after / horizon);
     return next;

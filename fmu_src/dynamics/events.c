@@ -6,6 +6,7 @@
 
 #include "dynamics/energy.h"
 #include "dynamics/projection.h"
+#include "dynamics/resolution.h"
 
 static void set_regime(struct motion *q, int contact, enum contact_regime regime)
 {
@@ -28,7 +29,7 @@ static double gap_at_change(const struct scene_values *v, const struct motion *q
                             const struct system_instant *at, int contact, enum contact_regime regime)
 {
     const double gap = at->geometry[contact].gap;
-    if (fabs(gap) > system_gap_resolution(v, at, contact)) {
+    if (fabs(gap) > resolution_of_gap(v, at, contact)) {
         return gap;
     }
     if (q->contact[contact].regime == (int32_t)REGIME_APART && !system_gap_is_known(q, at, contact)) {
@@ -46,7 +47,7 @@ static void close_rounded_gap(const struct scene_values *v, struct motion *q, st
     const double gap = fabs(at->geometry[contact].distance - contact_reach(&shape));
     const double way = vec3_norm(at->rate[contact]) * lasted + q->contact[contact].peak_penetration;
     if (!(system_inverse_mass(v, contact) > 0.0) || gap > 32.0 * DBL_EPSILON * way ||
-        gap <= 0.25 * system_gap_resolution(v, at, contact)) {
+        gap <= 0.25 * resolution_of_gap(v, at, contact)) {
         return;
     }
     q->contact[contact].carried_gap = DBL_MAX; /* not known: by positions */
@@ -95,7 +96,7 @@ void event_settle_regimes(const struct scene_values *v, struct motion *q, double
     struct system_instant at;
     system_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (starting || fabs(at.geometry[j].gap) > system_gap_resolution(v, &at, j)) {
+        if (starting || fabs(at.geometry[j].gap) > resolution_of_gap(v, &at, j)) {
             set_regime(q, j, system_regime(v, q, &at, j));
         }
     }

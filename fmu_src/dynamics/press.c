@@ -7,6 +7,7 @@
 
 #include "dynamics/centre.h"
 #include "dynamics/flight.h"
+#include "dynamics/resolution.h"
 
 static struct press_work work_on(const struct press *p, const struct scene_values *v, const struct motion *q,
                                  int body, double sign)
@@ -57,6 +58,7 @@ void press_make(struct press *p, const struct scene_values *v, const struct moti
     p->gap = geometry->gap;
     const double shorter = p->shape.side * p->gap - (geometry->distance - contact_reach(&p->shape));
     p->rounded = vec3_scale(shorter, p->normal);
+    p->rate_resolution = resolution_of_rate(at, contact);
     p->reduced_mass = 1.0 / system_inverse_mass(v, contact);
     if (centre_is_met(v, at, contact, &p->shape)) {
         leave_centre(p, geometry);

@@ -33,7 +33,8 @@ struct press {
     double distance, gap;           /* d [m], g as carried along [m] */
     struct vec3
         rounded; /* what c lacks for d to be that of the carried gap, or that at the centre: rounding [m] */
-    double reduced_mass; /* m_red [kg] */
+    double reduced_mass;    /* m_red [kg] */
+    double rate_resolution; /* of g', by rounding [m/s] */
     struct press_work work[PRESS_ENDS];
 };
 

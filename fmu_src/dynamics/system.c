@@ -3,6 +3,7 @@
 #include <float.h>
 
 #include "dynamics/centre.h"
+#include "dynamics/resolution.h"
 
 struct contact_shape system_shape(const struct scene_values *v, const struct motion *q, int contact)
 {
@@ -162,7 +163,7 @@ static void take_known_gaps(const struct scene_values *v, const struct motion *q
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double known = known_gap(q, j);
-        if (known < DBL_MAX && fabs(known - at->geometry[j].gap) <= system_gap_resolution(v, at, j)) {
+        if (known < DBL_MAX && fabs(known - at->geometry[j].gap) <= resolution_of_gap(v, at, j)) {
             at->geometry[j].gap = known;
         }
     }
@@ -195,17 +196,6 @@ bool system_within_extents(const struct contact_shape *shape, const struct conta
     return !SCENE_ANY_CYLINDER || contact_within_extents(shape, geometry->axial);
 }
 
-double system_gap_resolution(const struct scene_values *v, const struct system_instant *at, int contact)
-{
-    const int source = contact_source(contact);
-    const int destination = contact_destination(contact);
-    const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
-    return 8.0 * DBL_EPSILON *
-           (vec3_max_abs(apart) + vec3_max_abs(at->displacement[source]) +
-            vec3_max_abs(at->displacement[destination]) + body_radius(v, source) +
-            body_radius(v, destination));
-}
-
 enum contact_regime system_regime(const struct scene_values *v, const struct motion *q,
                                   const struct system_instant *at, int contact)
 {
@@ -228,35 +218,6 @@ double body_inverse_mass(const struct scene_values *v, int body)
 double system_inverse_mass(const struct scene_values *v, int contact)
 {
     return body_inverse_mass(v, contact_source(contact)) + body_inverse_mass(v, contact_destination(contact));
-}
-
-/* How little of g' means anything: what rounding makes of n.w (n is chosen, not computed, where d = 0), what an oscillation of the gap by
- * its own resolution has, and what the integrator lets pass. */
-static double rate_resolution(const struct scene_values *v, const struct contact_law *law,
-                              const struct system_instant *at, int contact, double tolerated)
-{
-    const double gap_resolution = system_gap_resolution(v, at, contact);
-    const struct contact_geometry *g = &at->geometry[contact];
-    const double turn = 8.0 * DBL_EPSILON + (g->degenerate ? 0.0 : gap_resolution / g->distance);
-    const double oscillation = sqrt(law->stiffness * system_inverse_mass(v, contact));
-    return vec3_norm(at->rate[contact]) * fmin(turn, 1.0) + oscillation * gap_resolution + tolerated;
-}
-
-double system_margin_armour(const struct scene_values *v, const struct motion *q,
-                            const struct system_instant *at, int contact, double tolerated)
-{
-    const struct contact_law law = system_law(v, q, contact);
-    const struct contact_geometry *g = &at->geometry[contact];
-    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
-    const bool is_force = regime != REGIME_RECEDING && law.dashpot == DASHPOT_NON_ADHESIVE;
-    const double margin = regime == REGIME_RELEASED
-                              ? law.stiffness * g->gap + law.damping * g->gap_rate
-                              : contact_regime_margin(&law, regime, g->gap, g->gap_rate);
-    double resolution = rate_resolution(v, &law, at, contact, tolerated);
-    if (is_force) {
-        resolution = law.stiffness * system_gap_resolution(v, at, contact) + law.damping * resolution;
-    }
-    return 2.0 * (fmax(-margin, 0.0) + resolution);
 }
 
 double system_force_rate(const struct scene_values *v, const struct motion *q,

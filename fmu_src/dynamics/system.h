@@ -54,10 +54,6 @@ void system_now(const struct scene_values *v, const struct motion *q, struct sys
 /* contact_within_extents, true at compile time in scenes of spheres. */
 bool system_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry);
 
-/* How far rounding alone may move the gap: eight roundings of the terms it is computed from, the locations, the
- * displacements and the radii [m]. Below it the sign of the gap means nothing. */
-double system_gap_resolution(const struct scene_values *v, const struct system_instant *at, int contact);
-
 /* Whether the gap of system_now is known finer than positions tell: while a contact presses, as it lets go, where its change was
  * foreseen. */
 bool system_gap_is_known(const struct motion *q, const struct system_instant *at, int contact);
@@ -71,12 +67,6 @@ double body_inverse_mass(const struct scene_values *v, int body);
 
 /* Sum of the inverse masses of a contact's bodies: 1 / m_eff [1/kg]. */
 double system_inverse_mass(const struct scene_values *v, int contact);
-
-/* What is added to a regime margin so that it starts above zero although the phase begins at zero, give or take rounding
- * and the integrator's tolerance of speeds, `tolerated` [m/s]: a margin that starts below is never seen to fall, and one that
- * hovers about zero, as at rest, falls again and again. The force is continuous there, so little depends on the moment. */
-double system_margin_armour(const struct scene_values *v, const struct motion *q,
-                            const struct system_instant *at, int contact, double tolerated);
 
 /* d/dt of F_n within the regime: -(k g' + c g'') [N/s]. */
 double system_force_rate(const struct scene_values *v, const struct motion *q,

@@ -8,6 +8,7 @@
 #include "dynamics/energy.h"
 #include "dynamics/flight.h"
 #include "dynamics/projection.h"
+#include "dynamics/resolution.h"
 #include "solver/cvode_memory.h"
 
 /* In contact the direction may turn by at most this angle [rad] in one internal step: parting and touching again within a
@@ -62,13 +63,13 @@ static double tolerance_share(enum solver_method method)
     return method == SOLVER_METHOD_CVODE_ADAMS ? 0.02 : 0.005;
 }
 
-/* See system_margin_armour. Twice the gap's resolution: the start itself may be off by one. */
+/* See resolution_armour. Twice the gap's resolution: the start itself may be off by one. */
 static void arm_roots(struct cvode_problem *p, const struct system_instant *at)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double tolerated = p->relative * vec3_norm(at->rate[j]) + p->absolute;
-        p->gap_armour[j] = 2.0 * system_gap_resolution(p->values, at, j);
-        p->margin_armour[j] = system_margin_armour(p->values, p->motion, at, j, tolerated);
+        p->gap_armour[j] = 2.0 * resolution_of_gap(p->values, at, j);
+        p->margin_armour[j] = resolution_armour(p->values, p->motion, at, j, tolerated);
     }
 }
 

@@ -46,7 +46,7 @@ bool ending_by_law(const struct piece *p)
 struct watched ending_margin(const struct piece *p)
 {
     const struct contact_law *law = &p->press.law;
-    const double rate = 8.0 * DBL_EPSILON * vec3_norm(p->press.flight.w[0]);
+    const double rate = p->press.rate_resolution;
     const double open =
         HYSTERESIS * press_load(&p->press) + law->stiffness * 8.0 * DBL_EPSILON * largest_size(p, PRESS_GAP);
     if (law->dashpot == DASHPOT_NON_ADHESIVE) {

@@ -7,8 +7,8 @@
 #if SCENE_ANY_FREE
 
 /*
- * Advances the pair that presses. ADVANCE_FAILED where no piece of motion can be had, because the centres meet (d = 0), or where
- * contacts share a free body; solver.c then lets CVODE take over and counts it.
+ * Advances the pairs that press, and the contacts whose motion is given beside them. ADVANCE_FAILED where contacts share a free body;
+ * solver.c then lets CVODE take over and counts it.
  */
 enum advance_result event_driven_advance(const struct scene_values *v, struct motion *q,
                                          struct advance *step);

@@ -2,6 +2,7 @@
 
 #if SCENE_ANY_FREE
 
+#include "dynamics/resolution.h"
 #include "solver/ending.h"
 #include "solver/resolved.h"
 #include "solver/spanning.h"
@@ -167,7 +168,7 @@ bool piece_make(struct piece *p, const struct scene_values *v, const struct moti
 {
     press_make(&p->press, v, q, at, contact);
     p->regime = (enum contact_regime)q->contact[contact].regime;
-    p->resolution = system_gap_resolution(v, at, contact);
+    p->resolution = resolution_of_gap(v, at, contact);
     p->tolerance = tolerance;
     piece_over(p, longest);
     if (p->kind == PIECE_COLLOCATED && p->ending.s > 0.0 && p->ending.s < EARLY_ENDING * p->end) {

@@ -5,6 +5,7 @@
 #include <float.h>
 
 #include "dynamics/energy.h"
+#include "dynamics/resolution.h"
 
 enum { NODES = 5, TERMS = 3 * SCENE_CONTACTS + 2 };
 
@@ -67,7 +68,7 @@ static double force_noise(const struct scene_values *v, const struct motion *q,
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (is_given(v, q, j)) {
             const struct contact_law law = system_law(v, q, j);
-            const double resolution = system_gap_resolution(v, at, j);
+            const double resolution = resolution_of_gap(v, at, j);
             const double turn = fmin(8.0 * DBL_EPSILON + resolution / at->geometry[j].distance, 1.0);
             noise += law.stiffness * resolution +
                      turn * (law.damping * vec3_norm(at->rate[j]) + fabs(at->normal_force[j]));

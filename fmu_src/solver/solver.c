@@ -7,6 +7,7 @@
 #include "dynamics/encounter.h"
 #include "dynamics/flight.h"
 #include "dynamics/projection.h"
+#include "dynamics/resolution.h"
 #include "solver/cvode.h"
 #include "solver/event_driven.h"
 #include "solver/sampled.h"
@@ -45,7 +46,7 @@ static double horizon_from(const struct scene_values *v, const struct motion *q,
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (q->contact[j].regime == REGIME_RELEASED) {
             const struct contact_geometry *now = &at->geometry[j];
-            const double opens = (system_gap_resolution(v, at, j) - now->gap) / now->gap_rate;
+            const double opens = (resolution_of_gap(v, at, j) - now->gap) / now->gap_rate;
             horizon = opens > 0.0 ? fmin(horizon, fmax(RELEASE_TIMES * opens, q->clock)) : horizon;
         }
     }
