@@ -39,7 +39,8 @@ for name in "${names[@]}"; do
     broken=$root/build-fuzz/findings/$name
     mkdir -p "$found" "$broken"
     # A fuzzer goes on after a finding; inputs are tried in other lengths from the start. The most work an input can ask for,
-    # 2 runs of 12 communication steps of 2000 internal steps, takes six seconds of a processor; clocks on walls may show twenty times that.
+    # 2 runs of 12 communication steps of 2000 internal steps, takes six seconds of a processor; on a busy machine that may last
+    # twenty times as long.
     (cd "$broken" && nice "$root/build-fuzz/tests/fuzz/fuzz_$name" -fork=1 -ignore_crashes=1 -ignore_timeouts=1 \
         -ignore_ooms=1 -timeout=120 -report_slow_units=120 -rss_limit_mb=2000 -max_len=500 -len_control=0 \
         -max_total_time=$((60 * minutes)) "$found" "$corpus" >log 2>&1 </dev/null) || true
