@@ -51,18 +51,17 @@ static double margin_noise(const struct contact_law *law, const struct contact_g
 }
 
 /* Until then the present regime, whose boundary has just been crossed, is taken to last. `resolution` is that of the gap,
- * `by_positions` what it would be from positions alone. */
+ * `by_positions` what it would be from positions alone, `axially` that along a cylinder with ends. */
 static double settling_time(const struct approach *path, const struct contact_shape *shape,
                             const struct contact_law *law, const struct contact_geometry *now,
-                            double resolution, double by_positions, const struct separation *separation,
-                            enum contact_regime present)
+                            double resolution, double by_positions, double axially,
+                            const struct separation *separation, enum contact_regime present)
 {
     const double closing = vec3_dot(now->normal, separation->c[1]);
     double settle = leaving_time(now->gap, resolution, closing, vec3_norm(separation->c[2]));
     if (approach_has_ends(shape)) {
         const double beyond = fabs(now->axial) - shape->half_length;
-        settle = fmax(settle, leaving_time(beyond, resolution + 8.0 * DBL_EPSILON * shape->half_length,
-                                           vec3_dot(separation->c[1], shape->axis),
+        settle = fmax(settle, leaving_time(beyond, axially, vec3_dot(separation->c[1], shape->axis),
                                            vec3_dot(separation->c[2], shape->axis)));
     }
     if (present == REGIME_RELEASED) {
@@ -228,9 +227,10 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     if (simple && keeps_away(&path)) {
         return first_touch_at((double)INFINITY);
     }
+    const double axially = has_ends ? resolution_of_axial(v, at, contact, &shape) : 0.0;
     const double found = (q->contact[contact].settled_clock - clock) / horizon;
-    const double settle =
-        fmax(found, settling_time(&path, &shape, &law, &now, resolution, by_positions, &separation, present));
+    const double settle = fmax(found, settling_time(&path, &shape, &law, &now, resolution, by_positions,
+                                                    axially, &separation, present));
     double cuts[MAX_CUTS];
     if (ends_only) {
         return first_change(&path, cuts, cuts_of_ends(&path, cuts, 0), &law, present, true, settle);

@@ -12,6 +12,22 @@ double resolution_of_gap(const struct scene_values *v, const struct system_insta
             vec3_max_abs(at->displacement[destination]) + at->geometry[contact].gap_terms);
 }
 
+static double size_along(struct vec3 axis, struct vec3 a)
+{
+    return fabs(axis.x * a.x) + fabs(axis.y * a.y) + fabs(axis.z * a.z);
+}
+
+double resolution_of_axial(const struct scene_values *v, const struct system_instant *at, int contact,
+                           const struct contact_shape *shape)
+{
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
+    return 8.0 * DBL_EPSILON *
+           (size_along(shape->axis, apart) + size_along(shape->axis, at->displacement[source]) +
+            size_along(shape->axis, at->displacement[destination]) + shape->half_length);
+}
+
 double resolution_of_rate(const struct system_instant *at, int contact)
 {
     const double source = vec3_norm(at->velocity[contact_source(contact)]);

@@ -8,6 +8,10 @@
  * displacements and the radii, of a shell all but filled their difference, which is exact [m]. Below it the sign of the gap means nothing. */
 double resolution_of_gap(const struct scene_values *v, const struct system_instant *at, int contact);
 
+/* Likewise of where the source is along a cylinder's axis: of what lies along it, and of the half length it is compared with [m]. */
+double resolution_of_axial(const struct scene_values *v, const struct system_instant *at, int contact,
+                           const struct contact_shape *shape);
+
 /* Likewise of w and g': of the speeds that they are differences of [m/s]. */
 double resolution_of_rate(const struct system_instant *at, int contact);
 

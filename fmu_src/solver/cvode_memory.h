@@ -1,4 +1,4 @@
-/* What an instance of CVODE consists of; for cvode.c and cvode_memory.c only. */
+/* What an instance of CVODE consists of; for cvode.c, cvode_start.c and cvode_memory.c only. */
 #ifndef CONTACT_CVODE_MEMORY_H
 #define CONTACT_CVODE_MEMORY_H
 
