@@ -251,3 +251,25 @@ def test_a_driven_pair_beside_a_free_one_is_no_burden_to_it(built, fmu_path, met
     times = np.linspace(0.0, PUSH + PULL, 3)
     alone, _ = motion_alone(fmu_path("SphereCylinder"), {**MARBLE, "gravity": [0.0, 0.0, 0.0]}, times)
     check_close("marble", marble, alone[-1][:-1], 1e-13 if method == "event_driven" else 1e-7)
+
+
+@pytest.mark.parametrize("steps", [1, 6, 7, 50])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_symmetric_squeeze_leaves_the_middle_ball_where_it_is(built, method, steps):
+    """Both contacts end at once; each ball outside leaves with the energy of its own: v = s sqrt(k / m)."""
+    stiffness, mass, radius, depth, end = 3e8, 400.0, 1.0, 0.3, 0.02
+    values = {"solver.method": method, "gravity": [0.0, 0.0, 0.0]}
+    for place, ball in enumerate(BALLS):
+        values |= {f"{ball}.radius": radius, f"{ball}.mass": mass}
+        values[f"{ball}.center"] = [0.2 + (place - 1) * (2.0 * radius - depth), 0.0, 0.0]
+        values[f"{ball}.initial_velocity"] = [0.0, 0.0, 0.0]
+    for contact in ("first", "second"):
+        values |= {f"{contact}.penalty_control": "user_defined", f"{contact}.penalty_factor": stiffness}
+    with ContactFmu(built["ThreeBalls"]) as fmu:
+        fmu.start(values, tolerance=1e-9)
+        for _ in range(steps):
+            fmu.step(end / steps)
+        speed = depth * (stiffness / mass) ** 0.5
+        for ball, side in zip(BALLS, (-1.0, 0.0, 1.0), strict=True):
+            check_close(f"{ball}.velocity", fmu[f"{ball}.velocity"], [side * speed, 0.0, 0.0], 1e-6 * speed)
+        assert fmu["first.onsets"] == fmu["second.onsets"] == 1

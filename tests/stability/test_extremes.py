@@ -96,10 +96,42 @@ def test_random_ways_through_the_middle_are_right(group, number):
         assert row.fallbacks == 0 and row.steps <= 100
 
 
+@pytest.mark.parametrize("share", [0.7, 1e-3, 1e-7])
 @pytest.mark.parametrize("clearance", [1e-9, 1e-11, 1e-13])
 @pytest.mark.parametrize("geometry", HOLLOW)
-def test_the_gap_of_a_ball_that_all_but_fills_its_shell_has_all_its_digits(geometry, clearance):
-    """Errors over the way, which is as short as the clearance"""
-    tight = HeadOn(geometry=geometry, law="undamped", source_radius=0.5 - clearance, gap=0.7 * clearance)
+def test_the_gap_of_a_ball_that_all_but_fills_its_shell_has_all_its_digits(geometry, clearance, share):
+    """Errors over the way, which is as short as the clearance, and of gaps far below the rounding of radii"""
+    tight = HeadOn(geometry=geometry, law="undamped", source_radius=0.5 - clearance, gap=share * clearance)
     slow = replace(tight, gravity=0.0, speed=clearance, penalty=100.0)
     check_right(Scene("clearance", clearance, slow, steps=(1, 7)))
+
+
+@pytest.mark.parametrize("law", ["undamped", "non_adhesive", "unclamped"])
+@pytest.mark.parametrize("fall", [1e2, 1e5, 1e8])
+@pytest.mark.parametrize("length", [None, 4e7])
+def test_a_long_fall_onto_a_finite_cylinder_touches_where_the_gap_is_zero(length, fall, law):
+    """It is pressed in by a millionth of a metre, which is no more than what the fall is rounded to."""
+    roller = HeadOn(geometry="cylinder outside", law=law, source_radius=6.5e6, destination_radius=6.5e5)
+    impact = replace(roller, gap=fall, speed=1.0, gravity=1.6, length=length, along=2.4e6 if length else 0.0)
+    hit = (2.0 * 1.6 * fall + 1.0) ** 0.5
+    check_right(Scene("fall", fall, replace(impact, penalty=(hit / 1e-6) ** 2), steps=(1, 31)))
+
+
+@pytest.mark.parametrize("force", [1e3, 1e6, 1e9])
+def test_a_ball_pressed_far_beyond_its_tube_leaves_by_the_end(force):
+    """Where it is along the tube is no less exact for the way that it has gone across."""
+    tube = HeadOn(geometry="cylinder inside", law="undamped", penalty=1e-6, gravity=0.0, force=force)
+    moving = replace(tube, length=2.0, along=0.3, along_speed=1e-3, end=1e3)
+    check_right(Scene("end", force, moving, steps=(1, 31)))
+
+
+@pytest.mark.parametrize("speed", [1e2, 1e5, 1e8])
+@pytest.mark.parametrize("mass", [1e-4, 1e-8])
+def test_a_light_shell_carried_off_by_its_ball_causes_no_more_events(mass, speed):
+    """The gap rate is the difference of two speeds, and rounded as they are."""
+    shell = HeadOn(
+        geometry="sphere inside", law="viscous_only", dashpot="approach_only", destination_mass=mass
+    )
+    shot = replace(shell, speed=speed, damping=10.0, gravity=0.0, force=1e-6, end=2.5 / speed)
+    for row in check_right(Scene("carried", mass, shot, steps=(1, 16))):
+        assert row.events <= 3 and row.steps <= 50 + row.communication_steps
