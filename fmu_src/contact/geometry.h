@@ -31,12 +31,11 @@ struct contact_geometry {
     struct vec3 normal; /* n, unit; towards the destination's centre or axis; the fallback where d = 0 */
     struct vec3 offset; /* c of a sphere, rho of a cylinder [m] */
     double distance;    /* d [m] */
-    double gap,
-        gap_rate; /* g [m], g' [m/s]; radial, whether or not the source is within a cylinder's extents */
-    double
-        gap_terms; /* what g is d's difference from, as far as it rounds: r_s + r_d, or r_d - r_s where that is exact [m] */
-    double axial;    /* c.e_d [m]; 0 for a sphere */
-    bool degenerate; /* d = 0: n is the fallback */
+    double gap;         /* g, radial, whether or not the source is within a cylinder's extents [m] */
+    double gap_terms;   /* what rounds in g besides d: r_s + r_d, or r_d - r_s where that is exact [m] */
+    double gap_rate;    /* g' [m/s] */
+    double axial;       /* c.e_d [m]; 0 for a sphere */
+    bool degenerate;    /* d = 0: n is the fallback */
 };
 
 /* Whether the destination is a cylinder; never, at compile time, where the build knows of spheres only (ContactFmu.cmake). */

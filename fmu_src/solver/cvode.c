@@ -101,7 +101,7 @@ static bool is_over_already(struct cvode *c, const struct scene_values *v, struc
     struct system_instant at;
     system_now(v, q, &at);
     cvode_roots(q->clock, c->y, roots, &c->problem);
-    for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const bool leaves = (q->contact[j].regime == REGIME_APART) == (at.geometry[j].gap_rate < 0.0);
         if (roots[CVODE_ROOTS_EACH * j] < 0.0 && leaves) {
             step->contact = j;
@@ -126,7 +126,7 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
         if (!cvode_start(c, v, q)) {
             return ADVANCE_FAILED;
         }
-        if (is_over_already(c, v, q, step)) {
+        if (SCENE_CONTACTS > 1 && is_over_already(c, v, q, step)) {
             return ADVANCE_EVENT;
         }
     }
