@@ -23,13 +23,23 @@ static void set_regime(struct motion *q, int contact, enum contact_regime regime
     state->regime = (int32_t)regime;
 }
 
+/* What the gap lacks after a contact, besides its resolution: the rounding of the way that the bodies have gone, far in and out. */
+static double way_rounding(const struct motion *q, const struct system_instant *at, int contact,
+                           double lasted)
+{
+    const double way = vec3_norm(at->rate[contact]) * lasted + q->contact[contact].peak_penetration;
+    return 32.0 * DBL_EPSILON * way;
+}
+
 /* Bodies that part by the gap do so at zero or more; those that touch where no touch was foreseen, by an integrator's root, do so
  * at zero. */
 static double gap_at_change(const struct scene_values *v, const struct motion *q,
-                            const struct system_instant *at, int contact, enum contact_regime regime)
+                            const struct system_instant *at, int contact, enum contact_regime regime,
+                            double lasted)
 {
     const double gap = at->geometry[contact].gap;
-    if (fabs(gap) > resolution_of_gap(v, at, contact)) {
+    const double rounding = regime == REGIME_APART ? way_rounding(q, at, contact, lasted) : 0.0;
+    if (fabs(gap) > fmax(resolution_of_gap(v, at, contact), rounding)) {
         return gap;
     }
     if (q->contact[contact].regime == (int32_t)REGIME_APART && !system_gap_is_known(q, at, contact)) {
@@ -45,8 +55,7 @@ static void close_rounded_gap(const struct scene_values *v, struct motion *q, st
 {
     const struct contact_shape shape = system_shape(v, q, contact);
     const double gap = fabs(at->geometry[contact].distance - contact_reach(&shape));
-    const double way = vec3_norm(at->rate[contact]) * lasted + q->contact[contact].peak_penetration;
-    if (!(system_inverse_mass(v, contact) > 0.0) || gap > 32.0 * DBL_EPSILON * way ||
+    if (!(system_inverse_mass(v, contact) > 0.0) || gap > way_rounding(q, at, contact, lasted) ||
         gap <= 0.25 * resolution_of_gap(v, at, contact)) {
         return;
     }
@@ -82,7 +91,7 @@ void event_change_regime(const struct scene_values *v, struct motion *q, int con
         close_rounded_gap(v, q, at, contact, lasted);
     }
     const double before = energy_stored(v, q, at);
-    at->geometry[contact].gap = gap_at_change(v, q, at, contact, regime);
+    at->geometry[contact].gap = gap_at_change(v, q, at, contact, regime, lasted);
     q->contact[contact].carried_gap = at->geometry[contact].gap;
     set_regime(q, contact, regime);
     q->dissipated += before - energy_stored(v, q, at);

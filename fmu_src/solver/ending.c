@@ -14,6 +14,9 @@ static const double HYSTERESIS = 1e-8;
 static const double CLEAN_PARTING = 1e-3;
 static const double GAP_HYSTERESIS = 1e-6;
 
+/* But no less than this part of its rounding: a penetration that has died away is noise. */
+static const double DIED_AWAY = 1e-9;
+
 /* A dashpot that acts on approach only: about rest, and where the load slowly fades, the gap rate touches zero once in every
  * oscillation. Which side it is on matters as little as the dashpot's force there: not at all to the motion while that force
  * deforms the contact by less than the error allowed, nor beyond this part of the load. */
@@ -35,7 +38,8 @@ static double largest_size(const struct piece *p, enum press_quantity quantity)
 
 double ending_gap_slack(const struct piece *p)
 {
-    return fmin(2.0 * p->resolution, GAP_HYSTERESIS * largest_size(p, PRESS_GAP));
+    const double least = DIED_AWAY * p->resolution;
+    return fmin(2.0 * p->resolution, fmax(GAP_HYSTERESIS * largest_size(p, PRESS_GAP), least));
 }
 
 bool ending_by_law(const struct piece *p)

@@ -135,3 +135,21 @@ def test_a_light_shell_carried_off_by_its_ball_causes_no_more_events(mass, speed
     shot = replace(shell, speed=speed, damping=10.0, gravity=0.0, force=1e-6, end=2.5 / speed)
     for row in check_right(Scene("carried", mass, shot, steps=(1, 16))):
         assert row.events <= 3 and row.steps <= 50 + row.communication_steps
+
+
+@pytest.mark.parametrize("law", ["undamped", "non_adhesive", "unclamped", "approach_only"])
+@pytest.mark.parametrize("clearance", [1e-4, 1e-5, 1e-6, 1e-8])
+@pytest.mark.parametrize("geometry", HOLLOW)
+def test_a_ball_thrown_between_near_walls_touches_each_once(geometry, clearance, law):
+    """It comes back from depths far larger than the clearance, with a gap rounded as those are."""
+    ball = HeadOn(geometry=geometry, law=law, source_radius=0.5 - clearance, gap=0.5 * clearance)
+    check_right(Scene("clearance", clearance, replace(ball, gravity=0.0, end=0.038), steps=(1, 7, 50)))
+
+
+def test_a_penetration_that_has_died_away_does_not_open_again():
+    """Far overdamped, without any load: what is left after so many decay times is noise of 1e-119 m."""
+    tube = HeadOn(
+        geometry="cylinder inside", law="unclamped", source_radius=0.0037, destination_radius=24581.0
+    )
+    slow = replace(tube, gap=3608.0, speed=0.54, source_mass=1582.0, destination_mass=3e-5, gravity=0.0)
+    check_right(Scene("died away", 0.0, replace(slow, penalty=1.66e8, ratio=43.0, end=16746.0), steps=(1, 7)))
