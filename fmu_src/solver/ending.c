@@ -14,8 +14,8 @@ static const double HYSTERESIS = 1e-8;
 static const double CLEAN_PARTING = 1e-3;
 static const double GAP_HYSTERESIS = 1e-6;
 
-/* But no less than this part of its rounding: a penetration that has died away is noise. */
-static const double DIED_AWAY = 1e-9;
+/* But no less than this [m]: a penetration that has died away so far is noise, for its powers are no numbers any more. */
+static const double DIED_AWAY = 1e-100;
 
 /* A dashpot that acts on approach only: about rest, and where the load slowly fades, the gap rate touches zero once in every
  * oscillation. Which side it is on matters as little as the dashpot's force there: not at all to the motion while that force
@@ -38,8 +38,7 @@ static double largest_size(const struct piece *p, enum press_quantity quantity)
 
 double ending_gap_slack(const struct piece *p)
 {
-    const double least = DIED_AWAY * p->resolution;
-    return fmin(2.0 * p->resolution, fmax(GAP_HYSTERESIS * largest_size(p, PRESS_GAP), least));
+    return fmin(2.0 * p->resolution, fmax(GAP_HYSTERESIS * largest_size(p, PRESS_GAP), DIED_AWAY));
 }
 
 bool ending_by_law(const struct piece *p)
