@@ -39,9 +39,12 @@ def built(tmp_path_factory):
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("case", CASES)
 def test_a_ball_between_two_others_moves_as_in_the_reference(built, case, method, steps):
-    places, velocities, masses = CASES[case]
+    places, velocities, masses, dashpot, damping = CASES[case]
     expected = reference(case)
     values = {"solver.method": method, "gravity": [0, 0, 0]}
+    for contact, factor in zip(("first", "second"), damping, strict=True):
+        values |= {f"{contact}.method": "penalty_dynamic", f"{contact}.viscous_control": "user_defined"}
+        values |= {f"{contact}.dashpot": dashpot, f"{contact}.viscous_penalty_factor": factor}
     for ball, place, velocity, mass in zip(BALLS, places, velocities, masses, strict=True):
         values |= {f"{ball}.center": place, f"{ball}.initial_velocity": velocity, f"{ball}.mass": mass}
     with ContactFmu(built["ThreeBalls"]) as fmu:

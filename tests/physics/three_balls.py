@@ -1,92 +1,134 @@
-"""Three balls of one size in a row, undamped: scipy's DOP853 at 1e-13, restarted wherever a contact begins or
-ends.
+"""Three balls of one size in a row: scipy's DOP853 at 1e-12, restarted wherever a contact changes its regime.
+
+A contact is apart, presses (F = -(k g + c g')), recedes (F = -k g: a dashpot that acts on approach only) or
+is released (F = 0: a dashpot that does not pull, until its force presses again or the gap opens).
 """
 
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 REACH, STIFFNESS, END = 0.2, 1e6, 0.5
+REST = [0.0, 0.0, 0.0]
 
 
-def gaps(state):
-    places = state[:9].reshape(3, 3)
-    return np.linalg.norm(np.diff(places, axis=0), axis=1) - REACH
+class Case(NamedTuple):
+    places: list
+    velocities: list
+    masses: list
+    dashpot: str = "unclamped"
+    damping: tuple = (0.0, 0.0)  # of either contact
 
 
-def rates(state, touching, masses):
-    places, velocities = state[:9].reshape(3, 3), state[9:]
+def gap(case, state, contact):
+    """Gap, its rate, direction to the next ball"""
+    apart, rate = (np.diff(half.reshape(3, 3), axis=0)[contact] for half in (state[:9], state[9:]))
+    distance = np.linalg.norm(apart)
+    return distance - REACH, apart @ rate / distance, apart / distance
+
+
+def width(case, state, contact):
+    return gap(case, state, contact)[0]
+
+
+def margin(case, state, contact):
+    """The quantity at whose zero the dashpot's regime changes"""
+    g, rate, _ = gap(case, state, contact)
+    return rate if case.dashpot == "approach_only" else STIFFNESS * g + case.damping[contact] * rate
+
+
+def started(case, state, contact):
+    if width(case, state, contact) >= 0:
+        return "apart"
+    if case.dashpot == "unclamped" or margin(case, state, contact) < 0:
+        return "pressing"
+    return "receding" if case.dashpot == "approach_only" else "released"
+
+
+def rates(case, state, regimes):
     forces = np.zeros((3, 3))
-    for k in range(2):
-        if touching[k]:
-            apart = places[k + 1] - places[k]
-            distance = np.linalg.norm(apart)
-            push = -STIFFNESS * (distance - REACH) * apart / distance
-            forces[k] -= push
-            forces[k + 1] += push
-    return np.concatenate([velocities, (forces / masses[:, None]).ravel()])
+    for contact, regime in enumerate(regimes):
+        g, rate, direction = gap(case, state, contact)
+        damping = case.damping[contact] if regime == "pressing" else 0.0
+        if regime in ("pressing", "receding"):
+            push = -(STIFFNESS * g + damping * rate) * direction
+            forces[contact] -= push
+            forces[contact + 1] += push
+    return np.concatenate([state[9:], (forces / np.array(case.masses)[:, None]).ravel()])
+
+
+def changes(case, regimes):
+    """(contact, next regime, event) of all that may happen"""
+    other = "receding" if case.dashpot == "approach_only" else "released"
+    for contact, regime in enumerate(regimes):
+        touches = regime == "apart"
+        yield contact, "pressing" if touches else "apart", crossing(case, width, contact, touches)
+        if regime == "pressing" and case.dashpot != "unclamped" and case.damping[contact] > 0.0:
+            yield contact, other, crossing(case, margin, contact, False)
+        if regime == other:
+            yield contact, "pressing", crossing(case, margin, contact, True)
+
+
+def crossing(case, quantity, contact, falls):
+    def event(_, state):
+        return quantity(case, state, contact)
+
+    event.terminal, event.direction = True, -1.0 if falls else 1.0
+    return event
 
 
 @cache
-def reference(case):
+def reference(name):
     """Places and velocities at END, nine numbers each"""
-    places, velocities, masses = (np.array(values) for values in CASES[case])
-    time, state = 0.0, np.concatenate([np.ravel(places), np.ravel(velocities)])
-    touching = [bool(gap < 0) for gap in gaps(state)]
+    case = CASES[name]
+    time, state = 0.0, np.concatenate([np.ravel(case.places), np.ravel(case.velocities)])
+    regimes = [started(case, state, contact) for contact in range(2)]
     while time < END:
-
-        def event(k, until=tuple(touching)):
-            def gap(_, y):
-                return gaps(y)[k]
-
-            gap.terminal, gap.direction = True, 1.0 if until[k] else -1.0
-            return gap
-
+        possible = list(changes(case, regimes))
         run = solve_ivp(
-            lambda _, y, now=tuple(touching): rates(y, now, masses),
+            lambda _, y, now=tuple(regimes): rates(case, y, now),
             (time, END),
             state,
             method="DOP853",
-            rtol=1e-13,
-            atol=1e-15,
+            rtol=1e-12,
+            atol=1e-14,
             max_step=2e-3,
-            events=[event(0), event(1)],
+            events=[event for _, _, event in possible],
         )
         time, state = run.t[-1], run.y[:, -1]
-        for k in range(2):
-            touching[k] ^= bool(len(run.t_events[k]))
+        for (contact, regime, _), times in zip(possible, run.t_events, strict=True):
+            if len(times):
+                regimes[contact] = regime
     return state
 
 
-REST = [0.0, 0.0, 0.0]
-CASES = {  # places, velocities, masses
-    "almost touching": (
-        [[-0.3, 0, 0], [0, 0, 0], [0.2001, 0, 0]],
-        [[1.0, 0, 0], REST, REST],
-        [1.0, 1.0, 1.0],
-    ),
-    "oblique": (
-        [[-0.3, 0.05, 0], [0, 0, 0], [0.2002, 0.01, 0.02]],
-        [[2.0, 0, 0.1], REST, REST],
-        [1.0, 0.5, 3.0],
-    ),
-    "far apart": ([[-0.3, 0, 0], [0, 0, 0], [0.4, 0.03, 0]], [[3.0, 0, 0], REST, REST], [2.0, 1.0, 0.1]),
-}
-
-
-NAMED = list(CASES)
-
-
-def random_case(seed):
-    """Three balls in a row or almost so: apart, touching to a millionth, pressed in."""
+def random_case(seed, damped):
+    """In a row or almost so: apart, touching to a millionth, pressed in."""
     random = np.random.default_rng([9, seed])
-    left, right = random.choice([0.1, 1e-4, 1e-6, 0.0, -1e-6, -0.03], size=2)
+    left, right = random.choice([0.1, 1e-3, 1e-6, 0.0, -1e-6, -0.03], size=2)
     places = np.array([[-REACH - left, 0, 0], [0, 0, 0], [REACH + right, 0, 0]])
     places += random.normal(size=(3, 3)) * random.choice([0.0, 1e-6, 0.01])
     velocities = random.normal(size=(3, 3)) * random.choice([0.0, 0.01, 1.0], size=(3, 1))
     velocities[:, 0] += [random.choice([0, 1, 3]), 0, -random.choice([0, 1, 3])]
-    return places.tolist(), velocities.tolist(), 10 ** random.uniform(-1, 1, size=3)
+    masses = 10 ** random.uniform(-1, 1, size=3)
+    case = Case(places.tolist(), velocities.tolist(), masses.tolist())
+    if not damped:
+        return case
+    critical = 2 * np.sqrt(STIFFNESS / (1 / masses[:2] + 1 / masses[1:]))
+    damping = critical * 10 ** random.uniform(-2, 0.7, size=2)
+    return case._replace(dashpot=DASHPOTS[seed % 3], damping=tuple(damping.tolist()))
 
 
-CASES |= {f"random {seed}": random_case(seed) for seed in range(12)}
+DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
+CASES = {
+    "almost touching": Case([[-0.3, 0, 0], REST, [0.2001, 0, 0]], [[1.0, 0, 0], REST, REST], [1.0, 1.0, 1.0]),
+    "oblique": Case(
+        [[-0.3, 0.05, 0], REST, [0.2002, 0.01, 0.02]], [[2.0, 0, 0.1], REST, REST], [1.0, 0.5, 3.0]
+    ),
+    "far apart": Case([[-0.3, 0, 0], REST, [0.4, 0.03, 0]], [[3.0, 0, 0], REST, REST], [2.0, 1.0, 0.1]),
+}
+NAMED = list(CASES)
+CASES |= {f"undamped {seed}": random_case(seed, damped=False) for seed in range(12)}
+CASES |= {f"damped {seed}": random_case(seed, damped=True) for seed in range(18)}
