@@ -44,6 +44,9 @@ static bool is_piecewise(const struct scene_values *v, const struct motion *q, i
     return contact_transmits(q, contact) && !contact_is_held(v, contact);
 }
 
+/* A piece that covers so much of what it was asked for covers it, but for rounding: nobody else need be cut short. */
+static const double ALL_OF_IT = 1.0 - 4.0 * DBL_EPSILON;
+
 static bool add_pair(struct stretch *all, const struct scene_values *v, const struct motion *q,
                      const struct system_instant *at, int contact)
 {
@@ -53,13 +56,15 @@ static bool add_pair(struct stretch *all, const struct scene_values *v, const st
     if (!piece_make(p, v, q, at, contact, longest, tolerance_of(v, q, at, contact))) {
         return false;
     }
-    const struct ending ending = p->ending;
-    if (ending.s <= p->end) {
-        all->time = ending.s * p->unit;
+    const double end = p->end * p->unit;
+    const double ending = p->ending.s * p->unit;
+    const double latest = all->ending < 0 ? all->time / ALL_OF_IT : all->time;
+    if (p->ending.s <= p->end && ending < latest) {
+        all->time = ending;
         all->ending = contact;
-        all->next = ending.regime;
-    } else if (p->end * p->unit < all->time) {
-        all->time = p->end * p->unit;
+        all->next = p->ending.regime;
+    } else if (end < all->time && end < longest * ALL_OF_IT) {
+        all->time = end;
         all->ending = -1;
     }
     return true;

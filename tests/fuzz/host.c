@@ -160,6 +160,16 @@ double host_real(fmi2Component c, int row, int element, int component)
     return value;
 }
 
+double host_length(fmi2Component c, int row, int element)
+{
+    double square = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        const double part = host_real(c, row, element, k);
+        square += part * part;
+    }
+    return sqrt(square);
+}
+
 int host_integer(fmi2Component c, int row, int element)
 {
     const struct variable *variable = host_variable(row, element, 0);

@@ -51,6 +51,7 @@ fmi2Status host_set_real(fmi2Component c, int row, int element, int component, d
 fmi2Status host_set_integer(fmi2Component c, int row, int element, int value);
 
 double host_real(fmi2Component c, int row, int element, int component);
+double host_length(fmi2Component c, int row, int element); /* of a vector */
 int host_integer(fmi2Component c, int row, int element);
 
 /* Reads every variable; claims that reals are finite and choices are known ones. */
