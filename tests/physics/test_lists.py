@@ -224,3 +224,45 @@ def test_a_symmetric_squeeze_leaves_the_middle_ball_where_it_is(built, method, s
         for ball, side in zip(BALLS, (-1.0, 0.0, 1.0), strict=True):
             check_close(f"{ball}.velocity", fmu[f"{ball}.velocity"], [side * speed, 0.0, 0.0], 1e-6 * speed)
         assert fmu["first.onsets"] == fmu["second.onsets"] == 1
+
+
+def on_a_held_body(seed):
+    """Two balls pressed, thrown or bounced against one body that does not move: far softer and harder."""
+    random = np.random.default_rng([3, seed])
+    values = {"solver.method": "event_driven", "gravity": [random.choice([0.0, 20.0, 60.0]), 0.3, 0.0]}
+    values |= {"middle.motion": "fixed", "middle.radius": 0.5, "middle.center": [0.0, 0.0, 0.0]}
+    for contact, ball, side in (("first", "left", -1.0), ("second", "right", 1.0)):
+        mass, stiffness = 10 ** random.uniform([-1, 2], [2, 10])
+        away = np.array([side, 0.05 * random.normal(), 0.0])
+        away *= (0.6 + random.choice([0.05, 1e-3, -0.01, -0.1])) / np.linalg.norm(away)
+        speed = 0.3 * random.normal(size=3) - [side * random.choice([0.0, 1.0]), 0.0, 0.0]
+        values |= {f"{ball}.radius": 0.1, f"{ball}.mass": mass, f"{ball}.center": away.tolist()}
+        values |= {f"{ball}.initial_velocity": speed.tolist(), f"{contact}.penalty_factor": stiffness}
+        damping = 2 * np.sqrt(stiffness * mass) * 10 ** random.uniform(-3, 1)
+        values |= {f"{contact}.viscous_penalty_factor": damping, f"{contact}.method": "penalty_dynamic"}
+        values[f"{contact}.dashpot"] = random.choice(["non_adhesive", "unclamped", "approach_only"])
+    return values
+
+
+def held_run(path, values, steps):
+    """Displacements of both balls, and the onsets of both contacts"""
+    with ContactFmu(path) as fmu:
+        fmu.start(values, tolerance=1e-9)
+        for _ in range(steps):
+            fmu.step(END / steps)
+        assert fmu["solver.fallbacks"] == 0
+        moved = [fmu[f"{ball}.displacement"] for ball in ("left", "right")]
+        return moved, [fmu["first.onsets"], fmu["second.onsets"]]
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_two_balls_on_one_held_body_move_as_if_alone(built, seed):
+    """However the ends of one's bounces fall between the pieces of the other's motion."""
+    values = on_a_held_body(seed)
+    both = [held_run(built["ThreeBalls"], values, steps) for steps in (1, 23)]
+    for k, other in enumerate(("right", "left")):
+        away = {f"{other}.motion": "fixed", f"{other}.center": [50.0, 30.0, 40.0]}
+        moved, onsets = held_run(built["ThreeBalls"], values | away, 1)
+        for of_both, onsets_of_both in both:
+            check_close("displacement", of_both[k], moved[k], 1e-8)
+            assert onsets_of_both[k] == onsets[k]
