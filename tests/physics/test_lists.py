@@ -255,7 +255,7 @@ def held_run(path, values, steps):
         return moved, [fmu["first.onsets"], fmu["second.onsets"]]
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", [*range(11), 211])  # in 211 an end was lost
 def test_two_balls_on_one_held_body_move_as_if_alone(built, seed):
     """However the ends of one's bounces fall between the pieces of the other's motion."""
     values = on_a_held_body(seed)
