@@ -4,8 +4,8 @@
 
 #include "dynamics/system.h"
 
-/* How far rounding alone may move the gap: eight roundings of the terms it is computed from, the locations, the
- * displacements and the radii, of a shell all but filled their difference, which is exact [m]. Below it the sign of the gap means nothing. */
+/* How far rounding alone may move the gap: eight roundings of the terms it is computed from, the locations, the displacements and
+ * the radii, of a shell all but filled their difference, which is exact [m]. Below it the sign of the gap means nothing. */
 double resolution_of_gap(const struct scene_values *v, const struct system_instant *at, int contact);
 
 /* Likewise of where the source is along a cylinder's axis: of what lies along it, and of the half length it is compared with [m]. */

@@ -5,7 +5,7 @@
  *   flight.c        no contact transmits a force: closed form (in dynamics/), whatever the method
  *   event_driven.c  pairs press: exponential collocation and power series (piece.h)
  *   cvode.c         bodies press: SUNDIALS CVODE, BDF with an analytic Jacobian or Adams
- *   sampled.c       no free body: the motion is given, only the integrals over it are needed
+ *   sampled.c       neither body of a contact is free: the motion is given, only the integrals over it are needed
  */
 #ifndef CONTACT_SOLVER_H
 #define CONTACT_SOLVER_H

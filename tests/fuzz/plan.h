@@ -13,12 +13,11 @@ static const double PLAN_SMALL = 1e-8;
 struct plan {
     int method, steps, other_steps;
     double end;
-    bool free;     /* some body moves by itself; else energies are sums over samples of the inputs */
-    bool pushed;   /* the importer does work */
-    bool has_ends; /* a finite cylinder: a run may depend on the last digit of where it passes the end */
-    bool balanced; /* an unstable rest at the start: which way it is left may be rounding's choice */
-    bool
-        creeps; /* a dashpot beyond critical: by CVODE, when a contact ends depends on what the tolerance lets pass */
+    bool free;      /* some body moves by itself; else energies are sums over samples of the inputs */
+    bool pushed;    /* the importer does work */
+    bool has_ends;  /* a finite cylinder: a run may depend on the last digit of where it passes the end */
+    bool balanced;  /* an unstable rest at the start: which way it is left may be rounding's choice */
+    bool creeps;    /* a dashpot beyond critical: CVODE's tolerance may decide when such a contact ends */
     double longest; /* the longest radius or distance there is [m] */
     double driven;  /* the fastest that the importer moves a body [m/s] */
 };

@@ -207,22 +207,31 @@ def test_a_driven_pair_beside_a_free_one_is_no_burden_to_it(built, fmu_path, met
 @pytest.mark.parametrize("steps", [1, 6, 7, 50])
 @pytest.mark.parametrize("method", METHODS)
 def test_a_symmetric_squeeze_leaves_the_middle_ball_where_it_is(built, method, steps):
-    """Both contacts end at once; each ball outside leaves with the energy of its own: v = s sqrt(k / m)."""
-    stiffness, mass, radius, depth, end = 3e8, 400.0, 1.0, 0.3, 0.02
+    """Both contacts end at once, to the digits that an integrator leaves; each ball outside leaves with the
+    energy of its own: v = s sqrt(k / m).
+    """
+    stiffness, mass, end = 338385515.34282333, 443.6687330978607, 0.017977067641294291
+    radii = (1.0802115387737352, 6.6608462908091539, 6.6608462908091539)
+    places = (0.0, 7.0749732005019741, 19.730581153039367)
+    depth = radii[0] + radii[1] - places[1]
     values = {"solver.method": method, "gravity": [0.0, 0.0, 0.0]}
-    for place, ball in enumerate(BALLS):
-        values |= {f"{ball}.radius": radius, f"{ball}.mass": mass}
-        values[f"{ball}.center"] = [0.2 + (place - 1) * (2.0 * radius - depth), 0.0, 0.0]
+    values |= {"solver.relative_tolerance": 1e-9, "solver.absolute_tolerance": 1e-12}
+    for ball, radius, place in zip(BALLS, radii, places, strict=True):
+        values |= {f"{ball}.radius": radius, f"{ball}.mass": mass, f"{ball}.center": [place, 0.0, 0.0]}
         values[f"{ball}.initial_velocity"] = [0.0, 0.0, 0.0]
     for contact in ("first", "second"):
         values |= {f"{contact}.penalty_control": "user_defined", f"{contact}.penalty_factor": stiffness}
     with ContactFmu(built["ThreeBalls"]) as fmu:
-        fmu.start(values, tolerance=1e-9)
+        fmu.start(values)
         for _ in range(steps):
             fmu.step(end / steps)
-        speed = depth * (stiffness / mass) ** 0.5
+        rate = (stiffness / mass) ** 0.5
+        speed, way = depth * rate, depth + depth * (rate * end - np.pi / 2)  # after a quarter of a turn
         for ball, side in zip(BALLS, (-1.0, 0.0, 1.0), strict=True):
             check_close(f"{ball}.velocity", fmu[f"{ball}.velocity"], [side * speed, 0.0, 0.0], 1e-6 * speed)
+            check_close(
+                f"{ball}.displacement", fmu[f"{ball}.displacement"], [side * way, 0.0, 0.0], 1e-6 * way
+            )
         assert fmu["first.onsets"] == fmu["second.onsets"] == 1
 
 
