@@ -229,8 +229,11 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     }
     const double axially = has_ends ? resolution_of_axial(v, at, contact, &shape) : 0.0;
     const double found = (q->contact[contact].settled_clock - clock) / horizon;
-    const double settle = fmax(found, settling_time(&path, &shape, &law, &now, resolution, by_positions,
-                                                    axially, &separation, present));
+    /* Bodies that approach touch at once, and not when rounding has been left behind: they would be pressed in by that. */
+    const bool approach = present == REGIME_APART && now.gap_rate < -resolution_of_rate(at, contact);
+    const double unclear = approach ? 0.0 : resolution;
+    const double settle = fmax(found, settling_time(&path, &shape, &law, &now, unclear, by_positions, axially,
+                                                    &separation, present));
     double cuts[MAX_CUTS];
     if (ends_only) {
         return first_change(&path, cuts, cuts_of_ends(&path, cuts, 0), &law, present, true, settle);

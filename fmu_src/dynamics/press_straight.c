@@ -2,10 +2,19 @@
 
 #if SCENE_ANY_FREE
 
+#include <float.h>
+
 #include "dynamics/head_on.h"
 
 /* Radians of y per s: 0.97 of critical damping. Nearer to it most of a turn is below rounding. */
 static const double SLOWEST_TURN = 0.25;
+
+/* The flight that r is taken from may be this many times what y can come to, three digits of sixteen, or as long as the bodies are far. */
+static const double LONGEST_FLIGHT = 1e3;
+
+/* Where a gap that drifts towards the centre starts at most and ends, in parts of the reach: a good way from there. */
+static const double DRIFT_STARTS = 0.5;
+static const double DRIFT_ENDS = 0.75;
 
 static const double HALF_TURN = 3.141592653589793;
 
@@ -25,22 +34,64 @@ static double along_normal(const struct press *from, int degree)
     return from->shape.side * vec3_dot(from->normal, press_across(from, from->flight.c[degree]));
 }
 
+static bool make_of_spring(struct press_straight *p)
+{
+    const struct press *from = p->from;
+    p->stiffness = from->by.k;
+    p->oscillator = (struct oscillator){1.0, from->by.c / from->reduced_mass / p->rate};
+    p->turn = sqrt(fmax(1.0 - 0.25 * p->oscillator.damping * p->oscillator.damping, 0.0));
+    p->settled = p->pull;
+    p->y = from->gap - p->settled;
+    p->amplitude = oscillator_envelope_of(&p->oscillator, p->y, p->y_rate).amplitude;
+    if (p->turn < SLOWEST_TURN) {
+        p->turn = 0.0;
+        p->decay = decay_of(p->oscillator.damping, p->y, p->y_rate);
+    }
+    return from->shape.side < 0 || fabs(p->settled) + p->amplitude < contact_reach(&from->shape);
+}
+
+static bool make_of_dashpot(struct press_straight *p)
+{
+    const struct press *from = p->from;
+    p->stiffness = from->by.c * p->rate;
+    p->turn = p->settled = 0.0;
+    p->y = from->gap;
+    p->decay = decay_of_dashpot(p->y, p->y_rate, p->pull);
+    p->amplitude = fabs(p->y) + fabs(p->decay.by_faster);
+    return from->shape.side < 0 || p->amplitude < DRIFT_STARTS * contact_reach(&from->shape);
+}
+
 bool press_straight_make(struct press_straight *p, const struct press *from)
 {
-    const double square = from->by.k / from->reduced_mass;
-    const double damping = from->by.c / from->reduced_mass;
-    if (!(damping * damping < 4.0 * square) || !is_pulled_straight(from)) {
+    const bool has_spring = from->by.k > 0.0;
+    p->rate = has_spring ? sqrt(from->by.k / from->reduced_mass) : from->by.c / from->reduced_mass;
+    if (!(p->rate > 0.0) || !is_pulled_straight(from)) {
         return false;
     }
     p->from = from;
-    p->rate = sqrt(square);
-    p->oscillator = (struct oscillator){1.0, damping / p->rate};
-    p->turn = sqrt(1.0 - 0.25 * p->oscillator.damping * p->oscillator.damping);
-    p->settled = 2.0 * along_normal(from, 2) / square;
-    p->y = from->gap - p->settled;
+    p->pull = 2.0 * along_normal(from, 2) / (p->rate * p->rate);
     p->y_rate = along_normal(from, 1) / p->rate;
-    p->amplitude = oscillator_envelope_of(&p->oscillator, p->y, p->y_rate).amplitude;
-    return p->turn >= SLOWEST_TURN && fabs(p->settled) + p->amplitude < contact_reach(&from->shape);
+    return has_spring ? make_of_spring(p) : make_of_dashpot(p);
+}
+
+double press_straight_longest(const struct press_straight *p, double resolution)
+{
+    if (p->turn > 0.0) {
+        return (double)INFINITY;
+    }
+    const double flight = fmax(LONGEST_FLIGHT * p->amplitude, resolution / DBL_EPSILON);
+    const double by_rate = flight / fabs(p->y_rate);
+    const double by_fall = sqrt(2.0 * flight / fabs(p->pull));
+    const double free = p->from->shape.side < 0 ? (double)INFINITY
+                                                : DRIFT_ENDS * contact_reach(&p->from->shape) - p->amplitude;
+    const double by_drift = free / fabs(p->decay.drift);
+    return fmin(fmin(p->decay.half_turn, by_drift), fmin(by_rate, by_fall));
+}
+
+/* The gap that remains where y has decayed, else what it was and its change. */
+static double decayed_gap(const struct press_straight *p, double y, double change)
+{
+    return 2.0 * fabs(y) < fabs(p->y) ? p->settled + y : p->from->gap + change;
 }
 
 static void grow_nothing(const struct press_straight *p, double y[4])
@@ -88,6 +139,9 @@ bool press_straight_closes(const struct press_straight *p)
 bool press_straight_keeps(const struct press_straight *p, enum press_quantity quantity, double factor,
                           double offset)
 {
+    if (!(p->from->by.k > 0.0)) {
+        return false; /* for it drifts */
+    }
     if (quantity == PRESS_GAP) {
         return p->amplitude < factor * p->settled + offset;
     }
@@ -114,10 +168,28 @@ static void sample_from(const struct press_straight *p, const double y[4], struc
     }
 }
 
+/* F_n = m_red (g'' - side n.A). */
+static void sample_decay(const struct press_straight *p, double s, struct press_sample *sample)
+{
+    double y[1 + DECAY_DERIVATIVES];
+    decay_at(&p->decay, s, y);
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PRESS_GAP][i] = y[i];
+        sample->of[PRESS_RATE][i] = p->rate * y[1 + i];
+        sample->of[PRESS_FORCE][i] = p->stiffness * y[2 + i];
+    }
+    sample->of[PRESS_GAP][0] = decayed_gap(p, y[0], decay_since(&p->decay, s).y);
+    sample->of[PRESS_FORCE][0] -= p->stiffness * p->pull;
+}
+
 void press_straight_sample(const void *press_straight, double s, struct press_sample *sample)
 {
     const struct press_straight *p = press_straight;
     double y[4];
+    if (!(p->turn > 0.0)) {
+        sample_decay(p, s, sample);
+        return;
+    }
     grow(p, s, y);
     y[0] += p->from->gap;
     y[1] += p->y_rate;
@@ -135,12 +207,30 @@ void press_straight_sample_turn(const struct press_straight *p, double s, bool d
     sample_from(p, y, sample);
 }
 
-/* From the oscillator's own balance of energy: p_nv g'^2 = -(m g'^2 / 2 + p_n (g - settled)^2 / 2)'. */
-static double dissipated_straight(const struct press_straight *p, const double grown[4])
+/* From the oscillator's own balance of energy: p_nv g'^2 = -(m g'^2 / 2 + p_n (g - settled)^2 / 2)', or -(m g'^2 / 2 - side m n.A g)'. */
+static double dissipated_straight(const struct press_straight *p, const double grown[2])
 {
+    const bool has_spring = p->from->by.k > 0.0;
     const double by_rate = grown[1] * (2.0 * p->y_rate + grown[1]);
-    const double by_spring = grown[0] * (2.0 * p->y + grown[0]);
-    return p->from->by.c > 0.0 ? -0.5 * p->from->by.k * (by_rate + by_spring) : 0.0;
+    const double by_place = grown[0] * (has_spring ? 2.0 * p->y + grown[0] : -2.0 * p->pull);
+    return p->from->by.c > 0.0 ? -0.5 * p->stiffness * (by_rate + by_place) : 0.0;
+}
+
+/* The gap, and since the start that and its rate per s. */
+static double gap_grown(const struct press_straight *p, double s, double grown[2])
+{
+    double y[1 + DECAY_DERIVATIVES];
+    if (p->turn > 0.0) {
+        grow(p, s, y);
+        grown[0] = y[0];
+        grown[1] = y[1];
+        return p->from->gap + grown[0];
+    }
+    const struct decay_change since = decay_since(&p->decay, s);
+    decay_at(&p->decay, s, y);
+    grown[0] = since.y;
+    grown[1] = since.y_rate;
+    return decayed_gap(p, y[0], since.y);
 }
 
 struct press_change press_straight_change(const struct press_straight *p, double s)
@@ -149,14 +239,14 @@ struct press_change press_straight_change(const struct press_straight *p, double
     const double time = s / p->rate;
     const double side = from->shape.side;
     const double fall = 2.0 * along_normal(from, 2) * time;
-    double grown[4];
-    grow(p, s, grown);
+    double grown[2];
+    const double gap = gap_grown(p, s, grown);
     const double r = grown[0] - (p->y_rate * s + 0.5 * fall * time);
     const double r_rate = p->rate * grown[1] - fall;
     struct press_change change = {.time = time,
                                   .r = vec3_scale(side * r, from->normal),
                                   .r_rate = vec3_scale(side * r_rate, from->normal),
-                                  .gap = from->gap + grown[0],
+                                  .gap = gap,
                                   .dissipated = dissipated_straight(p, grown)};
     for (int end = 0; end < PRESS_ENDS; ++end) {
         const struct press_work *work = &from->work[end];

@@ -26,7 +26,7 @@ static const double IDLE_DASHPOT = 1e-3;
 static double largest_size(const struct piece *p, enum press_quantity quantity)
 {
     double largest = 0.0;
-    if (p->kind == PIECE_STRAIGHT) { /* whose places do not show the rate */
+    if (p->kind == PIECE_STRAIGHT && p->by.straight.turn > 0.0) { /* whose places do not show the rate */
         const struct press_straight *made = &p->by.straight;
         return quantity == PRESS_RATE ? made->rate * made->amplitude : fabs(made->settled) + made->amplitude;
     }

@@ -260,31 +260,3 @@ def test_automatic_factors_are_those_of_the_bounding_box(opened):
     check_relative("diagonal", fmu["contact.diagonal"], diagonal, 1e-15)
     check_relative("penalty", fmu["contact.effective_penalty_factor"], 2e6 * diagonal, 1e-15)
     check_relative("viscous", fmu["contact.effective_viscous_penalty_factor"], 2e3 * diagonal, 1e-15)
-
-
-@pytest.mark.parametrize("ratio", [1.5, 10.0, 1000.0])
-@pytest.mark.parametrize("radius", [1.0, 1e6, 1e9])
-def test_a_ball_damped_on_approach_only_rebounds_by_its_spring(opened, ratio, radius):
-    """However heavily damped on its way in, and however large the bodies are against the depth: it turns
-    where the damped oscillator does, at depth D, and leaves with D sqrt(p_n / m)
-    """
-    stiffness, speed = 1e6, 1.0
-    rate = math.sqrt(stiffness)
-    spread = math.sqrt(ratio**2 - 1.0)
-    slow, fast = rate / (ratio + spread), rate * (ratio + spread)
-    turn = math.log(fast / slow) / (fast - slow)
-    depth = speed / (fast - slow) * (math.exp(-slow * turn) - math.exp(-fast * turn))
-    values = {
-        "source.radius": radius,
-        "destination.radius": radius,
-        "source.center": [0.0, 0.0, 2.0 * radius],
-        "source.initial_velocity": [0.0, 0.0, -speed],
-        "gravity": [0.0, 0.0, 0.0],
-        "contact.location": "outside",
-        "contact.method": "penalty_dynamic",
-        "contact.dashpot": "approach_only",
-        "contact.penalty_factor": stiffness,
-        "contact.viscous_penalty_factor": 2.0 * ratio * rate,
-    }
-    fmu = run(opened("SphereSphere"), values, 0.1, 1, 1e-9, "event_driven")
-    assert fmu["source.velocity"][2] == pytest.approx(depth * rate, rel=1e-6)

@@ -221,3 +221,17 @@ def test_a_tube_drawn_over_a_resting_ball_begins_and_ends_with_its_ends(opened, 
     assert inside == [False, True, True, False]
     assert fmu["contact.onsets"] == 0
     check_close("position", fmu["source.position"], [0.0, 0.0, -0.3], 1e-12)
+
+
+@pytest.mark.parametrize("steps", range(1, 24))
+@pytest.mark.parametrize("rate", [1e13, 1e17, 1e21])
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_a_touch_at_a_communication_point_is_not_below_it(opened, shape, location, rate, steps):
+    """When a step ends the bodies stand at the touch to rounding, be it by 1e-17 m too deep, where an
+    impact goes no deeper than SPEED / rate: it gives back the speed it takes
+    """
+    mass = 1e-9
+    values = head_on(shape, location, source_mass=mass, contact_penalty_factor=mass * rate**2)
+    fmu = run(opened(FMU[shape]), values, 2 * GAP, 2 * steps, None, "event_driven")
+    assert fmu["contact.onsets"] == 1
+    check_close("velocity", fmu["source.velocity"], -SPEED * approach(location), 1e-12)

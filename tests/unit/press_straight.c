@@ -1,6 +1,7 @@
 /* A head-on contact in closed form: against the oscillator in long double, and what it must keep. */
 #include "dynamics/press_straight.h"
 
+#include <complex.h>
 #include <float.h>
 
 #include "check.h"
@@ -29,6 +30,12 @@ static struct model head_on(struct random *r, double damping)
     return m;
 }
 
+/* Up to 0.95 of critical damping [N s/m], then about and beyond it. */
+static double random_damping(struct random *r, int k)
+{
+    return k % 2 == 0 ? random_between(r, 0.0, 600.0) : 600.0 * random_power(r, 0.0, 2.0);
+}
+
 /* g and g' at a time, from m_red g'' = -(p_n g + p_nv g') + m_red pull. */
 struct expected {
     long double gap, rate;
@@ -38,13 +45,13 @@ static struct expected oscillator_at(const struct press *from, long double t)
 {
     const long double decay = from->by.c / (2.0L * from->reduced_mass);
     const long double square = (long double)from->by.k / from->reduced_mass;
-    const long double turn = sqrtl(square - decay * decay);
+    const long double complex turn = csqrtl(square - decay * decay);
     const long double settled = -2.0L * from->flight.c[2].x / square; /* n = -x */
     const long double y = from->gap - settled;
     const long double y_rate = -(long double)from->flight.c[1].x;
     const long double shrink = expl(-decay * t);
-    const long double sine = shrink * sinl(turn * t) / turn;
-    const long double cosine = shrink * cosl(turn * t);
+    const long double sine = shrink * creall(csinl(turn * t) / turn);
+    const long double cosine = shrink * creall(ccosl(turn * t));
     return (struct expected){settled + y * cosine + (y_rate + decay * y) * sine,
                              y_rate * cosine - (square * y + decay * y_rate) * sine};
 }
@@ -52,8 +59,8 @@ static struct expected oscillator_at(const struct press *from, long double t)
 static void the_gap_is_that_of_a_loaded_damped_oscillator(void)
 {
     struct random r = {17};
-    for (int k = 0; k < 2000; ++k) {
-        const struct model m = head_on(&r, random_between(&r, 0.0, 600.0));
+    for (int k = 0; k < 4000; ++k) {
+        const struct model m = head_on(&r, random_damping(&r, k));
         const struct press from = press_of(&m);
         struct press_straight p;
         struct press_sample at;
@@ -66,14 +73,15 @@ static void the_gap_is_that_of_a_loaded_damped_oscillator(void)
         CHECK_CLOSE("rate", at.of[PRESS_RATE][0], is.rate, 32.0L * DBL_EPSILON * 1e-2L * p.rate);
         CHECK_CLOSE("force", at.of[PRESS_FORCE][0], -(from.by.k * is.gap + from.by.c * is.rate),
                     64.0L * DBL_EPSILON * 1e-2L * from.by.k);
-        const double step = 1e-4;
+        const double step = 1e-4 / (1.0 + p.oscillator.damping);
         struct press_sample later;
         press_straight_sample(&p, s + step, &later);
         for (int i = 0; i < PRESS_QUANTITIES; ++i) {
             const double *a = at.of[i], *b = later.of[i];
-            /* Third derivatives are of the values' size, per radian. */
+            /* Third derivatives are of the values' size, per radian or decay of the faster rate. */
             CHECK_CLOSE("slope", (b[0] - a[0]) / step, a[1] + 0.5 * step * a[2],
-                        step * step * (fabs(a[0]) + fabs(a[1]) + fabs(a[2])) + 1e-7 * fabs(a[0]) + 1e-12);
+                        step * step * (1.0 + p.oscillator.damping) * (fabs(a[0]) + fabs(a[1]) + fabs(a[2])) +
+                            1e-7 * fabs(a[0]) + 1e-12);
         }
     }
 }
@@ -111,7 +119,7 @@ static void a_step_keeps_momentum_and_energy(void)
 {
     struct random r = {18};
     for (int k = 0; k < 2000; ++k) {
-        struct model m = head_on(&r, random_between(&r, 0.0, 600.0));
+        struct model m = head_on(&r, random_damping(&r, k));
         struct motion *q = &m.state.motion;
         const struct scene_values *v = &m.state.values;
         const double before = q->body[SOURCE].velocity.x;
@@ -153,10 +161,47 @@ static void other_motion_is_refused(void)
             from.work[0].path[1].x = 1.0;
             break;
         default:
-            from.by.c = 2.0 * sqrt(from.by.k * from.reduced_mass); /* critical damping */
+            from.by.k = from.by.c = 0.0; /* no force */
             break;
         }
         CHECK(!press_straight_make(&p, &from));
+    }
+}
+
+/* By a dashpot alone, from rest, to a drift or against one: g' decays to the drift, F_n is what holds the pull. */
+static void a_dashpot_alone_is_a_drift(void)
+{
+    struct random r = {21};
+    for (int k = 0; k < 2000; ++k) {
+        struct model m = head_on(&r, random_power(&r, 3.0, 8.0));
+        m.state.values.contact[0].penalty_control = PENALTY_CONTROL_VISCOUS_ONLY;
+        pressed_begin(&m);
+        struct motion *q = &m.state.motion;
+        const struct scene_values *v = &m.state.values;
+        const double energy = balance(&m);
+        const struct press from = press_of(&m);
+        struct press_straight p;
+        CHECK(from.by.k == 0.0 && press_straight_make(&p, &from));
+        const double longest = fmin(press_straight_longest(&p, 1e-16), 1e3);
+        const double s = longest * random_power(&r, -6.0, 0.0);
+        const long double t = s / (long double)p.rate;
+        const long double decay = from.by.c / (long double)from.reduced_mass;
+        const long double pull = -2.0L * from.flight.c[2].x; /* n = -x */
+        const long double drift = pull / decay;
+        const long double less = -(long double)from.flight.c[1].x - drift;
+        const long double rate = drift + less * expl(-decay * t);
+        const long double gap = from.gap + drift * t - less * expm1l(-decay * t) / decay;
+        struct press_sample at;
+        press_straight_sample(&p, s, &at);
+        CHECK_CLOSE("gap", at.of[PRESS_GAP][0], gap, 32.0L * DBL_EPSILON * (fabsl(gap) + 1e-3L));
+        CHECK_CLOSE("rate", at.of[PRESS_RATE][0], rate, 32.0L * DBL_EPSILON * (1.0L + s) * 4.0L);
+        CHECK_CLOSE("force", at.of[PRESS_FORCE][0], -from.by.c * rate,
+                    32.0L * DBL_EPSILON * (1.0L + s) * 4.0L * from.by.c);
+        const struct press_change change = press_straight_change(&p, s);
+        press_apply(&from, &change, v, q, 0);
+        q->clock += change.time;
+        CHECK_CLOSE("balance", balance(&m), energy,
+                    256.0L * DBL_EPSILON * (100.0L + 2000.0L * q->clock * (4.0L + 1e4L * q->clock)));
     }
 }
 
@@ -165,7 +210,7 @@ static void what_is_said_to_last_lasts(void)
     struct random r = {20};
     int kept = 0;
     for (int k = 0; k < 5000; ++k) {
-        const struct model m = head_on(&r, random_between(&r, 0.0, 600.0));
+        const struct model m = head_on(&r, random_damping(&r, k));
         struct press from = press_of(&m);
         struct press_straight p;
         from.flight.c[1] = vec3_scale(0.1, from.flight.c[1]);
@@ -190,6 +235,7 @@ int main(void)
     CHECK_TEST(at_its_turns_the_gap_stands);
     CHECK_TEST(a_step_keeps_momentum_and_energy);
     CHECK_TEST(other_motion_is_refused);
+    CHECK_TEST(a_dashpot_alone_is_a_drift);
     CHECK_TEST(what_is_said_to_last_lasts);
     return check_summary("press_straight");
 }
