@@ -1,7 +1,7 @@
 /*
  * One piece of pressing motion, by whichever way takes it furthest for its cost:
  *
- *   closed form              head-on under a steady pull, below critical damping: for ever, or most of an impact
+ *   closed form              head-on under a steady pull: for ever, or most of an impact
  *   a long collocated step   the oscillation is small and stays clear of parting: as far as the motion along the contact allows
  *   a resolved one           most of an impact: half a turn of the oscillation and more
  *   a creeping one           far beyond critical damping, or without a spring: a radian of the motion along the contact
