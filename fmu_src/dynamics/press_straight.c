@@ -34,6 +34,12 @@ static double along_normal(const struct press *from, int degree)
     return from->shape.side * vec3_dot(from->normal, press_across(from, from->flight.c[degree]));
 }
 
+/* What |g| must stay below. */
+static double keeps_within(const struct press *from)
+{
+    return from->shape.side < 0 ? DBL_MAX : contact_reach(&from->shape);
+}
+
 static bool make_of_spring(struct press_straight *p)
 {
     const struct press *from = p->from;
@@ -47,7 +53,7 @@ static bool make_of_spring(struct press_straight *p)
         p->turn = 0.0;
         p->decay = decay_of(p->oscillator.damping, p->y, p->y_rate);
     }
-    return from->shape.side < 0 || fabs(p->settled) + p->amplitude < contact_reach(&from->shape);
+    return fabs(p->settled) + p->amplitude < keeps_within(from);
 }
 
 static bool make_of_dashpot(struct press_straight *p)
@@ -58,7 +64,7 @@ static bool make_of_dashpot(struct press_straight *p)
     p->y = from->gap;
     p->decay = decay_of_dashpot(p->y, p->y_rate, p->pull);
     p->amplitude = fabs(p->y) + fabs(p->decay.by_faster);
-    return from->shape.side < 0 || p->amplitude < DRIFT_STARTS * contact_reach(&from->shape);
+    return p->amplitude < DRIFT_STARTS * keeps_within(from);
 }
 
 bool press_straight_make(struct press_straight *p, const struct press *from)
@@ -82,10 +88,12 @@ double press_straight_longest(const struct press_straight *p, double resolution)
     const double flight = fmax(LONGEST_FLIGHT * p->amplitude, resolution / DBL_EPSILON);
     const double by_rate = flight / fabs(p->y_rate);
     const double by_fall = sqrt(2.0 * flight / fabs(p->pull));
-    const double free = p->from->shape.side < 0 ? (double)INFINITY
-                                                : DRIFT_ENDS * contact_reach(&p->from->shape) - p->amplitude;
-    const double by_drift = free / fabs(p->decay.drift);
-    return fmin(fmin(p->decay.half_turn, by_drift), fmin(by_rate, by_fall));
+    const double by_time = fmin(p->decay.half_turn, fmin(by_rate, by_fall));
+    if (p->from->by.k > 0.0 || p->from->shape.side < 0) {
+        return by_time;
+    }
+    const double free = DRIFT_ENDS * contact_reach(&p->from->shape) - p->amplitude;
+    return fmin(by_time, free / fabs(p->decay.drift));
 }
 
 /* The gap that remains where y has decayed, else what it was and its change. */

@@ -81,3 +81,30 @@ def test_an_unloaded_contact_beyond_critical_damping_dies_away(opened, shape, lo
     check_close("gap", fmu["contact.gap"], -gap / rate, 1e-6 * gap / rate + 1e-17 + slid)
     check_close("velocity", fmu["source.velocity"], speed * approach(location), 1e-6 * abs(speed) + 1e-15)
     check_close("energy", fmu["energy.total"], mass / 2, 1e-15 * mass)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.5, 0.7, 0.8, 0.95, 1.05])
+@pytest.mark.parametrize("lasted", [0.01, 0.3, 3.0])
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_a_deep_impact_beyond_critical_damping(opened, shape, location, share, lasted):
+    """Either exponential alone would go a share of half the way to the centre"""
+    ratio, stiffness, mass = 1.25, 1e6, 1.0
+    rate = math.sqrt(stiffness / mass)
+    reach = 0.4 if location == "inside" else 0.6
+    speed = share * reach * rate * math.sqrt(ratio**2 - 1)
+    values = head_on(
+        shape,
+        location,
+        gap=0.0,
+        speed=speed,
+        source_mass=mass,
+        contact_method="penalty_dynamic",
+        contact_dashpot="unclamped",
+        contact_penalty_factor=stiffness,
+        contact_viscous_penalty_factor=2 * ratio * math.sqrt(stiffness * mass),
+    )
+    gap, left, time = shares_left(ratio, lasted)
+    fmu = run(opened(FMU[shape]), values, time / rate, 3, 1e-10, "event_driven")
+    assert fmu["solver.fallbacks"] == 0
+    check_close("gap", fmu["contact.gap"], -gap * speed / rate, 1e-9)
+    check_close("velocity", fmu["source.velocity"], left * speed * approach(location), 1e-9 * speed)
