@@ -72,6 +72,10 @@ static double cosine_less(const struct decay *d, double s)
 
 struct decay_change decay_since(const struct decay *d, double s)
 {
+    if (s * (1.0 + d->oscillator.damping) <= OSCILLATOR_BEGINS) {
+        const struct oscillator_begun begun = oscillator_begun(&d->oscillator, d->y, d->y_rate, d->drift, s);
+        return (struct decay_change){begun.x, begun.x_rate};
+    }
     if (d->apart) {
         const double slow = d->by_slower * expm1(-d->slower * s);
         const double fast = d->by_faster * expm1(-d->faster * s);

@@ -103,6 +103,27 @@ struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, do
     return (struct oscillator_envelope){fabs(slow) + fabs(fast), o->square / (decay + spread)};
 }
 
+struct oscillator_begun oscillator_begun(const struct oscillator *o, double x, double x_rate, double load,
+                                         double z)
+{
+    if (!(z > 0.0)) {
+        return (struct oscillator_begun){0.0, 0.0};
+    }
+    double before = x;
+    double term = x_rate * z;
+    struct oscillator_begun begun = {term, 0.0};
+    for (int n = 2; n < 12; ++n) { /* 0.1^12 / 12! is far below rounding */
+        const double pull = n == 2 ? load - o->square * before : -o->square * before;
+        const double next = z * (z * pull - o->damping * term * (n - 1)) / (n * (n - 1));
+        before = term;
+        term = next;
+        begun.x += term;
+        begun.x_rate += n * term;
+    }
+    begun.x_rate /= z;
+    return begun;
+}
+
 void oscillator_follow(const struct oscillator *o, const double *load, double *s, int terms)
 {
     const double inverse = 1.0 / o->square;

@@ -38,6 +38,17 @@ struct oscillator_envelope {
 
 struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, double y, double y_rate);
 
+/* How far x and x' have come since x(0) = x, x'(0) = x_rate, under a steady load: by a power series, so that neither x nor the load takes
+ * digits from what has hardly begun. For z up to OSCILLATOR_BEGINS / (1 + damping), square up to 1. */
+static const double OSCILLATOR_BEGINS = 0.1;
+
+struct oscillator_begun {
+    double x, x_rate;
+};
+
+struct oscillator_begun oscillator_begun(const struct oscillator *o, double x, double x_rate, double load,
+                                         double z);
+
 /* s for a load of `terms` coefficients. The sum ends with the polynomial; its coefficients are of the load's size where the
  * slower rate exceeds the polynomial's degree, and grow as k! / rate^k below. */
 void oscillator_follow(const struct oscillator *o, const double *load, double *s, int terms);

@@ -102,31 +102,31 @@ static double decayed_gap(const struct press_straight *p, double y, double chang
     return 2.0 * fabs(y) < fabs(p->y) ? p->settled + y : p->from->gap + change;
 }
 
-static void grow_nothing(const struct press_straight *p, double y[4])
+/* How much y and y' have changed since the start. */
+static struct oscillator_begun swung(const struct press_straight *p, double s)
 {
-    y[0] = y[1] = 0.0;
-    y[2] = -p->oscillator.damping * p->y_rate - p->y;
-    y[3] = -p->oscillator.damping * y[2] - p->y_rate;
-}
-
-/* y and its first three derivatives; without what y and y' are at the start, which they keep in digits of their own. */
-static void grow(const struct press_straight *p, double s, double y[4])
-{
-    if (s == 0.0) {
-        grow_nothing(p, y);
-        return;
-    }
     const double damping = p->oscillator.damping;
+    if (s * (1.0 + damping) <= OSCILLATOR_BEGINS) {
+        return oscillator_begun(&p->oscillator, p->y, p->y_rate, 0.0, s);
+    }
     const double half_turn = 0.5 * p->turn * s;
     const double sine = sin(half_turn);
     const double cosine_less = -2.0 * sine * sine; /* cos - 1 */
     const double shrink_less = damping > 0.0 ? expm1(-0.5 * damping * s) : 0.0;
     const double by_rate = 2.0 * (1.0 + shrink_less) * sine * cos(half_turn) / p->turn;
     const double by_y = shrink_less + (1.0 + shrink_less) * cosine_less + 0.5 * damping * by_rate;
-    y[0] = p->y * by_y + p->y_rate * by_rate;
-    y[1] = p->y_rate * (by_y - damping * by_rate) - p->y * by_rate;
-    y[2] = -damping * (p->y_rate + y[1]) - (p->y + y[0]);
-    y[3] = -damping * y[2] - (p->y_rate + y[1]);
+    return (struct oscillator_begun){p->y * by_y + p->y_rate * by_rate,
+                                     p->y_rate * (by_y - damping * by_rate) - p->y * by_rate};
+}
+
+/* y and its first three derivatives; without what y and y' are at the start, which they keep in digits of their own. */
+static void grow(const struct press_straight *p, double s, double y[4])
+{
+    const struct oscillator_begun change = swung(p, s);
+    y[0] = change.x;
+    y[1] = change.x_rate;
+    y[2] = -p->oscillator.damping * (p->y_rate + y[1]) - (p->y + y[0]);
+    y[3] = -p->oscillator.damping * y[2] - (p->y_rate + y[1]);
 }
 
 /* y' = exp(-damping s / 2) (y_rate cos + sideways sin) of turn s. */
