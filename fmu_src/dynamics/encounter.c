@@ -193,6 +193,20 @@ static bool head_on_change(const struct contact_shape *shape, const struct conta
     return true;
 }
 
+/* From where the centres meet the bodies go the way they move, not first through what rounding has left of c. */
+static void leave_centre_flying(const struct contact_shape *shape, struct separation *separation,
+                                struct contact_geometry *now)
+{
+    now->normal = contact_way_out(shape, separation->w[0], now->normal);
+    now->gap_rate = shape->side * vec3_dot(now->normal, separation->w[0]);
+    now->degenerate = true;
+    if (shape->side > 0) {
+        const double least = 2.0 * DBL_EPSILON * contact_reach(shape);
+        const struct vec3 across = contact_across(shape, separation->c[0]);
+        separation->c[0] = vec3_axpy(vec3_sub(separation->c[0], across), least, now->normal);
+    }
+}
+
 struct encounter encounter_next(const struct scene_values *v, const struct motion *q,
                                 const struct system_instant *at, double clock, int contact, double horizon)
 {
@@ -205,12 +219,10 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     if ((ends_only && !has_ends) || contact_is_coupled(v, q, contact)) {
         return (struct encounter){(double)INFINITY, present, 0.0, true};
     }
-    const struct separation separation = separation_of(v, q, at, clock, contact);
+    struct separation separation = separation_of(v, q, at, clock, contact);
     struct contact_geometry now = at->geometry[contact];
     if (centre_is_met(v, at, contact, &shape)) {
-        now.normal = contact_way_out(&shape, separation.w[0], now.normal);
-        now.gap_rate = shape.side * vec3_dot(now.normal, separation.w[0]);
-        now.degenerate = true;
+        leave_centre_flying(&shape, &separation, &now);
     }
     const double by_positions = resolution_of_gap(v, at, contact);
     const double resolution = system_gap_is_known(q, at, contact)

@@ -208,3 +208,48 @@ def test_a_far_overdamped_ball_creeps_off_the_centre_as_with_cvode(opened, shape
     rounded = 64 * np.finfo(float).eps * REACH / off
     check_close("displacement", fmu["source.displacement"], expected, way * (1e-8 + rounded))
     assert fmu["solver.steps"] < 100 and fmu["solver.fallbacks"] == 0
+
+
+@pytest.mark.parametrize("mass", [1.0, 2e11])
+@pytest.mark.parametrize("gravity", [50.0, 84.0, 85.0, 86.0, 200.0])
+@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+def test_balls_that_fall_together_pass_their_centre_once(opened, shape, gravity, mass):
+    """So far that their positions do not tell any more on which side of it they are. A force presses one
+    through the other, against a dashpot that lets go there
+    """
+    force, damping, reach, duration = 6.6e-8, 3.4e-5, 0.0040004, 80.0
+    values = {
+        "source.motion": "free",
+        "destination.motion": "free",
+        "source.mass": 0.03,
+        "destination.mass": mass,
+        "source.radius": 4e-7,
+        "destination.radius": 0.004,
+        "source.center": [0.0, 0.0, reach + 5e-8],
+        "source.initial_velocity": [0.0, 0.0, -1e-6],
+        "source.external_force": [0.0, 0.0, -force],
+        "gravity": [0.0, 0.0, -gravity],
+        "contact.location": "outside",
+        "contact.penalty_control": "user_defined",
+        "contact.penalty_factor": 3e-12,
+        "contact.viscous_control": "user_defined",
+        "contact.viscous_penalty_factor": damping,
+        "contact.dashpot": "non_adhesive",
+    }
+    if shape == "cylinder":
+        values["destination.axis"] = [0.0, 1.0, 0.0]
+    name = "SphereSphere" if shape == "sphere" else "SphereCylinder"
+    fmu = run(opened(name), values, duration, 1, 1e-9, "event_driven")
+    assert fmu["contact.onsets"] == 1
+    assert fmu["solver.events"] == 2
+    way = fmu["source.displacement"][2] - fmu["destination.displacement"][2]
+    decay, pull = 0.03 * mass / (0.03 + mass) / damping, force / 0.03
+    speed = math.sqrt(1e-12 + 2 * pull * 5e-8)  # at the touch
+
+    def pressed(t):
+        return pull * decay * t - (speed - pull * decay) * decay * math.expm1(-t / decay)
+
+    centre = brentq(lambda t: pressed(t) - reach, 1.0, duration)
+    rate = pull * decay + (speed - pull * decay) * math.exp(-centre / decay)
+    left = duration - (speed - 1e-6) / pull - centre  # without the dashpot
+    check_close("way", way, -5e-8 - reach - rate * left - pull * left**2 / 2, 1e-8)
