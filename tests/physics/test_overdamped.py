@@ -4,7 +4,7 @@ import math
 
 import pytest
 from checks import check_close, run
-from head_on import FMU, GEOMETRIES, approach, head_on
+from head_on import DASHPOTS, FMU, GEOMETRIES, approach, head_on
 from mpmath import mp
 
 
@@ -108,3 +108,40 @@ def test_a_deep_impact_beyond_critical_damping(opened, shape, location, share, l
     assert fmu["solver.fallbacks"] == 0
     check_close("gap", fmu["contact.gap"], -gap * speed / rate, 1e-9)
     check_close("velocity", fmu["source.velocity"], left * speed * approach(location), 1e-9 * speed)
+
+
+@pytest.mark.parametrize("steps", [1, 7])
+@pytest.mark.parametrize("lasted", [1e-6, 1.0, 1e6])
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_a_dashpot_alone_leaves_a_drift(opened, shape, location, dashpot, lasted, steps):
+    """Pushed along an axis: the speed decays to the force over p_nv"""
+    mass, damping, force = 2.0, 1e5, 0.5
+    values = head_on(
+        shape,
+        location,
+        gap=0.0,
+        source_mass=mass,
+        source_center=[0.0, 0.0, 0.6 if location == "outside" else -0.4],
+        source_initial_velocity=[0.0, 0.0, -1.0],
+        source_external_force=[0.0, 0.0, -force],
+        contact_method="penalty_dynamic",
+        contact_penalty_control="viscous_only",
+        contact_dashpot=dashpot,
+        contact_viscous_penalty_factor=damping,
+    )
+    if shape == "cylinder":
+        values["destination.axis"] = [0.0, 1.0, 0.0]
+    decay, drift = mass / damping, force / damping
+    time = lasted * decay
+    fmu = run(opened(FMU[shape]), values, time, steps, 1e-9, "event_driven")
+    moved = drift * time - (1.0 - drift) * decay * math.expm1(-lasted)
+    speed = drift + (1.0 - drift) * math.exp(-lasted)
+    assert fmu["contact.onsets"] == 1
+    assert fmu["solver.steps"] <= steps + 2
+    check_close("gap", fmu["contact.gap"], -moved, 1e-13 * moved)
+    check_close("rate", fmu["contact.gap_rate"], -speed, 1e-15 + 1e-13 * speed)
+    check_close(
+        "force", fmu["contact.normal_force"], damping * speed, 1e-15 * damping + 1e-13 * damping * speed
+    )
+    check_close("velocity", fmu["source.velocity"], [0.0, 0.0, -speed], 1e-15)
