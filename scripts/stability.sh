@@ -4,12 +4,14 @@
 #   --quick        few of the scenes
 #   --check        the status is 1 where event_driven is wrong
 #   --output DIR   instead of docs/stability
+#   --beyond FIRST LAST   nothing of that: random scenes far beyond the atlas's axes, by event_driven; seeds
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 fail() { printf 'stability: %s\n' "$*" >&2; exit 2; }
 
 options=()
+beyond=()
 output=$root/docs/stability
 while (($#)); do
     case $1 in
@@ -19,7 +21,12 @@ while (($#)); do
             output=$(realpath -m -- "$2")
             shift
             ;;
-        *) fail "unknown argument $1 (--quick, --check, --output DIR)" ;;
+        --beyond)
+            [[ ${2:-} =~ ^[0-9]+$ && ${3:-} =~ ^[0-9]+$ ]] || fail "--beyond takes two seeds, the first and the one after the last"
+            beyond=("$2" "$3")
+            shift 2
+            ;;
+        *) fail "unknown argument $1 (--quick, --check, --output DIR, --beyond FIRST LAST)" ;;
     esac
     shift
 done
@@ -31,4 +38,7 @@ cmake --build --preset default -- --quiet
 
 export PYTHONPATH=$root/scripts PYTHONDONTWRITEBYTECODE=1
 export CONTACT_BUILD=$root/build CONTACT_FMUS=$root/build/fmus
+if ((${#beyond[@]})); then
+    exec .venv/bin/python -m contact_stability.beyond "${beyond[@]}"
+fi
 exec .venv/bin/python -m contact_stability "${options[@]}" --output "$output"

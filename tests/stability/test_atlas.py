@@ -143,7 +143,7 @@ def test_the_page_stands_alone_and_tells_every_refusal(rows, tmp_path):
         assert len(list(csv.DictReader(stream))) == len(rows)
 
 
-@pytest.mark.parametrize("arguments", [["--fast"], ["--output"]])
+@pytest.mark.parametrize("arguments", [["--fast"], ["--output"], ["--beyond"], ["--beyond", "1"]])
 def test_the_command_refuses_what_it_does_not_know(arguments):
     command = [Path(__file__).resolve().parents[2] / "scripts" / "stability.sh", *arguments]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
