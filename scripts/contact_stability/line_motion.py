@@ -19,6 +19,7 @@ from mpmath import mp, mpf
 from .swing import Swing
 
 DIGITS = 60
+MOST_PIECES = 5000  # half a minute
 ZERO, INFINITE = mpf(0), mpf("inf")
 FULL, SPRING, CLIPPED = "spring and dashpot", "spring alone", "clipped"
 
@@ -67,13 +68,17 @@ class Line:
     def run(self, until: float) -> Line:
         with mp.workdps(DIGITS):
             until = mpf(until)
-            while self.time < until:
+            for _ in range(MOST_PIECES):
+                if self.time >= until:
+                    break
                 self._note_speed()
                 self._touch()
                 if self.touching:
                     self._press(until)
                 else:
                     self._fly(until)
+            else:
+                raise ArithmeticError(f"more than {MOST_PIECES} pieces up to {float(self.time):.12g} s")
             self._note_speed()
             if self.touching:
                 self.last_duration = self.time - self.onset_times[-1]

@@ -111,3 +111,11 @@ def test_the_first_change_of_sign_is_not_passed_over():
 def test_a_line_without_forces_goes_straight_on():
     line = Line(True, mpf(1), mpf(1), mpf(1), mpf(0), "unclamped", mpf(0), mpf(0), mpf(2)).run(0.25)
     assert (line.place, line.speed, line.onset_times) == (mpf(0.5), mpf(2), [])
+
+
+def test_a_motion_of_more_pieces_than_anyone_waits_for_has_no_closed_form(monkeypatch):
+    monkeypatch.setattr("contact_stability.line_motion.MOST_PIECES", 12)
+    motion = HeadOn(law="undamped", gap=0.5, speed=0.0, end=2.0)
+    assert len(motion.line().run(2.0).onset_times) == 3
+    with pytest.raises(ArithmeticError, match="more than 12 pieces up to"):
+        motion.line().run(200.0)
