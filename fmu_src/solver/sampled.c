@@ -104,15 +104,21 @@ static bool agree(const struct scene_values *v, const struct motion *q, const st
     return true;
 }
 
+static bool has_direction(const struct scene_values *v, const struct system_instant *at, int contact)
+{
+    const struct contact_geometry *g = &at->geometry[contact];
+    return !g->degenerate && g->distance > resolution_of_gap(v, at, contact);
+}
+
 /* cos of the angle by which n may turn from end to end of a panel, 0.5 rad: five nodes follow that. Where a panel ends just beyond the
- * closest approach of the centres, n turns, or turns round, where no node sees it. */
+ * closest approach of the centres, n turns, or turns round, where no node sees it. A panel that begins or ends in the centre, where n is of no account, lies on one side of it. */
 static const double LARGEST_TURN_COSINE = 0.88;
 
 static bool turns_little(const struct scene_values *v, const struct motion *q,
                          const struct system_instant at[2])
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (is_given(v, q, j) &&
+        if (is_given(v, q, j) && has_direction(v, &at[0], j) && has_direction(v, &at[1], j) &&
             vec3_dot(at[0].geometry[j].normal, at[1].geometry[j].normal) < LARGEST_TURN_COSINE) {
             return false;
         }

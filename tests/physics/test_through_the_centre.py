@@ -210,6 +210,22 @@ def test_a_far_overdamped_ball_creeps_off_the_centre_as_with_cvode(opened, shape
     assert fmu["solver.steps"] < 100 and fmu["solver.fallbacks"] == 0
 
 
+@pytest.mark.parametrize("stop", [0.0, 0.3])
+@pytest.mark.parametrize("shape", FMU)
+def test_a_ball_led_out_of_the_centre_or_to_it_takes_few_panels(opened, shape, stop):
+    """The direction that the contact has in the centre is not the one it has on the way"""
+    stiffness, start = 1e4, 0.3 - stop
+    values = solid(shape, ACROSS, **{"contact.penalty_factor": stiffness, "source.motion": "prescribed"})
+    values |= {"contact.viscous_penalty_factor": 0.0, "source.initial_velocity": [0.0, 0.0, 0.0]}
+    values["source.center"] = (start * ACROSS).tolist()
+    values["source.prescribed_displacement.derivatives"] = [((stop - start) * ACROSS).tolist()]
+    values["source.prescribed_velocity"] = ((stop - start) * ACROSS).tolist()
+    values["solver.max_internal_steps"] = 100
+    fmu = run(opened(FMU[shape]), values, 1.0, 1, tolerance=1e-10, method="event_driven")
+    mean = stiffness * (REACH - 0.15) * ACROSS
+    check_close("mean force", fmu["contact.mean_force"], mean, 1e-9 * stiffness)
+
+
 @pytest.mark.parametrize("mass", [1.0, 2e11])
 @pytest.mark.parametrize("gravity", [50.0, 84.0, 85.0, 86.0, 200.0])
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])
