@@ -5,12 +5,14 @@ two pieces of an oscillator in closed form. The force jumps at the centre, where
 and begins another; CVODE is not needed.
 """
 
+import contextlib
 import math
 from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
-from checks import METHODS, check_close, check_relative, run
+from checks import METHODS, check_close, check_relative, run, start
+from contact_scenarios.fmu import FmuError
 from head_on import ACROSS, AXIS, FMU, RADII
 from reference_integrator import Reference
 from scipy.optimize import brentq
@@ -224,6 +226,29 @@ def test_a_ball_led_out_of_the_centre_or_to_it_takes_few_panels(opened, shape, s
     fmu = run(opened(FMU[shape]), values, 1.0, 1, tolerance=1e-10, method="event_driven")
     mean = stiffness * (REACH - 0.15) * ACROSS
     check_close("mean force", fmu["contact.mean_force"], mean, 1e-9 * stiffness)
+
+
+@pytest.mark.parametrize("shape", FMU)
+def test_a_ball_led_past_the_centre_goes_on_from_where_a_limit_stopped_it(opened, shape):
+    """The work that is done on it, in parts of few panels each"""
+    stiffness, miss, end = 1e4, 1e-3, 0.3
+    values = solid(shape, ACROSS, **{"contact.penalty_factor": stiffness, "source.motion": "prescribed"})
+    values |= {"contact.viscous_penalty_factor": 0.0, "source.initial_velocity": [0.0, 0.0, 0.0]}
+    values["source.center"] = (-end * ACROSS + miss * ASIDE).tolist()
+    values["source.prescribed_velocity"] = (3 * end * ACROSS).tolist()
+    values["source.prescribed_displacement.derivatives"] = [(3 * end * ACROSS).tolist()]
+    values["solver.max_internal_steps"] = 20
+    fmu = opened(FMU[shape])
+    start(fmu, values, 1e-10, "event_driven")
+    stops = [0.0]
+    while fmu.time < 1.0:
+        with contextlib.suppress(FmuError):
+            fmu.step(1.0 - fmu.time)
+        assert fmu.time > stops[-1]
+        stops.append(fmu.time)
+    assert len(stops) > 2
+    before, after = (REACH - math.hypot(x, miss) for x in (end, 2 * end))
+    check_close("work", fmu["energy.external_work"], stiffness * (after**2 - before**2) / 2, 1e-8 * stiffness)
 
 
 @pytest.mark.parametrize("mass", [1.0, 2e11])
