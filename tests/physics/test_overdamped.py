@@ -52,6 +52,21 @@ def shares_left(ratio, lasted):
         )
 
 
+def at_the_touch(shape, location, mass, stiffness, ratio, speed=1.0):
+    """`ratio` of critical damping, `unclamped`"""
+    return head_on(
+        shape,
+        location,
+        gap=0.0,
+        speed=speed,
+        source_mass=mass,
+        contact_method="penalty_dynamic",
+        contact_dashpot="unclamped",
+        contact_penalty_factor=stiffness,
+        contact_viscous_penalty_factor=2 * ratio * math.sqrt(stiffness * mass),
+    )
+
+
 @pytest.mark.parametrize("steps", [1, 7])
 @pytest.mark.parametrize("lasted", [1e-3, 1.0, 30.0, 600.0, 1e4, 1e9])
 @pytest.mark.parametrize("ratio", [1.0001, 1.02, 1.05, 8.7, 1e4])
@@ -62,16 +77,7 @@ def test_an_unloaded_contact_beyond_critical_damping_dies_away(opened, shape, lo
     """
     stiffness, mass = 1e9, 1e-3
     rate = math.sqrt(stiffness / mass)
-    values = head_on(
-        shape,
-        location,
-        gap=0.0,
-        source_mass=mass,
-        contact_method="penalty_dynamic",
-        contact_dashpot="unclamped",
-        contact_penalty_factor=stiffness,
-        contact_viscous_penalty_factor=2 * ratio * math.sqrt(stiffness * mass),
-    )
+    values = at_the_touch(shape, location, mass, stiffness, ratio)
     gap, speed, time = shares_left(ratio, lasted)
     fmu = run(opened(FMU[shape]), values, time / rate, steps, None, "event_driven")
     assert fmu["contact.active"] is True or lasted > 30
@@ -92,17 +98,7 @@ def test_a_deep_impact_beyond_critical_damping(opened, shape, location, share, l
     rate = math.sqrt(stiffness / mass)
     reach = 0.4 if location == "inside" else 0.6
     speed = share * reach * rate * math.sqrt(ratio**2 - 1)
-    values = head_on(
-        shape,
-        location,
-        gap=0.0,
-        speed=speed,
-        source_mass=mass,
-        contact_method="penalty_dynamic",
-        contact_dashpot="unclamped",
-        contact_penalty_factor=stiffness,
-        contact_viscous_penalty_factor=2 * ratio * math.sqrt(stiffness * mass),
-    )
+    values = at_the_touch(shape, location, mass, stiffness, ratio, speed)
     gap, left, time = shares_left(ratio, lasted)
     fmu = run(opened(FMU[shape]), values, time / rate, 3, 1e-10, "event_driven")
     assert fmu["solver.fallbacks"] == 0
