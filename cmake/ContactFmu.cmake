@@ -1,7 +1,7 @@
 # add_contact_fmu(scene.toml): the FMU of one scene, <build>/fmus/<Scene>.fmu.
 #
 #   configure   modelDescription/generate.py writes <build>/scenes/<Scene>/: modelDescription.xml, scene.h,
-#               scene_variables.c, documentation/ and scene.cmake (SCENE_NAME, SCENE_HAS_CVODE, SCENE_HAS_CYLINDER)
+#               scene_variables.c, documentation/ and scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE, SCENE_HAS_CYLINDER)
 #   compile     all of fmu_src as one unit against that scene.h -> <build>/libraries/<Scene>.so
 #   pack        the library, stripped, with description and documentation into a ZIP
 #
@@ -60,10 +60,16 @@ function(contact_scene_options target folder has_cvode)
     set_target_properties(${target} PROPERTIES C_VISIBILITY_PRESET hidden POSITION_INDEPENDENT_CODE ON)
 endfunction()
 
-function(contact_scene_sources folder has_cvode result)
+# The sources that the scene of SCENE_ANY_FREE and SCENE_HAS_CVODE needs.
+function(contact_scene_sources folder result)
     set(sources ${CONTACT_MODEL_SOURCES} "${folder}/scene_variables.c")
-    if(has_cvode)
+    if(SCENE_ANY_FREE)
         list(APPEND sources ${CONTACT_SOLVER_SOURCES})
+        if(SCENE_HAS_CVODE)
+            list(APPEND sources ${CONTACT_CVODE_SOURCES})
+        else()
+            list(APPEND sources ${CONTACT_NO_CVODE_SOURCES})
+        endif()
     endif()
     set(${result} ${sources} PARENT_SCOPE)
 endfunction()
@@ -73,7 +79,7 @@ function(add_contact_fmu scene)
     include("${folder}/scene.cmake")
     set_property(GLOBAL APPEND PROPERTY CONTACT_SCENES ${SCENE_NAME})
 
-    contact_scene_sources("${folder}" ${SCENE_HAS_CVODE} sources)
+    contact_scene_sources("${folder}" sources)
     add_library(${SCENE_NAME} MODULE ${sources} ${CONTACT_FMI2_SOURCES})
     contact_scene_options(${SCENE_NAME} "${folder}" ${SCENE_HAS_CVODE})
     set_target_properties(${SCENE_NAME} PROPERTIES
@@ -135,7 +141,7 @@ function(contact_scene_library name)
     endif()
     set(folder "${CONTACT_SCENE_FOLDER}/${name}")
     include("${folder}/scene.cmake")
-    contact_scene_sources("${folder}" ${SCENE_HAS_CVODE} sources)
+    contact_scene_sources("${folder}" sources)
     add_library(${name}_model STATIC ${sources})
     contact_scene_options(${name}_model "${folder}" ${SCENE_HAS_CVODE})
 endfunction()

@@ -25,6 +25,25 @@ bool system_is_force_element(const struct scene_values *v)
     return true;
 }
 
+static int contacts_of(int body)
+{
+    int count = 0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        count += contact_source(j) == body || contact_destination(j) == body;
+    }
+    return count;
+}
+
+bool system_shares_free_body(const struct scene_values *v)
+{
+    for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i) && contacts_of(i) > 1) {
+            return true;
+        }
+    }
+    return false;
+}
+
 bool contact_transmits(const struct motion *q, int contact)
 {
     return q->contact[contact].regime == REGIME_PRESSING || q->contact[contact].regime == REGIME_RECEDING;

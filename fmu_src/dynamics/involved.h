@@ -14,6 +14,9 @@ bool contact_is_held(const struct scene_values *v, int contact);
 /* Whether no body is free: the scene is a force element and has no states. */
 bool system_is_force_element(const struct scene_values *v);
 
+/* Whether any free body is in more than one contact, so that contacts may act on each other through it. */
+bool system_shares_free_body(const struct scene_values *v);
+
 /* Whether no bodies overlap. */
 bool system_is_apart(const struct motion *q);
 

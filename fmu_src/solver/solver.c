@@ -3,6 +3,7 @@
 #if SCENE_ANY_FREE
 
 #include <float.h>
+#include <stdio.h>
 
 #include "dynamics/encounter.h"
 #include "dynamics/flight.h"
@@ -12,10 +13,16 @@
 #include "solver/event_driven.h"
 #include "solver/sampled.h"
 
+/* event_driven leaves only bodies in several contacts to CVODE. */
+static bool uses_cvode(const struct scene_values *v)
+{
+    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || system_shares_free_body(v);
+}
+
 bool solver_open(struct solver *s, const struct scene_values *v, const struct solver_memory *memory)
 {
     s->message[0] = '\0';
-    return system_is_force_element(v) || cvode_open(&s->cvode, v, memory, s->message);
+    return system_is_force_element(v) || !uses_cvode(v) || cvode_open(&s->cvode, v, memory, s->message);
 }
 
 void solver_close(struct solver *s)
@@ -100,6 +107,10 @@ static enum advance_result advance_phase(struct solver *s, const struct scene_va
         const enum advance_result result = event_driven_advance(v, q, step);
         if (result != ADVANCE_FAILED) {
             return result;
+        }
+        if (!uses_cvode(v)) {
+            snprintf(s->message, sizeof s->message, "no segment of the motion can be made from here");
+            return ADVANCE_FAILED;
         }
         counter_add(&q->counters.fallbacks, 1);
         q->integrator_fresh = 1;

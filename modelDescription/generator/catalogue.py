@@ -4,6 +4,7 @@ import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from .conditions import SCENE_CVODE
 from .errors import InputError, allowed
 
 ROW_KEYS = {
@@ -189,7 +190,7 @@ def _check_ranges(catalogue: Catalogue, shown: str) -> None:
 def _check_references(catalogue: Catalogue, shown: str) -> None:
     """No value reference of a block is given twice; conditions speak of choices that exist."""
     used: dict[tuple[str, int], str] = {}
-    choices = catalogue.choices()
+    choices = [*catalogue.choices(), SCENE_CVODE]
     for row in catalogue.rows.values():
         for vr in range(row.vr, row.vr + row.dim):
             other = used.setdefault((row.owner, vr), row.key)

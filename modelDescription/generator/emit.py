@@ -121,7 +121,7 @@ def _context(resolved: Resolved) -> dict:
         "any_free": resolved.may("body.motion", "free"),
         "any_prescribed": resolved.may("body.motion", "prescribed"),
         "any_cylinder": any(body.shape == "cylinder" for body in resolved.scene.bodies),
-        "has_cvode": resolved.may("body.motion", "free"),
+        "has_cvode": resolved.may_need_cvode,
         "rows": list(rows),
         "present": c_code.rows_present(resolved),
         "structs": c_code.structs(resolved),

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 
 from .catalogue import Catalogue, Row
+from .conditions import may_need_cvode, number_of, possible
 from .errors import allowed
 from .scene import Scene
 
@@ -60,6 +61,7 @@ class Resolved:
     catalogue: Catalogue
     cells: tuple[Cell, ...]  # every row of every element, present or not, in the order of the catalogue
     variables: tuple[Variable, ...]  # what the FMU has, in the order of modelDescription.xml
+    may_need_cvode: bool
 
     def of(self, key: str) -> list[Cell]:
         return [cell for cell in self.cells if cell.row.key == key]
@@ -103,7 +105,8 @@ def resolve(scene: Scene, catalogue: Catalogue) -> Resolved:
     left_out = _left_out(scene, known)
     starts = {name: checked(scene, "[start]", known[name], value) for name, value in scene.start.items()}
     cells = [_with_start(cell, starts, left_out) for cell in cells]
-    return Resolved(scene, catalogue, tuple(cells), tuple(_variables(cells, scene)))
+    cvode = may_need_cvode(cells, constants, scene)
+    return Resolved(scene, catalogue, tuple(cells), tuple(_variables(cells, scene)), cvode)
 
 
 def _cells_of(row: Row, scene: Scene):
@@ -133,20 +136,9 @@ def _cell(row: Row, scene: Scene, element: int, name: str, block: int, **names: 
     if row.start_destination is not None and scene.is_destination_only(element):
         value = row.start_destination
     return Cell(
-        row, element, name, True, False, _number(row, value), 100 * block + row.vr,
+        row, element, name, True, False, number_of(row, value), 100 * block + row.vr,
         row.description.format(**names), row.symbol.format(**letters) if row.symbol else None,
     )  # fmt: skip
-
-
-def _number(row: Row, value):
-    """A value as written in a TOML file (already valid) as the numbers C and XML use."""
-    if value is None:
-        return None
-    if isinstance(value, list):
-        return tuple(float(x) for x in value)
-    if row.type.base == "Enumeration":
-        return row.type.item(value).value
-    return float(value) if row.type.base == "Real" else int(value)
 
 
 def _constants(scene: Scene, known: dict[str, Cell]) -> dict[str, object]:
@@ -209,26 +201,11 @@ def checked(scene: Scene, where: str, cell: Cell, value):
 def _place(cell: Cell, cells: list[Cell], constants: dict, scene: Scene) -> Cell:
     """Settles whether the scene needs the cell, and its constant if it is pinned."""
     needed = not cell.row.when or any(
-        all(_possible(choice, items, cell, cells, constants, scene) for choice, items in alternative.items())
+        all(possible(choice, items, cell, cells, constants, scene) for choice, items in alternative.items())
         for alternative in cell.row.when
     )
     pinned = cell.name in constants
     return replace(cell, present=needed, pinned=pinned, value=constants.get(cell.name, cell.value))
-
-
-def _possible(choice: str, items: list, cell: Cell, cells: list[Cell], constants: dict, scene: Scene) -> bool:
-    """May a choice that the row depends on have one of these items, given what is pinned?"""
-    anyone = choice.startswith("any ")
-    group, _, field = choice.removeprefix("any ").partition(".")
-    element = cell.element
-    if cell.row.owner == "contact" and group in ("source", "destination"):
-        element, group = getattr(scene.contacts[cell.element], group), "body"
-    for other in cells:
-        if other.row.key == f"{group}.{field}" and (anyone or other.element == element):
-            wanted = [_number(other.row, item) for item in items]
-            if other.name not in constants or constants[other.name] in wanted:
-                return True
-    return False
 
 
 def _check_use(scene: Scene, known: dict[str, Cell]) -> None:

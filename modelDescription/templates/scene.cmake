@@ -1,5 +1,6 @@
 # Generated from the scene file by modelDescription/generate.py.
 set(SCENE_NAME "{{ scene.name }}")
 set(SCENE_GUID "{{ guid }}")
+set(SCENE_ANY_FREE {{ "ON" if any_free else "OFF" }})
 set(SCENE_HAS_CVODE {{ "ON" if has_cvode else "OFF" }})
 set(SCENE_HAS_CYLINDER {{ "ON" if any_cylinder else "OFF" }})

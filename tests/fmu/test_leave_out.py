@@ -23,11 +23,14 @@ UNIVERSAL = {
     "BallOnSphere": "SphereSphere",
     "BallInShell": "SphereSphere",
     "BallOffRoller": "SphereCylinder",
+    "PinnedEvent": "SphereCylinder",
     "ForceElement": "SphereCylinder",
 }
 pinned_scenes = pytest.mark.parametrize("scene", UNIVERSAL)
 sphere_scenes = pytest.mark.parametrize("scene", ["SphereSphere", "BallOnSphere", "BallInShell"])
-thrown_scenes = pytest.mark.parametrize("scene", ["BallOnSphere", "BallInShell", "BallOffRoller"])
+thrown_scenes = pytest.mark.parametrize(
+    "scene", ["BallOnSphere", "BallInShell", "BallOffRoller", "PinnedEvent"]
+)
 
 
 @pytest.fixture(scope="session")
@@ -126,6 +129,21 @@ def test_the_force_element_has_no_solver(strings):
     assert code_of_lines("ForceElement", "", "solver") == []
     assert "CVODE" in strings("SphereCylinder")
     assert re.search("CVODE|SUNDIALS|solver", strings("ForceElement")) is None
+
+
+def test_the_pinned_method_has_no_cvode(variables, strings):
+    """A pair that only event_driven integrates: no code of SUNDIALS, nothing that counts what CVODE does."""
+    pattern = r"^CV|SUN|N_V[A-Z]"
+    assert matching(functions("BallOffRoller"), pattern)
+    assert matching(functions("PinnedEvent"), pattern) == []
+    assert "CVODE" in strings("BallOffRoller")
+    assert "CVODE" not in strings("PinnedEvent")
+    counted_by_cvode = {"solver.method", "solver.rejected_steps", "solver.fallbacks"}
+    assert variables("BallOffRoller") - variables("PinnedEvent") == counted_by_cvode
+
+
+def test_the_pinned_method_halves_the_library(library_bytes):
+    assert library_bytes("PinnedEvent") <= 0.5 * library_bytes("BallOffRoller")
 
 
 def test_the_force_element_has_no_states_and_no_energy(variables):
