@@ -114,18 +114,20 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
 }
 
 /* As model_save leaves it: clock at zero, bodies where they are, an integrator that starts afresh. */
-static bool motion_is_sound(const struct motion *q)
+static bool motion_is_sound(const struct motion *q, bool initialized)
 {
     const struct solver_counters *n = &q->counters;
     const bool counted = n->steps >= 0 && n->force_evaluations >= 0 && n->events >= 0 &&
                          n->rejected_steps >= 0 && n->fallbacks >= 0;
+    /* With 0 CVODE would go on from a history that a restored state does not have. */
+    const bool fresh = !initialized || q->integrator_fresh == 1;
 #if SCENE_ANY_FREE
     /* nobody saves a glide, see model_save */
     const bool at_rest = q->clock == 0.0 && q->quiet_clock == 0.0 && q->gliding == 0;
-    return counted && at_rest && paths_are_sound(q) && !isnan(q->horizon_clock) &&
+    return counted && fresh && at_rest && paths_are_sound(q) && !isnan(q->horizon_clock) &&
            all_finite(q->origin, &q->counters) && all_finite(q, q->contact);
 #else
-    return counted && paths_are_sound(q) && all_finite(q, q->contact);
+    return counted && fresh && paths_are_sound(q) && all_finite(q, q->contact);
 #endif
 }
 
@@ -142,7 +144,7 @@ static bool state_is_sound(const struct model_state *state)
             return false;
         }
     }
-    return motion_is_sound(&state->motion) && all_finite(state->signals, &state->motion) &&
+    return motion_is_sound(&state->motion, state->initialized != 0) && all_finite(state->signals, &state->motion) &&
            all_finite(&state->importer_tolerance, state->marks);
 }
 

@@ -155,12 +155,13 @@ enum advance_result event_driven_advance(const struct scene_values *v, struct mo
     while (q->clock < step->clock_end) {
         struct stretch all;
         const double left = step->clock_end - q->clock;
-        if (step->budget-- <= 0) {
+        if (step->budget <= 0) {
             return ADVANCE_STEP_LIMIT;
         }
         if (!stretch_make(&all, v, q, advance_now(step, v, q), left)) {
-            return ADVANCE_FAILED;
+            return ADVANCE_FAILED; /* with the budget it came with: CVODE takes a budget of 0 as its default */
         }
+        step->budget -= 1;
         const bool whole = stretch_integrate_held(&all, v, q, &step->budget);
         const double stored = stored_in_released(v, q, step);
         step->is_now = false;

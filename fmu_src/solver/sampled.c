@@ -56,7 +56,7 @@ static struct panel integrate(const struct scene_values *v, struct motion *q, do
             result.size[k] += half * weight[i] * fabs(value[k]);
         }
     }
-    q->counters.force_evaluations += NODES;
+    counter_add(&q->counters.force_evaluations, NODES);
     return result;
 }
 
@@ -164,7 +164,7 @@ static double largest_between(const struct scene_values *v, struct motion *q, do
             at_high = measure(v, q, high, contact, which);
         }
     }
-    q->counters.force_evaluations += 42;
+    counter_add(&q->counters.force_evaluations, 42);
     return fmax(at_low, at_high);
 }
 

@@ -59,6 +59,8 @@ static const struct change harmful[] = {
     {IN(motion.counters.events), INTEGER, -1.0},
     {IN(motion.counters.rejected_steps), INTEGER, -1.0},
     {IN(motion.counters.fallbacks), INTEGER, -1.0},
+    {IN(motion.integrator_fresh), INTEGER, 0.0},
+    {IN(motion.integrator_fresh), INTEGER, 2.0},
     {IN(motion.origin[0].displacement.x), REAL, ENDLESS},
     {IN(motion.origin[0].displacement.z), REAL, DBL_MAX}, /* finite, but the energy is not */
     {IN(motion.body[0].velocity.z), REAL, NOT_A_NUMBER},
