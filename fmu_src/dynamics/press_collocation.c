@@ -32,13 +32,54 @@ struct press_outlook press_outlook_of(const struct press *p)
     const double load = vec3_dot(along, along) / d + vec3_dot(p->normal, problem->pull[0]) -
                         problem->damping * vec3_dot(p->normal, problem->lead[0]);
     const struct oscillator oscillator = {problem->square, problem->damping};
-    out.turning = vec3_norm(along) / d + sqrt(vec3_norm(problem->pull[0]) / d);
+    out.distance = d;
+    out.rate_along = vec3_norm(along) / d;
+    out.turning = out.rate_along + sqrt(vec3_norm(problem->pull[0]) / d);
     out.rates = oscillator_rates_of(&oscillator);
     out.load_depth = -p->shape.side * load / problem->square;
     out.swings = 4.0 * problem->square > problem->damping * problem->damping;
     out.oscillation =
         oscillator_envelope_of(&oscillator, problem->excess - load / problem->square, radial).amplitude;
     return out;
+}
+
+/* |A| at its largest, seen at the start, the middle and the end of the step [m/s^2]. */
+static double largest_pull(const struct vec3 pull[COLLOCATION_PULL_TERMS], double step)
+{
+    double largest = vec3_norm(pull[0]);
+    for (int i = 1; i <= 2; ++i) {
+        largest = fmax(largest, vec3_norm(path_at(pull, COLLOCATION_PULL_TERMS, 0.5 * i * step)));
+    }
+    return largest;
+}
+
+double press_turning_within(const struct press_outlook *outlook, double step)
+{
+    const struct vec3 *pull = outlook->problem.pull;
+    if (vec3_is_zero(pull[1]) && vec3_is_zero(pull[2])) {
+        return outlook->turning;
+    }
+    return outlook->rate_along + sqrt(largest_pull(pull, step) / outlook->distance);
+}
+
+/* Radians in a step are an estimate: a tenth more is as good. */
+static const double RADIANS_MORE = 1.1;
+
+enum { STEP_TRIALS = 12 };
+
+double press_step_within(const struct press_outlook *outlook, double longest, double radians)
+{
+    double step = fmin(longest, radians / outlook->turning);
+    for (int i = 0; i < STEP_TRIALS; ++i) {
+        const double turning = press_turning_within(outlook, step);
+        if (step * turning <= RADIANS_MORE * radians) {
+            break;
+        }
+        /* What is looked for lies between the step and radians / turning. The rate grows with a power of the step
+         * between 0 and 1, so that the geometric mean is nearer to it than either. */
+        step = sqrt(step * (radians / turning));
+    }
+    return step;
 }
 
 bool press_collocation_make(struct press_collocation *p, const struct press *from,

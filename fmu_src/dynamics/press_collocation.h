@@ -11,7 +11,10 @@
 /* What the motion is like at the start of a step. */
 struct press_outlook {
     struct collocation_problem problem;
-    double turning; /* the rate at which the motion along the contact turns [1/s] */
+    double distance;   /* d [m] */
+    double rate_along; /* |c' along the contact| / d [1/s] */
+    double
+        turning; /* the rate at which the motion along the contact turns [1/s]; later: press_turning_within */
     struct oscillator_rates
         rates;          /* of the radial oscillator; sqrt(p_n / m_red) below critical damping [1/s] */
     double oscillation; /* bound of how far x will deviate from what follows the load [m] */
@@ -20,6 +23,13 @@ struct press_outlook {
 };
 
 struct press_outlook press_outlook_of(const struct press *p);
+
+/* The largest `turning` within a step of so many seconds: a pull that grows with time, perhaps from nothing, makes it faster
+ * than it is at the start. Equal to `turning` where the pull is constant or fades. */
+double press_turning_within(const struct press_outlook *outlook, double step);
+
+/* The longest step, up to `longest`, in which the motion along the contact turns by about `radians`. */
+double press_step_within(const struct press_outlook *outlook, double longest, double radians);
 
 struct press_collocation {
     const struct press *from;

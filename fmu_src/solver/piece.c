@@ -14,9 +14,6 @@ static const double CREEPING_STEP = 1.0;
 /* Nor may d grow by more than this in one that leaves the centre: n turns with 1 / d^2. */
 static const double CREEPING_GROWTH = 4.0;
 
-/* The oscillator must be faster than the motion along the contact by so much for the two to be told apart. */
-static const double SEPARATION_OF_RATES = 20.0;
-
 enum { ATTEMPTS = 12 };
 
 static void series_piece(struct piece *p, double longest)
@@ -91,6 +88,15 @@ bool piece_watched(struct piece *p, const struct press_outlook *outlook, double 
     return true;
 }
 
+/* Whether a creeping step may leave out what it does of a fast decay of such an amplitude [m]. */
+static bool may_creep(const struct piece *p, const struct press_outlook *outlook, double step, double decay)
+{
+    const double turning = press_turning_within(outlook, step);
+    const double ratio = turning / outlook->rates.faster;
+    return outlook->rates.faster >= SEPARATION_OF_RATES * turning &&
+           spanning_left_out(decay, ratio, outlook->problem.reach, ratio) <= p->tolerance;
+}
+
 static bool creeping_piece(struct piece *p, const struct press_outlook *outlook, double longest)
 {
     const double faster = outlook->rates.faster;
@@ -98,15 +104,17 @@ static bool creeping_piece(struct piece *p, const struct press_outlook *outlook,
     if (outlook->swings || faster < 4.0 * slower) {
         return false;
     }
-    double step = fmin(longest, fmin(CREEPING_STEP / outlook->turning, PIECE_SHORTEST / slower));
-    if (outlook->turning > 0.0) {
+    double step = press_step_within(outlook, fmin(longest, PIECE_SHORTEST / slower), CREEPING_STEP);
+    if (press_turning_within(outlook, step) > 0.0) {
         step = fmin(step, CREEPING_GROWTH * p->press.distance / vec3_norm(outlook->problem.rate));
     }
+    double decay = 0.0;
     for (int i = 0; i < ATTEMPTS && step * faster >= PIECE_SHORTEST; ++i) {
-        if (piece_watched(p, outlook, step, COLLOCATION_CREEPING)) {
-            const double decay = fabs(p->by.collocation.step.y);
-            return spanning_left_out(decay, outlook->turning / faster, outlook->problem.reach,
-                                     outlook->turning / faster) <= p->tolerance;
+        if (may_creep(p, outlook, step, decay) && piece_watched(p, outlook, step, COLLOCATION_CREEPING)) {
+            decay = fabs(p->by.collocation.step.y);
+            if (may_creep(p, outlook, step, decay)) {
+                return true;
+            }
         }
         step *= 0.5;
     }

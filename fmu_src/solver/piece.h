@@ -49,6 +49,9 @@ struct piece {
  * response loses digits (oscillator_follow). */
 static const double PIECE_SHORTEST = 3.0;
 
+/* The oscillator must be faster than the motion along the contact by so much for the two to be told apart. */
+static const double SEPARATION_OF_RATES = 20.0;
+
 /* Radians of the oscillator in a resolved step: half a turn and a little more is an impact; at the nodes the oscillation, itself a
  * correction to the load of relative size (turning / settling)^2, is then known to 3e-7. */
 static const double PIECE_RESOLVED = 4.0;

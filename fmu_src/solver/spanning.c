@@ -82,15 +82,33 @@ static enum lobatto_size nodes_for(double radians)
     return radians <= EIGHT_NODES ? LOBATTO_EIGHT : LOBATTO_TWELVE;
 }
 
+/* Whether a step may leave out what it does of the oscillation. */
+static bool may_span(const struct piece *p, const struct press_outlook *outlook, double step)
+{
+    const double turning = press_turning_within(outlook, step);
+    const double slower = outlook->rates.slower;
+    const double left_out =
+        spanning_left_out(outlook->oscillation, turning / slower, outlook->problem.reach, turning * step);
+    return slower >= SEPARATION_OF_RATES * turning && left_out <= p->tolerance;
+}
+
+/* The longest step to try; too short: none. A shorter one helps only where the pull grows. */
+static double spanning_step(const struct piece *p, const struct press_outlook *outlook, double longest)
+{
+    double step = press_step_within(outlook, longest, LONG_STEP);
+    while (step * outlook->rates.slower >= PIECE_SHORTEST && !may_span(p, outlook, step)) {
+        step *= press_turning_within(outlook, step) > outlook->turning ? 0.5 : 0.0;
+    }
+    return step;
+}
+
 bool spanning_piece(struct piece *p, const struct press_outlook *outlook, double longest)
 {
     const double d = outlook->problem.reach;
-    double step = fmin(longest, LONG_STEP / outlook->turning);
-    const double ratio = outlook->turning / outlook->rates.slower;
-    if (!(outlook->oscillation < outlook->load_depth) ||
-        spanning_left_out(outlook->oscillation, ratio, d, outlook->turning * step) > p->tolerance) {
+    if (!(outlook->oscillation < outlook->load_depth)) {
         return false;
     }
+    double step = spanning_step(p, outlook, longest);
     enum lobatto_size size = LOBATTO_FOUR;
     for (int i = 0; i < SPANNING_ATTEMPTS && step * outlook->rates.slower >= PIECE_SHORTEST; ++i) {
         struct press_collocation *made = &p->by.collocation;
