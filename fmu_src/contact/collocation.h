@@ -129,7 +129,7 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
 /* The integral from 0 to s of damping (x' + n.E)^2 dt: the energy the dashpot has taken, per unit of mass [m^2/s^2]. */
 double collocation_dissipated(const struct collocation *p, double s);
 
-/* The integral from 0 to s of weight(t).(c - c(0)) dt, weight = weight[0] + weight[1] t; the oscillation left out. */
+/* The integral from 0 to s of weight(t).(c - c(0)) dt, weight = weight[0] + weight[1] t. */
 double collocation_moment(const struct collocation *p, const struct vec3 weight[2], double s);
 
 #endif

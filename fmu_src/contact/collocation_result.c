@@ -235,18 +235,39 @@ double collocation_dissipated(const struct collocation *p, double s)
     return sum / (p->half * p->half);
 }
 
+/* The integral from 0 to s of (values at the nodes) y ds, by parts: with B' = b, (B y)' - B y' = b y. */
+static double moment_of_rest(const struct collocation *p, const double *values, double s)
+{
+    const int points = p->nodes->points;
+    lobatto_row sum = {0.0};
+    lobatto_row b;
+    double x[4];
+    double slow[4];
+    collocation_excess(p, s, x);
+    collocation_slow_excess(p, s, slow);
+    (void)row_integrate(p->nodes, values, sum);
+    row_coefficients(p->nodes, sum, b);
+    const double y = x[0] - slow[0];
+    return row_at(b, points, s) * y - along_rest(p, b, s, y, x[1] - slow[1]);
+}
+
 double collocation_moment(const struct collocation *p, const struct vec3 weight[2], double s)
 {
     const struct vec3 normal = {1.0, 0.0, 0.0};
     lobatto_row values = {0.0};
+    lobatto_row along = {0.0};
     lobatto_row a;
     for (int i = 0; i < p->nodes->points; ++i) {
         const double at = 1.0 + p->nodes->node[i];
         const struct vec3 turned = vec3_sub(vec3_make(p->n.x[i], p->n.y[i], p->n.z[i]), p->turned);
         const double d = p->from.reach + p->x[i];
         const struct vec3 moved = vec3_axpy(vec3_scale(d, turned), p->x[i] - p->from.excess, normal);
-        values[i] = vec3_dot(vec3_axpy(weight[0], p->half * at, weight[1]), in_world(p, moved));
+        const struct vec3 weight_then = vec3_axpy(weight[0], p->half * at, weight[1]);
+        values[i] = vec3_dot(weight_then, in_world(p, moved));
+        along[i] = vec3_dot(weight_then, in_world(p, vec3_add(normal, turned)));
     }
     row_coefficients(p->nodes, values, a);
-    return p->half * row_integral(a, p->nodes->points, s);
+    const double slow = row_integral(a, p->nodes->points, s);
+    const double rest = p->kind == COLLOCATION_RESOLVED ? 0.0 : moment_of_rest(p, along, s);
+    return p->half * (slow + rest);
 }
