@@ -150,17 +150,18 @@ static bool is_top(const struct watched *what, const struct press_sample *at)
 }
 
 /* The value at the top between two places and where it is. */
-static double top_between(const struct probe *probe, int i, double *top)
+static double top_between(const struct probe *probe, struct bracket_end low, struct bracket_end high,
+                          double *top)
 {
     const struct watch *w = probe->watch;
-    double s = bracket_guess(slope_end(probe, i), slope_end(probe, i + 1));
+    double s = bracket_guess(low, high);
     for (int k = 0; k < 4; ++k) {
         struct press_sample at;
         w->sampler(w->piece, s, &at);
         const double slope = slope_of(probe->what, &at);
         const double step = -slope / (probe->what->factor * at.of[probe->what->quantity][2]);
         const double value = value_of(probe->what, &at);
-        if (!(s + step >= w->s[i] && s + step <= w->s[i + 1])) {
+        if (!(s + step >= low.s && s + step <= high.s)) {
             break;
         }
         s += step;
@@ -169,8 +170,37 @@ static double top_between(const struct probe *probe, int i, double *top)
             return value + 0.5 * slope * step;
         }
     }
-    *top = bracket_root(probe_slope, probe, w->s[i], w->s[i + 1]);
+    *top = bracket_root(probe_slope, probe, low.s, high.s);
     return value_at(probe, *top);
+}
+
+/* The bend of a quantity; bracket_root then bisects. */
+static void probe_bend(const void *data, double s, double *value, double *slope)
+{
+    const struct probe *probe = data;
+    double ignored;
+    probe_slope(probe, s, &ignored, value);
+    *slope = 0.0;
+}
+
+/* Whether there is a top between two places, and between which ends its slope falls through zero: the places themselves, or, where the
+ * quantity goes the same way at both, one of them and the place at which its slope turns. */
+static bool brackets_top(const struct probe *probe, int i, struct bracket_end *low, struct bracket_end *high)
+{
+    *low = slope_end(probe, i);
+    *high = slope_end(probe, i + 1);
+    if (low->value > 0.0 && high->value < 0.0) {
+        return !is_top(probe->what, &probe->watch->at[i]) && !is_top(probe->what, &probe->watch->at[i + 1]);
+    }
+    const bool falls = low->value < 0.0 && high->value < 0.0 && low->slope > 0.0 && high->slope < 0.0;
+    const bool rises = low->value > 0.0 && high->value > 0.0 && low->slope < 0.0 && high->slope > 0.0;
+    if (!falls && !rises) {
+        return false;
+    }
+    struct bracket_end turn = {.s = bracket_root(probe_bend, probe, low->s, high->s)};
+    probe_slope(probe, turn.s, &turn.value, &turn.slope);
+    *(falls ? low : high) = turn;
+    return low->value > 0.0 && high->value < 0.0;
 }
 
 double watch_largest(const struct watch *w, const struct watched *what, double end,
@@ -179,10 +209,11 @@ double watch_largest(const struct watch *w, const struct watched *what, double e
     const struct probe probe = {w, what};
     double largest = fmax(value_of(what, &w->at[0]), value_of(what, then));
     for (int i = 0; i + 1 < w->count && w->s[i] < end; ++i) {
-        if (slope_of(what, &w->at[i]) > 0.0 && slope_of(what, &w->at[i + 1]) < 0.0 &&
-            !is_top(what, &w->at[i]) && !is_top(what, &w->at[i + 1])) {
+        struct bracket_end low;
+        struct bracket_end high;
+        if (brackets_top(&probe, i, &low, &high)) {
             double top;
-            const double value = top_between(&probe, i, &top);
+            const double value = top_between(&probe, low, high, &top);
             largest = top <= end ? fmax(largest, value) : largest;
         }
         if (w->s[i + 1] <= end) {
