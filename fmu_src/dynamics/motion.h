@@ -47,9 +47,11 @@ struct contact_state {
     double peak_penetration;  /* likewise, max(-g) >= 0 [m] */
     double onset_time;        /* when the contact under way, or the last one, began [s] */
     double last_duration;     /* of the last finished contact [s] */
-    double carried_gap; /* g, as known while it presses and as it lets go: finer than positions tell [m] */
-    double change_gap;  /* g at change_clock, likewise [m] */
-    double touch_clock; /* the clock at that onset (negative once rebased), for exact durations [s] */
+    double carried_gap;   /* g, as known while it presses and as it lets go: finer than positions tell [m] */
+    double carried_rate;  /* g' at the end of the last piece, where velocities tell it too coarsely [m/s] */
+    double rate_rounding; /* by how much less than this they differ from it then; 0: none is carried [m/s] */
+    double change_gap;    /* g at change_clock, likewise [m] */
+    double touch_clock;   /* the clock at that onset (negative once rebased), for exact durations [s] */
     double
         change_clock; /* the regime changes at this clock in closed form; INFINITY: not before the horizon */
     double

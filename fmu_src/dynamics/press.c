@@ -45,6 +45,15 @@ static void leave_centre(struct press *p, const struct contact_geometry *geometr
     p->flight.c[0] = vec3_add(p->flight.c[0], p->rounded);
 }
 
+/* g' = side n.w */
+static void take_carried_rate(struct press *p, double rate)
+{
+    const double missing = p->shape.side * rate - vec3_dot(p->normal, press_across(p, p->flight.w[0]));
+    p->rate_rounded = vec3_scale(missing, p->normal);
+    p->flight.c[1] = vec3_add(p->flight.c[1], p->rate_rounded);
+    p->flight.w[0] = vec3_add(p->flight.w[0], p->rate_rounded);
+}
+
 void press_make(struct press *p, const struct scene_values *v, const struct motion *q,
                 const struct system_instant *at, int contact)
 {
@@ -60,8 +69,11 @@ void press_make(struct press *p, const struct scene_values *v, const struct moti
     p->rounded = vec3_scale(shorter, p->normal);
     p->rate_resolution = resolution_of_rate(at, contact);
     p->reduced_mass = 1.0 / system_inverse_mass(v, contact);
+    p->rate_rounded = vec3_make(0.0, 0.0, 0.0);
     if (centre_is_met(v, at, contact, &p->shape)) {
         leave_centre(p, geometry);
+    } else if (system_rate_is_known(q, at, contact)) {
+        take_carried_rate(p, geometry->gap_rate);
     }
     p->work[0] = work_on(p, v, q, contact_source(contact), -1.0);
     p->work[1] = work_on(p, v, q, contact_destination(contact), 1.0);
@@ -85,6 +97,24 @@ double press_load(const struct press *p)
            fabs(vec3_dot(across, across) / distance + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
 }
 
+/* Of the force. Peaks are right to it; where velocities are as good as that, they are all there is to know. */
+static const double COARSE = 1e-7;
+
+double press_rate_rounding(const struct press *p, const struct press_change *change,
+                           const struct scene_values *v, const struct motion *q, int contact)
+{
+    const struct vec3 source = system_body_now(v, q, contact_source(contact)).velocity;
+    const struct vec3 destination = system_body_now(v, q, contact_destination(contact)).velocity;
+    /* Flight and deviation from it nearly cancel in a contact that lasts. */
+    const double size = vec3_norm(source) + vec3_norm(destination) + vec3_norm(change->r_rate);
+    const double rounding = 16.0 * DBL_EPSILON * size;
+    const double force_per_rate = sqrt(p->by.k * p->reduced_mass) + p->by.c;
+    const double rate = fabs(vec3_dot(p->normal, press_across(p, p->flight.w[0])));
+    const double force =
+        press_load(p) + p->by.k * fmax(fabs(p->gap), fabs(change->gap)) + force_per_rate * rate;
+    return force_per_rate * rounding > COARSE * force ? rounding : 0.0;
+}
+
 static void move_body(const struct scene_values *v, struct motion *q, int body, double time, struct vec3 r,
                       struct vec3 r_rate)
 {
@@ -103,12 +133,14 @@ void press_apply(const struct press *p, const struct press_change *change, const
 {
     struct contact_state *state = &q->contact[contact];
     const int ends[PRESS_ENDS] = {contact_source(contact), contact_destination(contact)};
-    const struct vec3 r = vec3_add(change->r, p->rounded);
+    const struct vec3 rounded = vec3_axpy(p->rounded, change->time, p->rate_rounded);
+    const struct vec3 r = vec3_add(change->r, rounded);
+    const struct vec3 r_rate = vec3_add(change->r_rate, p->rate_rounded);
     for (int end = 0; end < PRESS_ENDS; ++end) {
         q->external_work += p->work[end].factor * change->work[end];
         if (body_is_free(v, ends[end])) {
             const double share = (end == 0 ? -1.0 : 1.0) * p->reduced_mass / body_mass(v, ends[end]);
-            move_body(v, q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, change->r_rate));
+            move_body(v, q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
         }
     }
     q->dissipated += change->dissipated;

@@ -33,8 +33,9 @@ struct press {
     double distance, gap;           /* d [m], g as carried along [m] */
     struct vec3
         rounded; /* what c lacks for d to be that of the carried gap, or that at the centre: rounding [m] */
-    double reduced_mass;    /* m_red [kg] */
-    double rate_resolution; /* of g', by rounding [m/s] */
+    struct vec3 rate_rounded; /* what w lacks for g' to be the carried one: rounding [m/s] */
+    double reduced_mass;      /* m_red [kg] */
+    double rate_resolution;   /* of g', by rounding [m/s] */
     struct press_work work[PRESS_ENDS];
 };
 
@@ -67,6 +68,11 @@ struct vec3 press_across(const struct press *p, struct vec3 c);
 
 /* Of such a vector what is along the contact, without its part along n. */
 struct vec3 press_along(const struct press *p, struct vec3 across);
+
+/* How little the velocities after the change tell of g', by rounding [m/s]: 0 where that is enough, for it makes no force worth
+ * mentioning. */
+double press_rate_rounding(const struct press *p, const struct press_change *change,
+                           const struct scene_values *v, const struct motion *q, int contact);
 
 /* Moves the bodies, books impulse, dissipated energy and external work; the clock is the caller's. */
 void press_apply(const struct press *p, const struct press_change *change, const struct scene_values *v,

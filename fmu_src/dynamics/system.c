@@ -157,6 +157,17 @@ static double known_gap(const struct motion *q, int contact)
     return q->clock == state->change_clock ? state->change_gap : (double)INFINITY;
 }
 
+/* Of a stiff contact the force that velocities would make by their rounding alone may exceed the load. Velocities that have been changed
+ * show it by a larger difference. */
+static void take_known_rate(const struct motion *q, int contact, struct contact_geometry *geometry)
+{
+    const struct contact_state *state = &q->contact[contact];
+    if (contact_transmits(q, contact) &&
+        fabs(state->carried_rate - geometry->gap_rate) < state->rate_rounding) {
+        geometry->gap_rate = state->carried_rate;
+    }
+}
+
 /* A stiff contact at rest is pressed in by less than the rounding of d. Positions that have been changed since the gap was known show
  * it by a larger difference. */
 static void take_known_gaps(const struct scene_values *v, const struct motion *q, struct system_instant *at)
@@ -166,12 +177,20 @@ static void take_known_gaps(const struct scene_values *v, const struct motion *q
         if (known < DBL_MAX && fabs(known - at->geometry[j].gap) <= resolution_of_gap(v, at, j)) {
             at->geometry[j].gap = known;
         }
+        take_known_rate(q, j, &at->geometry[j]);
     }
 }
 
 bool system_gap_is_known(const struct motion *q, const struct system_instant *at, int contact)
 {
     return at->geometry[contact].gap == known_gap(q, contact);
+}
+
+bool system_rate_is_known(const struct motion *q, const struct system_instant *at, int contact)
+{
+    const struct contact_state *state = &q->contact[contact];
+    return state->rate_rounding > 0.0 && contact_transmits(q, contact) &&
+           at->geometry[contact].gap_rate == state->carried_rate;
 }
 #endif
 

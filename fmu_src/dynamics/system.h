@@ -58,6 +58,9 @@ bool system_within_extents(const struct contact_shape *shape, const struct conta
  * foreseen. */
 bool system_gap_is_known(const struct motion *q, const struct system_instant *at, int contact);
 
+/* Whether g' there is the carried one. */
+bool system_rate_is_known(const struct motion *q, const struct system_instant *at, int contact);
+
 /* The regime that the geometry of the instant asks for. */
 enum contact_regime system_regime(const struct scene_values *v, const struct motion *q,
                                   const struct system_instant *at, int contact);

@@ -115,6 +115,16 @@ static void book_flights(const struct scene_values *v, struct motion *q, double 
     }
 }
 
+static void carry_rate(struct piece *p, double s, const struct press_change *change,
+                       const struct scene_values *v, struct motion *q, int contact)
+{
+    struct contact_state *state = &q->contact[contact];
+    state->rate_rounding = press_rate_rounding(&p->press, change, v, q, contact);
+    if (state->rate_rounding > 0.0) {
+        state->carried_rate = watch_see(&p->watch, s)->of[PRESS_RATE][0];
+    }
+}
+
 static void stretch_apply(struct stretch *all, const struct scene_values *v, struct motion *q)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -124,6 +134,7 @@ static void stretch_apply(struct stretch *all, const struct scene_values *v, str
             const struct press_change change = piece_change(p, s);
             peaks_note(p, &q->contact[j], s);
             press_apply(&p->press, &change, v, q, j);
+            carry_rate(p, s, &change, v, q, j);
             counter_add(&q->counters.steps, 1);
             counter_add(&q->counters.force_evaluations, 1);
         }
