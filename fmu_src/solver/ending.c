@@ -22,6 +22,13 @@ static const double DIED_AWAY = 1e-100;
  * deforms the contact by less than the error allowed, nor beyond this part of the load. */
 static const double IDLE_DASHPOT = 1e-3;
 
+/* Under a load that falls slowly the full law is followed at the load's pace r, up to a speed of separation r0. Its force
+ * p_nv r0 then holds the contact p_nv r0 / p_n deeper than the spring alone would. From there the spring alone oscillates about the
+ * falling load with speeds up to p_nv r0 / sqrt(p_n m_red) = 2 r0 times the part of critical damping, so that beyond critical damping the
+ * bodies approach again at more than r0. If that switched the full law on, it would bring them back to where they were: a cycle
+ * without end. So the spring alone lasts up to a speed of approach this many times larger than that oscillation's. */
+static const double REBOUND = 2.0;
+
 /* Of the gap or its rate. */
 static double largest_size(const struct piece *p, enum press_quantity quantity)
 {
@@ -36,14 +43,30 @@ static double largest_size(const struct piece *p, enum press_quantity quantity)
     return largest;
 }
 
+double ending_gap_noise(const struct press *from)
+{
+    const double spring = sqrt(from->by.k / from->reduced_mass);
+    const double dashpot = from->by.c / from->reduced_mass;
+    return from->rate_resolution / fmax(spring, dashpot);
+}
+
 double ending_gap_slack(const struct piece *p)
 {
-    return fmin(2.0 * p->resolution, fmax(GAP_HYSTERESIS * largest_size(p, PRESS_GAP), DIED_AWAY));
+    const double noise = fmax(ending_gap_noise(&p->press), DIED_AWAY);
+    return fmin(2.0 * p->resolution, fmax(GAP_HYSTERESIS * largest_size(p, PRESS_GAP), noise));
 }
 
 bool ending_by_law(const struct piece *p)
 {
     return p->press.law.damping > 0.0 && p->press.law.dashpot != DASHPOT_UNCLAMPED;
+}
+
+/* The speed of approach at which the spring alone ends over the speed of separation at which it began. */
+static double rebound_of(const struct press *from)
+{
+    const struct contact_law *law = &from->law;
+    const double swing = law->damping / sqrt(law->stiffness * from->reduced_mass);
+    return law->stiffness > 0.0 ? fmax(1.0, REBOUND * swing) : 1.0;
 }
 
 struct watched ending_margin(const struct piece *p)
@@ -56,9 +79,11 @@ struct watched ending_margin(const struct piece *p)
         return (struct watched){PRESS_FORCE, 1.0, open + law->damping * rate};
     }
     const double load = press_load(&p->press);
-    const double idle = fmax(open, fmin(law->stiffness * p->tolerance, IDLE_DASHPOT * load));
-    return (struct watched){PRESS_RATE, p->regime == REGIME_RECEDING ? 1.0 : -1.0,
-                            idle / law->damping + rate};
+    const double idle = fmin(law->stiffness * p->tolerance, IDLE_DASHPOT * load);
+    const double rebound = rebound_of(&p->press);
+    const double separating = fmax(open, idle / rebound) / law->damping + rate;
+    return p->regime == REGIME_RECEDING ? (struct watched){PRESS_RATE, 1.0, rebound * separating}
+                                        : (struct watched){PRESS_RATE, -1.0, separating};
 }
 
 static struct ending parting(struct piece *p)
@@ -67,7 +92,8 @@ static struct ending parting(struct piece *p)
     ending.s = watch_first_fall(&p->watch, &ending.by);
     if (ending.s < (double)INFINITY) {
         const struct press_sample *then = watch_see(&p->watch, ending.s);
-        if (!(then->of[PRESS_RATE][0] > CLEAN_PARTING * largest_size(p, PRESS_RATE))) {
+        const double clean = fmax(CLEAN_PARTING * largest_size(p, PRESS_RATE), p->press.rate_resolution);
+        if (!(then->of[PRESS_RATE][0] > clean)) {
             ending.by.offset = ending_gap_slack(p);
             ending.s = watch_first_fall(&p->watch, &ending.by);
         }

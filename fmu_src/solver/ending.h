@@ -6,6 +6,9 @@
 
 #if SCENE_ANY_FREE
 
+/* How far the rounding of g', which is taken anew from the velocities at the start of each piece, moves the gap at most [m]. */
+double ending_gap_noise(const struct press *from);
+
 /* Bodies that hardly part are held together until the gap is so wide [m]. */
 double ending_gap_slack(const struct piece *p);
 

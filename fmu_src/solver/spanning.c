@@ -105,7 +105,8 @@ static double spanning_step(const struct piece *p, const struct press_outlook *o
 bool spanning_piece(struct piece *p, const struct press_outlook *outlook, double longest)
 {
     const double d = outlook->problem.reach;
-    if (!(outlook->oscillation < outlook->load_depth)) {
+    /* What the load presses in by may have died away to less than rounding: so has the oscillation then. */
+    if (!(outlook->oscillation < fmax(outlook->load_depth, ending_gap_noise(&p->press)))) {
         return false;
     }
     double step = spanning_step(p, outlook, longest);
