@@ -22,12 +22,13 @@ static const double DIED_AWAY = 1e-100;
  * deforms the contact by less than the error allowed, nor beyond this part of the load. */
 static const double IDLE_DASHPOT = 1e-3;
 
-/* Under a load that falls slowly the full law is followed at the load's pace r, up to a speed of separation r0. Its force
- * p_nv r0 then holds the contact p_nv r0 / p_n deeper than the spring alone would. From there the spring alone oscillates about the
- * falling load with speeds up to p_nv r0 / sqrt(p_n m_red) = 2 r0 times the part of critical damping, so that beyond critical damping the
- * bodies approach again at more than r0. If that switched the full law on, it would bring them back to where they were: a cycle
- * without end. So the spring alone lasts up to a speed of approach this many times larger than that oscillation's. */
+/* Under a load that falls slowly the full law lets the bodies separate at the load's pace, r0 at most. The dashpot's pull p_nv r0 then
+ * holds the contact deeper by p_nv r0 / p_n than the spring alone would. Left to the spring alone it oscillates about the falling load
+ * with speeds up to p_nv r0 / sqrt(p_n m_red) = swing r0, and approaches again at up to (swing - 1) r0. Beyond critical damping, where
+ * swing > 2, that is more than r0: if it switched the full law on, a cycle without end would begin. So the spring alone lasts up
+ * to a speed of approach that is this many times swing r0; the larger of the two speeds is what the dashpot's force may be off by. */
 static const double REBOUND = 2.0;
+static const double CRITICAL_SWING = 2.0;
 
 /* Of the gap or its rate. */
 static double largest_size(const struct piece *p, enum press_quantity quantity)
@@ -61,12 +62,11 @@ bool ending_by_law(const struct piece *p)
     return p->press.law.damping > 0.0 && p->press.law.dashpot != DASHPOT_UNCLAMPED;
 }
 
-/* The speed of approach at which the spring alone ends over the speed of separation at which it began. */
+/* The speed of approach at which the spring alone ends over the speed of separation r0 at which it begins. */
 static double rebound_of(const struct press *from)
 {
-    const struct contact_law *law = &from->law;
-    const double swing = law->damping / sqrt(law->stiffness * from->reduced_mass);
-    return law->stiffness > 0.0 ? fmax(1.0, REBOUND * swing) : 1.0;
+    const double swing = from->law.damping / sqrt(from->law.stiffness * from->reduced_mass);
+    return from->law.stiffness > 0.0 && swing >= CRITICAL_SWING ? REBOUND * swing : 1.0;
 }
 
 struct watched ending_margin(const struct piece *p)
