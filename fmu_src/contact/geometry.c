@@ -25,16 +25,16 @@ static double gap_at(const struct contact_shape *shape, double distance)
 }
 
 /*
- * The part of c across the axis. Near the axis what is left of c is the rounding of the projection, which points anywhere, along
- * the axis too: projected once more it lies across, to rounding of its own size; where nothing is left then, c is on the axis.
+ * Near the axis what is left of c is the rounding of the projection, which points anywhere, along the axis too: projected once
+ * more it lies across, to rounding of its own size; where nothing is left then, c is on the axis.
  */
-static struct vec3 across_axis(const struct contact_shape *shape, struct vec3 c, double axial)
+struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial)
 {
     const struct vec3 once = vec3_axpy(c, -axial, shape->axis);
-    const double size = fabs(once.x) + fabs(once.y) + fabs(once.z);
-    if (size > 1e-8 * fabs(axial)) {
+    if (!contact_is_near_axis(once, axial)) {
         return once;
     }
+    const double size = fabs(once.x) + fabs(once.y) + fabs(once.z);
     const struct vec3 twice = vec3_axpy(once, -vec3_dot(once, shape->axis), shape->axis);
     return vec3_norm(twice) > 0.1 * size ? twice : vec3_make(0.0, 0.0, 0.0);
 }
@@ -45,7 +45,7 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     struct contact_geometry at = {.offset = c, .normal = fallback};
     if (contact_is_cylinder(shape)) {
         at.axial = vec3_dot(c, shape->axis);
-        at.offset = across_axis(shape, c, at.axial);
+        at.offset = contact_across_axis(shape, c, at.axial);
     }
     at.distance = vec3_norm(at.offset);
     at.degenerate = !(at.distance > 0.0);
@@ -82,7 +82,7 @@ struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 no
 struct vec3 contact_way_out(const struct contact_shape *shape, struct vec3 w, struct vec3 fallback)
 {
     if (contact_is_cylinder(shape)) {
-        w = across_axis(shape, w, vec3_dot(w, shape->axis));
+        w = contact_across_axis(shape, w, vec3_dot(w, shape->axis));
     }
     const double speed = vec3_norm(w);
     return speed > 0.0 ? vec3_make(w.x / speed, w.y / speed, w.z / speed) : fallback;

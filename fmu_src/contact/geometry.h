@@ -49,10 +49,20 @@ static inline bool contact_is_cylinder(const struct contact_shape *shape)
 #endif
 }
 
+/* Whether the part of a vector across the axis, `across`, is so small beside its part along the axis that a single projection
+ * leaves it less than about half of its digits. */
+static inline bool contact_is_near_axis(struct vec3 across, double axial)
+{
+    return fabs(across.x) + fabs(across.y) + fabs(across.z) <= 1e-8 * fabs(axial);
+}
+
+/* The part of c across a cylinder's axis, near the axis too; `axial` is c.e_d. */
+struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial);
+
 /* c without its part along a cylinder's axis. */
 static inline struct vec3 contact_across(const struct contact_shape *shape, struct vec3 c)
 {
-    return contact_is_cylinder(shape) ? vec3_axpy(c, -vec3_dot(c, shape->axis), shape->axis) : c;
+    return contact_is_cylinder(shape) ? contact_across_axis(shape, c, vec3_dot(c, shape->axis)) : c;
 }
 
 /* The distance at which the bodies touch: r_s + r_d outside, r_d - r_s inside [m]. */

@@ -36,7 +36,7 @@ struct separation separation_of(const struct scene_values *v, const struct motio
                                 const struct system_instant *at, double clock, int contact)
 {
     const int ends[2] = {contact_destination(contact), contact_source(contact)};
-    struct separation path = {.c = {at->separation[contact]}, .w = {{0.0, 0.0, 0.0}}};
+    struct separation path = {.c = {at->separation[contact]}, .offset = at->geometry[contact].offset};
     for (int i = 0; i < 2; ++i) {
         const double sign = i == 0 ? 1.0 : -1.0;
         if (body_is_free(v, ends[i])) {
@@ -97,6 +97,9 @@ struct approach approach_make(const struct contact_shape *shape, const struct se
         if (SCENE_ANY_CYLINDER && shape->destination == SHAPE_CYLINDER) {
             path.axial.a[i] = vec3_dot(path.c[i], shape->axis);
             path.c[i] = vec3_axpy(path.c[i], -path.axial.a[i], shape->axis);
+            if (i == 0 && contact_is_near_axis(path.c[0], path.axial.a[0])) {
+                path.c[0] = vec3_scale(factor, separation->offset);
+            }
         }
         factor *= horizon;
         if (i < SEPARATION_DEGREE) {

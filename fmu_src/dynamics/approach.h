@@ -17,6 +17,7 @@ enum { SEPARATION_DEGREE = 4 };
 struct separation {
     struct vec3 c[SEPARATION_DEGREE + 1];
     struct vec3 w[SEPARATION_DEGREE];
+    struct vec3 offset; /* c[0] across a cylinder's axis: near the axis c[0] itself cannot hold it */
 };
 
 /* The same over a horizon, s = time / horizon in [0, 1], lengths in units of `scale`; of a cylinder the part across its

@@ -202,8 +202,9 @@ static void leave_centre_flying(const struct contact_shape *shape, struct separa
     now->degenerate = true;
     if (shape->side > 0) {
         const double least = 2.0 * DBL_EPSILON * contact_reach(shape);
-        const struct vec3 across = contact_across(shape, separation->c[0]);
-        separation->c[0] = vec3_axpy(vec3_sub(separation->c[0], across), least, now->normal);
+        const struct vec3 along_axis = vec3_sub(separation->c[0], separation->offset);
+        separation->c[0] = vec3_axpy(along_axis, least, now->normal);
+        separation->offset = vec3_scale(least, now->normal);
     }
 }
 

@@ -42,7 +42,7 @@ static void leave_centre(struct press *p, const struct contact_geometry *geometr
     p->distance = fmax(reach + p->gap, 2.0 * DBL_EPSILON * reach);
     p->gap = p->distance - reach;
     p->rounded = vec3_axpy(vec3_scale(p->distance, p->normal), -1.0, geometry->offset);
-    p->flight.c[0] = vec3_add(p->flight.c[0], p->rounded);
+    p->flight.c[0] = p->flight.offset = vec3_scale(p->distance, p->normal);
 }
 
 /* g' = side n.w */

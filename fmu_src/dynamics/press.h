@@ -28,7 +28,7 @@ struct press {
     struct contact_shape shape;
     struct contact_law law;
     struct contact_coefficients by; /* F_n = -(k g + c g') */
-    struct separation flight;       /* C, W; of a cylinder all of it, the part along its axis too */
+    struct separation flight;       /* C, W; of a cylinder the part along its axis too, but for C(0) at the axis */
     struct vec3 normal;             /* n */
     double distance, gap;           /* d [m], g as carried along [m] */
     struct vec3

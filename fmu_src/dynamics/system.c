@@ -36,6 +36,10 @@ struct contact_law system_law(const struct scene_values *v, const struct motion 
     if (contact_method(v, contact) == METHOD_PENALTY_DYNAMIC) {
         law.damping = q->contact[contact].damping;
     }
+    /* Without a spring both let go when the bodies stop approaching; a released contact is known to fly. */
+    if (law.dashpot == DASHPOT_APPROACH_ONLY && !(law.stiffness > 0.0)) {
+        law.dashpot = DASHPOT_NON_ADHESIVE;
+    }
     return law;
 }
 
