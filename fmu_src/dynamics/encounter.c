@@ -7,6 +7,7 @@
 #include "contact/bracket.h"
 #include "dynamics/centre.h"
 #include "dynamics/cuts.h"
+#include "dynamics/given_change.h"
 #include "dynamics/head_on.h"
 #include "dynamics/resolution.h"
 
@@ -208,6 +209,30 @@ static void leave_centre_flying(const struct contact_shape *shape, struct separa
     }
 }
 
+/* |w| within the horizon, at most. */
+static double speed_at_most(const struct separation *separation, double horizon)
+{
+    double speed = vec3_norm(separation->w[SEPARATION_DEGREE - 1]);
+    for (int i = SEPARATION_DEGREE - 2; i >= 0; --i) {
+        speed = speed * horizon + vec3_norm(separation->w[i]);
+    }
+    return speed;
+}
+
+/* Where neither body is free. */
+static struct encounter given_encounter(const struct approach *path, const struct contact_shape *shape,
+                                        const struct contact_law *law, const struct given_rounding *rounding,
+                                        enum contact_regime present)
+{
+    double cuts[MAX_CUTS];
+    const struct extremes extremes = extremes_of(path);
+    const int count = cuts_of_all(path, &extremes, shape, law, cuts);
+    const struct given_change change = given_first_change(path, law, rounding, cuts, count, present);
+    const bool touches = present == REGIME_APART && fabs(change.gap) <= rounding->gap;
+    return (struct encounter){change.s * path->horizon, change.regime, touches ? 0.0 : change.gap,
+                              passes_centre(path, &extremes, change.s)};
+}
+
 struct encounter encounter_next(const struct scene_values *v, const struct motion *q,
                                 const struct system_instant *at, double clock, int contact, double horizon)
 {
@@ -241,6 +266,10 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
         return first_touch_at((double)INFINITY);
     }
     const double axially = has_ends ? resolution_of_axial(v, at, contact, &shape) : 0.0;
+    if (contact_is_held(v, contact)) {
+        const struct given_rounding rounding = {by_positions, axially, speed_at_most(&separation, horizon)};
+        return given_encounter(&path, &shape, &law, &rounding, present);
+    }
     const double found = (q->contact[contact].settled_clock - clock) / horizon;
     /* Bodies that approach touch at once, and not when rounding has been left behind: they would be pressed in by that. */
     const bool approach = present == REGIME_APART && now.gap_rate < -resolution_of_rate(at, contact);

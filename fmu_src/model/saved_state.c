@@ -144,8 +144,8 @@ static bool state_is_sound(const struct model_state *state)
             return false;
         }
     }
-    return motion_is_sound(&state->motion, state->initialized != 0) && all_finite(state->signals, &state->motion) &&
-           all_finite(&state->importer_tolerance, state->marks);
+    return motion_is_sound(&state->motion, state->initialized != 0) &&
+           all_finite(state->signals, &state->motion) && all_finite(&state->importer_tolerance, state->marks);
 }
 
 /* Whether all that can be read then are numbers; numbers near the end of their range may give none. Says nothing. */
