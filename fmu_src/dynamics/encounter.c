@@ -33,14 +33,16 @@ static double leaving_time(double value, double noise, double speed, double bend
     return isfinite(soonest) ? soonest : 0.0;
 }
 
-/* d/dt of p_n g + p_nv g' in flight, with g'' = side (n.c'' + |w across n|^2 / d). */
+/* d/dt of p_n g + p_nv g' in flight: g changes with c', g' = side n.w with w and as n turns, by c' across n / d. */
 static double margin_slope(const struct contact_shape *shape, const struct contact_law *law,
                            const struct contact_geometry *now, const struct separation *separation)
 {
     const struct vec3 across = contact_tangential(shape, now->normal, separation->w[0]);
-    const double turning = now->degenerate ? 0.0 : vec3_dot(across, across) / now->distance;
-    const double bend = shape->side * (2.0 * vec3_dot(now->normal, separation->c[2]) + turning);
-    return law->stiffness * now->gap_rate + law->damping * bend;
+    const struct vec3 moving = contact_tangential(shape, now->normal, separation->c[1]);
+    const double turning = now->degenerate ? 0.0 : vec3_dot(across, moving) / now->distance;
+    const double bend = shape->side * (vec3_dot(now->normal, separation->w[1]) + turning);
+    const double opening = shape->side * vec3_dot(now->normal, separation->c[1]);
+    return law->stiffness * opening + law->damping * bend;
 }
 
 /* Rounding of p_n g + p_nv g'. Of the rate: what it makes of n, from positions, and of n.w. */
@@ -56,7 +58,7 @@ static double margin_noise(const struct contact_law *law, const struct contact_g
 static double settling_time(const struct approach *path, const struct contact_shape *shape,
                             const struct contact_law *law, const struct contact_geometry *now,
                             double resolution, double by_positions, double axially,
-                            const struct separation *separation, enum contact_regime present)
+                            const struct separation *separation, enum contact_regime present, bool just_begun)
 {
     const double closing = vec3_dot(now->normal, separation->c[1]);
     double settle = leaving_time(now->gap, resolution, closing, vec3_norm(separation->c[2]));
@@ -67,8 +69,12 @@ static double settling_time(const struct approach *path, const struct contact_sh
     }
     if (present == REGIME_RELEASED) {
         const double margin = law->stiffness * now->gap + law->damping * now->gap_rate;
-        const double noise = margin_noise(law, now, resolution, by_positions, separation);
-        settle = fmax(settle, leaving_time(margin, noise, margin_slope(shape, law, now, separation), 0.0));
+        const double slope = margin_slope(shape, law, now, separation);
+        double noise = margin_noise(law, now, resolution, by_positions, separation);
+        if (just_begun && margin < 0.0 && slope > 0.0) {
+            noise = fmax(noise, -2.0 * margin); /* what the integrator left of the force that is now zero */
+        }
+        settle = fmax(settle, leaving_time(margin, noise, slope, 0.0));
     }
     return settle / path->horizon;
 }
@@ -275,7 +281,7 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     const bool approach = present == REGIME_APART && now.gap_rate < -resolution_of_rate(at, contact);
     const double unclear = approach ? 0.0 : resolution;
     const double settle = fmax(found, settling_time(&path, &shape, &law, &now, unclear, by_positions, axially,
-                                                    &separation, present));
+                                                    &separation, present, clock == 0.0));
     double cuts[MAX_CUTS];
     if (ends_only) {
         return first_change(&path, cuts, cuts_of_ends(&path, cuts, 0), &law, present, true, settle);

@@ -7,6 +7,7 @@ between these roots.
 """
 
 import functools
+import itertools
 import math
 
 import numpy as np
@@ -112,7 +113,7 @@ def roots_of(polynomial, end):
         return []
     places = [0.0, *roots_of(trimmed.deriv(), end), end]
     found = []
-    for low, high in zip(places, places[1:], strict=False):
+    for low, high in itertools.pairwise(places):
         if trimmed(low) * trimmed(high) < 0:
             found.append(brentq(trimmed, low, high, xtol=1e-300, rtol=1e-15))
     return found
@@ -190,7 +191,7 @@ class Passing:
         turns = roots_of(closing, self.end)
         cuts = list(turns)
         places = [0.0, *turns, self.end]
-        for low, high in zip(places, places[1:], strict=False):
+        for low, high in itertools.pairwise(places):
             if self.gap(low) * self.gap(high) < 0:
                 cuts.append(brentq(self.gap, low, high, xtol=1e-300, rtol=1e-15))
         if math.isfinite(self.half_length):
@@ -215,7 +216,7 @@ class Passing:
     def _run(self):
         cuts = [0.0, *self._cuts(), self.end]
         self.pieces = []  # (from, to, regime)
-        for low, high in zip(cuts, cuts[1:], strict=False):
+        for low, high in itertools.pairwise(cuts):
             if high > low:
                 regime = self.regime(0.5 * (low + high))
                 if self.pieces and self.pieces[-1][2] == regime:

@@ -1,5 +1,5 @@
-"""Contacts of which no body is free: events, onset, duration, energies, impulse and peaks of two given motions
-passing by, against the closed form of the gap (given_motions.py).
+"""Contacts of which no body is free: events, onset, duration, energies, impulse and peaks of two given
+motions passing by, against the closed form of the gap (given_motions.py).
 """
 
 import numpy as np
