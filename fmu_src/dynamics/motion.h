@@ -81,7 +81,7 @@ struct motion {
     double quiet_clock;   /* before it nothing happens but flight, see flight_glide; 0: nobody has looked */
     struct body_origin origin[SCENE_BODIES]; /* used where the body is free */
     struct body_state body[SCENE_BODIES];
-    double phase_energy;              /* the energy balance at clock 0 of the phase, see projection.h [J] */
+    double phase_energy;              /* at clock 0 of the phase, see projection_balance [J] */
     double dissipated, external_work; /* since initialization [J] */
     double window;                    /* length of the last communication step, as far as it got [s] */
 #endif

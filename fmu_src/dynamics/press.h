@@ -28,9 +28,9 @@ struct press {
     struct contact_shape shape;
     struct contact_law law;
     struct contact_coefficients by; /* F_n = -(k g + c g') */
-    struct separation flight;       /* C, W; of a cylinder the part along its axis too, but for C(0) at the axis */
-    struct vec3 normal;             /* n */
-    double distance, gap;           /* d [m], g as carried along [m] */
+    struct separation flight; /* C, W; of a cylinder the part along its axis too, but for C(0) at the axis */
+    struct vec3 normal;       /* n */
+    double distance, gap;     /* d [m], g as carried along [m] */
     struct vec3
         rounded; /* what c lacks for d to be that of the carried gap, or that at the centre: rounding [m] */
     struct vec3 rate_rounded; /* what w lacks for g' to be the carried one: rounding [m/s] */

@@ -2,18 +2,70 @@
 
 #if SCENE_ANY_FREE
 
-#include "dynamics/energy.h"
+#include <float.h>
+
+static bool path_rests(const struct vec3 *coefficients, int count)
+{
+    return path_is_steady(coefficients, count) && vec3_is_zero(coefficients[0]);
+}
+
+/* Whether nothing but gravity and contacts works on a body. A prescribed one rests, by both of its inputs. */
+static bool body_is_undriven(const struct scene_values *v, const struct motion *q, int body)
+{
+    const struct body_path *path = &q->path[body];
+    if (body_is_prescribed(v, body)) {
+        return path_is_steady(path->displacement, 4) && path_rests(path->velocity, 3);
+    }
+    return !body_is_free(v, body) || path_rests(path->force, 3);
+}
+
+/* Whether a contact keeps the energy of its relative motion, and no other contact acts. */
+static bool keeps_energy(const struct scene_values *v, const struct motion *q, int contact)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_transmits(q, j) != (j == contact)) {
+            return false;
+        }
+    }
+    return !(system_law(v, q, contact).damping > 0.0) && system_inverse_mass(v, contact) > 0.0 &&
+           body_is_undriven(v, q, contact_source(contact)) &&
+           body_is_undriven(v, q, contact_destination(contact));
+}
+
+/* The terms of the energy of a contact's relative motion [J]. */
+struct relative_energy {
+    double kinetic, stored, potential;
+};
+
+/* Two free bodies fall together: gravity does not change their relative motion. */
+static struct relative_energy relative_energy_of(const struct scene_values *v, const struct motion *q,
+                                                 const struct system_instant *at, int contact)
+{
+    const struct contact_law law = system_law(v, q, contact);
+    const double mass = 1.0 / system_inverse_mass(v, contact);
+    const bool source_is_free = body_is_free(v, contact_source(contact));
+    const bool destination_is_free = body_is_free(v, contact_destination(contact));
+    struct relative_energy energy = {
+        .kinetic = 0.5 * mass * vec3_dot(at->rate[contact], at->rate[contact]),
+        .stored = contact_stored_energy(&law, (enum contact_regime)q->contact[contact].regime,
+                                        at->geometry[contact].gap)};
+    if (source_is_free != destination_is_free) {
+        const int body = source_is_free ? contact_source(contact) : contact_destination(contact);
+        energy.potential = -mass * vec3_dot(gravity(v), at->displacement[body]);
+    }
+    return energy;
+}
 
 double projection_balance(const struct scene_values *v, const struct motion *q,
                           const struct system_instant *at)
 {
-    double sum = energy_kinetic_of(v, at) + energy_stored(v, q, at) + q->dissipated - q->external_work;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            sum -= body_mass(v, i) * vec3_dot(gravity(v), at->displacement[i]);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (keeps_energy(v, q, j)) {
+            const struct relative_energy energy = relative_energy_of(v, q, at, j);
+            return energy.kinetic + energy.stored + energy.potential;
         }
     }
-    return sum;
+    return 0.0;
 }
 
 void projection_close_gap(const struct scene_values *v, struct motion *q, int contact)
@@ -32,8 +84,8 @@ void projection_close_gap(const struct scene_values *v, struct motion *q, int co
         vec3_axpy(q->body[destination].moved, body_inverse_mass(v, destination), grow);
 }
 
-/* An impulse j along the normal, positive where it speeds the bodies apart, changes the balance by
- * j g' + j^2 (1/m_s + 1/m_d) / 2, prescribed bodies' work included. */
+/* An impulse j along the normal, positive where it speeds the bodies apart, changes the energy of the relative motion by
+ * j g' + j^2 (1/m_s + 1/m_d) / 2. */
 static double impulse_for(double missing, double gap_rate, double by_both)
 {
     const double square = gap_rate * gap_rate + 2.0 * missing * by_both;
@@ -43,24 +95,35 @@ static double impulse_for(double missing, double gap_rate, double by_both)
 /* The integrator's error is a small part of the energy; anything larger is not to be explained by it. */
 static const double LARGEST_CORRECTION = 1e-3;
 
-void projection_restore_energy(const struct scene_values *v, struct motion *q, int contact)
+/* A contact takes some thousand internal steps at the smallest tolerance. The errors of so many steps may add up. */
+static const double MOST_STEPS = 1e4;
+
+/* Whether `missing` is what an integrator that is off by `tolerated` [m/s] and by rounding in each step may leave of the
+ * energy, and more than rounding makes of its terms. */
+static bool is_integration_error(double missing, const struct relative_energy *energy, double mass,
+                                 double gap_rate, double speed, double tolerated)
 {
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (system_law(v, q, j).damping > 0.0) {
-            return;
-        }
+    const double terms = energy->kinetic + energy->stored + fabs(energy->potential);
+    const double explained = mass * fabs(gap_rate) * MOST_STEPS * (tolerated + 8.0 * DBL_EPSILON * speed);
+    return fabs(missing) > 64.0 * DBL_EPSILON * terms &&
+           fabs(missing) <= fmin(explained, LARGEST_CORRECTION * 0.5 * mass * gap_rate * gap_rate);
+}
+
+void projection_restore_energy(const struct scene_values *v, struct motion *q, int contact, double tolerated)
+{
+    if (!keeps_energy(v, q, contact)) {
+        return;
     }
     struct system_instant at;
     system_now(v, q, &at);
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const double by_both = system_inverse_mass(v, contact);
-    if (!(by_both > 0.0)) {
-        return;
-    }
     const double gap_rate = at.geometry[contact].gap_rate;
-    const double missing = q->phase_energy - projection_balance(v, q, &at);
-    if (!(fabs(missing) <= LARGEST_CORRECTION * 0.5 * gap_rate * gap_rate / by_both)) {
+    const struct relative_energy energy = relative_energy_of(v, q, &at, contact);
+    const double missing = q->phase_energy - (energy.kinetic + energy.stored + energy.potential);
+    if (!is_integration_error(missing, &energy, 1.0 / by_both, gap_rate, vec3_norm(at.rate[contact]),
+                              tolerated)) {
         return;
     }
     const struct contact_shape shape = system_shape(v, q, contact);
@@ -70,12 +133,6 @@ void projection_restore_energy(const struct scene_values *v, struct motion *q, i
     q->body[destination].velocity =
         vec3_axpy(q->body[destination].velocity, j * body_inverse_mass(v, destination), n);
     q->contact[contact].impulse = vec3_axpy(q->contact[contact].impulse, -j, n);
-    if (body_is_prescribed(v, source)) {
-        q->external_work += j * vec3_dot(n, at.velocity[source]);
-    }
-    if (body_is_prescribed(v, destination)) {
-        q->external_work -= j * vec3_dot(n, at.velocity[destination]);
-    }
 }
 
 #endif

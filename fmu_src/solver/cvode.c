@@ -86,9 +86,10 @@ static void tidy_event(struct cvode *c, const struct scene_values *v, struct mot
     system_now(v, q, &at);
     const bool at_gap = fabs(at.geometry[step->contact].gap) <= 4.0 * c->problem.gap_armour[step->contact];
     if (step->regime == REGIME_APART && at_gap) {
+        const double speed = vec3_norm(at.rate[step->contact]);
         projection_close_gap(v, q, step->contact);
+        projection_restore_energy(v, q, step->contact, c->problem.relative * speed + c->problem.absolute);
     }
-    projection_restore_energy(v, q, step->contact);
     q->contact[step->contact].settled_clock = settled_clock(c, q->clock);
 }
 

@@ -7,7 +7,6 @@
 
 #include "dynamics/encounter.h"
 #include "dynamics/flight.h"
-#include "dynamics/projection.h"
 #include "dynamics/resolution.h"
 #include "solver/cvode.h"
 #include "solver/event_driven.h"
@@ -136,9 +135,6 @@ static enum solver_status run_phases(struct solver *s, const struct scene_values
         switch (result) {
         case ADVANCE_REACHED:
             if (step->clock_end >= change) {
-                if (!flight_is_free(q) && !system_is_force_element(v)) {
-                    projection_restore_energy(v, q, next);
-                }
                 event_change_regime(v, q, next, (enum contact_regime)q->contact[next].change_regime,
                                     &step->now);
                 step->is_now = true;
