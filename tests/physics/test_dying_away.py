@@ -1,0 +1,128 @@
+"""Contacts that nothing loads, unclamped and at or beyond critical damping: they die away and never part,
+wherever the importer stops on the way, in whatever frame.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from checks import check_close, start
+
+FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
+FRAMES = ["fixed", "prescribed", "pair", "flying pair"]
+
+
+def unit(vector):
+    return np.array(vector) / np.linalg.norm(vector)
+
+
+def dying_scene(draw, shape, inside, frame):
+    """A configuration, the rate of the slower decay, and the frame's velocity"""
+    ratio = float(draw.choice([1.0, 1.001, 1.02, 1.05, 1.2, 1.5, 3.0, 10.0, 100.0]))
+    stiffness = 10.0 ** draw.uniform(2.0, 12.0)
+    mass = 10.0 ** draw.uniform(-3.0, 3.0)
+    other = 10.0 ** draw.uniform(-3.0, 3.0) if "pair" in frame else math.inf
+    reduced = 1.0 / (1.0 / mass + 1.0 / other)
+    angular = math.sqrt(stiffness / reduced)
+    normal, reach, side = unit(draw.normal(size=3)), (0.4 if inside else 0.6), (-1.0 if inside else 1.0)
+    values = {
+        "contact.location": "inside" if inside else "outside",
+        "contact.method": "penalty_dynamic",
+        "contact.dashpot": "unclamped",
+        "contact.penalty_factor": stiffness,
+        "contact.viscous_penalty_factor": 2.0 * ratio * math.sqrt(stiffness * reduced),
+        "source.mass": mass,
+        "gravity": [0.0, 0.0, 0.0],
+    }
+    if shape == "cylinder":
+        axis = unit(draw.normal(size=3))
+        values["destination.axis"] = list(axis)
+        normal = unit(np.cross(axis, draw.normal(size=3)))
+    depth = float(draw.choice([0.0, 1e-2, 1e-4, 1e-7]))
+    speed = 0.0 if depth else 10.0 ** draw.uniform(-3.0, 0.5)
+    drift = unit(draw.normal(size=3)) * 10.0 ** draw.uniform(-1.0, 2.0)
+    drift = drift if frame in ("prescribed", "flying pair") else np.zeros(3)
+    values["source.center"] = list((reach - side * depth) * normal)
+    values["source.initial_velocity"] = list(drift - side * speed * normal)
+    if "pair" in frame:
+        values["destination.motion"] = "free"
+        values["destination.mass"] = other
+        values["destination.initial_velocity"] = list(drift)
+    if frame == "prescribed":
+        values["destination.motion"] = "prescribed"
+        values["destination.prescribed_velocity"] = list(drift)
+    values["solver.max_internal_steps"] = 20_000
+    return values, angular / (ratio + math.sqrt(ratio**2 - 1.0)), drift
+
+
+def step_to(fmu, frame, drift, time):
+    if frame == "prescribed":
+        fmu["destination.prescribed_displacement"] = list(drift * fmu.time)
+        fmu.set_derivative("destination.prescribed_displacement", list(drift))
+    fmu.step(time - fmu.time)
+
+
+def check_died(fmu):
+    assert fmu["contact.onsets"] == 1
+    assert fmu["solver.events"] <= 3
+    assert fmu["solver.steps"] <= 150
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("frame", FRAMES)
+@pytest.mark.parametrize("inside", [True, False])
+@pytest.mark.parametrize("shape", FMU)
+def test_a_contact_dies_away_once(opened, shape, inside, frame, seed):
+    """Communication points anywhere from a hundredth to thousands of the slower decay's times"""
+    draw = np.random.default_rng([seed, FRAMES.index(frame), inside, shape == "sphere"])
+    values, rate, drift = dying_scene(draw, shape, inside, frame)
+    fmu = start(opened(FMU[shape]), values, None, "event_driven")
+    for time in np.cumsum(10.0 ** draw.uniform(-2.0, 3.5, size=draw.integers(1, 5))) / rate:
+        step_to(fmu, frame, drift, time)
+    check_died(fmu)
+
+
+@pytest.mark.parametrize("rest", [1e-3, 1.62, 1e3, 1e6])
+@pytest.mark.parametrize("first", [1e-6, 0.01, 0.05, 0.08, 0.5])
+def test_a_stop_on_the_way_changes_nothing(opened, first, rest):
+    """1.05 of critical damping, pressed in by a hundredth of a metre, let go; 1e6 s are a thousand million radians"""
+    values = {
+        "contact.location": "inside",
+        "gravity": [0.0, 0.0, 0.0],
+        "contact.method": "penalty_dynamic",
+        "contact.dashpot": "unclamped",
+        "contact.penalty_factor": 1e6,
+        "contact.viscous_penalty_factor": 2100.0,
+        "source.center": [0.12965338406690358, 0.0, 0.3889601522007107],
+        "solver.max_internal_steps": 20_000,
+    }
+    fmu = start(opened("SphereSphere"), values, None, "event_driven")
+    fmu.step(first)
+    fmu.step(rest)
+    check_died(fmu)
+    spread = math.sqrt(1.05**2 - 1.0)
+    slow, fast = 1000.0 * (1.05 - spread), 1000.0 * (1.05 + spread)
+    time = first + rest
+    left = 0.01 * (fast * math.exp(-slow * time) - slow * math.exp(-fast * time)) / (fast - slow)
+    check_close("gap", fmu["contact.gap"], -left, 1e-9 * left + 1e-18)
+    check_close("position", np.linalg.norm(fmu["source.position"]), 0.4 + left, 1e-15)
+    check_close("energy", fmu["energy.total"], 0.5e6 * 0.01**2, 1e-12)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_stop_one_rounding_beside_the_touch(opened, seed):
+    """The ball flies to the wall; the importer stops at the touch, or a rounding of the time before or after"""
+    draw = np.random.default_rng(seed)
+    shape, inside = str(draw.choice(list(FMU))), bool(draw.integers(2))
+    values, rate, drift = dying_scene(draw, shape, inside, "fixed")
+    normal, side = unit(values["source.center"]), (-1.0 if inside else 1.0)
+    away, speed = 10.0 ** draw.uniform(-6.0, -1.0), 10.0 ** draw.uniform(-3.0, 1.0)
+    values["source.center"] = list(((0.4 if inside else 0.6) + side * away) * normal)
+    values["source.initial_velocity"] = list(-side * speed * normal)
+    touch = away / speed
+    time = {-1: np.nextafter(touch, 0.0), 0: touch, 1: np.nextafter(touch, 1e9)}[int(draw.integers(-1, 2))]
+    fmu = start(opened(FMU[shape]), values, None, "event_driven")
+    fmu.step(time)
+    for wait in (1e-3, 1.0, 100.0, 1e4):
+        fmu.step(wait / rate)
+    check_died(fmu)
