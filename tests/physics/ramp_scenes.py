@@ -12,7 +12,8 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 DRIVEN = ["source by force", "destination led", "both by force", "source led"]
-RATIOS = [0.0, 0.3, 0.9, 1.01, 1.2, 2.0, 5.0, 20.0, 100.0]  # of critical damping
+VISCOUS = math.inf  # a dashpot alone
+RATIOS = [0.0, 0.3, 0.9, 1.01, 1.2, 2.0, 5.0, 20.0, 100.0, VISCOUS]  # of critical damping
 MOST_RADIANS = 600.0  # of the fastest rate of the contact, which the reference has to resolve
 
 
@@ -63,7 +64,8 @@ def ramp_scene(seed):
         overlap, outward = 0.0, np.eye(3)[random.integers(3)]
         press = side * outward
     time = 10 ** random.uniform(-2, 0.3)
-    time = min(time, MOST_RADIANS / (rate * max(1.0, 2 * ratio)))
+    fastest = rate if ratio == VISCOUS else rate * max(1.0, 2 * ratio)
+    time = min(time, MOST_RADIANS / fastest)
     free, held = ("source", "destination") if driven != "source led" else ("destination", "source")
     values = {
         "source.motion": "free",
@@ -77,9 +79,11 @@ def ramp_scene(seed):
         "contact.method": "penalty_dynamic" if ratio > 0 else "penalty",
         "contact.dashpot": "unclamped",
         "contact.penalty_factor": reduced * rate**2,
-        "contact.viscous_penalty_factor": 2 * ratio * rate * reduced,
+        "contact.viscous_penalty_factor": fastest * reduced if ratio > 1 else 2 * ratio * rate * reduced,
         "gravity": [0.0, 0.0, 0.0],
     }
+    if ratio == VISCOUS:
+        values["contact.penalty_control"] = "viscous_only"
     if shape == "cylinder":
         values["destination.axis"] = axis.tolist()
     moved = 10 ** random.uniform(-2, 0) * reach  # about how far it is pushed in the time
@@ -98,12 +102,14 @@ def ramp_scene(seed):
             )
     if random.integers(3) == 0 and overlap > 0.0:  # on its way, across the contact too
         values[f"{free}.initial_velocity"] = (0.1 * moved / time * random.normal(size=3)).tolist()
+    elif random.integers(3) == 0 and ratio != VISCOUS:
+        values["contact.dashpot"] = "non_adhesive"
     return RampScene(shape, values, time, [1, 1, 3, 10][random.integers(4)])
 
 
 @dataclass
 class RampReference:
-    end: float  # up to just before the bodies part, if they do
+    end: float  # up to just before the bodies part or the dashpot is clipped, if that happens
     position: dict
     velocity: dict
     stored: float
@@ -131,7 +137,7 @@ class Equations:
         self.inside = v["contact.location"] == "inside"
         self.reach = v["destination.radius"] + (-1 if self.inside else 1) * v["source.radius"]
         self.sign = -1 if self.inside else 1
-        self.stiffness = v["contact.penalty_factor"]
+        self.stiffness = v["contact.penalty_factor"] if "contact.penalty_control" not in v else 0.0
         self.damping = v["contact.viscous_penalty_factor"] if v["contact.method"] != "penalty" else 0.0
         self.axis = np.array(v["destination.axis"]) if scene.shape == "cylinder" else np.zeros(3)
         self.start = -np.array(v["source.center"])  # c
@@ -185,15 +191,20 @@ def reference(scene):
     for i, body in enumerate(("source", "destination")):
         y[6 + 3 * i : 9 + 3 * i] = scene.values.get(f"{body}.initial_velocity", [0.0] * 3)
 
-    def parts(t, y):
-        return equations.contact(*equations.bodies(t, y))[0] + (1e-14 if t == 0 else 0.0)
+    clipped = scene.values["contact.dashpot"] == "non_adhesive"
 
-    parts.terminal, parts.direction = True, 1
+    def overlap(t, y):
+        """What is left of it [m], or of the force where that may not fall below zero"""
+        gap, gap_rate, _ = equations.contact(*equations.bodies(t, y))
+        pressed = -gap - equations.damping / max(equations.stiffness, 1.0) * gap_rate
+        return (min(-gap, pressed) if clipped else -gap) if t > 0 else 1e-14
+
+    overlap.terminal, overlap.direction = True, -1
     first = min(scene.end, 1e-6)
 
     def solve(end):
         return solve_ivp(
-            equations.rates, (0, end), y, "DOP853", rtol=3e-14, atol=1e-17, first_step=first * end, events=parts
+            equations.rates, (0, end), y, "DOP853", rtol=3e-14, atol=1e-17, first_step=first * end, events=overlap
         )
 
     solution = solve(scene.end)
