@@ -63,6 +63,16 @@ struct bracket_end cuts_gap_end(const struct approach *path, double s)
     return end;
 }
 
+double cuts_least_gap(const struct approach *path)
+{
+    const struct extremes extremes = extremes_of(path);
+    double least = fmin(path->gap, cuts_gap_end(path, 1.0).value);
+    for (int i = 0; i < extremes.count; ++i) {
+        least = fmin(least, cuts_gap_end(path, extremes.at[i]).value);
+    }
+    return path->scale * least;
+}
+
 /* Where the gap passes zero. */
 static int touching_cuts(const struct approach *path, const struct extremes *extremes, double *cuts,
                          int count)

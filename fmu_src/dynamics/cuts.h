@@ -18,6 +18,9 @@ struct extremes {
 
 struct extremes extremes_of(const struct approach *path);
 
+/* The least gap from now to the end of the path [m]. */
+double cuts_least_gap(const struct approach *path);
+
 /* The gap and its slope at s. */
 struct bracket_end cuts_gap_end(const struct approach *path, double s);
 

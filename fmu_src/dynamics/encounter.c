@@ -302,4 +302,13 @@ struct encounter encounter_next(const struct scene_values *v, const struct motio
     return next;
 }
 
+double encounter_least_gap(const struct scene_values *v, const struct motion *q,
+                           const struct system_instant *at, double clock, int contact, double until)
+{
+    const struct contact_shape shape = system_shape(v, q, contact);
+    const struct separation separation = separation_of(v, q, at, clock, contact);
+    const struct approach path = approach_make(&shape, &separation, at->geometry[contact].gap, until - clock);
+    return cuts_least_gap(&path);
+}
+
 #endif

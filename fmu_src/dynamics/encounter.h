@@ -31,5 +31,9 @@ struct encounter {
 struct encounter encounter_next(const struct scene_values *v, const struct motion *q,
                                 const struct system_instant *at, double clock, int contact, double horizon);
 
+/* The least gap between `clock`, the present, and `until` of a contact that transmits no force or whose motion is given [m]. */
+double encounter_least_gap(const struct scene_values *v, const struct motion *q,
+                           const struct system_instant *at, double clock, int contact, double until);
+
 #endif
 #endif

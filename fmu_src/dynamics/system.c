@@ -243,6 +243,31 @@ double system_inverse_mass(const struct scene_values *v, int contact)
     return body_inverse_mass(v, contact_source(contact)) + body_inverse_mass(v, contact_destination(contact));
 }
 
+/* How much faster a prescribed displacement changes than its velocity says; zero where that is rounding. */
+static struct vec3 surplus_rate(const struct scene_values *v, const struct motion *q, double clock, int body)
+{
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    if (!body_is_prescribed(v, body)) {
+        return none;
+    }
+    const struct vec3 *u = q->path[body].displacement;
+    const struct vec3 velocity = path_at(q->path[body].velocity, 3, clock);
+    const struct vec3 rate = vec3_axpy(u[1], clock, vec3_axpy(vec3_scale(2.0, u[2]), 3.0 * clock, u[3]));
+    const struct vec3 surplus = vec3_sub(rate, velocity);
+    const double rounding = 16.0 * DBL_EPSILON * (vec3_norm(rate) + vec3_norm(velocity));
+    return vec3_norm(surplus) > rounding ? surplus : none;
+}
+
+double system_opening_rate(const struct scene_values *v, const struct motion *q, double clock,
+                           const struct system_instant *at, int contact)
+{
+    const struct contact_shape shape = system_shape(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct vec3 surplus = vec3_sub(surplus_rate(v, q, clock, contact_destination(contact)),
+                                         surplus_rate(v, q, clock, contact_source(contact)));
+    return g->gap_rate + shape.side * vec3_dot(g->normal, surplus);
+}
+
 double system_force_rate(const struct scene_values *v, const struct motion *q,
                          const struct system_instant *at, int contact)
 {

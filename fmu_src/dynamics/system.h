@@ -71,6 +71,11 @@ double body_inverse_mass(const struct scene_values *v, int body);
 /* Sum of the inverse masses of a contact's bodies: 1 / m_eff [1/kg]. */
 double system_inverse_mass(const struct scene_values *v, int contact);
 
+/* d/dt of the gap itself: where a prescribed displacement has a derivative other than the prescribed velocity it is not the g' that
+ * the law sees [m/s]. */
+double system_opening_rate(const struct scene_values *v, const struct motion *q, double clock,
+                           const struct system_instant *at, int contact);
+
 /* d/dt of F_n within the regime: -(k g' + c g'') [N/s]. */
 double system_force_rate(const struct scene_values *v, const struct motion *q,
                          const struct system_instant *at, int contact);

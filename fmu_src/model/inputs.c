@@ -233,6 +233,58 @@ bool model_apply_inputs(struct model *m)
     return applied;
 }
 
+/* Derivative and velocity may be rounded apart by this part of the larger: difference quotients of displacements keep no more digits. */
+static const double RATE_AGREEMENT = 1e-6;
+
+/* Speeds below it are none [m/s]: the solver's tolerance of speeds, or its start value in scenes without a solver. */
+static double least_speed(const struct scene_values *v)
+{
+#if SCENE_ANY_FREE
+    return solver_absolute_tolerance(v);
+#else
+    (void)v;
+    return 1e-12;
+#endif
+}
+
+/* Without derivatives of its own a displacement goes on with the velocity, or stays in a force element: neither contradicts. In a force
+ * element derivatives of zero say the same as none. */
+static bool has_rate_of_its_own(const struct model *m, int body, struct vec3 rate)
+{
+    const uint8_t *marks = m->state.marks[body];
+    const bool given = ((marks[0] | marks[1] | marks[2]) & SIGNAL_EXPLICIT) != 0;
+    return given && !(all_prescribed(&m->state.values) && vec3_is_zero(rate));
+}
+
+void model_warn_of_rates(struct model *m)
+{
+    const struct scene_values *v = &m->state.values;
+    const struct motion *q = &m->state.motion;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (!body_is_prescribed(v, i) || m->state.warned_of_rate[i]) {
+            continue;
+        }
+        struct vec3 path[4];
+        memcpy(path, q->path[i].displacement, sizeof path);
+        path_shift(path, 4, q->clock);
+        const struct vec3 rate = path[1];
+        const struct vec3 velocity = path_at(q->path[i].velocity, 3, q->clock);
+        const double size = fmax(vec3_norm(rate), vec3_norm(velocity));
+        if (has_rate_of_its_own(m, i, rate) &&
+            vec3_norm(vec3_sub(rate, velocity)) > RATE_AGREEMENT * size + least_speed(v)) {
+            m->state.warned_of_rate[i] = 1;
+            const char *name = scene_body_name(i);
+            model_report(
+                m, MODEL_WARNING,
+                "%s.prescribed_displacement has the derivative (%g, %g, %g) m/s at %.17g s, but "
+                "%s.prescribed_velocity is (%g, %g, %g) m/s: the gap follows the displacement, the gap "
+                "rate and the work the velocity, and energies need not balance (allowed: equal ones). "
+                "Given once.",
+                name, rate.x, rate.y, rate.z, motion_time(q), name, velocity.x, velocity.y, velocity.z);
+        }
+    }
+}
+
 void model_close_inputs(struct model *m)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {

@@ -252,6 +252,7 @@ enum model_status model_step(struct model *m, double end_time)
             return model_refuse_inputs(m);
         }
         model_close_inputs(m);
+        model_warn_of_rates(m);
     }
     if (model_glide(m, end_time)) {
         return MODEL_OK;

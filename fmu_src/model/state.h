@@ -8,7 +8,7 @@
 #include "solver/solver.h"
 
 /* Raised when struct model_state, struct motion or struct scene_values change their meaning. */
-#define MODEL_STATE_VERSION 2u
+#define MODEL_STATE_VERSION 3u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
 /* Bits of input_signal.marks */
@@ -39,6 +39,8 @@ struct model_state {
     uint8_t signals_changed; /* some mark is set that model_apply_inputs has not seen */
     uint8_t signals_open;    /* some mark is set since the last step */
     uint8_t initialized;
+    uint8_t warned_of_rate
+        [SCENE_BODIES]; /* whether the warning of a contradiction of its inputs has been given */
 };
 
 /* Which outputs are those of the present; each includes the ones before. As bits, these are the variables that can be read as
@@ -88,6 +90,9 @@ bool model_apply_inputs(struct model *m);
 
 /* From the present communication point on, inputs go on as they are. */
 void model_close_inputs(struct model *m);
+
+/* Warns once of each prescribed body whose given derivative of displacement is not its prescribed velocity. */
+void model_warn_of_rates(struct model *m);
 
 /* Computes outputs of the present, `wanted` at least; false where the inputs cannot be taken over. */
 bool model_update_outputs(struct model *m, enum outputs wanted);

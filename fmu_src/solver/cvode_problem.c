@@ -250,7 +250,7 @@ int cvode_roots(double clock, N_Vector y, double *roots, void *problem)
                 out[1] =
                     not_zero(p->margin_armour[j] + contact_regime_margin(&law, regime, g->gap, g->gap_rate));
             }
-            out[2] = not_zero(-g->gap_rate);
+            out[2] = not_zero(-system_opening_rate(p->values, p->motion, clock, &at, j));
             out[3] = not_zero(system_force_rate(p->values, p->motion, &at, j));
         }
         if (contact_is_coupled(p->values, p->motion, j)) {

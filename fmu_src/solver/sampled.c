@@ -4,6 +4,7 @@
 
 #include <float.h>
 
+#include "dynamics/encounter.h"
 #include "dynamics/energy.h"
 #include "dynamics/resolution.h"
 
@@ -195,11 +196,21 @@ static bool any_is_given(const struct scene_values *v, const struct motion *q)
     return false;
 }
 
-double sampled_integrate(const struct scene_values *v, struct motion *q, double end, long *budget)
+/* How deep they come, whatever the law says meanwhile: a force that is zero has no panels that would show it. */
+static void note_depth(const struct scene_values *v, struct motion *q, double until)
 {
-    if (!any_is_given(v, q)) {
-        return end;
+    struct system_instant at;
+    system_place(v, q, &at);
+    for (int j = 0; until > q->clock && j < SCENE_CONTACTS; ++j) {
+        if (is_given(v, q, j)) {
+            const double gap = encounter_least_gap(v, q, &at, q->clock, j, until);
+            q->contact[j].peak_penetration = fmax(q->contact[j].peak_penetration, -gap);
+        }
     }
+}
+
+static double integrate_until(const struct scene_values *v, struct motion *q, double end, long *budget)
+{
     double clock = q->clock;
     double width = end - clock;
     while (clock < end) {
@@ -230,6 +241,16 @@ double sampled_integrate(const struct scene_values *v, struct motion *q, double 
         width *= 2.0;
     }
     return clock;
+}
+
+double sampled_integrate(const struct scene_values *v, struct motion *q, double end, long *budget)
+{
+    if (!any_is_given(v, q)) {
+        return end;
+    }
+    const double reached = integrate_until(v, q, end, budget);
+    note_depth(v, q, reached);
+    return reached;
 }
 
 enum advance_result sampled_advance(const struct scene_values *v, struct motion *q, struct advance *step)

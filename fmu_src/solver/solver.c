@@ -89,6 +89,20 @@ static int contact_changing_first(const struct motion *q)
     return first;
 }
 
+/* A released contact opens, unless a prescribed displacement goes another way than its velocity says. */
+static void note_depth_of_released(const struct scene_values *v, struct motion *q, struct advance *step)
+{
+    for (int j = 0; SCENE_ANY_PRESCRIBED && j < SCENE_CONTACTS; ++j) {
+        const bool led =
+            body_is_prescribed(v, contact_source(j)) || body_is_prescribed(v, contact_destination(j));
+        if (led && q->contact[j].regime == REGIME_RELEASED) {
+            const struct system_instant *at = advance_now(step, v, q);
+            const double gap = encounter_least_gap(v, q, at, q->clock, j, step->clock_end);
+            q->contact[j].peak_penetration = fmax(q->contact[j].peak_penetration, -gap);
+        }
+    }
+}
+
 static enum advance_result advance_phase(struct solver *s, const struct scene_values *v, struct motion *q,
                                          struct advance *step)
 {
@@ -99,6 +113,7 @@ static enum advance_result advance_phase(struct solver *s, const struct scene_va
         return sampled_advance(v, q, step);
     }
     if (flight_is_free(q)) {
+        note_depth_of_released(v, q, step);
         flight_advance(v, q, step->clock_end);
         return ADVANCE_REACHED;
     }
