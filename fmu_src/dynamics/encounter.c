@@ -10,6 +10,7 @@
 #include "dynamics/given_change.h"
 #include "dynamics/head_on.h"
 #include "dynamics/resolution.h"
+#include "dynamics/settling.h"
 
 static enum contact_regime regime_at(const struct approach *path, const struct contact_law *law, double s)
 {
@@ -20,63 +21,6 @@ static enum contact_regime regime_at(const struct approach *path, const struct c
     const double rate = distance > 0.0 ? path->side * polynomial_at(&path->half_rate, s) / distance : 0.0;
     return contact_regime_of(law, path->scale * gap, rate * path->scale / path->horizon,
                              approach_within(path, s));
-}
-
-/* Seconds in which a quantity moving with `speed` and half acceleration `bend` leaves the rounding `noise` around zero;
- * 0 when it is not within it. On a shorter scale its sign means nothing. */
-static double leaving_time(double value, double noise, double speed, double bend)
-{
-    if (fabs(value) > noise) {
-        return 0.0;
-    }
-    const double soonest = fmin(noise / fabs(speed), sqrt(noise / fabs(bend)));
-    return isfinite(soonest) ? soonest : 0.0;
-}
-
-/* d/dt of p_n g + p_nv g' in flight: g changes with c', g' = side n.w with w and as n turns, by c' across n / d. */
-static double margin_slope(const struct contact_shape *shape, const struct contact_law *law,
-                           const struct contact_geometry *now, const struct separation *separation)
-{
-    const struct vec3 across = contact_tangential(shape, now->normal, separation->w[0]);
-    const struct vec3 moving = contact_tangential(shape, now->normal, separation->c[1]);
-    const double turning = now->degenerate ? 0.0 : vec3_dot(across, moving) / now->distance;
-    const double bend = shape->side * (vec3_dot(now->normal, separation->w[1]) + turning);
-    const double opening = shape->side * vec3_dot(now->normal, separation->c[1]);
-    return law->stiffness * opening + law->damping * bend;
-}
-
-/* Rounding of p_n g + p_nv g'. Of the rate: what it makes of n, from positions, and of n.w. */
-static double margin_noise(const struct contact_law *law, const struct contact_geometry *now,
-                           double resolution, double by_positions, const struct separation *separation)
-{
-    const double turn = 8.0 * DBL_EPSILON + (now->degenerate ? 0.0 : by_positions / now->distance);
-    return law->stiffness * resolution + fmin(turn, 1.0) * law->damping * vec3_norm(separation->w[0]);
-}
-
-/* Until then the present regime, whose boundary has just been crossed, is taken to last. `resolution` is that of the gap,
- * `by_positions` what it would be from positions alone, `axially` that along a cylinder with ends. */
-static double settling_time(const struct approach *path, const struct contact_shape *shape,
-                            const struct contact_law *law, const struct contact_geometry *now,
-                            double resolution, double by_positions, double axially,
-                            const struct separation *separation, enum contact_regime present, bool just_begun)
-{
-    const double closing = vec3_dot(now->normal, separation->c[1]);
-    double settle = leaving_time(now->gap, resolution, closing, vec3_norm(separation->c[2]));
-    if (approach_has_ends(shape)) {
-        const double beyond = fabs(now->axial) - shape->half_length;
-        settle = fmax(settle, leaving_time(beyond, axially, vec3_dot(separation->c[1], shape->axis),
-                                           vec3_dot(separation->c[2], shape->axis)));
-    }
-    if (present == REGIME_RELEASED) {
-        const double margin = law->stiffness * now->gap + law->damping * now->gap_rate;
-        const double slope = margin_slope(shape, law, now, separation);
-        double noise = margin_noise(law, now, resolution, by_positions, separation);
-        if (just_begun && margin < 0.0 && slope > 0.0) {
-            noise = fmax(noise, -2.0 * margin); /* what the integrator left of the force that is now zero */
-        }
-        settle = fmax(settle, leaving_time(margin, noise, slope, 0.0));
-    }
-    return settle / path->horizon;
 }
 
 static struct encounter first_change(const struct approach *path, const double *cuts, int count,
@@ -191,7 +135,7 @@ static bool head_on_change(const struct contact_shape *shape, const struct conta
         return true;
     }
     struct head_on_end end;
-    const double noise = margin_noise(law, now, resolution, by_positions, separation);
+    const double noise = settling_margin_noise(law, now, resolution, by_positions, separation);
     if (!head_on_release(shape, law, separation, now, resolution, noise, &end)) {
         return false;
     }

@@ -189,6 +189,27 @@ static void peaks_between_communication_points_are_found(void)
     model_destroy(m);
 }
 
+static void counters_of_a_given_motion_stay_at_the_largest_integer(void)
+{
+    struct heard heard;
+    struct model *m = new_model(&heard);
+    m->state.values.body[SOURCE].motion = MOTION_PRESCRIBED;
+    scene_put(m->state.values.body[SOURCE].center, -1.0, 0.1, 0.0);
+    scene_put(m->state.values.body[SOURCE].prescribed_velocity, 3.0, 0.0, 0.0);
+    CHECK(model_exit_initialization(m) == MODEL_OK);
+    m->state.motion.counters.force_evaluations = INT32_MAX - 3;
+    CHECK(model_step(m, 2.0) == MODEL_OK);
+    CHECK(m->state.motion.counters.force_evaluations == INT32_MAX);
+    struct model_state *saved = scene_allocate(1, model_state_size());
+    if (!saved) {
+        exit(2);
+    }
+    model_save(m, saved);
+    CHECK(model_restore(m, saved, model_state_size()) == MODEL_OK);
+    free(saved);
+    model_destroy(m);
+}
+
 int main(void)
 {
     CHECK_TEST(a_step_before_initialization_is_an_error);
@@ -196,5 +217,6 @@ int main(void)
     CHECK_TEST(altered_bytes_are_not_restored);
     CHECK_TEST(a_given_motion_has_the_impulse_work_and_loss_of_its_closed_form);
     CHECK_TEST(peaks_between_communication_points_are_found);
+    CHECK_TEST(counters_of_a_given_motion_stay_at_the_largest_integer);
     return check_summary("model_step");
 }
