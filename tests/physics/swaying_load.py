@@ -25,7 +25,9 @@ class Scene:
     angle: float  # of the start, from the lowest (inside) or highest point [rad]
     depth: float = 1.0  # of the start, in parts of that at which spring and load balance
     speed: float = 0.0  # of the start, along the wall [m/s]
-    force: list = field(default_factory=lambda: [[0.0, 0.0]] * 3)  # in the plane: value, first, second derivative
+    force: list = field(
+        default_factory=lambda: [[0.0, 0.0]] * 3
+    )  # in the plane: value, first, second derivative
 
     @property
     def damping(self):

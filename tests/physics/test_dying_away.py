@@ -85,7 +85,7 @@ def test_a_contact_dies_away_once(opened, shape, inside, frame, seed):
 @pytest.mark.parametrize("rest", [1e-3, 1.62, 1e3, 1e6])
 @pytest.mark.parametrize("first", [1e-6, 0.01, 0.05, 0.08, 0.5])
 def test_a_stop_on_the_way_changes_nothing(opened, first, rest):
-    """1.05 of critical damping, pressed in by a hundredth of a metre, let go; 1e6 s are a thousand million radians"""
+    """1.05 of critical damping, let go a hundredth of a metre deep; 1e6 s are a thousand million radians"""
     values = {
         "contact.location": "inside",
         "gravity": [0.0, 0.0, 0.0],
@@ -111,10 +111,10 @@ def test_a_stop_on_the_way_changes_nothing(opened, first, rest):
 
 @pytest.mark.parametrize("seed", range(40))
 def test_a_stop_one_rounding_beside_the_touch(opened, seed):
-    """The ball flies to the wall; the importer stops at the touch, or a rounding of the time before or after"""
+    """The ball flies to the wall; the importer stops at the touch, or a rounding before or after"""
     draw = np.random.default_rng(seed)
     shape, inside = str(draw.choice(list(FMU))), bool(draw.integers(2))
-    values, rate, drift = dying_scene(draw, shape, inside, "fixed")
+    values, rate, _ = dying_scene(draw, shape, inside, "fixed")
     normal, side = unit(values["source.center"]), (-1.0 if inside else 1.0)
     away, speed = 10.0 ** draw.uniform(-6.0, -1.0), 10.0 ** draw.uniform(-3.0, 1.0)
     values["source.center"] = list(((0.4 if inside else 0.6) + side * away) * normal)

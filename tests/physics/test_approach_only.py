@@ -1,0 +1,112 @@
+"""Lasting contact with a dashpot that acts on approach only, under a load that sways: as many events as the
+true motion has, few steps, and the right place.
+"""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from checks import check_close, run
+from make_swaying_references import FILE, end_of
+from stiff_limit import StiffContact
+from swaying_load import integrate, random_scene
+
+FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
+ROWS = json.loads(FILE.read_text(encoding="utf-8"))
+TOLERANCES = [1e-6, 1e-8, 1e-10]
+
+
+@pytest.mark.parametrize("steps", [1, 37])
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: str(row["seed"]))
+def test_events_are_those_of_the_true_motion(opened, row, tolerance, steps):
+    """Half of critical damping to a hundred times. One event more where a ball starts at rest and is pressed
+    in further: at once. A gap rate that just touches zero may do so unseen, or once more: two events.
+    """
+    scene = random_scene(row["seed"])
+    fmu = run(opened(FMU[scene.shape]), scene.values(), end_of(scene), steps, tolerance, "event_driven")
+    assert fmu["contact.onsets"] == row["onsets"]
+    assert abs(fmu["solver.events"] - row["events"]) <= 3
+    assert fmu["solver.steps"] <= 200 + 4 * steps + 3 * row["events"]
+    check_close("position", fmu["source.position"], row["position"], max(1e-3 * tolerance, 1e-11))
+
+
+@pytest.mark.parametrize("seed", [10, 22, 29, 31, 35])
+def test_the_stored_motion_is_what_the_integrators_give(seed):
+    """Those that take less than a second, at another accuracy than the stored ones"""
+    [row] = [row for row in ROWS if row["seed"] == seed]
+    scene = random_scene(seed)
+    motion = integrate(scene, end_of(scene), accuracy=1e-11)
+    assert (motion.events, motion.onsets) == (row["events"], row["onsets"])
+    check_close("position", motion.position, row["position"], 1e-12)
+
+
+def sliding(shape, inside, stiffness, ratio, mass, angle, speed):
+    """Set down where load and spring balance, with a speed across the slope, and how long it may slide"""
+    reach, height = (0.4, -1.0) if inside else (0.6, 1.0)
+    turn = speed / reach if shape == "sphere" else 0.0
+    load = mass * (9.81 * math.cos(angle) + (reach * turn**2 if inside else -reach * turn**2))
+    d = reach + load / stiffness * (1.0 if inside else -1.0)
+    values = {
+        "contact.location": "inside" if inside else "outside",
+        "contact.method": "penalty_dynamic",
+        "contact.dashpot": "approach_only",
+        "contact.penalty_factor": stiffness,
+        "contact.viscous_penalty_factor": 2.0 * ratio * math.sqrt(stiffness * mass),
+        "source.mass": mass,
+        "source.center": [d * math.sin(angle), 0.0, d * height * math.cos(angle)],
+        "source.initial_velocity": [0.0, speed, 0.0],
+        "gravity": [0.0, 0.0, -9.81],
+    }
+    if shape == "cylinder":
+        values["destination.axis"] = [0.0, 1.0, 0.0]
+    return values, 2.0 if inside else 0.3
+
+
+def stiff_end(values, shape, end):
+    """As if undamped: the dashpot moves the ball by no more than it holds it back along the normal"""
+    return StiffContact({**values, "contact.method": "penalty"}, shape).end(end)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_stiffness_costs_no_events(opened, seed):
+    """The gap rate touches zero in a few turns of the oscillation for each turn of the load, the more the
+    heavier the dashpot, which holds the ball for so many turns; however many turns there are in all.
+    """
+    draw = np.random.default_rng(seed)
+    shape, inside = str(draw.choice(list(FMU))), bool(draw.random() < 0.7)
+    mass, ratio = 10.0 ** draw.uniform(-1.0, 1.0), math.exp(draw.uniform(math.log(0.5), math.log(100.0)))
+    stiffness = mass * 10.0 ** draw.uniform(9.3, 12.0)
+    angle = draw.uniform(0.2, 1.2) if inside else draw.uniform(0.02, 0.2)
+    speed = float(draw.choice([0.0, 0.1, 0.5]))
+    values, end = sliding(shape, inside, stiffness, ratio, mass, angle, speed)
+    right = stiff_end(values, shape, end)
+    assert right.left_out < 1e-9 and right.least_push > 0.0
+    for tolerance in (None, *TOLERANCES):
+        fmu = run(opened(FMU[shape]), values, end, 1, tolerance, "event_driven")
+        assert fmu["contact.onsets"] == 1
+        assert fmu["solver.events"] <= 12 + 4 * ratio
+        assert fmu["solver.steps"] <= 120 + 8 * ratio
+        check_close("position", fmu["source.position"], right.position, 1e-9)
+        energy = mass * (9.81 * values["source.center"][2] + 0.5 * speed**2)
+        check_close("energy", fmu["energy.total"], energy, 1e-12 * mass + 50.0 * mass**2 / stiffness)
+
+
+@pytest.mark.parametrize(
+    "stiffness, damping, tolerance", [(1e9, 75894.66, None), (1e9, 75894.66, 1e-10), (1e10, 1e6, 1e-10)]
+)
+def test_a_load_that_sways_turns_six_times(opened, stiffness, damping, tolerance):
+    """A ball slides through a hollow sphere to and fro for two seconds. Where it is let go deeper than load
+    and spring balance, it rises first, which the expansion does not know: as high as the spring throws it.
+    """
+    values, end = sliding("sphere", True, stiffness, 1.0, 1.0, math.pi / 3, 0.1)
+    values["contact.viscous_penalty_factor"] = damping
+    balance = math.hypot(*values["source.center"]) - 0.4
+    values["source.center"] = [0.3464101658439025, 0.0, -0.2000000025]
+    deeper = math.hypot(*values["source.center"]) - 0.4 - balance
+    rise = stiffness * deeper**2 / (2.0 * 9.81 * math.cos(math.pi / 3))
+    fmu = run(opened("SphereSphere"), values, end, 1, tolerance, "event_driven")
+    assert fmu["solver.events"] <= 7
+    assert fmu["solver.steps"] <= 60
+    check_close("position", fmu["source.position"], stiff_end(values, "sphere", end).position, 1e-9 + rise)
