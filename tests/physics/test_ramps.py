@@ -31,12 +31,16 @@ def check_against_reference(fmu, expected, allowed):
     size = sum(abs(energy) for energy in energies.values())
     for name, energy in energies.items():
         check_close(name, fmu[name], energy, allowed * max(1.0, size))
-        check_close(f"{name}, relative to all", fmu[name], energy, 1e2 * allowed * size)
+        check_close(f"{name}, relative to all", fmu[name], energy, 10 * allowed * size)
 
 
-# The named seeds were wrong by 1e-8 m and more, or in external work by 1e-7 of all energies and more, while the rate along
-# the contact was that of the start and the work left out the fast decay.
-@pytest.mark.parametrize("seed", [*range(40)])
+# Of the first 450 scenes those that were wrong while the rate along the contact was that of the start alone (motion), and
+# while the work left out the fast decay or the oscillation (external work).
+WRONG_MOTION = [66, 216, 365, 368, 373, 383, 446, 447]
+WRONG_WORK = [70, 90, 93, 95, 100, 105, 110, 219, 220, 243, 306, 379, 395, 417]
+
+
+@pytest.mark.parametrize("seed", [*range(20), *WRONG_MOTION, *WRONG_WORK])
 def test_random_ramps_and_parabolas(opened, seed):
     scene, expected = scene_and_reference(seed)
     fmu = run(opened(FMU[scene.shape]), scene.values, expected.end, scene.steps, 1e-10, "event_driven")

@@ -79,7 +79,7 @@ static void check_motion(const struct trial *t, const struct collocation *p, dou
     CHECK_CLOSE("x bend", x[2] / ((long double)p->half * p->half), expected->bend, off * rate * rate);
 }
 
-/* A moment leaves out the integral of y, by parts a boundary term over its rate. */
+/* A moment leaves out what y adds to n, whose integral is smaller than y by the ratio of the rates and by its rate. */
 static void check_sums(const struct trial *t, const struct collocation *p, const struct reference *r,
                        const struct reference_state *y, const struct vec3 weight[2], long double force)
 {
@@ -88,7 +88,7 @@ static void check_sums(const struct trial *t, const struct collocation *p, const
     double of_y = 0.0;
     if (t->kind != COLLOCATION_RESOLVED) {
         const double rate = t->kind == COLLOCATION_SPANNING ? t->rates.slower : t->rates.faster;
-        of_y = 4.0 * (fabs(p->y) + fabs(p->y_rate) / (p->half * rate)) / rate;
+        of_y = 4.0 * (fabs(p->y) + fabs(p->y_rate) / (p->half * rate)) / rate * (t->turning / rate);
     }
     CHECK_CLOSE("dissipated", collocation_dissipated(p, 2.0), y->dissipated,
                 off * force + 16.0L * DBL_EPSILON * long_dot(r->start.rate, r->start.rate));
