@@ -35,6 +35,7 @@ enum { COLLOCATION_PULL_TERMS = 3, COLLOCATION_LEAD_TERMS = 4 };
 struct collocation_problem {
     struct vec3 normal;                       /* n, unit */
     struct vec3 rate;                         /* c' [m/s] */
+    double radial;                            /* x', the part of c' along n, or finer than that tells [m/s] */
     double reach;                             /* [m] */
     double excess;                            /* x [m] */
     double square;                            /* > 0 [1/s^2] */

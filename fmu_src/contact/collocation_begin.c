@@ -62,6 +62,7 @@ static bool is_straight(const struct collocation_problem *from)
 static void put_problem_in_frame(struct collocation *p)
 {
     p->rate = in_frame(p, p->from.rate);
+    p->rate.x = p->from.radial;
     p->planar = flatten(&p->rate);
     for (int i = 0; i < COLLOCATION_PULL_TERMS; ++i) {
         p->pull[i] = in_frame(p, p->from.pull[i]);

@@ -49,6 +49,7 @@ static void leave_centre(struct press *p, const struct contact_geometry *geometr
 static void take_carried_rate(struct press *p, double rate)
 {
     const double missing = p->shape.side * rate - vec3_dot(p->normal, press_across(p, p->flight.w[0]));
+    p->carried_rate = rate;
     p->rate_rounded = vec3_scale(missing, p->normal);
     p->flight.c[1] = vec3_add(p->flight.c[1], p->rate_rounded);
     p->flight.w[0] = vec3_add(p->flight.w[0], p->rate_rounded);
@@ -70,6 +71,7 @@ void press_make(struct press *p, const struct scene_values *v, const struct moti
     p->rate_resolution = resolution_of_rate(at, contact);
     p->reduced_mass = 1.0 / system_inverse_mass(v, contact);
     p->rate_rounded = vec3_make(0.0, 0.0, 0.0);
+    p->carried_rate = (double)NAN;
     if (centre_is_met(v, at, contact, &p->shape)) {
         leave_centre(p, geometry);
     } else if (system_rate_is_known(q, at, contact)) {
@@ -89,6 +91,15 @@ struct vec3 press_along(const struct press *p, struct vec3 across)
     return vec3_axpy(across, -vec3_dot(p->normal, across), p->normal);
 }
 
+double press_closing(const struct press *p)
+{
+    if (isnan(p->carried_rate)) {
+        return p->shape.side * vec3_dot(p->normal, press_across(p, p->flight.c[1]));
+    }
+    const struct vec3 lead = vec3_sub(p->flight.w[0], p->flight.c[1]);
+    return p->carried_rate - p->shape.side * vec3_dot(p->normal, press_across(p, lead));
+}
+
 double press_load(const struct press *p)
 {
     const struct vec3 across = press_along(p, press_across(p, p->flight.c[1]));
@@ -98,7 +109,7 @@ double press_load(const struct press *p)
 }
 
 /* Of the force. Peaks are right to it; where velocities are as good as that, they are all there is to know. */
-static const double COARSE = 1e-7;
+static const double COARSE = 1e-6;
 
 double press_rate_rounding(const struct press *p, const struct press_change *change,
                            const struct scene_values *v, const struct motion *q, int contact)

@@ -34,6 +34,7 @@ struct press {
     struct vec3
         rounded; /* what c lacks for d to be that of the carried gap, or that at the centre: rounding [m] */
     struct vec3 rate_rounded; /* what w lacks for g' to be the carried one: rounding [m/s] */
+    double carried_rate;      /* g' as carried along; NaN: as w tells [m/s] */
     double reduced_mass;      /* m_red [kg] */
     double rate_resolution;   /* of g', by rounding [m/s] */
     struct press_work work[PRESS_ENDS];
@@ -59,6 +60,9 @@ struct press_change {
 /* From the present instant `at`, taken at q->clock, for a contact in a pressing or receding regime. */
 void press_make(struct press *p, const struct scene_values *v, const struct motion *q,
                 const struct system_instant *at, int contact);
+
+/* dg/dt at the start, which is not g' where bodies are led otherwise than they move [m/s] */
+double press_closing(const struct press *p);
 
 /* Size of the force that would hold the bodies at their distance now; close to the centre, where they only pass, at half their size [N]. */
 double press_load(const struct press *p);

@@ -28,7 +28,8 @@ struct press_outlook press_outlook_of(const struct press *p)
     set_paths(p, problem);
     const double d = problem->reach + problem->excess;
     const struct vec3 along = press_along(p, problem->rate);
-    const double radial = vec3_dot(p->normal, problem->rate);
+    const double radial = p->shape.side * press_closing(p);
+    problem->radial = radial;
     const double load = vec3_dot(along, along) / d + vec3_dot(p->normal, problem->pull[0]) -
                         problem->damping * vec3_dot(p->normal, problem->lead[0]);
     const struct oscillator oscillator = {problem->square, problem->damping};

@@ -94,7 +94,7 @@ static void next_coefficient(struct press_series *p, struct recurrence *z, int i
         z->n.at[i] = series_divide_vec3(&z->c, z->d, &z->n, i);
     }
     p->gap[i] = i == 0 ? from->gap : side * z->d[i];
-    p->rate[i] = side * z->speed[i];
+    p->rate[i] = i == 0 && !isnan(from->carried_rate) ? from->carried_rate : side * z->speed[i];
     p->force[i] = -(from->by.k * p->gap[i] + from->by.c * p->rate[i]);
     if (i + 2 < SERIES_TERMS) {
         struct vec3 push = {0.0, 0.0, 0.0};

@@ -76,7 +76,7 @@ bool press_straight_make(struct press_straight *p, const struct press *from)
     }
     p->from = from;
     p->pull = 2.0 * along_normal(from, 2) / (p->rate * p->rate);
-    p->y_rate = along_normal(from, 1) / p->rate;
+    p->y_rate = press_closing(from) / p->rate;
     return has_spring ? make_of_spring(p) : make_of_dashpot(p);
 }
 

@@ -181,6 +181,7 @@ static void straighten(struct trial *t, struct random *r)
     const struct vec3 n = vec3_make(axis == 0, axis == 1, axis == 2);
     p->normal = n;
     p->rate = vec3_scale(radial, n);
+    p->radial = radial;
     for (int i = 0; i < COLLOCATION_PULL_TERMS; ++i) {
         p->pull[i] = vec3_scale(vec3_dot(n, p->pull[i]), n);
     }

@@ -75,6 +75,7 @@ static inline void set_start(struct trial *t, double swing, double swing_rate)
     const double load = load_at_start(p, p->reach);
     p->excess = swing + (p->square > 0.0 ? load / p->square : 0.0);
     p->rate = vec3_axpy(p->rate, swing_rate, p->normal);
+    p->radial = vec3_dot(p->normal, p->rate);
 }
 
 /* d to 1: the circle about the centre, a pull, a lead; all of them such that n turns by a radian in 1/turning. `swing` is the

@@ -43,8 +43,10 @@ static void a_step_through_the_centre_is_refused(void)
         struct collocation p;
         from.square = rate * rate;
         from.damping = k % 2 == 0 ? 0.0 : 0.2 * rate;
-        from.rate = vec3_scale(-1.5 * rate * from.reach, from.normal);
+        from.radial = -1.5 * rate * from.reach;
+        from.rate = vec3_scale(from.radial, from.normal);
         CHECK(!collocation_make(&p, &from, 3.5 / rate, COLLOCATION_RESOLVED, twelve, 1e-12 * from.reach));
+        from.radial *= 0.1;
         from.rate = vec3_scale(0.1, from.rate);
         CHECK(collocation_make(&p, &from, 3.5 / rate, COLLOCATION_RESOLVED, twelve, 1e-12 * from.reach));
     }
@@ -69,6 +71,7 @@ static void nan_is_refused_wherever_it_comes_in(void)
         if (k % 2 == 0) { /* straight, where nothing but x depends on it */
             p->normal = vec3_make(1.0, 0.0, 0.0);
             p->rate = vec3_make(p->rate.x, 0.0, 0.0);
+            p->radial = p->rate.x;
             for (int i = 0; i < COLLOCATION_PULL_TERMS; ++i) {
                 p->pull[i] = vec3_make(p->pull[i].x, 0.0, 0.0);
             }
