@@ -19,7 +19,6 @@ class Line:
         self.k, self.c, self.dashpot = stiffness, damping, dashpot
         self.time = self.last_onset = self.last_duration = 0.0
         self.onsets = self.events = 0
-        self.slowest_crossing = abs(rate)
         self.full = True  # spring and dashpot; else what the dashpot leaves
         self.side = math.copysign(1.0, s)
         self.touching = abs(s) < reach or (abs(s) == reach and s * rate < 0.0)
@@ -98,7 +97,6 @@ class Line:
     def happen(self, event):
         if event == "centre":
             self.side, self.s = -self.side, 0.0
-            self.slowest_crossing = min(self.slowest_crossing, abs(self.rate))
             self.full = self.law(np.array([0.0, self.rate])) > 0.0
         elif event == "law":
             self.full = not self.full
