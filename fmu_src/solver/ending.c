@@ -22,11 +22,14 @@ static const double DIED_AWAY = 1e-100;
  * deforms the contact by less than the error allowed, nor beyond this part of the load. */
 static const double IDLE_DASHPOT = 1e-3;
 
-/* Under a load that falls slowly the full law lets the bodies separate at the load's pace, r0 at most. The dashpot's pull p_nv r0 then
- * holds the contact deeper by p_nv r0 / p_n than the spring alone would. Left to the spring alone it oscillates about the falling load
- * with speeds up to p_nv r0 / sqrt(p_n m_red) = swing r0, and approaches again at up to (swing - 1) r0. Beyond critical damping, where
- * swing > 2, that is more than r0: if it switched the full law on, a cycle without end would begin. So the spring alone lasts up
- * to a speed of approach that is this many times swing r0; the larger of the two speeds is what the dashpot's force may be off by. */
+/* Under a load that falls slowly the full law lets the bodies separate at the load's pace, r0 at most.
+ * The dashpot's pull p_nv r0 then holds the contact deeper by p_nv r0 / p_n than the spring alone would.
+ * Left to the spring alone it oscillates about the falling load with speeds up to swing r0, where
+ * swing = p_nv / sqrt(p_n m_red), and approaches again at up to (swing - 1) r0.
+ * From critical damping on, swing >= 2, that is r0 or more.
+ * If it switched the full law on, a cycle without end would begin.
+ * So the spring alone lasts up to this many times swing r0. The error stays bounded:
+ * the dashpot's force that is left out at that speed is the idle one, or more only where rounding asks for it. */
 static const double REBOUND = 2.0;
 static const double CRITICAL_SWING = 2.0;
 

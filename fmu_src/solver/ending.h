@@ -6,7 +6,8 @@
 
 #if SCENE_ANY_FREE
 
-/* How far the rounding of g', which is taken anew from the velocities at the start of each piece, moves the gap at most [m]. */
+/* How far the rounding of g' moves the gap at most [m].
+ * Each piece takes g' anew from the velocities, rounded as they are. */
 double ending_gap_noise(const struct press *from);
 
 /* Bodies that hardly part are held together until the gap is so wide [m]. */
