@@ -29,7 +29,7 @@ static const double IDLE_DASHPOT = 1e-3;
  * From critical damping on, swing >= 2, that is r0 or more.
  * If it switched the full law on, a cycle without end would begin.
  * So the spring alone lasts up to this many times swing r0. The error stays bounded:
- * the dashpot's force that is left out at that speed is the idle one, or more only where rounding asks for it. */
+ * the force left out at that speed is the idle one, or more only where rounding asks for it. */
 static const double REBOUND = 2.0;
 static const double CRITICAL_SWING = 2.0;
 
