@@ -66,6 +66,7 @@ double press_turning_within(const struct press_outlook *outlook, double step)
 /* Radians in a step are an estimate: a tenth more is as good. */
 static const double RADIANS_MORE = 1.1;
 
+/* Each leaves at most half of the step's logarithm that is too much: a step of 1e6 times the length needs eight. */
 enum { STEP_TRIALS = 12 };
 
 double press_step_within(const struct press_outlook *outlook, double longest, double radians)

@@ -13,8 +13,7 @@ struct press_outlook {
     struct collocation_problem problem;
     double distance;   /* d [m] */
     double rate_along; /* |c' along the contact| / d [1/s] */
-    double
-        turning; /* the rate at which the motion along the contact turns [1/s]; later: press_turning_within */
+    double turning;    /* the rate at which the motion along the contact turns now [1/s] */
     struct oscillator_rates
         rates;          /* of the radial oscillator; sqrt(p_n / m_red) below critical damping [1/s] */
     double oscillation; /* bound of how far x will deviate from what follows the load [m] */

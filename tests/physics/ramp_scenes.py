@@ -1,8 +1,8 @@
 """Random scenes in which what pushes the bodies begins at exactly zero: forces and given motions that grow
 linearly or with the square of time, on contacts from none to a hundred times critical damping.
 
-`reference` integrates them in Cartesian coordinates (Dormand and Prince's method of order eight, from scipy), with the
-energies as further unknowns, independently of the code under test.
+`reference` integrates them in Cartesian coordinates (Dormand and Prince's method of order eight, from scipy),
+with the energies as further unknowns, independently of the code under test.
 """
 
 import math
@@ -164,7 +164,8 @@ class Equations:
         d = math.sqrt(c @ c)
         grown = (2 * start + moved) @ moved / (d + first)
         n = c / d
-        return self.sign * ((first - self.reach) + grown), self.sign * (n @ (rate - rate @ self.axis * self.axis)), n
+        rate = rate - rate @ self.axis * self.axis
+        return self.sign * ((first - self.reach) + grown), self.sign * (n @ rate), n
 
     def rates(self, t, y):
         u, w = self.bodies(t, y)
@@ -200,11 +201,17 @@ def reference(scene):
         return (min(-gap, pressed) if clipped else -gap) if t > 0 else 1e-14
 
     overlap.terminal, overlap.direction = True, -1
-    first = min(scene.end, 1e-6)
 
     def solve(end):
         return solve_ivp(
-            equations.rates, (0, end), y, "DOP853", rtol=3e-14, atol=1e-17, first_step=first * end, events=overlap
+            equations.rates,
+            (0, end),
+            y,
+            "DOP853",
+            rtol=3e-14,
+            atol=1e-17,
+            first_step=1e-6 * end,
+            events=overlap,
         )
 
     solution = solve(scene.end)

@@ -1,5 +1,5 @@
-"""Forces and given motions that grow from exactly nothing, at all damping: what is small at the start of a step says
-nothing about the rest of it.
+"""Forces and given motions that grow from exactly nothing, at all damping: what is small at the start of a
+step says nothing about the rest of it.
 """
 
 from functools import cache
@@ -34,8 +34,8 @@ def check_against_reference(fmu, expected, allowed):
         check_close(f"{name}, relative to all", fmu[name], energy, 10 * allowed * size)
 
 
-# Of the first 450 scenes those that were wrong while the rate along the contact was that of the start alone (motion), and
-# while the work left out the fast decay or the oscillation (external work).
+# Of the first 450 scenes those that were wrong while the rate along the contact was that of the start alone
+# (motion), and while the work left out the fast decay or the oscillation (external work).
 WRONG_MOTION = [66, 216, 365, 368, 373, 383, 446, 447]
 WRONG_WORK = [70, 90, 93, 95, 100, 105, 110, 219, 220, 243, 306, 379, 395, 417]
 
