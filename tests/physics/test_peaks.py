@@ -1,0 +1,235 @@
+"""contact.peak_force and contact.peak_penetration, against a reference that follows the contact through every turn.
+
+The reference is the motion of a ball pressed on a fixed body in a plane, in polar coordinates about the body's centre,
+so that the gap has digits of its own:
+
+    side g'' = H^2 / d^3 + n.f / m - side (p_n g + p_nv g') / m,   H' = d n x f / m,   d = reach + side g
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from checks import check_close, run, start
+from head_on import DASHPOTS, FMU, GEOMETRIES, head_on
+from scipy.integrate import solve_ivp
+from stiff_scenes import SCENES, stiff_scene
+
+METHOD = "event_driven"
+TOLERANCE = 1e-10
+RADII = {"inside": 0.4, "outside": 0.6}  # r_d - r_s, r_d + r_s
+
+
+class Pressed(NamedTuple):
+    """`force`: value and two time derivatives, in the plane of n at the start and of `along`"""
+
+    location: str
+    mass: float
+    stiffness: float
+    damping: float
+    depth: float
+    closing: float  # -g' at the start [m/s]
+    along: float  # speed along the contact [m/s]
+    force: np.ndarray
+
+    @property
+    def side(self):
+        return -1 if self.location == "inside" else 1
+
+
+def frame(random):
+    """n, a direction across, and one across both"""
+    return np.linalg.qr(random.normal(size=(3, 3)))[0].T
+
+
+def configuration(scene, shape, dashpot, axes):
+    n, across, axis = axes
+    reach = RADII[scene.location]
+    force = [row[0] * n + row[1] * across for row in scene.force]
+    values = head_on(
+        shape,
+        scene.location,
+        source_mass=scene.mass,
+        source_center=(reach * n).tolist(),
+        source_initial_displacement=(-scene.side * scene.depth * n).tolist(),
+        source_initial_velocity=(-scene.side * scene.closing * n + scene.along * across).tolist(),
+        source_external_force=force[0].tolist(),
+        contact_method="penalty_dynamic",
+        contact_dashpot=dashpot,
+        contact_penalty_factor=scene.stiffness,
+        contact_viscous_penalty_factor=scene.damping,
+    )
+    values["source.external_force.derivatives"] = [row.tolist() for row in force[1:]]
+    if shape == "cylinder":
+        values["destination.axis"] = axis.tolist()
+    return values
+
+
+def top(samples, function, times):
+    """Largest value of a function between its samples, by golden section about the largest"""
+    best = int(np.argmax(samples))
+    low, high = times[max(best - 1, 0)], times[min(best + 1, len(times) - 1)]
+    ratio = (math.sqrt(5) - 1) / 2
+    for _ in range(60):
+        left, right = high - ratio * (high - low), low + ratio * (high - low)
+        if function(left) > function(right):
+            high = right
+        else:
+            low = left
+    return max(samples[best], function(0.5 * (low + high)))
+
+
+def reference_peaks(scene, gap, rate, end):
+    """Peak force and penetration of a contact that lasts; None where it parts or pulls. Time in 1/omega."""
+    m, k, c, side = scene.mass, scene.stiffness, scene.damping, scene.side
+    unit, reach = math.sqrt(m / k), RADII[scene.location]
+
+    def slope(tau, y):
+        d, t = reach + side * y[0], tau * unit
+        fx, fy = scene.force[0] + t * scene.force[1] + t * t / 2 * scene.force[2]
+        cosine, sine = math.cos(y[2]), math.sin(y[2])
+        along_n, across = (fx * cosine + fy * sine) / m, (fy * cosine - fx * sine) / m
+        bend = side * (y[3] ** 2 / d**3 + along_n) - (k * y[0] + c * y[1]) / m
+        return [unit * y[1], unit * bend, unit * y[3] / d**2, unit * d * across]
+
+    begin = [gap, rate, 0.0, (reach + side * gap) * scene.along]
+    size = (abs(scene.force[0][0]) + m * scene.along**2 / reach) / k
+    small = [1e-14 * size, 1e-14 * size / unit, 1e-15, 1e-15 * max(abs(begin[3]), 1e-9)]
+    path = solve_ivp(
+        slope, (0, end / unit), begin, "DOP853", rtol=1e-13, atol=small, dense_output=True, max_step=0.5
+    )
+
+    def force(tau):
+        y = path.sol(tau)
+        return -(k * y[0] + c * y[1])
+
+    forces = np.array([force(tau) for tau in path.t])
+    if np.max(path.y[0][1:]) > 0 or np.min(forces[1:]) < 1e-6 * np.max(forces):
+        return None
+    return top(forces, force, path.t), top(-path.y[0], lambda tau: -path.sol(tau)[0], path.t)
+
+
+def random_pressed(random):
+    location = ["inside", "outside"][random.integers(2)]
+    side = -1 if location == "inside" else 1
+    mass, stiffness = 10 ** random.uniform(-2, 1), 10 ** random.uniform(4, 12)
+    omega = math.sqrt(stiffness / mass)
+    ratio = [
+        random.uniform(0.005, 0.5),
+        random.uniform(0.5, 1.0),
+        random.uniform(0.9, 1.1),
+        random.uniform(1, 2),
+        10 ** random.uniform(0, 2),
+    ][random.integers(5)]
+    load = 10 ** random.uniform(-0.5, 1.5) * mass
+    depth = load / stiffness
+    end = 10 ** random.uniform(0, 2.5) / omega
+    force = np.zeros((3, 2))
+    force[0] = -side * load, random.uniform(-1, 1) * load * random.integers(2)
+    if random.integers(2):
+        force[1:] = random.normal(size=(2, 2)) * random.choice([0.1, 0.5, 2.0]) * load / end
+        force[2] /= end
+    part = random.choice([0.0, 0.0, 1.0, random.uniform(0, 1), random.uniform(1, 1.9)])
+    closing = depth * omega * random.uniform(0, 3) * random.integers(2)
+    along = random.uniform(0, 0.3) * math.sqrt(load / mass * RADII[location]) * random.integers(2)
+    damping = 2 * ratio * math.sqrt(stiffness * mass)
+    return Pressed(location, mass, stiffness, damping, part * depth, closing, along, force), end
+
+
+@pytest.mark.parametrize("dashpot", ["unclamped", "non_adhesive"])
+@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+@pytest.mark.parametrize("portion", range(3))
+def test_peaks_of_a_lasting_contact(opened, shape, dashpot, portion):
+    """Set down, landing, settled or pressed deeper, from hardly damped to 100 times critical, under forces that
+    change: all within one communication step
+    """
+    random = np.random.default_rng([portion, len(shape), len(dashpot)])
+    compared = 0
+    for _ in range(8):
+        scene, end = random_pressed(random)
+        values = configuration(scene, shape, dashpot, frame(random))
+        fmu = start(opened(FMU[shape]), values, TOLERANCE, METHOD)
+        expected = reference_peaks(scene, fmu["contact.gap"], fmu["contact.gap_rate"], end)
+        if expected is None:
+            continue
+        fmu.step(end)
+        compared += 1
+        check_close(f"force of {scene}", fmu["contact.peak_force"] / expected[0], 1.0, 3e-8)
+        check_close(f"penetration of {scene}", fmu["contact.peak_penetration"] / expected[1], 1.0, 3e-8)
+    assert compared >= 4
+
+
+@pytest.mark.parametrize("ratio", [1.05, 1.2, 3.0, 30.0])
+@pytest.mark.parametrize("stiffness", [1e6, 1e8, 1e9])
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_a_body_set_down_presses_harder_than_its_weight(opened, shape, location, dashpot, stiffness, ratio):
+    """Beyond critical damping F = W - m s'' has its largest value where s'''' = 0: with the two rates a > b and
+    s''' = W / m (a^2 e^(-a t) - b^2 e^(-b t)) / (a - b) = 0 there. The depth only grows towards W / p_n.
+    """
+    mass, weight = 1.0, 10.0
+    omega = math.sqrt(stiffness / mass)
+    spread = math.sqrt(ratio**2 - 1)
+    slow, fast = omega / (ratio + spread), omega * (ratio + spread)
+    late = 2 * math.log(fast / slow) / (fast - slow)
+    bend = weight / mass * (fast * math.exp(-fast * late) - slow * math.exp(-slow * late)) / (fast - slow)
+    side = -1 if location == "inside" else 1
+    axes = frame(np.random.default_rng(1))
+    force = np.array([[-side * weight, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    damping = 2 * ratio * math.sqrt(stiffness * mass)
+    scene = Pressed(location, mass, stiffness, damping, 0.0, 0.0, 0.0, force)
+    values = configuration(scene, shape, dashpot, axes)
+    fmu = run(opened(FMU[shape]), values, 60 / slow, 1, TOLERANCE, METHOD)
+    rounding = stiffness * 2.0**-52  # of the first gap, of some 0.5 m
+    check_close("force", fmu["contact.peak_force"], weight - mass * bend, rounding + 1e-12 * weight)
+    check_close("depth", fmu["contact.peak_penetration"] * stiffness, weight, rounding + 1e-12 * weight)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5])
+@pytest.mark.parametrize(
+    "stiffness, mass, pull, end", [(1e36, 1.0, 10.0, 1.0), (1e15, 1e-9, 1e-6, 1e5), (1e60, 1.0, 10.0, 1.0)]
+)
+@pytest.mark.parametrize("shape, location", GEOMETRIES)
+def test_the_search_ends_where_a_turn_has_no_digits(
+    opened, shape, location, stiffness, mass, pull, end, share
+):
+    """A ball that settles under a load which doubles until the middle of the step and falls back: the peaks
+    are the load's
+    """
+    load = pull * mass
+    side = -1 if location == "inside" else 1
+    force = -side * np.array([[load, 0.0], [4 * load / end, 0.0], [-8 * load / end**2, 0.0]])
+    damping = 2 * share * math.sqrt(stiffness * mass)
+    scene = Pressed(location, mass, stiffness, damping, 0.0, 0.0, 0.0, force)
+    fmu = opened(FMU[shape])
+    values = configuration(scene, shape, "unclamped", np.eye(3))
+    values["source.radius"] = 0.125  # the gap at the start is zero to the last digit
+    values["source.center"] = [0.5 + side * 0.125, 0.0, 0.0]
+    run(fmu, values, end, 1, TOLERANCE, METHOD)
+    assert fmu["contact.onsets"] == 1
+    assert fmu["solver.steps"] < 100
+    check_close("force", fmu["contact.peak_force"], 2 * load, 1e-9 * load)
+    check_close("depth", fmu["contact.peak_penetration"] * stiffness, 2 * load, 1e-9 * load)
+
+
+@pytest.mark.parametrize("steps", [1, 7])
+@pytest.mark.parametrize("name", ["P3", "tilted cylinder", "free sphere", "on top"])
+@pytest.mark.parametrize("share", [0.1, 0.5])
+def test_peaks_do_not_follow_the_rounding_of_velocities(opened, name, share, steps):
+    """The force of a contact far stiffer than any velocity could tell its rate for: as at 1e15 N/m"""
+    assert name in SCENES
+    peaks = []
+    for stiffness in (1e15, 1e24, 1e30, 1e33, 1e36):
+        shape, values, end = stiff_scene(name, stiffness, share)
+        force = depth = 0.0
+        fmu = start(opened(FMU[shape]), values, TOLERANCE, METHOD)
+        for k in range(steps):
+            fmu.step(end * (k + 1) / steps - fmu.time)
+            force = max(force, fmu["contact.peak_force"])
+            depth = max(depth, fmu["contact.peak_penetration"] * stiffness)
+        assert fmu["contact.onsets"] == 1
+        peaks.append((force, depth))
+    for force, depth in peaks[1:]:
+        check_close("force", force, peaks[0][0], 1e-7 * peaks[0][0])
+        check_close("depth", depth, peaks[0][1], 1e-7 * peaks[0][1])
