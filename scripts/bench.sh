@@ -1,15 +1,23 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and prints ratios of run times measured side by side: what a step in flight
-# costs, event_driven against CVODE, stiff against soft, and with --baseline COMMIT this build against that of
-# another commit. --check: the status is 1 where a ratio is not as asked; --quick: few runs.
-set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-cd "$root"
+# scripts/bench.sh: installs what is missing, builds, and prints how fast the FMUs are: instruction counts and their
+# bounds, what a step in flight costs, event_driven against CVODE, stiff against soft.
+#   --quick               few runs
+#   --instructions        the instruction counts only
+#   --against DIR         with --instructions: beside those of the FMUs in DIR, such as another clone's build/fmus
+#   --baseline COMMIT     run times of this build beside those of another commit as well
+#   --check               the status is 1 where a count or a ratio is not as promised
+#   -h, --help            prints this
+source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
+help_asked "$@"
+options=("$@")
+while (($#)); do
+    case $1 in
+        --quick | --instructions | --check) shift ;;
+        --against | --baseline) (($# > 1)) || refuse "$1 lacks its value"; shift 2 ;;
+        *) refuse "unknown argument $1" ;;
+    esac
+done
 
-scripts/setup.sh
-cmake --preset default -Wno-dev --log-level=WARNING -DPython3_EXECUTABLE="$root/.venv/bin/python"
-cmake --build --preset default -- --quiet
-
-export PYTHONPATH=$root/scripts PYTHONDONTWRITEBYTECODE=1
-export CONTACT_BUILD=$root/build CONTACT_FMUS=$root/build/fmus
-exec .venv/bin/python -m contact_report.bench "$@"
+set_up
+build
+contact_fmus bench "${options[@]}"

@@ -3,8 +3,12 @@
 # Builds with gcc --coverage in build-coverage, runs the C tests, the replays and the Python tests named (default: FMU,
 # physics, property), prints what each file has and each line with a branch that nothing took, and writes
 # build-coverage/coverage/index.html with every line. docs/coverage.md says why those are left.
-set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+#   -h, --help     prints this
+source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
+help_asked "$@"
+for path in "$@"; do
+    [[ $path != -* ]] || refuse "unknown argument $path"
+done
 cd "$root"
 build=$root/build-coverage
 gcovr_version=8.3
@@ -12,7 +16,8 @@ gcovr_version=8.3
 paths=("$@")
 ((${#paths[@]} > 0)) || paths=(tests/fmu tests/physics tests/property)
 
-cmake --preset default -B "$build" -Wno-dev --log-level=WARNING -DPython3_EXECUTABLE="$root/.venv/bin/python" \
+set_up
+cmake --preset default -B "$build" -Wno-dev --log-level=WARNING -DPython3_EXECUTABLE="$python" \
     -DCMAKE_BUILD_TYPE=Debug -DCONTACT_STRIP=OFF "-DCMAKE_C_FLAGS=--coverage -fprofile-update=atomic"
 find "$build" -name '*.gcda' -delete
 cmake --build "$build" -- --quiet
@@ -23,9 +28,9 @@ if [[ ! -x $build/venv/bin/gcovr ]]; then
 fi
 
 ctest --test-dir "$build" -L unit --output-on-failure </dev/null || true
-export PYTHONPATH=$root/scripts PYTHONDONTWRITEBYTECODE=1 CONTACT_BUILD=$build CONTACT_FMUS=$build/fmus
+use_build "$build"
 # How big and how bare the finished libraries are is no claim about this build.
-.venv/bin/python -m pytest -q -n 2 -p no:cacheprovider --ignore=tests/fmu/test_leave_out.py \
+"$python" -m pytest -q -n 2 -p no:cacheprovider --ignore=tests/fmu/test_leave_out.py \
     --ignore=tests/fmu/test_validity.py --ignore=tests/fmu/test_determinism.py "${paths[@]}" </dev/null || true
 
 # The sanitizers put branches of their own into what they watch: their objects are left out.
@@ -35,4 +40,4 @@ mkdir -p "$build/coverage"
     --txt-metric branch --txt "$build/coverage/branches.txt" --html-details "$build/coverage/index.html" \
     --json-summary "$build/coverage/summary.json" --json "$build/coverage/coverage.json" "$build"
 cat "$build/coverage/branches.txt"
-.venv/bin/python scripts/untaken_branches.py "$build/coverage/coverage.json"
+"$python" scripts/tools/untaken_branches.py "$build/coverage/coverage.json"

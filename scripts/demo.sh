@@ -1,27 +1,26 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds all FMUs, runs every scenario of scripts/scenarios and prints what each
-# claims, measures and expects, then what leaving out saves. Plots and an HTML page end up in build/scenarios.
-set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# scripts/demo.sh: installs what is missing, builds all FMUs, runs every scenario of scripts/scenarios and prints
+# what each claims, measures and expects, then what leaving out saves. Plots and an HTML page end up in
+# build/scenarios. The status is 0 only when all claims hold.
+#   -h, --help     prints this
+source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
+help_asked "$@"
+(($# == 0)) || refuse "unknown argument $1"
 cd "$root"
 
-say() { printf '\n== %s\n' "$*"; }
-
 say "Set-up"
-scripts/setup.sh
+set_up
 
 say "Build"
-cmake --preset default -Wno-dev --log-level=WARNING -DPython3_EXECUTABLE="$root/.venv/bin/python"
-cmake --build --preset default -- --quiet
+build
 printf 'built: %s\n' build/fmus/*.fmu
 
-export PYTHONPATH=$root/scripts PYTHONDONTWRITEBYTECODE=1 CONTACT_FMUS=$root/build/fmus
 claims=0
 say "Scenarios"
-.venv/bin/python -m contact_scenarios run --output build/scenarios || claims=$?
+contact_fmus run --output build/scenarios || claims=$?
 
 say "Leave out"
-.venv/bin/python -m contact_scenarios leave-out
+contact_fmus leave-out
 
 say "Pictures"
 printf 'plots:     %s\nHTML page: %s\n' "$root/build/scenarios/plots" "$root/build/scenarios/index.html"

@@ -1,25 +1,26 @@
 #!/usr/bin/env bash
-# scripts/fuzz.sh [--minutes N] [--only NAME]: runs each fuzzer N minutes (10), or the one named: calls, state, run_sphere,
-# run_cylinder, run_three_balls, run_two_pairs, scene_files. New inputs are kept in build-fuzz/found/NAME, what broke a claim
-# in build-fuzz/findings/NAME; `build-fuzz/tests/fuzz/fuzz_NAME FILE` runs one again and prints its values.
-# The status is 1 when there is a finding.
-set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# scripts/fuzz.sh: runs each fuzzer ten minutes. New inputs are kept in build-fuzz/found/NAME, what broke a claim in
+# build-fuzz/findings/NAME; `build-fuzz/tests/fuzz/fuzz_NAME FILE` runs one again and prints its values. The status is 1
+# when there is a finding.
+#   --minutes N    instead of ten
+#   --only NAME    one fuzzer: calls, state, run_sphere, run_cylinder, run_three_balls, run_two_pairs, scene_files
+#   -h, --help     prints this
+source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
+help_asked "$@"
 cd "$root"
-
-fail() { printf 'fuzz: %s\n' "$*" >&2; exit 2; }
 
 minutes=10
 names=(calls state run_sphere run_cylinder run_three_balls run_two_pairs scene_files)
 while (($# > 0)); do
     case $1 in
-        --minutes) [[ ${2:-} =~ ^[1-9][0-9]*$ ]] || fail "--minutes takes a whole number"; minutes=$2; shift 2 ;;
-        --only) [[ " ${names[*]} " == *" ${2:-} "* ]] || fail "--only takes one of: ${names[*]}"; names=("$2"); shift 2 ;;
-        *) fail "unknown: $1 (allowed: --minutes N, --only NAME)" ;;
+        --minutes) [[ ${2:-} =~ ^[1-9][0-9]*$ ]] || refuse "--minutes takes a whole number"; minutes=$2; shift 2 ;;
+        --only) [[ " ${names[*]} " == *" ${2:-} "* ]] || refuse "--only takes one of: ${names[*]}"; names=("$2"); shift 2 ;;
+        *) refuse "unknown argument $1" ;;
     esac
 done
 
-cmake --preset fuzz -Wno-dev --log-level=WARNING -DPython3_EXECUTABLE="$root/.venv/bin/python"
+set_up
+cmake --preset fuzz -Wno-dev --log-level=WARNING -DPython3_EXECUTABLE="$python"
 targets=()
 for name in "${names[@]}"; do
     [[ $name == scene_files ]] || targets+=("fuzz_$name")
@@ -30,7 +31,7 @@ findings=0
 for name in "${names[@]}"; do
     printf '\n== %s, %d minutes\n' "$name" "$minutes"
     if [[ $name == scene_files ]]; then
-        CONTACT_FUZZ_MINUTES=$minutes .venv/bin/python -m pytest -q -p no:cacheprovider tests/fuzz/test_scene_files.py \
+        CONTACT_FUZZ_MINUTES=$minutes "$python" -m pytest -q -p no:cacheprovider tests/fuzz/test_scene_files.py \
             </dev/null || findings=1
         continue
     fi

@@ -1,14 +1,12 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds the FMUs, measures error against run time and writes the report of it:
-# CSV, figures, index.html and README.md in docs/report.
+# scripts/report.sh: installs what is missing, builds the FMUs, measures error against run time and writes the report
+# of it: CSV, figures, index.html and README.md in docs/report.
 #   --peers        installs the optional simulators of requirements-peers.txt into .venv and measures them too
 #   --quick        few runs, to see that it works
 #   --output DIR   instead of docs/report
-set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-
-say() { printf '\n== %s\n' "$*"; }
-fail() { printf 'report: %s\n' "$*" >&2; exit 2; }
+#   -h, --help     prints this
+source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
+help_asked "$@"
 
 peers=false
 quick=()
@@ -18,40 +16,35 @@ while (($#)); do
         --peers) peers=true ;;
         --quick) quick=(--quick) ;;
         --output)
-            (($# > 1)) || fail "--output lacks a folder"
+            (($# > 1)) || refuse "--output lacks a folder"
             output=$(realpath -m -- "$2")
             shift
             ;;
-        *) fail "unknown argument $1 (--peers, --quick, --output DIR)" ;;
+        *) refuse "unknown argument $1" ;;
     esac
     shift
 done
-cd "$root"
 
 say "Set-up"
-scripts/setup.sh
+set_up
 if $peers; then
-    .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-input \
-        -r requirements.txt -r requirements-peers.txt </dev/null
+    "$python" -m pip install --quiet --disable-pip-version-check --no-input \
+        -r "$root/requirements.txt" -r "$root/requirements-peers.txt" </dev/null
 fi
 
 say "Build"
-cmake --preset default -Wno-dev --log-level=WARNING -DPython3_EXECUTABLE="$root/.venv/bin/python"
-cmake --build --preset default -- --quiet
+build
 
-export PYTHONPATH=$root/scripts PYTHONDONTWRITEBYTECODE=1
-export CONTACT_BUILD=$root/build CONTACT_FMUS=$root/build/fmus
 say "The FMU's solvers"
-.venv/bin/python -m contact_report measure "${quick[@]}" --output "$output"
+contact_fmus measure "${quick[@]}" --output "$output"
 
-if [[ -f scripts/contact_report/force_element.py ]]; then
-    say "The FMU as a force element"
-    .venv/bin/python -m contact_report.force_element "${quick[@]}" --output "$output"
-fi
+say "The FMU as a force element"
+contact_fmus force-element "${quick[@]}" --output "$output"
+
 if $peers; then
     say "Other simulators"
-    .venv/bin/python -m contact_report.peers "${quick[@]}" --output "$output"
+    contact_fmus peers "${quick[@]}" --output "$output"
 fi
 
 say "Page"
-.venv/bin/python -m contact_report page --output "$output"
+contact_fmus page --output "$output"

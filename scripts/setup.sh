@@ -1,8 +1,11 @@
 #!/usr/bin/env bash
-# Installs what building, running and testing the contact FMUs needs on Debian 12 or later: Debian packages
-# and a Python environment in .venv. Repeatable: a second run finds everything there and changes nothing.
-set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# scripts/setup.sh: installs what building, running and testing the contact FMUs needs on Debian 12 or later: Debian
+# packages and a Python environment in .venv. Repeatable: a second run finds everything there and changes nothing.
+# PYTHON=/path/to/python3 names another Python.
+#   -h, --help     prints this
+source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
+help_asked "$@"
+(($# == 0)) || refuse "unknown argument $1"
 
 packages=(
     build-essential clang cmake ninja-build    # both compilers that are supported
@@ -14,7 +17,7 @@ packages=(
     default-jdk-headless maven                 # VDMCheck, a validator of model descriptions, in the tests
 )
 
-say() { printf 'setup: %s\n' "$*"; }
+tell() { printf 'setup: %s\n' "$*"; }
 fail() { printf 'setup: %s\n' "$*" >&2; exit 1; }
 
 install_debian_packages() {
@@ -25,7 +28,7 @@ install_debian_packages() {
         [[ $(dpkg-query -W -f '${db:Status-Abbrev}' "$package" 2>/dev/null) == ii* ]] || missing+=("$package")
     done
     if ((${#missing[@]} == 0)); then
-        say "Debian packages: already installed"
+        tell "Debian packages: already installed"
         return
     fi
     local as_root=()
@@ -33,7 +36,7 @@ install_debian_packages() {
         command -v sudo >/dev/null || fail "missing: ${missing[*]}. Run as root, or install sudo."
         as_root=(sudo)
     fi
-    say "Debian packages: installing ${missing[*]}"
+    tell "Debian packages: installing ${missing[*]}"
     local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive
         apt-get -qq -o Dpkg::Use-Pty=0 -o DPkg::Lock::Timeout=300)
     "${apt[@]}" update </dev/null
@@ -58,10 +61,10 @@ make_python_environment() {
     python=$(find_python)
     wanted="$("$python" --version), requirements.txt $(sha256sum <"$root/requirements.txt")"
     if [[ -x $root/.venv/bin/python && -f $stamp && $(<"$stamp") == "$wanted" ]]; then
-        say "Python environment .venv: already installed"
+        tell "Python environment .venv: already installed"
         return
     fi
-    say "Python environment .venv: installing requirements.txt for $("$python" --version)"
+    tell "Python environment .venv: installing requirements.txt for $("$python" --version)"
     rm -rf "$root/.venv"
     "$python" -m venv "$root/.venv"
     "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-input \
@@ -71,4 +74,4 @@ make_python_environment() {
 
 install_debian_packages
 make_python_environment
-say "done"
+tell "done"

@@ -1,4 +1,4 @@
-/* Written by scripts/make_lobatto.py; not to be edited. */
+/* Written by scripts/tools/make_lobatto.py; not to be edited. */
 #include "contact/lobatto.h"
 
 /* clang-format off */

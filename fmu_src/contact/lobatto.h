@@ -1,4 +1,4 @@
-/* Constants of collocation at the Gauss-Lobatto nodes of [-1, 1]; source: scripts/make_lobatto.py. */
+/* Constants of collocation at the Gauss-Lobatto nodes of [-1, 1]; source: scripts/tools/make_lobatto.py. */
 #ifndef CONTACT_LOBATTO_H
 #define CONTACT_LOBATTO_H
 

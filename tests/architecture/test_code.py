@@ -4,7 +4,8 @@ import re
 import subprocess
 
 import pytest
-from sources import HEADERS, UNITS, code_only, compile_c, label, layer
+
+from support.sources import HEADERS, UNITS, code_only, compile_c, label, layer
 
 every_file = pytest.mark.parametrize("file", HEADERS + UNITS, ids=label)
 

@@ -1,7 +1,8 @@
 """Data flows one way, contact -> dynamics -> solver -> model -> fmi2, and an include never points back."""
 
 import pytest
-from sources import (
+
+from support.sources import (
     BUILD,
     COMPILERS,
     HEADERS,

@@ -6,7 +6,8 @@ import subprocess
 import sys
 
 import pytest
-from sources import BUILD, HEADERS, ROOT, SOURCE, UNITS, code_only, fmi_headers, label, python_files
+
+from support.sources import BUILD, HEADERS, ROOT, SOURCE, UNITS, code_only, fmi_headers, label, python_files
 
 C_FILES = HEADERS + UNITS + [file for name in ("scripts", "tests") for file in (ROOT / name).rglob("*.[ch]")]
 PROGRAMS = sorted((ROOT / "scripts").rglob("*.c"))

@@ -1,7 +1,8 @@
 """Fixtures of the FMU tests: one scene after the other, and nothing ever printed."""
 
 import pytest
-import raw
+
+from support.fmi2 import raw
 
 
 @pytest.fixture(params=raw.SCENES)

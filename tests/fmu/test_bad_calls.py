@@ -7,8 +7,9 @@ import math
 from ctypes import c_double, c_int, c_uint
 
 import pytest
-import raw
-from raw import CO_SIMULATION, DISCARD, ERROR, MODEL_EXCHANGE, WARNING, array
+
+from support.fmi2 import raw
+from support.fmi2.raw import CO_SIMULATION, DISCARD, ERROR, MODEL_EXCHANGE, WARNING, array
 
 UNKNOWN = 4_000_000_000
 NOT_FINITE = [math.nan, math.inf, -math.inf]

@@ -8,8 +8,9 @@ import math
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 
 import pytest
-import raw
-from raw import DISCARD, ERROR, OK, array
+
+from support.fmi2 import raw
+from support.fmi2.raw import DISCARD, ERROR, OK, array
 
 UNKNOWN = 4_000_000_000
 NOT_FINITE = [math.nan, math.inf, -math.inf]

@@ -5,8 +5,9 @@ import math
 from ctypes import c_double, c_int, c_uint
 
 import pytest
-import raw
-from raw import DISCARD, ERROR, OK, array
+
+from support.fmi2 import raw
+from support.fmi2.raw import DISCARD, ERROR, OK, array
 
 # A ball in a hollow one that is moved: half p_n g^2 is 5e314 J where the wall is 1e150 m away.
 SHELL = {

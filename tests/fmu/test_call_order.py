@@ -4,11 +4,12 @@ import ctypes
 from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
 
 import pytest
-import raw
-from blob import PHASES, forge
-from call_table import FUNCTIONS, STATES, allowed
-from caller import Caller
-from raw import DISCARD, ERROR, OK, array
+
+from support.fmi2 import raw
+from support.fmi2.blob import PHASES, forge
+from support.fmi2.call_table import FUNCTIONS, STATES, allowed
+from support.fmi2.caller import Caller
+from support.fmi2.raw import DISCARD, ERROR, OK, array
 
 PHASE_NAMES = {
     "instantiated": "instantiated",

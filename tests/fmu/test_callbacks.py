@@ -4,9 +4,10 @@ import ctypes
 from ctypes import byref
 
 import pytest
-import raw
-from heap import Heap
-from raw import ALLOCATE, CO_SIMULATION, DISCARD, ERROR, FREE, LOGGER, OK, Callbacks
+
+from support.fmi2 import raw
+from support.fmi2.heap import Heap
+from support.fmi2.raw import ALLOCATE, CO_SIMULATION, DISCARD, ERROR, FREE, LOGGER, OK, Callbacks
 
 
 @pytest.mark.parametrize("logger", [False, True])

@@ -9,8 +9,9 @@ import math
 from ctypes import c_double, c_int, c_uint
 
 import pytest
-import raw
-from raw import array
+
+from support.fmi2 import raw
+from support.fmi2.raw import array
 
 FREE = {"gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 50.0], "source.mass": 2.0}
 # Both solvers run at this tolerance; a hundred times of it is allowed on numbers of the order of one.

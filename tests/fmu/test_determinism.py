@@ -7,11 +7,12 @@ therefore gives the same bits too.
 """
 
 import pytest
-import raw
-from benchmarks import BENCHMARKS
-from other_builds import build
-from raw import WARNING
-from runs import RUNS, begin, go_on
+
+from support.fmi2 import raw
+from support.fmi2.other_builds import build
+from support.fmi2.raw import WARNING
+from support.fmi2.runs import RUNS, begin, go_on
+from support.scenes.benchmarks import BENCHMARKS
 
 # Some of each for every scene: -O0 is quick to compile, -O3 is where compilers differ most.
 BUILDS = {

@@ -10,9 +10,10 @@ from ctypes import c_double, c_uint
 
 import numpy as np
 import pytest
-import raw
-from raw import DISCARD, ERROR, OK, array
-from runs import RUNS, begin, go_on, time_after
+
+from support.fmi2 import raw
+from support.fmi2.raw import DISCARD, ERROR, OK, array
+from support.fmi2.runs import RUNS, begin, go_on, time_after
 
 STEP = 1e-4
 UNKNOWN = 4_000_000_000

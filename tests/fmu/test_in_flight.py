@@ -3,8 +3,8 @@
 import math
 from ctypes import c_double, c_uint
 
-import raw
-from raw import DISCARD, ERROR, array
+from support.fmi2 import raw
+from support.fmi2.raw import DISCARD, ERROR, array
 
 
 def test_refused_steps_leave_no_trace_in_a_run(fmu):

@@ -10,10 +10,11 @@ import re
 import zipfile
 from pathlib import Path
 
-import elf
 import fmpy
 import pytest
-from contact_scenarios.fmu import ContactFmu
+
+from contact_fmus.fmu.contact_fmu import ContactFmu
+from support.fmi2 import elf
 
 ROOT = Path(__file__).resolve().parents[2]
 LIBRARIES = Path(os.environ.get("CONTACT_BUILD", ROOT / "build")).resolve() / "libraries"

@@ -4,9 +4,10 @@ import ctypes
 from ctypes import c_char_p
 
 import pytest
-import raw
-from raw import DISCARD, ERROR, OK, array
-from runs import RUNS, begin, go_on
+
+from support.fmi2 import raw
+from support.fmi2.raw import DISCARD, ERROR, OK, array
+from support.fmi2.runs import RUNS, begin, go_on
 
 CATEGORIES = [
     "logEvents",

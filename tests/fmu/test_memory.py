@@ -7,10 +7,11 @@ from ctypes import byref, c_int, c_void_p
 from pathlib import Path
 
 import pytest
-import raw
-from heap import Heap
-from raw import ALLOCATE, DISCARD, ERROR, FREE, OK
-from runs import RUNS, begin, go_on
+
+from support.fmi2 import raw
+from support.fmi2.heap import Heap
+from support.fmi2.raw import ALLOCATE, DISCARD, ERROR, FREE, OK
+from support.fmi2.runs import RUNS, begin, go_on
 
 
 @pytest.mark.parametrize("name", RUNS)

@@ -5,12 +5,13 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-import raw
-from contact_scenarios.fmu import ContactFmu
 from libcosimpy.CosimExecution import CosimExecution
 from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
 from libcosimpy.CosimObserver import CosimObserver
 from libcosimpy.CosimSlave import CosimLocalSlave
+
+from contact_fmus.fmu.contact_fmu import ContactFmu
+from support.fmi2 import raw
 
 STEPS = 2000
 STEP = 1_000_000  # ns, the unit of libcosim's clock

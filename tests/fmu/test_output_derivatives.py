@@ -8,9 +8,10 @@ from ctypes import c_double, c_int, c_uint
 
 import numpy as np
 import pytest
-import raw
-from raw import DISCARD, OK, array
-from runs import RUNS, SIZES, begin, go_on, time_after
+
+from support.fmi2 import raw
+from support.fmi2.raw import DISCARD, OK, array
+from support.fmi2.runs import RUNS, SIZES, begin, go_on, time_after
 
 SUMMED_UP = ("contact.mean_force", "contact.peak_force", "contact.peak_penetration")
 STEP = 1e-4

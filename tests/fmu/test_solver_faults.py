@@ -13,7 +13,8 @@ import sys
 from pathlib import Path
 
 import pytest
-import raw
+
+from support.fmi2 import raw
 
 HERE = Path(__file__).resolve().parent
 LIBRARIES = Path(os.environ.get("CONTACT_BUILD", HERE.parents[1] / "build")).resolve() / "libraries"
@@ -51,13 +52,13 @@ def test_every_failed_allocation_is_survived_but_for_those_sundials_does_not_che
     fmu = raw.load("SphereSphere")
     library = LIBRARIES / "SphereSphere.so"
     reference = fmu.variables["solver.method"].reference
-    command = [sys.executable, "-B", str(HERE / "solver_faults.py"), str(library), fmu.guid]
+    command = [sys.executable, "-B", "-m", "support.fmi2.solver_faults", str(library), fmu.guid]
     run = subprocess.run(
         [*command, str(reference), str(method)],
         capture_output=True,
         text=True,
         timeout=300,
-        env={**os.environ, "LD_PRELOAD": str(shim)},
+        env={**os.environ, "LD_PRELOAD": str(shim), "PYTHONPATH": str(HERE.parent)},
     )
     assert run.returncode == 0, run.stderr
     rows = [json.loads(line) for line in run.stdout.splitlines()]

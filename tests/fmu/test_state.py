@@ -1,5 +1,6 @@
 """Saved states hold everything: a restored run has the bits of the run that went on, wherever restored."""
 
+import os
 import random
 import struct
 import subprocess
@@ -8,11 +9,11 @@ from ctypes import byref, c_void_p
 from pathlib import Path
 
 import pytest
-import raw
-import runs
-from blob import HEADER_SIZE, forge, header
-from raw import ERROR, OK
-from runs import RUNS, begin, digest, go_on
+
+from support.fmi2 import raw, runs
+from support.fmi2.blob import HEADER_SIZE, forge, header
+from support.fmi2.raw import ERROR, OK
+from support.fmi2.runs import RUNS, begin, digest, go_on
 
 
 @pytest.fixture(params=RUNS)
@@ -47,8 +48,11 @@ def test_another_process_goes_on_with_the_same_bits(run):
     name = next(name for name, known in RUNS.items() if known is run)
     with bring(run) as instance:
         blob = instance.save()
-        command = [sys.executable, str(Path(runs.__file__)), name, str(run.saved_at)]
-        other = subprocess.run(command, input=blob, capture_output=True, check=True, timeout=120)
+        command = [sys.executable, "-m", runs.__name__, name, str(run.saved_at)]
+        environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+        other = subprocess.run(
+            command, input=blob, capture_output=True, check=True, timeout=120, env=environment
+        )
         assert other.stdout.decode().strip() == digest(go_on(instance, run, run.saved_at))
 
 

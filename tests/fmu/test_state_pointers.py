@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from ctypes import byref, c_size_t, c_void_p
 
 import pytest
-import raw
-from heap import Heap
-from raw import ERROR, OK
+
+from support.fmi2 import raw
+from support.fmi2.heap import Heap
+from support.fmi2.raw import ERROR, OK
 
 # What a stray pointer leads to: more than a state takes, so that the whole of a wrong write shows.
 GUARD = bytes(range(256)) * 64

@@ -3,9 +3,10 @@
 from ctypes import POINTER, byref, c_char_p, c_double, c_int, cast
 
 import pytest
-import raw
-from raw import DISCARD, ERROR, OK
-from runs import RUNS, begin, go_on
+
+from support.fmi2 import raw
+from support.fmi2.raw import DISCARD, ERROR, OK
+from support.fmi2.runs import RUNS, begin, go_on
 
 SOLVER_SCENES = [name for name in raw.SCENES if name != "ForceElement"]
 KINDS = {

@@ -4,9 +4,10 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-import raw
-from raw import DISCARD
-from runs import RUNS, begin, digest, go_on, step
+
+from support.fmi2 import raw
+from support.fmi2.raw import DISCARD
+from support.fmi2.runs import RUNS, begin, digest, go_on, step
 
 NAMES = list(RUNS)
 

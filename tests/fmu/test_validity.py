@@ -11,12 +11,12 @@ import sys
 import zipfile
 from pathlib import Path
 
-import elf
 import fmpy
 import pytest
-import vdmcheck
 from fmpy.validation import validate_fmu
 from lxml import etree
+
+from support.fmi2 import elf, vdmcheck
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENES = sorted(path.stem for path in (ROOT / "modelDescription" / "scenes").glob("*.toml"))

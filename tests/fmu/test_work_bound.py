@@ -7,12 +7,13 @@ import math
 
 import numpy as np
 import pytest
-from benchmarks import BENCHMARKS
-from bounce_train import Ball
-from checks import check_close, start
-from contact_scenarios.fmu import FmuError, Status
 from fmpy import fmi2
 from mpmath import mp, mpf
+
+from contact_fmus.fmu.contact_fmu import FmuError, Status
+from support.checks import check_close, start
+from support.reference.bounce_train import Ball
+from support.scenes.benchmarks import BENCHMARKS
 
 METHOD, TOLERANCE = "event_driven", 1e-12
 LIMIT = 20_000

@@ -8,7 +8,6 @@ each time.
 import contextlib
 import io
 import os
-import sys
 import tempfile
 import time
 from pathlib import Path
@@ -18,11 +17,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from lxml import etree
 
+import generate
+
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "modelDescription"
-sys.path.insert(0, str(FOLDER))
-
-import generate  # noqa: E402
 
 SCENES = [*sorted((FOLDER / "scenes").glob("*.toml")), ROOT / "tests/physics/scenes/ThreeBalls.toml"]
 MINUTES = float(os.environ.get("CONTACT_FUZZ_MINUTES", "0"))

@@ -3,9 +3,10 @@
 import re
 
 import pytest
-from agreement import disagreements
-from freeze_references import current, read_frozen
-from generated import CATALOGUE, SCENES, generate, parse_c, parse_xml, scene_file
+
+from support.generator.agreement import disagreements
+from support.generator.freeze_references import current, read_frozen
+from support.generator.generated import CATALOGUE, SCENES, generate, parse_c, parse_xml, scene_file
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +74,7 @@ def test_value_references_never_change():
     """value_references.txt is written by freeze_references.py, which only ever adds lines."""
     frozen, now = read_frozen(), current()
     assert {key: now.get(key) for key in frozen} == frozen
-    assert now.keys() - frozen.keys() == set(), "run tests/generator/freeze_references.py for new variables"
+    assert now.keys() - frozen.keys() == set(), "run support.generator.freeze_references for new variables"
 
 
 @pytest.mark.parametrize("scene", SCENES)

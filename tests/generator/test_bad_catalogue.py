@@ -5,7 +5,8 @@ import subprocess
 import sys
 
 import pytest
-from generated import FOLDER
+
+from support.generator.generated import FOLDER
 
 # What stands in variables.toml (its first occurrence), what it becomes, words of the message in their order.
 BAD = [

@@ -4,7 +4,8 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from generated import FOLDER, run
+
+from support.generator.generated import FOLDER, run
 
 GOOD = """
 name = "Pair"

@@ -6,7 +6,8 @@ import shutil
 import subprocess
 
 import pytest
-from generated import ROOT, SCENES, describe, generate, scene_file
+
+from support.generator.generated import ROOT, SCENES, describe, generate, scene_file
 
 WARNINGS = [
     "-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wdouble-promotion",

@@ -7,8 +7,19 @@ from pathlib import Path
 import fmpy
 import pytest
 from fmpy import read_model_description
-from generated import FOLDER, ROOT, SCENES, describe, generate, row_of, run, scene_file, table
 from lxml import etree
+
+from support.generator.generated import (
+    FOLDER,
+    ROOT,
+    SCENES,
+    describe,
+    generate,
+    row_of,
+    run,
+    scene_file,
+    table,
+)
 
 PINNED = [scene for scene in SCENES if scene_file(scene).get("pinned")]
 UNIVERSAL = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}

@@ -5,10 +5,11 @@ steps; and ten variants of each with the event-driven method.
 from functools import cache
 
 import pytest
-from benchmark_variants import VARIANTS, variant
-from benchmarks import BENCHMARKS
-from checks import METHODS, check_close, run
-from references import both_bodies, stored
+
+from support.checks import METHODS, check_close, run
+from support.reference.stored import both_bodies, stored
+from support.scenes.benchmark_variants import VARIANTS, variant
+from support.scenes.benchmarks import BENCHMARKS
 
 ALLOWED = 1e-6  # m
 TOLERANCE = 1e-10

@@ -11,12 +11,13 @@ from functools import cache
 
 import numpy as np
 import pytest
-from bounce_train import Ball, bisected
-from checks import check_close, check_relative, run
-from head_on import ACROSS, AXIS, FMU, GEOMETRIES, oscillator
 from mpmath import mpf
-from reference_integrator import Reference
 from scipy.optimize import brentq
+
+from support.checks import check_close, check_relative, run
+from support.reference.bounce_train import Ball, bisected
+from support.reference.integrator import Reference
+from support.scenes.head_on import ACROSS, AXIS, FMU, GEOMETRIES, oscillator
 
 METHOD, TOLERANCE = "event_driven", 1e-10
 DROP, RESTITUTION, WEIGHT = 1.0, 0.5, 9.81

@@ -4,8 +4,19 @@ import math
 
 import numpy as np
 import pytest
-from checks import METHODS, check_close, check_relative, run
-from head_on import ACROSS, DASHPOTS, FMU, GAP, GEOMETRIES, SPEED, approach, head_on, oscillator
+
+from support.checks import METHODS, check_close, check_relative, run
+from support.scenes.head_on import (
+    ACROSS,
+    DASHPOTS,
+    FMU,
+    GAP,
+    GEOMETRIES,
+    SPEED,
+    approach,
+    head_on,
+    oscillator,
+)
 
 RELATIVE = 1e-8  # at tolerance 1e-10
 GAP_ERROR = (

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 import pytest
-from checks import METHODS, check_close, check_relative, run, start
-from head_on import ACROSS, AXIS, FMU, GEOMETRIES, approach, head_on
+
+from support.checks import METHODS, check_close, check_relative, run, start
+from support.scenes.head_on import ACROSS, AXIS, FMU, GEOMETRIES, approach, head_on
 
 PRESCRIBED = {"source.motion": "prescribed", "destination.motion": "prescribed"}
 ORIGIN = {"source.center": [0.0, 0.0, 0.0], "destination.center": [0.0, 0.0, 0.0]}

@@ -1,5 +1,5 @@
 """fmi2GetDirectionalDerivative of a force element: contact stiffness and damping against eighth-order
-differences of the independent recomputation of reference_law.py in extended precision, on random
+differences of the independent recomputation of reference/law.py in extended precision, on random
 configurations.
 
 Each is read after new inputs without a step, and in initialization mode, where the automatic factors follow
@@ -11,9 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from checks import differences, start
-from reference_law import REAL, Motion, ReferenceContact, norm, vector
 from test_force_element import INPUTS, SHAPES, motion_of, random_configuration, random_inputs
+
+from support.checks import differences, start
+from support.reference.law import REAL, Motion, ReferenceContact, norm, vector
 
 COUNT = 60
 RELATIVE = 1e-10

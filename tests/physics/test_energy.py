@@ -4,9 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from checks import METHODS, check_close, run
-from head_on import AXIS, DASHPOTS, FMU, GEOMETRIES, approach, head_on
-from random_scenes import SCENES, random_scene
+
+from support.checks import METHODS, check_close, run
+from support.scenes.head_on import AXIS, DASHPOTS, FMU, GEOMETRIES, approach, head_on
+from support.scenes.random_scenes import SCENES, random_scene
 
 BALANCE = 1e-8  # of the largest term, at tolerance 1e-10
 TERMS = [f"energy.{name}" for name in ("kinetic", "potential", "contact", "dissipated", "external_work")]

@@ -7,10 +7,11 @@ FACTOR * tolerance, does to them: behind a stiff contact they hang on the instan
 """
 
 import pytest
-from benchmarks import BENCHMARKS
-from checks import check_close, run
-from references import errors_beyond, stored
-from wide_scenes import COUNT, CREEPING, creeping_scene, wide_scene
+
+from support.checks import check_close, run
+from support.reference.stored import errors_beyond, stored
+from support.scenes.benchmarks import BENCHMARKS
+from support.scenes.wide_scenes import COUNT, CREEPING, creeping_scene, wide_scene
 
 FACTOR = 10
 TOLERANCES = [1e-6, 1e-9, 1e-12]

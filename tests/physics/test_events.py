@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 import pytest
-from checks import METHODS, check_close, check_relative, run
-from head_on import ACROSS, AXIS, FMU, GAP, GEOMETRIES, SPEED, approach, head_on
-from reference_integrator import Reference
+
+from support.checks import METHODS, check_close, check_relative, run
+from support.reference.integrator import Reference
+from support.scenes.head_on import ACROSS, AXIS, FMU, GAP, GEOMETRIES, SPEED, approach, head_on
 
 EXACT = 1e-11  # s
 

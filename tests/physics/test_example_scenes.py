@@ -1,9 +1,10 @@
 """The example scenes, whose choices are compiled in, move as the reference and as the universal FMU do."""
 
 import pytest
-from benchmarks import BALL, DASHPOT
-from checks import METHODS, check_close, run
-from reference_integrator import Reference
+
+from support.checks import METHODS, check_close, run
+from support.reference.integrator import Reference
+from support.scenes.benchmarks import BALL, DASHPOT
 
 FREE_ON_FIXED = {"source.motion": "free", "destination.motion": "fixed"}
 EXAMPLES = {  # shape, everything pinned and everything set, end

@@ -1,4 +1,4 @@
-"""The force element against the independent recomputation of reference_law.py, on 10,000 random
+"""The force element against the independent recomputation of reference/law.py, on 10,000 random
 configurations.
 
 Each configuration is read three times: after initialization, after new inputs without a step, and after a
@@ -7,8 +7,9 @@ step in which the inputs move as polynomials. Equality to 1e-12 of the size of t
 
 import numpy as np
 import pytest
-from checks import differences, start
-from reference_law import Motion, ReferenceContact, start_motion, vector
+
+from support.checks import differences, start
+from support.reference.law import Motion, ReferenceContact, start_motion, vector
 
 RELATIVE = 1e-12
 CHUNKS = 10

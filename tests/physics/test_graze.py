@@ -8,10 +8,11 @@ from decimal import Decimal
 
 import numpy as np
 import pytest
-from checks import check_close, run
-from head_on import AXIS, FMU, head_on, oscillator
-from reference_integrator import Reference
 from test_events import passing
+
+from support.checks import check_close, run
+from support.reference.integrator import Reference
+from support.scenes.head_on import AXIS, FMU, head_on, oscillator
 
 METHOD, TOLERANCE = "event_driven", 1e-10
 EPSILON = np.finfo(float).eps

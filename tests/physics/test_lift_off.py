@@ -16,9 +16,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from checks import check_close, start
-from head_on import ACROSS, AXIS, FMU, GEOMETRIES, approach, head_on
 from mpmath import mp, mpf
+
+from support.checks import check_close, start
+from support.scenes.head_on import ACROSS, AXIS, FMU, GEOMETRIES, approach, head_on
 
 mp.dps = 50
 METHOD = "event_driven"

@@ -11,9 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from checks import METHODS, check_close
-from contact_scenarios.fmu import ContactFmu
-from three_balls import CASES, END, NAMED, reference
+
+from contact_fmus.fmu.contact_fmu import ContactFmu
+from support.checks import METHODS, check_close
+from support.reference.three_balls import CASES, END, NAMED, reference
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENES = ("ThreeBalls", "TwoPairs")

@@ -3,8 +3,9 @@
 import math
 
 import pytest
-from checks import METHODS, check_close
-from contact_scenarios.fmu import FmuError
+
+from contact_fmus.fmu.contact_fmu import FmuError
+from support.checks import METHODS, check_close
 
 
 @pytest.mark.parametrize("damping", [100.0, 1000.0])

@@ -3,9 +3,10 @@
 import math
 
 import pytest
-from checks import check_close, run
-from head_on import DASHPOTS, FMU, GEOMETRIES, approach, head_on
 from mpmath import mp
+
+from support.checks import check_close, run
+from support.scenes.head_on import DASHPOTS, FMU, GEOMETRIES, approach, head_on
 
 
 @pytest.mark.parametrize("ratio", [1.5, 10.0, 1000.0])

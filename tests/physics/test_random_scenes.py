@@ -5,9 +5,10 @@ CVODE methods.
 from functools import cache
 
 import pytest
-from checks import METHODS, check_close, run
-from random_scenes import DELICATE, SCENES, random_scene
-from reference_integrator import Reference
+
+from support.checks import METHODS, check_close, run
+from support.reference.integrator import Reference
+from support.scenes.random_scenes import DELICATE, SCENES, random_scene
 
 ALLOWED = 1e-6  # m, m/s and J, at tolerance 1e-10
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}

@@ -6,12 +6,13 @@ from decimal import Decimal
 
 import numpy as np
 import pytest
-from benchmarks import BENCHMARKS
-from checks import check_close
-from random_scenes import SCENES, random_scene
-from reference_integrator import Reference
-from reference_law import REAL, Motion, ReferenceContact, complete, start_motion, vector
 from scipy.integrate import solve_ivp
+
+from support.checks import check_close
+from support.reference.integrator import Reference
+from support.reference.law import REAL, Motion, ReferenceContact, complete, start_motion, vector
+from support.scenes.benchmarks import BENCHMARKS
+from support.scenes.random_scenes import SCENES, random_scene
 
 
 def final_motion(reference):
@@ -38,7 +39,7 @@ def test_forty_digits_and_a_higher_order_change_nothing(shape, kind, seed):
 
 
 def acceleration(contact, values, time, state):
-    """Right-hand side of the source alone, with the force of reference_law."""
+    """Right-hand side of the source alone, with the force of reference/law.py."""
     x, v = state[:3], state[3:]
     zero = vector([0, 0, 0])
     force = contact.evaluate(Motion(vector(x), vector(v), zero, zero))["contact.source_force"][0]
@@ -49,7 +50,7 @@ def acceleration(contact, values, time, state):
     "shape, kind, seed", [scene for scene in SCENES if scene[1] in ("outside", "inside")]
 )
 def test_a_runge_kutta_method_without_events_finds_the_same_motion(shape, kind, seed):
-    """Small steps instead of events: only the law of reference_law is shared, and the agreement is that
+    """Small steps instead of events: only the law of reference/law.py is shared, and the agreement is that
     of the kinks.
     """
     configuration, _ = random_scene(shape, kind, seed)

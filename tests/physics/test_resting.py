@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 import pytest
-from checks import check_close, run
+
+from support.checks import check_close, run
 
 METHOD = "event_driven"
 STEP = 1e-3  # s

@@ -6,9 +6,10 @@ import json
 
 import numpy as np
 import pytest
-from checks import check_close
-from make_stiff_references import COUNTABLE, DAMPING, END, FILE, expansion, taylor
-from stiff_motion import MASS, damped_motion, mean_motion
+
+from support.checks import check_close
+from support.reference.make_stiff_references import COUNTABLE, DAMPING, END, FILE, expansion, taylor
+from support.reference.stiff_motion import MASS, damped_motion, mean_motion
 
 ROWS = {
     (row["shape"], row["damping"], row["penalty_factor"]): row

@@ -9,11 +9,12 @@ from functools import cache
 
 import numpy as np
 import pytest
-from checks import check_close, run
-from reference_integrator import Reference
-from references import both_bodies
-from stiff_limit import StiffContact
-from stiff_scenes import SCENES, settled, stiff_scene
+
+from support.checks import check_close, run
+from support.reference.integrator import Reference
+from support.reference.stiff_limit import StiffContact
+from support.reference.stored import both_bodies
+from support.scenes.stiff_scenes import SCENES, settled, stiff_scene
 
 METHOD = "event_driven"
 TOLERANCE = 1e-10

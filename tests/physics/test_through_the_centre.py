@@ -11,11 +11,12 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
-from checks import METHODS, check_close, check_relative, run, start
-from contact_scenarios.fmu import FmuError
-from head_on import ACROSS, AXIS, FMU, RADII
-from reference_integrator import Reference
 from scipy.optimize import brentq
+
+from contact_fmus.fmu.contact_fmu import FmuError
+from support.checks import METHODS, check_close, check_relative, run, start
+from support.reference.integrator import Reference
+from support.scenes.head_on import ACROSS, AXIS, FMU, RADII
 
 REACH, SPEED, START, END = 0.6, 3.0, 0.7, 0.7
 

@@ -4,10 +4,11 @@ rest, nothing but numbers.
 
 import numpy as np
 import pytest
-from checks import METHODS, check_close, run, start
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import BOUNDED, FMU, RESULTS, scenes
+
+from support.checks import METHODS, check_close, run, start
+from support.scenes.strategies import BOUNDED, FMU, RESULTS, scenes
 
 ENDS = ["source.position", "source.velocity", "destination.position", "destination.velocity"]
 ALLOWED = 1e-7

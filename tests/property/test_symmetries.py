@@ -4,10 +4,11 @@ in its roles and rescaled.
 
 import numpy as np
 import pytest
-from checks import METHODS, check_close, run
 from hypothesis import given
 from hypothesis import strategies as st
-from strategies import BOUNDED, FMU, RESULTS, VECTORS, scenes, seeds
+
+from support.checks import METHODS, check_close, run
+from support.scenes.strategies import BOUNDED, FMU, RESULTS, VECTORS, scenes, seeds
 
 ALLOWED = 1e-7  # of the size of the motion; both runs at tolerance 1e-10
 OUTPUTS = ["source.position", "source.velocity", "destination.position", "destination.velocity"]

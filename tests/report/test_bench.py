@@ -1,23 +1,21 @@
 """The benchmark: Idle is a valid FMU, ratios are those of pairs, and a slowdown shows."""
 
 import io
-import sys
 import zipfile
 from dataclasses import replace
-from pathlib import Path
 
 import fmpy
 import numpy as np
 import pytest
-from contact_report import bench, bench_baseline, bench_tables
-from contact_report.bench import Effort, Ratio, Row
-from contact_scenarios.fmu_files import fmu_file, fmus_folder
 from fmpy.validation import validate_fmu
 from rich.console import Console
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "fmu"))
-import elf
-import vdmcheck
+from contact_fmus.bench import baseline as bench_baseline
+from contact_fmus.bench import ratios as bench
+from contact_fmus.bench import tables as bench_tables
+from contact_fmus.bench.ratios import Effort, Ratio, Row
+from contact_fmus.fmu.files import fmu_file, fmus_folder
+from support.fmi2 import elf, vdmcheck
 
 LITTLE = Effort(turns=8, flight_steps=1000, tolerances=(1e-9,), budget=0.3, limit=30.0)
 

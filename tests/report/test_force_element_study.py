@@ -9,9 +9,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from contact_report import force_element, force_problems
-from contact_report.driven_contact import DrivenContact
-from contact_report.outer_integrators import (
+
+from contact_fmus.coupling import problems as force_problems
+from contact_fmus.coupling import study as force_element
+from contact_fmus.coupling.driven_contact import DrivenContact
+from contact_fmus.coupling.outer_integrators import (
     EULER,
     RUNGE_KUTTA,
     SCHEMES,
@@ -20,8 +22,8 @@ from contact_report.outer_integrators import (
     Outside,
     run,
 )
-from contact_report.stable_steps import PRESS, stable_step_measured, stable_step_of_theory
-from contact_scenarios.fmu import ContactFmu, fmu_file
+from contact_fmus.coupling.stable_steps import PRESS, stable_step_measured, stable_step_of_theory
+from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
 
 BY_NAME = {(scheme.integrator, scheme.coupling): scheme for scheme in SCHEMES}
 every_scheme = pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)

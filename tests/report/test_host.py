@@ -5,9 +5,10 @@ import subprocess
 import time
 
 import pytest
-from benchmarks import BENCHMARKS
-from contact_report.host import Case, HostError, HostTimeout, case_arguments, host_file, run_host
-from sources_of_host import SOURCES, fmi_headers
+
+from contact_fmus.fmu.host import Case, HostError, HostTimeout, case_arguments, host_file, run_host
+from support.host_sources import SOURCES, fmi_headers
+from support.scenes.benchmarks import BENCHMARKS
 
 OUTPUTS = ("source.position", "contact.onsets", "contact.active", "solver.method", "contact.gap")
 

@@ -5,9 +5,10 @@ import math
 
 import numpy as np
 import pytest
-from contact_report import lasting
-from contact_report.lasting import DAMPING, EXPONENTIAL, PENALTIES, Method, amplitude, measure
-from contact_report.radau import radau
+
+from contact_fmus.lasting import study as lasting
+from contact_fmus.lasting.radau import radau
+from contact_fmus.lasting.study import DAMPING, EXPONENTIAL, PENALTIES, Method, amplitude, measure
 
 UNDAMPED = 0.0
 WANTED = 1e-9  # m

@@ -10,12 +10,13 @@ import time
 from types import SimpleNamespace
 
 import pytest
-from benchmarks import BENCHMARKS
-from contact_report import peers
-from contact_report.peers import problems, worker
-from contact_report.peers.__main__ import main
-from contact_report.peers.case import Case, Run
-from contact_report.rows import PEER, SAME, SIMILAR, read_rows
+
+from contact_fmus import peers
+from contact_fmus.peers import problems, worker
+from contact_fmus.peers.case import Case, Run
+from contact_fmus.peers.command import main
+from contact_fmus.report.rows import PEER, SAME, SIMILAR, read_rows
+from support.scenes.benchmarks import BENCHMARKS
 
 CASE = Case("made up", "step size in s", 1.0, SAME)
 PLAN = worker.Plan(3, 0.1, 1.0)

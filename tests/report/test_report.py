@@ -11,22 +11,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks import BENCHMARKS
-from contact_report.__main__ import main
-from contact_report.measure import (
-    ABSOLUTE,
-    CVODE,
-    METHODS,
-    QUICK,
-    STIFF_TOLERANCE,
-    Setting,
-    row_of,
-    run_ladders,
-    stiff_setting,
-)
-from contact_report.problems import benchmarks, stiff_families
-from contact_report.rows import COLUMNS, PEER, RELATIVE_TOLERANCE, Row, read_rows, write_rows
 from lxml import etree
+
+from contact_fmus.bench.problems import benchmarks, stiff_families
+from contact_fmus.bench.settings import ABSOLUTE, CVODE, METHODS, STIFF_TOLERANCE, Setting
+from contact_fmus.report import command as report_command
+from contact_fmus.report.measure import QUICK, row_of, run_ladders, stiff_setting
+from contact_fmus.report.rows import COLUMNS, PEER, RELATIVE_TOLERANCE, Row, read_rows, write_rows
+from support.scenes.benchmarks import BENCHMARKS
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -35,8 +27,8 @@ ROOT = Path(__file__).resolve().parents[2]
 def report(tmp_path_factory):
     """What `scripts/report.sh --quick` leaves, without set-up, build and the optional parts"""
     folder = tmp_path_factory.mktemp("report")
-    assert main(["measure", "--quick", "--output", str(folder)]) == 0
-    assert main(["page", "--output", str(folder)]) == 0
+    assert report_command.measure(["--quick", "--output", str(folder)]) == 0
+    assert report_command.page(["--output", str(folder)]) == 0
     return folder
 
 
@@ -199,7 +191,7 @@ def with_parts(report, tmp_path):
 
 
 def test_optional_parts_are_shown_when_they_are_there(with_parts):
-    assert main(["page", "--output", str(with_parts)]) == 0
+    assert report_command.page(["--output", str(with_parts)]) == 0
     html = (with_parts / "index.html").read_text(encoding="utf-8")
     text = (with_parts / "README.md").read_text(encoding="utf-8")
     assert html.count("<img ") == 4
@@ -217,11 +209,11 @@ def test_a_part_that_is_wrong_is_refused(with_parts, capsys):
     (with_parts / "force_element.json").write_text(
         json.dumps({"sections": [{"title": "T", "figures": [{"name": "nowhere", "caption": ""}]}]})
     )
-    assert main(["page", "--output", str(with_parts)]) == 1
+    assert report_command.page(["--output", str(with_parts)]) == 1
     assert "section 'T' shows" in capsys.readouterr().err
     (with_parts / "peers.csv").write_text("problem,time\nP1,3\n")
     with pytest.raises(ValueError, match="the columns are"):
-        main(["page", "--output", str(with_parts)])
+        report_command.page(["--output", str(with_parts)])
 
 
 def test_rows_survive_their_file(tmp_path):
@@ -241,7 +233,7 @@ def test_the_command_refuses_what_it_does_not_know(arguments):
 
 
 def test_measuring_without_a_host_says_what_to_do(tmp_path):
-    command = [sys.executable, "-m", "contact_report", "measure", "--quick", "--output", tmp_path]
+    command = [sys.executable, "-m", "contact_fmus", "measure", "--quick", "--output", tmp_path]
     environment = {"PYTHONPATH": str(ROOT / "scripts"), "CONTACT_BUILD": str(tmp_path)}
     run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
     assert run.returncode == 1

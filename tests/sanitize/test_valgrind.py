@@ -4,8 +4,9 @@ import shutil
 import subprocess
 
 import pytest
-from benchmarks import BENCHMARKS
-from contact_report.host import Case, case_arguments, host_file
+
+from contact_fmus.fmu.host import Case, case_arguments, host_file
+from support.scenes.benchmarks import BENCHMARKS
 
 VALGRIND = [
     "valgrind",

@@ -4,10 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from contact_scenarios.__main__ import main
-from contact_scenarios.claims import Outcome
-from contact_scenarios.runner import run_scenario
-from contact_scenarios.scenario import Claim, read_scenario
+
+from contact_fmus.scenarios import command
+from contact_fmus.scenarios.claims import Outcome
+from contact_fmus.scenarios.runner import run_scenario
+from contact_fmus.scenarios.scenario import Claim, read_scenario
 
 FOLDER = Path(__file__).resolve().parents[2] / "scripts" / "scenarios"
 SHIPPED = sorted(FOLDER.glob("*.toml"))
@@ -28,7 +29,7 @@ def test_every_claim_of_the_scenario_holds_in_every_run(file):
 
 
 def test_a_run_writes_its_plot_and_a_page_that_shows_it(tmp_path, capsys):
-    assert main(["run", str(FOLDER / "force_element.toml"), "--output", str(tmp_path)]) == 0
+    assert command.run([str(FOLDER / "force_element.toml"), "--output", str(tmp_path)]) == 0
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
     assert 'src="plots/force_element.png"' in page
     assert (tmp_path / "plots" / "force_element.png").stat().st_size > 10_000
@@ -39,9 +40,9 @@ def test_a_wrong_expectation_fails_and_the_exit_status_says_so(tmp_path, capsys)
     text = (FOLDER / "ball_on_sphere.toml").read_text(encoding="utf-8")
     file = tmp_path / "wrong.toml"
     file.write_text(text.replace("1.202543835278544", "1.202544"), encoding="utf-8")
-    assert main(["run", str(file), "--no-plots", "--output", str(tmp_path)]) == 0  # within 1e-6 m
+    assert command.run([str(file), "--no-plots", "--output", str(tmp_path)]) == 0  # within 1e-6 m
     file.write_text(text.replace("1.202543835278544", "1.202546"), encoding="utf-8")
-    assert main(["run", str(file), "--no-plots", "--output", str(tmp_path)]) == 1
+    assert command.run([str(file), "--no-plots", "--output", str(tmp_path)]) == 1
     assert "3 do not hold" in capsys.readouterr().out
 
 
@@ -63,7 +64,7 @@ def test_what_the_fmu_refuses_is_reported_with_the_run_and_fails(old, new, messa
     assert old in text
     file = tmp_path / "wrong.toml"
     file.write_text(text.replace(old, new), encoding="utf-8")
-    assert main(["run", str(file), "--no-plots", "--output", str(tmp_path)]) == 1
+    assert command.run([str(file), "--no-plots", "--output", str(tmp_path)]) == 1
     out = " ".join(capsys.readouterr().out.split())
     assert "FAILED wrong (cvode_bdf):" in out
     assert message in out

@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from contact_scenarios import closed_forms
 from scipy.integrate import solve_ivp
+
+from contact_fmus.scenarios import closed_forms
 
 DAMPING_RATIOS = (0.0, 1e-3, 0.05, 0.3, 0.7, 0.99, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.01, 2.5, 20.0)
 

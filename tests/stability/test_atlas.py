@@ -8,16 +8,17 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from contact_stability.__main__ import QUICK
-from contact_stability.checks import LIMITS, Figures
-from contact_stability.head_on import HeadOn
-from contact_stability.limits import groups, write_csv
-from contact_stability.page import draw_page
-from contact_stability.run import METHODS, run_all, run_scene, thinned
-from contact_stability.scene import Scene
-from contact_stability.scenes import FAMILIES, all_scenes
-from contact_stability.similar import Similar, Units, bases
 from lxml import etree
+
+from contact_fmus.stability.checks import LIMITS, Figures
+from contact_fmus.stability.command import QUICK
+from contact_fmus.stability.head_on import HeadOn
+from contact_fmus.stability.limits import groups, write_csv
+from contact_fmus.stability.page import draw_page
+from contact_fmus.stability.run import METHODS, run_all, run_scene, thinned
+from contact_fmus.stability.scene import Scene
+from contact_fmus.stability.scenes import FAMILIES, all_scenes
+from contact_fmus.stability.similar import Similar, Units, bases
 
 CVODE = METHODS[1:]
 # What the page names as limits of CVODE: the depth of an impact below its tolerance, flights it does not see.

@@ -1,8 +1,9 @@
 """Random scenes far beyond the atlas's axes: the first hundred, and that what is wrong would be told"""
 
 import pytest
-from contact_stability import beyond
-from contact_stability.checks import Figures
+
+from contact_fmus.stability import beyond
+from contact_fmus.stability.checks import Figures
 
 
 @pytest.mark.parametrize("first", range(0, 100, 20))

@@ -3,10 +3,11 @@
 from dataclasses import replace
 
 import pytest
-from contact_stability import together
-from contact_stability.head_on import GEOMETRIES, HeadOn
-from contact_stability.run import run_scene
-from contact_stability.scene import Jump, Scene
+
+from contact_fmus.stability import together
+from contact_fmus.stability.head_on import GEOMETRIES, HeadOn
+from contact_fmus.stability.run import run_scene
+from contact_fmus.stability.scene import Jump, Scene
 
 
 def check_right(scene):

@@ -7,15 +7,16 @@ from dataclasses import replace
 from decimal import Decimal, localcontext
 
 import pytest
-from bounce_train import Ball
-from checks import check_close
-from contact_scenarios.closed_forms import overlap_duration, restitution
-from contact_stability.expected import of_head_on
-from contact_stability.head_on import GEOMETRIES, LAWS, HeadOn
-from contact_stability.line_motion import Line
-from contact_stability.swing import Swing
 from mpmath import mp, mpf, odefun
-from reference_integrator import Reference
+
+from contact_fmus.scenarios.closed_forms import overlap_duration, restitution
+from contact_fmus.stability.expected import of_head_on
+from contact_fmus.stability.head_on import GEOMETRIES, LAWS, HeadOn
+from contact_fmus.stability.line_motion import Line
+from contact_fmus.stability.swing import Swing
+from support.checks import check_close
+from support.reference.bounce_train import Ball
+from support.reference.integrator import Reference
 
 SHAPES = {"SphereSphere": "sphere", "SphereCylinder": "cylinder"}
 
@@ -114,7 +115,7 @@ def test_a_line_without_forces_goes_straight_on():
 
 
 def test_a_motion_of_more_pieces_than_anyone_waits_for_has_no_closed_form(monkeypatch):
-    monkeypatch.setattr("contact_stability.line_motion.MOST_PIECES", 12)
+    monkeypatch.setattr("contact_fmus.stability.line_motion.MOST_PIECES", 12)
     motion = HeadOn(law="undamped", gap=0.5, speed=0.0, end=2.0)
     assert len(motion.line().run(2.0).onset_times) == 3
     with pytest.raises(ArithmeticError, match="more than 12 pieces up to"):

@@ -1,0 +1,101 @@
+"""What is solved: the problems P1 to P3b, as their scenario files state them, and the stiffness sweep."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from dataclasses import dataclass, field
+from functools import cache
+from math import sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contact_fmus.fmu.files import repository
+
+SCENARIOS = {
+    "P1": "p1_head_on_bounces",
+    "P2": "p2_oblique_bounces",
+    "P3": "p3_sliding_in_cylinder",
+    "P3b": "p3b_bouncing_in_cylinder",
+}
+REFERENCES = Path(__file__).with_name(
+    "stiff_references.json"
+)  # tests/support/reference/make_stiff_references.py
+SHAPES = {"cylinder": "SphereCylinder", "sphere": "SphereSphere"}
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A motion from 0 to `stop` and where the source is then"""
+
+    name: str
+    title: str
+    fmu: str
+    stop: float  # s
+    start: dict[str, Any] = field(hash=False)
+    position: tuple[float, float, float]
+    uncertainty: float = 0.0  # m, of `position`
+    method: str = "Taylor series in quadruple precision"  # that gave `position`
+
+    @property
+    def penalty_factor(self) -> float:
+        return self.start["contact.penalty_factor"]
+
+    def error(self, position: Any) -> float:
+        return float(np.linalg.norm(np.asarray(position) - self.position))
+
+
+@cache
+def benchmarks() -> dict[str, Problem]:
+    """P1, P2, P3 and P3b with the references of their scenario files"""
+    return {name: _benchmark(name, file) for name, file in SCENARIOS.items()}
+
+
+def _benchmark(name: str, file: str) -> Problem:
+    text = (repository() / "scripts" / "scenarios" / f"{file}.toml").read_text(encoding="utf-8")
+    scenario = tomllib.loads(text)
+    claim = next(one for one in scenario["claim"] if one.get("variable") == "source.position")
+    title = scenario["title"].partition(": ")[2]
+    stop = scenario["experiment"]["stop_time"]
+    return Problem(name, title, scenario["fmu"], stop, scenario["start"], tuple(claim["expected"]))
+
+
+def family_name(shape: str, damping: float) -> str:
+    return f"stiff {shape}, {'damped' if damping else 'undamped'}"
+
+
+@cache
+def stiff_families() -> dict[str, list[Problem]]:
+    """P3 in the cylinder and in a hollow sphere, damped to 10 % of the critical damping and undamped, by
+    ascending penalty factor"""
+    families: dict[str, list[Problem]] = {}
+    for reference in json.loads(REFERENCES.read_text(encoding="utf-8")):
+        name = family_name(reference["shape"], reference["damping"])
+        families.setdefault(name, []).append(_stiff_problem(name, reference))
+    return families
+
+
+def _stiff_problem(name: str, reference: dict[str, Any]) -> Problem:
+    base = benchmarks()["P3"]
+    start = dict(base.start)
+    stiffness, damping = reference["penalty_factor"], reference["damping"]
+    start["contact.penalty_factor"] = stiffness
+    if damping:
+        start["contact.viscous_penalty_factor"] = 2 * damping * sqrt(start["source.mass"] * stiffness)
+    else:
+        start["contact.method"] = "penalty"
+        del start["contact.viscous_penalty_factor"], start["contact.dashpot"]
+    if reference["shape"] == "sphere":
+        del start["destination.axis"]
+    return Problem(
+        name,
+        f"{name}, p_n = {stiffness:g} N/m",
+        SHAPES[reference["shape"]],
+        base.stop,
+        start,
+        tuple(reference["position"]),
+        reference["uncertainty"],
+        reference["method"],
+    )

@@ -1,0 +1,238 @@
+"""Ratios of run times, each of two cases that took turns in one process.
+
+A ratio is the median over pairs of runs that followed each other (A B B A A B B A ...), so that what slows
+the machine down for a while slows down both; the spread is that of the middle half of the pairs. Seconds
+differ from machine to machine and from minute to minute, ratios hardly do.
+
+flight      a 1 ms fmi2DoStep in flight and two fmi2GetReal of three values, against the same calls on
+            Idle.fmu
+P1 ... P3b  the quickest CVODE setting that reaches 1e-7 m against event_driven that reaches 1e-9 m
+stiffness   P3 at p_n = 1e15 N/m against 1e7 N/m, p_nv at 10 % of the critical damping
+baseline    this build against that of another commit, on all of these: below 1 is quicker now. "slower" and
+            "quicker" are said where that is sure to 95 % for the median; many pairs tell more than few
+"""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from scipy.stats import binom
+
+from contact_fmus.fmu.files import fmu_file
+from contact_fmus.fmu.host import Case, HostError, HostTimeout, Result, host_file, run_host
+
+from .problems import Problem, benchmarks, stiff_families
+from .settings import CVODE, CVODE_ERROR, EVENT_DRIVEN, EVENT_DRIVEN_ERROR, METHODS, Setting
+
+AT_LEAST = {"P1": 100.0, "P2": 30.0, "P3": 500.0, "P3b": 50.0}
+AT_MOST_IN_FLIGHT, AT_MOST_STIFF = 2.0, 1.5
+SOFT, STIFF = 1e7, 1e15  # N/m
+STIFF_TOLERANCE = 1e-9
+FLIGHT_STEP = 1e-3  # s
+FAR_AWAY = {"source.center": [0.0, 0.0, 1e6], "solver.method": EVENT_DRIVEN}  # 451 s of fall
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is run"""
+
+    turns: int  # of A B B A
+    flight_steps: int  # in a run
+    tolerances: Sequence[float]  # among which the quickest is looked for
+    budget: float  # s; a case that stepped so long is not run again
+    limit: float  # s; two cases that are not done by then are given up
+
+
+FULL = Effort(20, 1_000, [10.0**-k for k in range(5, 14)], 1.5, 30.0)
+QUICK = Effort(4, 1_000, (1e-8, 1e-10), 0.2, 20.0)
+DOUBT = 0.05  # that the median is outside its bounds
+
+
+@dataclass(frozen=True)
+class Ratio:
+    median: float
+    low: float  # quartiles of the pairs
+    high: float
+    bounds: tuple[float, float] | None = None  # of the median; None where the pairs are too few for any
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of a table: times of two cases and their ratio, or why there is none"""
+
+    what: str
+    first: str  # what was divided
+    second: str  # by what
+    first_time: float | None = None  # s, medians
+    second_time: float | None = None
+    ratio: Ratio | None = None
+    errors: tuple[float | None, float | None] = (None, None)  # m
+    at_least: float | None = None
+    at_most: float | None = None
+    note: str = ""
+
+    @property
+    def good(self) -> bool | None:
+        """Whether the median is what is asked for; None where nothing is"""
+        if self.at_least is None and self.at_most is None:
+            return None
+        if self.ratio is None:
+            return False
+        low, high = self.at_least or 0.0, self.at_most if self.at_most is not None else float("inf")
+        return low <= self.ratio.median <= high
+
+
+def ratio_of(first: Sequence[float], second: Sequence[float]) -> Ratio:
+    """Of times of runs that took turns: pair by pair.
+
+    The bounds are the sign test's: as many pairs lie beyond each as heads or tails would, of so many throws,
+    in half of the doubt.
+    """
+    pairs = sorted(a / b for a, b in zip(first, second, strict=False))
+    if len(pairs) < 2:
+        return Ratio(pairs[0], pairs[0], pairs[0])
+    low, median, high = statistics.quantiles(pairs, n=4, method="inclusive")
+    beyond = int(binom.ppf(0.5 * DOUBT, len(pairs), 0.5))
+    bounds = (pairs[beyond - 1], pairs[-beyond]) if beyond > 0 else None
+    return Ratio(median, low, high, bounds)
+
+
+def compare(row: Row, first: Case, second: Case, effort: Effort, problems: Sequence[Problem] = ()) -> Row:
+    """`row` with times, ratio and errors of the two cases"""
+    cases = [first, second, second, first]
+    try:
+        results = run_host(cases, effort.turns, budget=effort.budget, timeout=effort.limit)
+    except HostTimeout:
+        return replace(row, note=f"not done after {effort.limit:g} s")
+    except HostError as error:
+        return replace(row, note=str(error))
+    ours, theirs = (results[i].times + results[3 - i].times for i in (0, 1))
+    errors = [
+        problem.error(result.outputs["source.position"])
+        for problem, result in zip(problems, results, strict=False)
+    ]
+    errors += [None] * (2 - len(errors))
+    times = statistics.median(ours), statistics.median(theirs)
+    return replace(
+        row,
+        first_time=times[0],
+        second_time=times[1],
+        ratio=_paired(results),
+        errors=tuple(errors),
+    )
+
+
+def _paired(results: Sequence[Result]) -> Ratio:
+    """Of A B B A: the first two and the last two. A case whose budget is spent has fewer runs."""
+    first, second, second_again, first_again = (result.times for result in results)
+    counts = [min(map(len, pair)) for pair in ((first, second), (first_again, second_again))]
+    return ratio_of(
+        first[: counts[0]] + first_again[: counts[1]], second[: counts[0]] + second_again[: counts[1]]
+    )
+
+
+def idle_file() -> Path:
+    """build/Idle.fmu, next to fmu_host"""
+    return host_file().with_name("Idle.fmu")
+
+
+def flight_case(fmu: str, effort: Effort) -> Case:
+    stop = effort.flight_steps * FLIGHT_STEP
+    get = [["source.position"], ["source.velocity"]]
+    return Case(f"flight of {fmu}", fmu_file(fmu), stop, effort.flight_steps, FAR_AWAY, get=get)
+
+
+def idle_case(effort: Effort) -> Case:
+    stop = effort.flight_steps * FLIGHT_STEP
+    return Case("Idle", idle_file(), stop, effort.flight_steps, get=[["position"], ["velocity"]])
+
+
+def flights(effort: Effort) -> list[Row]:
+    rows = []
+    for fmu in ("SphereSphere", "SphereCylinder"):
+        row = Row(f"1 ms in flight, {effort.flight_steps} times", fmu, "Idle", at_most=AT_MOST_IN_FLIGHT)
+        rows.append(compare(row, flight_case(fmu, effort), idle_case(effort), effort))
+    return rows
+
+
+def quickest(problem: Problem, methods: Sequence[str], error: float, effort: Effort) -> Setting | None:
+    """The setting with the least time among those that come as close as `error`"""
+    settings = [
+        Setting(problem, method, tolerance, 1) for method in methods for tolerance in effort.tolerances
+    ]
+    cases = [setting.case() for setting in settings]
+    timeout = effort.limit + len(cases) * effort.budget
+    results = run_host(cases, 3, budget=effort.budget, timeout=timeout, keep_going=True)
+    fit = [
+        (result.least, number)
+        for number, result in enumerate(results)
+        if not result.error and problem.error(result.outputs["source.position"]) <= error
+    ]
+    return settings[min(fit)[1]] if fit else None
+
+
+def against_cvode(effort: Effort, names: Sequence[str] = tuple(AT_LEAST)) -> list[Row]:
+    rows = []
+    for name in names:
+        problem = benchmarks()[name]
+        theirs = quickest(problem, CVODE, CVODE_ERROR, effort)
+        ours = quickest(problem, [EVENT_DRIVEN], EVENT_DRIVEN_ERROR, effort)
+        first = f"{theirs.method} {theirs.tolerance:.0e}" if theirs else f"CVODE to {CVODE_ERROR:g} m"
+        second = (
+            f"{EVENT_DRIVEN} {ours.tolerance:.0e}" if ours else f"{EVENT_DRIVEN} to {EVENT_DRIVEN_ERROR:g} m"
+        )
+        row = Row(name, first, second, at_least=AT_LEAST[name])
+        if theirs and ours:
+            row = compare(row, theirs.case(), ours.case(), effort, (problem, problem))
+        else:
+            row = replace(row, note="no tolerance tried comes as close")
+        rows.append(row)
+    return rows
+
+
+def stiff_problems() -> list[tuple[Problem, Problem]]:
+    """(soft, stiff) of each damped family"""
+    found = []
+    for name, family in stiff_families().items():
+        by_factor = {problem.penalty_factor: problem for problem in family}
+        if "undamped" not in name and SOFT in by_factor and STIFF in by_factor:
+            found.append((by_factor[SOFT], by_factor[STIFF]))
+    return found
+
+
+def stiffness(effort: Effort) -> list[Row]:
+    rows = []
+    for soft, stiff in stiff_problems():
+        row = Row(soft.name, f"p_n = {STIFF:.0e}", f"p_n = {SOFT:.0e}", at_most=AT_MOST_STIFF)
+        cases = [Setting(problem, EVENT_DRIVEN, STIFF_TOLERANCE, 1).case() for problem in (stiff, soft)]
+        rows.append(compare(row, *cases, effort, (stiff, soft)))
+    return rows
+
+
+def baseline_cases(effort: Effort) -> list[Case]:
+    """What this build and another one are compared on"""
+    cases = [flight_case(fmu, effort) for fmu in ("SphereSphere", "SphereCylinder")]
+    for problem in benchmarks().values():
+        cases += [_named(problem, method, 1) for method in METHODS]
+        cases.append(_named(problem, EVENT_DRIVEN, 997))
+    return cases + [_named(problem, EVENT_DRIVEN, 1) for pair in stiff_problems() for problem in pair]
+
+
+def _named(problem: Problem, method: str, steps: int) -> Case:
+    what = f", p_n = {problem.penalty_factor:.0e}" if problem.name not in AT_LEAST else ""
+    name = f"{problem.name}{what}, {method}, {steps} step{'s' if steps > 1 else ''}"
+    return replace(Setting(problem, method, STIFF_TOLERANCE, steps).case(), name=name)
+
+
+def against_baseline(
+    folder: Path, name: str, effort: Effort, cases: Sequence[Case] | None = None
+) -> list[Row]:
+    """Each case with this build's FMU and with the one of the same name in `folder`"""
+    rows = []
+    for case in baseline_cases(effort) if cases is None else cases:
+        other = replace(case, name=f"{case.name}, {name}", fmu=folder / case.fmu.name)
+        rows.append(compare(Row(case.name, "this build", name), case, other, effort))
+    return rows

@@ -1,0 +1,179 @@
+"""What force_element.py measured, as the sections of the report page, tables on the terminal and a figure"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from rich.console import Console
+from rich.table import Table
+
+from contact_fmus.scenarios.plots import STYLE
+
+FIGURE = "force_element"
+WIDTH = 170  # of the tables where no terminal says otherwise
+COLORS = {
+    "at once": "#1f6fb4",
+    "held": "#7f7f7f",
+    "derivative 1": "#e0a100",
+    "derivatives 1, 2": "#d95f02",
+    "mean, predicted": "#8e44ad",
+    "mean, iterated": "#2b9348",
+}
+LINES = {"at once": "-", "held": ":", "derivatives 1, 2": "--"}
+DRAWN = ("bounce", "P1", "P3")
+TITLE = "As a force element: error against communication step"
+
+
+def paragraphs(data: dict[str, Any]) -> list[str]:
+    bounce = _problem(data, "bounce")
+    wanted = {_key(curve): curve["steps_wanted"] for curve in bounce["curves"]}
+    verlet = [wanted.get(("velocity Verlet", coupling)) for coupling in COLORS]
+    counts = ", ".join(
+        f"{_number(count)} ({coupling})" for coupling, count in zip(COLORS, verlet, strict=True) if count
+    )
+    return [
+        "In short: read the force as soon as the inputs are set, or use contact.mean_force; a force that "
+        "comes a step late adds energy in every step, and only velocity Verlet gets that back from input "
+        "derivatives, of both orders. "
+        "Keep the communication step below 2 sqrt(m/p_n), and at a tenth of that where a rebound matters. "
+        "With contact.mean_force and the mean of old and new velocity half as many steps do, and with the "
+        "step taken back and repeated there is no stable limit and an undamped contact keeps its energy.",
+        "Another tool integrates the free ball; the FMU, both bodies prescribed, gives the contact force."
+        " What is lost depends on when the force is asked for. At once: inputs are set and the force is "
+        "read without a step. Held: the FMU steps beside the tool with its inputs held, so that the force"
+        " comes one step late. With input derivatives: the same, but the FMU goes on with the velocity "
+        "(1) and the tool's acceleration (1, 2). Mean: the FMU steps first, along the predicted straight "
+        "path, and the tool applies contact.mean_force over that step; iterated: the step is taken back "
+        "(fmi2SetFMUstate) and done again until the path ends where the mean force brings the ball.",
+        "A lasting contact stays quiet up to the stable step, a multiple of 1/omega = sqrt(m/p_n), "
+        "whatever the impact speed. Where the force comes late and is held there is none without damping:"
+        " each step adds energy. The measured ones come from bisection on the FMU, where growth too slow "
+        "for the length of the run is not seen; theory is the spectral radius of one step.",
+        "Velocity Verlet wants so many communication steps in the time of an undamped contact, pi/omega, "
+        f"for a rebound speed within 1 %: {counts or 'more than were tried'}. A tool that uses "
+        "contact.mean_force should move the body by the mean of old and new velocity, as velocity Verlet "
+        "does: semi-implicit Euler with it loses energy in every impact.",
+        "Two things to know about the FMUs here: ForceElement has no mean_force, which needs SphereSphere "
+        "or SphereCylinder with both motions prescribed; and where the other body is fixed instead of "
+        "prescribed, a displacement without derivatives goes on with prescribed_velocity by itself.",
+    ]
+
+
+def sections(data: dict[str, Any]) -> list[dict[str, Any]]:
+    """As rows.py describes them"""
+    tables = [_summary(data), *(_errors(data, name) for name in ("P1", "P3"))]
+    caption = (
+        "Error against communication step h in units of 1/omega; the line marks h = 2/omega. Bounce: one "
+        "impact with a dashpot, rebound speed; P1: eight impacts, position; P3: lasting contact, "
+        "position. A curve ends where the ball is lost."
+    )
+    figures = [{"name": FIGURE, "caption": caption}]
+    return [{"title": TITLE, "paragraphs": paragraphs(data), "tables": tables, "figures": figures}]
+
+
+def _key(curve: dict[str, Any]) -> tuple[str, str]:
+    return curve["integrator"], curve["coupling"]
+
+
+def _problem(data: dict[str, Any], name: str) -> dict[str, Any]:
+    return next(problem for problem in data["problems"] if problem["name"] == name)
+
+
+def _number(value: Any, digits: int = 3) -> str:
+    return value if isinstance(value, str) else "–" if value is None else f"{value:.{digits}g}"
+
+
+def _limit(value: Any) -> str:
+    return "none" if value == 0.0 else _number(value)
+
+
+def _summary(data: dict[str, Any]) -> dict[str, Any]:
+    header = ["integrator", "force"]
+    for ratio in data["damping_ratios"]:
+        header += [f"stable h omega, zeta = {ratio:g}: theory", "measured"]
+    header += ["order", "steps per contact for 1 %"]
+    orders = {_key(curve): curve["order"] for curve in _problem(data, "press")["curves"]}
+    wanted = {_key(curve): curve["steps_wanted"] for curve in _problem(data, "bounce")["curves"]}
+    rows = []
+    for one in data["stable"]:
+        row = [*_key(one)]
+        for theory, measured in zip(one["theory"], one["measured"], strict=True):
+            row += [_limit(theory), _limit(measured)]
+        rows.append([*row, _number(orders[_key(one)], 2), _number(wanted[_key(one)])])
+    caption = "Stable step in units of 1/omega, measured order in lasting contact, steps an impact wants"
+    return {"caption": caption, "header": header, "rows": rows}
+
+
+def _errors(data: dict[str, Any], name: str) -> dict[str, Any]:
+    problem = _problem(data, name)
+    steps = [point["step"] for point in problem["curves"][0]["points"]]
+    header = ["integrator", "force", *(f"h = {step * 1e3:g} ms" for step in steps)]
+    rows = [
+        [*_key(curve), *(_number(point["error"], 2) for point in curve["points"])]
+        for curve in problem["curves"]
+    ]
+    caption = (
+        f"{name}, {problem['title']}: error of the {problem['what']} in {problem['unit']}; "
+        f"1/omega = {1e3 / problem['omega']:.3g} ms; –: the ball is lost"
+    )
+    return {"caption": caption, "header": header, "rows": rows}
+
+
+def print_tables(data: dict[str, Any]) -> None:
+    console = Console()
+    console = console if console.is_terminal else Console(width=WIDTH)
+    for section in sections(data):
+        for table in section["tables"]:
+            drawn = Table(title=table["caption"], title_justify="left", header_style="bold")
+            for number, head in enumerate(table["header"]):
+                drawn.add_column(head, justify="left" if number < 2 else "right")
+            for row in table["rows"]:
+                drawn.add_row(*row)
+            console.print(drawn)
+
+
+def draw(data: dict[str, Any], folder: Path) -> None:
+    """A row for each problem, a column for each integrator, a colour for each coupling"""
+    integrators = list(dict.fromkeys(one["integrator"] for one in data["stable"]))
+    with mpl.rc_context({**STYLE, "svg.hashsalt": FIGURE, "svg.fonttype": "none"}):
+        figure = Figure(figsize=(11.0, 9.0), dpi=120, layout="constrained")
+        grid = figure.subplots(len(DRAWN), len(integrators), sharey="row", sharex="row", squeeze=False)
+        for row, name in zip(grid, DRAWN, strict=True):
+            problem = _problem(data, name)
+            for axes, integrator in zip(row, integrators, strict=True):
+                _panel(axes, problem, integrator)
+            row[0].set_ylabel(f"{name}: error [{problem['unit']}]")
+        for axes, integrator in zip(grid[0], integrators, strict=True):
+            axes.set_title(integrator)
+        for axes in grid[-1]:
+            axes.set_xlabel("communication step h ω")
+        handles = dict(_handles(grid))
+        figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=len(COLORS))
+        for kind in ("svg", "png"):
+            figure.savefig(folder / f"{FIGURE}.{kind}", metadata={"Date": None} if kind == "svg" else None)
+
+
+def _handles(grid: Any) -> Iterator[tuple[str, Any]]:
+    for axes in grid.flat:
+        handles, labels = axes.get_legend_handles_labels()
+        yield from zip(labels, handles, strict=True)
+
+
+def _panel(axes: Axes, problem: dict[str, Any], integrator: str) -> None:
+    for curve in problem["curves"]:
+        if curve["integrator"] != integrator:
+            continue
+        points = [(p["step"] * problem["omega"], p["error"]) for p in curve["points"] if p["error"]]
+        points = [(step, error) for step, error in points if error < 10.0]
+        if points:
+            coupling = curve["coupling"]
+            line = LINES.get(coupling, "-")
+            axes.loglog(
+                *zip(*points, strict=True), line, marker="o", ms=3, color=COLORS[coupling], label=coupling
+            )
+    axes.axvline(2.0, color="#aaaaaa", lw=0.8)

@@ -1,0 +1,248 @@
+"""One contact FMU, driven through fmpy by the names of its variables.
+
+    with ContactFmu(fmu_file("SphereSphere")) as fmu:
+        fmu.start({"source.radius": 0.1, "contact.method": "penalty"}, tolerance=1e-10)
+        fmu.step(0.1)
+        print(fmu.time, fmu["source.position"], fmu["contact.gap"])
+
+A vector's three scalars `name[1..3]` are read and written together as `name`; enumerations are their items'
+names, Booleans are bool. A call the FMU refuses raises FmuError with the FMU's own messages in its text.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import difflib
+import enum
+import os
+import threading
+from typing import Any, NamedTuple, Self
+
+import fmpy
+import numpy as np
+from fmpy import fmi2
+from fmpy.fmi1 import FMICallException
+
+from .files import fmu_file, fmus_folder, repository, unpack
+from .variables import Variable, item_value, read_variables
+
+__all__ = ["ContactFmu", "FmuError", "Message", "Status", "Variable", "fmu_file", "fmus_folder", "repository"]
+
+# Loading a library through fmpy changes the working directory for a moment, and unpacking fills a shared
+# table: one thread at a time.
+_loading = threading.Lock()
+
+
+class Status(enum.IntEnum):
+    """fmi2Status"""
+
+    OK = 0
+    WARNING = 1
+    DISCARD = 2
+    ERROR = 3
+    FATAL = 4
+    PENDING = 5
+
+
+class Message(NamedTuple):
+    """What the FMU told its importer's logger"""
+
+    status: Status
+    category: str
+    text: str
+
+
+class FmuError(FMICallException):
+    """A call that returned fmi2Discard, fmi2Error or fmi2Fatal; `messages` are those the call logged"""
+
+    def __init__(self, function: str, status: int, messages: list[Message]):
+        super().__init__(function, status)
+        self.messages = messages
+
+    def __str__(self) -> str:
+        return " ".join([super().__str__(), *(message.text for message in self.messages)])
+
+
+class ContactFmu:
+    """An instance of an FMU from `path`; `debug` switches its event messages on"""
+
+    def __init__(self, path: str | os.PathLike, instance_name: str | None = None, debug: bool = False):
+        self.messages: list[Message] = []
+        self.time = 0.0
+        with _loading:
+            self.folder, self.description = unpack(path)
+            identifier = self.description.coSimulation.modelIdentifier
+            self.slave = fmi2.FMU2Slave(
+                guid=self.description.guid,
+                unzipDirectory=str(self.folder),
+                modelIdentifier=identifier,
+                instanceName=instance_name or identifier,
+            )
+        self.variables = read_variables(self.description)
+        self._arguments: dict[str, tuple] = {}
+        self._instantiate(debug)
+
+    def _instantiate(self, debug: bool) -> None:
+        # fmpy's own logger proxy is one per process; this callback is one per instance. A function without
+        # variable arguments may stand in for the logger: the FMU formats its messages itself and doubles '%'.
+        callbacks = fmi2.fmi2CallbackFunctions()
+        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
+        callbacks.allocateMemory = ctypes.cast(fmpy.calloc, fmi2.fmi2CallbackAllocateMemoryTYPE)
+        callbacks.freeMemory = ctypes.cast(fmpy.free, fmi2.fmi2CallbackFreeMemoryTYPE)
+        try:
+            self.slave.instantiate(callbacks=callbacks, loggingOn=debug)
+        except Exception as error:
+            self.slave.freeLibrary()
+            self.slave = None
+            raise FmuError("fmi2Instantiate", Status.ERROR, list(self.messages)) from error
+
+    def _log(self, _environment, _instance, status, category, message) -> None:
+        text = (message or b"").decode("utf-8", "replace").replace("%%", "%")
+        self.messages.append(Message(Status(status), (category or b"").decode(), text))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_exception) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Frees the instance; needless a second time."""
+        if self.slave is not None:
+            self.slave.freeInstance()
+            self.slave = None
+
+    def call(self, function: str, *arguments: Any) -> Any:
+        """fmpy's function of that name; what the FMU refuses raises FmuError"""
+        before = len(self.messages)
+        try:
+            return getattr(self.slave, function)(*arguments)
+        except FMICallException as error:
+            raise FmuError(error.function, error.status, self.messages[before:]) from None
+
+    # life cycle
+
+    def start(
+        self,
+        values: dict[str, Any] | None = None,
+        tolerance: float | None = None,
+        start_time: float = 0.0,
+        stop_time: float | None = None,
+    ) -> None:
+        """Sets the experiment and the start values and initializes; after reset() it may be called again."""
+        self.call("setupExperiment", tolerance, start_time, stop_time)
+        for name, value in (values or {}).items():
+            self[name] = value
+        self.call("enterInitializationMode")
+        self.call("exitInitializationMode")
+        self.time = start_time
+
+    def step(self, size: float) -> None:
+        """One communication step. Where the FMU got less far (fmi2Discard), `time` is how far, and FmuError
+        is raised."""
+        try:
+            self.call("doStep", self.time, size)
+        except FmuError as error:
+            if error.status == Status.DISCARD:
+                self._read_time()
+            raise
+        self.time += size
+
+    def reset(self) -> None:
+        """Back to a fresh instance"""
+        self.call("reset")
+        self.time = 0.0
+
+    def terminate(self) -> None:
+        self.call("terminate")
+
+    def _read_time(self) -> None:
+        with contextlib.suppress(FmuError):
+            self.time = self.call("getRealStatus", fmi2.fmi2LastSuccessfulTime)
+
+    # values
+
+    def variable(self, name: str) -> Variable:
+        """The variable or vector of this name; KeyError with likely names otherwise"""
+        try:
+            return self.variables[name]
+        except KeyError:
+            likely = ", ".join(difflib.get_close_matches(name, self.variables, n=3)) or "none similar"
+            text = f"{self.description.modelName} has no variable '{name}' (similar: {likely})"
+            raise KeyError(text) from None
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.variables
+
+    def __getitem__(self, name: str) -> Any:
+        variable = self.variable(name)
+        if variable.type == "Real":
+            values = self._read_reals(variable)
+            return np.array(values) if variable.is_vector else values[0]
+        if variable.type == "Boolean":
+            return bool(self.call("getBoolean", variable.references)[0])
+        value = self.call("getInteger", variable.references)[0]
+        return variable.items[variable.item_values.index(value)] if variable.items else value
+
+    def _read_reals(self, variable: Variable) -> Any:
+        """Recording reads the same few names at every step, so their argument arrays are kept."""
+        if variable.name not in self._arguments:
+            size = len(variable.references)
+            references = (ctypes.c_uint * size)(*variable.references)
+            self._arguments[variable.name] = (references, (ctypes.c_double * size)())
+        references, values = self._arguments[variable.name]
+        self.call("fmi2GetReal", self.slave.component, references, len(references), values)
+        return values
+
+    def __setitem__(self, name: str, value: Any) -> None:
+        variable = self.variable(name)
+        if variable.type == "Real":
+            values = np.atleast_1d(np.asarray(value, dtype=float))
+            if values.shape != (len(variable.references),):
+                raise ValueError(f"{name} takes {len(variable.references)} value(s), not {value!r}")
+            self.call("setReal", variable.references, values.tolist())
+        elif variable.type == "Boolean":
+            self.call("setBoolean", variable.references, [bool(value)])
+        else:
+            self.call("setInteger", variable.references, [item_value(variable, value)])
+
+    def set_derivative(self, name: str, value: Any, order: int = 1) -> None:
+        """The order-th time derivative of a Real input, from this communication point on"""
+        references = self.variable(name).references
+        values = np.atleast_1d(np.asarray(value, dtype=float)).tolist()
+        self.call("setRealInputDerivatives", references, [order] * len(references), values)
+
+    def derivative(self, name: str, order: int = 1) -> Any:
+        """The order-th time derivative of a Real output"""
+        variable = self.variable(name)
+        orders = [order] * len(variable.references)
+        values = self.call("getRealOutputDerivatives", variable.references, orders)
+        return np.array(values) if variable.is_vector else values[0]
+
+    def jacobian(self, unknown: str, known: str) -> np.ndarray:
+        """d unknown / d known at the present communication point: a row for each component of the output, a
+        column for each component of the input"""
+        rows, columns = self.variable(unknown).references, self.variable(known).references
+        directions = np.eye(len(columns)).tolist()
+        found = [self.call("getDirectionalDerivative", rows, columns, one) for one in directions]
+        return np.array(found).T
+
+    # state
+
+    def save(self) -> bytes:
+        """The whole state of the instance"""
+        state = self.call("getFMUstate")
+        try:
+            return self.call("serializeFMUstate", state)
+        finally:
+            self.call("freeFMUstate", state)
+
+    def restore(self, state: bytes) -> None:
+        """Back to a saved state, of this instance or of another one of the same FMU"""
+        handle = self.call("deSerializeFMUstate", state)
+        try:
+            self.call("setFMUstate", handle)
+        finally:
+            self.call("freeFMUstate", handle)
+        self._read_time()

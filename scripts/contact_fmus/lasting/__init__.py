@@ -1,0 +1,1 @@
+"""Lasting stiff contact: Radau IIA against the FMU's exponential collocation (docs/lasting_contact.md)"""

@@ -1,0 +1,102 @@
+"""Drake: point contact of a MultibodyPlant.
+
+Continuous plant: stiffness times overlap, times 1 + dissipation times its rate (Hunt and Crossley). Without
+dissipation that is the penalty law: the same on P1; a dashpot cannot be had. Discrete plant with the SAP
+approximation: a linear spring and a dashpot (relaxation time p_nv/p_n) that never pulls, in implicit steps
+of first order: similar. Stiffnesses of two bodies act in series, relaxation times add up.
+"""
+
+from contact_fmus.report.rows import RELATIVE_TOLERANCE, SAME, SIMILAR
+
+from .case import STEP_SIZE, CannotExpress, Case, Run
+
+NAME = "Drake"
+PACKAGES = ("drake",)
+IMPORT = "pydrake"
+LAW = (
+    "the same without a dashpot (continuous plant, point contact of no dissipation); similar with SAP"
+    " (discrete plant: a spring and a dashpot that never pulls, implicit steps)"
+)
+
+TOLERANCES = {
+    "runge_kutta3": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11),
+    "radau3": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7),
+}
+STEPS = (1e-3, 1e-4, 3e-5)
+LARGEST_STEP = 0.1
+SAP = "SAP"
+
+
+def cases(problem, quick):
+    if problem.inside:
+        raise CannotExpress("no hollow cylinder: point contact takes every shape as convex and solid")
+    if not problem.damping:
+        for scheme, tolerances in TOLERANCES.items():
+            for tolerance in tolerances[1:3] if quick else tolerances:
+                yield Case(scheme, RELATIVE_TOLERANCE, tolerance, SAME)
+    note = "implicit steps of first order" + ("; the dashpot never pulls" if problem.damping else "")
+    for size in STEPS[:1] if quick else STEPS:
+        yield Case(SAP, STEP_SIZE, size, SIMILAR, note)
+
+
+def material(pydrake, problem):
+    properties = pydrake.ProximityProperties()
+    pydrake.AddContactMaterial(
+        dissipation=0.0,
+        point_stiffness=2 * problem.stiffness,
+        friction=pydrake.CoulombFriction(0.0, 0.0),
+        properties=properties,
+    )
+    properties.AddProperty("material", "relaxation_time", problem.damping / problem.stiffness / 2)
+    return properties
+
+
+def scene(pydrake, problem, time_step):
+    """The diagram and its plant; the ball moves on three slides, so that rotation costs nothing."""
+    builder = pydrake.DiagramBuilder()
+    config = pydrake.MultibodyPlantConfig(time_step=time_step, contact_model="point")
+    config.discrete_contact_approximation = "sap"
+    config.sap_near_rigid_threshold = 0.0  # else the stiffness is lowered where steps are large
+    plant, _ = pydrake.AddMultibodyPlant(config, builder)
+    here = pydrake.RigidTransform()
+    wall, ball_shape = pydrake.Sphere(problem.wall_radius), pydrake.Sphere(problem.radius)
+    plant.RegisterCollisionGeometry(plant.world_body(), here, wall, "wall", material(pydrake, problem))
+    inertia = pydrake.SpatialInertia.SolidSphereWithMass(problem.mass, problem.radius)
+    ball = plant.AddRigidBody("ball", inertia)
+    plant.RegisterCollisionGeometry(ball, here, ball_shape, "ball", material(pydrake, problem))
+    frame, nothing = plant.world_frame(), pydrake.SpatialInertia.Zero()
+    for name, axis in (("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1])):
+        body = ball if name == "z" else plant.AddRigidBody(f"slide {name}", nothing)
+        plant.AddJoint(pydrake.PrismaticJoint(name, frame, body.body_frame(), axis))
+        frame = body.body_frame()
+    plant.mutable_gravity_field().set_gravity_vector([0, 0, -problem.gravity])
+    plant.Finalize()
+    return builder.Build(), plant
+
+
+def prepare(problem, case):
+    import pydrake.all as pydrake
+
+    discrete = case.integrator == SAP
+    diagram, plant = scene(pydrake, problem, case.parameter if discrete else 0.0)
+    simulator = pydrake.Simulator(diagram)
+    context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    plant.SetPositions(context, problem.position)
+    plant.SetVelocities(context, problem.velocity)
+    if not discrete:
+        config = pydrake.SimulatorConfig(
+            integration_scheme=case.integrator,
+            max_step_size=LARGEST_STEP,
+            accuracy=case.parameter,
+            use_error_control=True,
+        )
+        pydrake.ApplySimulatorConfig(config, simulator)
+    simulator.Initialize()
+
+    def advance():
+        simulator.AdvanceTo(problem.end)
+
+    def position():
+        return plant.GetPositions(plant.GetMyContextFromRoot(simulator.get_context())).tolist()
+
+    return Run(advance, position)

@@ -1,0 +1,160 @@
+"""Exudyn: its own contact of two spheres, or the law as a symbolic user function of a spring-damper.
+
+Built-in contact (`ObjectContactSphereSphere`, linear model): stiffness times overlap plus damping times its
+rate, never clipped: the same law. It decides once a step whether the spheres touch, which shows where the
+dashpot makes the force jump. A hollow cylinder it has not; a hollow sphere that slides along the axis with
+the ball, so that the ball is always in its middle plane, is one.
+
+User function: the same law in Exudyn's symbolic expressions, evaluated in C++ without Python.
+"""
+
+from contact_fmus.report.rows import RELATIVE_TOLERANCE, SAME
+
+from .case import STEP_SIZE, Case, Run, steps_of
+
+NAME = "Exudyn"
+PACKAGES = ("exudyn",)
+IMPORT = "exudyn"
+LAW = (
+    "the same: its own contact of two spheres (a hollow one that slides along with the ball stands for the"
+    " cylinder), and the law as a symbolic user function"
+)
+
+BUILT_IN, USER = "built-in contact", "user function"
+TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
+FINEST = {"P3": 1e-8, "P3b": 1e-10}  # finer ones take many seconds or stall at the least step
+STEPS = {"RK44": (1e-3, 3e-4, 1e-4, 3e-5), "GeneralizedAlpha": (1e-3, 3e-4, 1e-4)}
+STALLS = "whether the bodies touch is decided once a step: finer steps need not be better"
+
+
+def cases(problem, quick):
+    for contact in (BUILT_IN, USER):
+        note = STALLS if contact == BUILT_IN and problem.damping and not problem.touching else ""
+        for tolerance in (1e-5, 1e-7) if quick else TOLERANCES:
+            if tolerance >= FINEST.get(problem.name, 0.0):
+                yield Case("DOPRI5", f"{RELATIVE_TOLERANCE}, {contact}", tolerance, SAME, note)
+    for method, steps in STEPS.items():
+        for size in steps[-2:-1] if quick else steps:
+            yield Case(method, f"{STEP_SIZE}, {BUILT_IN}", size, SAME, note)
+
+
+def inertia(problem):
+    from exudyn.utilities import InertiaSphere
+
+    return InertiaSphere(problem.mass, problem.radius)
+
+
+def ball_and_built_in_contact(exudyn, system, problem):
+    from exudyn.utilities import (
+        MarkerBodyRigid,
+        Node1D,
+        NodeGenericData,
+        ObjectContactSphereSphere,
+        ObjectMass1D,
+    )
+
+    gravity = [0, 0, -problem.gravity]
+    start = {"referencePosition": list(problem.position), "initialVelocity": list(problem.velocity)}
+    upright = (
+        exudyn.NodeType.RotationRxyz
+    )  # the ball does not turn; Euler parameters exclude explicit methods
+    ball = system.CreateRigidBody(inertia=inertia(problem), gravity=gravity, nodeType=upright, **start)
+    if problem.inside:
+        y_axis = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]  # turns the x axis into it
+        place, speed = [problem.position[1]], [problem.velocity[1]]
+        node = Node1D(referenceCoordinates=[0.0], initialCoordinates=place, initialVelocities=speed)
+        wall = ObjectMass1D(mass=1.0, nodeNumber=system.AddNode(node), referenceRotation=y_axis)
+        wall = system.AddObject(wall)
+    else:
+        wall = system.CreateGround(referencePosition=[0, 0, 0])
+    state = [-1e-15 if problem.touching else 1.0, 0, 0, 0]  # the first is the gap of the step before
+    data = system.AddNode(NodeGenericData(numberOfDataCoordinates=4, initialCoordinates=state))
+    contact = ObjectContactSphereSphere(
+        markerNumbers=[system.AddMarker(MarkerBodyRigid(bodyNumber=body)) for body in (ball, wall)],
+        nodeNumber=data,
+        spheresRadii=[problem.radius, problem.wall_radius],
+        isHollowSphere1=problem.inside,
+        contactStiffness=problem.stiffness,
+        contactDamping=problem.damping,
+    )
+    system.AddObject(contact)
+    return ball, contact
+
+
+def law(exudyn, problem):
+    """The force between ground and ball as Exudyn's symbolic expressions."""
+    symbolic = exudyn.symbolic
+    across = 0.0 if problem.inside else 1.0
+    side = -1.0 if problem.inside else 1.0
+    touch = problem.touching_distance
+
+    def force(_system, _time, _item, r, v, stiffness, damping, _offset):
+        distance = symbolic.sqrt(r[0] * r[0] + across * r[1] * r[1] + r[2] * r[2])
+        rate = (r[0] * v[0] + across * r[1] * v[1] + r[2] * v[2]) / distance
+        pull = stiffness[0] * (distance - touch) + damping[0] * rate
+        pull = symbolic.IfThenElse(side * (distance - touch) < 0, pull, symbolic.Real(0.0)) / distance
+        return symbolic.Vector([pull * r[0], across * pull * r[1], pull * r[2]])
+
+    return force
+
+
+def ball_and_user_function(exudyn, system, problem):
+    from exudyn.utilities import (
+        CreateSymbolicUserFunction,
+        MarkerBodyPosition,
+        ObjectConnectorCartesianSpringDamper,
+    )
+
+    start = {"referencePosition": list(problem.position), "initialVelocity": list(problem.velocity)}
+    ball = system.CreateMassPoint(mass=problem.mass, gravity=[0, 0, -problem.gravity], **start)
+    ground = system.CreateGround(referencePosition=[0, 0, 0])
+    connector = system.AddObject(
+        ObjectConnectorCartesianSpringDamper(
+            markerNumbers=[system.AddMarker(MarkerBodyPosition(bodyNumber=body)) for body in (ground, ball)],
+            stiffness=[problem.stiffness] * 3,
+            damping=[problem.damping] * 3,
+            springForceUserFunction=0,
+        )
+    )
+    name = "springForceUserFunction"
+    function = CreateSymbolicUserFunction(system, law(exudyn, problem), name, connector)
+    system.SetObjectParameter(connector, name, function)
+    return ball, function
+
+
+def settings(exudyn, problem, case):
+    result = exudyn.SimulationSettings()
+    integration = result.timeIntegration
+    integration.endTime = problem.end
+    if case.setting.startswith(RELATIVE_TOLERANCE):
+        integration.automaticStepSize = True
+        integration.numberOfSteps = steps_of(problem.end, 0.01)[0]  # the largest step
+        integration.minimumStepSize = 1e-13
+        integration.relativeTolerance, integration.absoluteTolerance = case.parameter, 1e-3 * case.parameter
+    else:
+        integration.automaticStepSize = False
+        integration.numberOfSteps = steps_of(problem.end, case.parameter)[0]
+    integration.generalizedAlpha.spectralRadius = 1.0  # adds no damping of its own
+    result.solution.file.write = False
+    result.solution.sensors.writePeriod = problem.end
+    return result, getattr(exudyn.DynamicSolverType, case.integrator)
+
+
+def prepare(problem, case):
+    import exudyn
+
+    container = exudyn.SystemContainer()
+    system = container.AddSystem()
+    build = ball_and_built_in_contact if case.setting.endswith(BUILT_IN) else ball_and_user_function
+    ball, kept = build(exudyn, system, problem)
+    system.Assemble()
+    options, solver = settings(exudyn, problem, case)
+
+    def advance():
+        system.SolveDynamic(options, solverType=solver)
+
+    def position(_alive=(container, kept)):  # neither may go before the run ends
+        where = exudyn.OutputVariableType.Position
+        return system.GetObjectOutputBody(ball, where, [0, 0, 0], exudyn.ConfigurationType.Current).tolist()
+
+    return Run(advance, position)

@@ -1,0 +1,142 @@
+"""scipy's solve_ivp: one phase at a time, flight or contact, each ended by an event at gap zero.
+
+Written the way that serves scipy best: plain numbers in the right-hand side, an analytic Jacobian for the
+implicit methods, a restart at every corner of the force, an event that fires 1e-13 m behind the corner, so
+that the next phase begins on its own side and does not see the same one again. An event is looked for only
+in the sign of the gap at the ends of a step, so a step that passes in and out again sees nothing;
+`max_step` is the usual remedy. It is set to a quarter of a short contact at the start of every contact (one
+that lasts longer is left to the error control) and to 0.1 s in flight.
+"""
+
+from math import inf, sqrt
+
+from contact_fmus.report.rows import RELATIVE_TOLERANCE, SAME
+
+from .case import Case, Run
+
+NAME = "scipy"
+PACKAGES = ("scipy",)
+IMPORT = "scipy"
+LAW = "the same, as a right-hand side in Python; solve_ivp restarts at every start and end of contact"
+
+METHODS = ("DOP853", "Radau", "LSODA")
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+FINEST = {"DOP853": 1e-10, "Radau": 1e-8, "LSODA": 1e-12}  # in lasting contact; finer ones take many seconds
+LIMITED, UNLIMITED = "max_step", "no max_step"
+QUICK_TOLERANCES = (1e-6,)
+FLIGHT_STEP = 0.1  # s, a quarter of what the ball takes to fall through the sphere
+PASSED = 1e-13  # m, above what the event is found to: 8 ε times 5 s at 6 m/s, and the rounding of the gap
+PHASES = 10_000  # more than any problem has: a run that restarts for ever is ended
+
+
+def cases(problem, quick):
+    for method in METHODS[:1] if quick else METHODS:
+        for limited in (False, True):
+            for tolerance in QUICK_TOLERANCES if quick else TOLERANCES:
+                if problem.inside and tolerance < FINEST[method]:
+                    continue
+                setting = f"{RELATIVE_TOLERANCE}, {LIMITED if limited else UNLIMITED}"
+                yield Case(method, setting, tolerance, SAME)
+
+
+def equations(problem):
+    """Right-hand sides in flight and in contact, the Jacobian in contact, the gap."""
+    across = 0.0 if problem.inside else 1.0  # does y count in the distance?
+    side = -1.0 if problem.inside else 1.0
+    touch, gravity = problem.touching_distance, problem.gravity
+    stiffness, damping = problem.stiffness / problem.mass, problem.damping / problem.mass
+
+    def flight(_time, state):
+        return (*state.tolist()[3:], 0.0, 0.0, -gravity)
+
+    def contact(_time, state):
+        x, y, z, vx, vy, vz = state.tolist()
+        distance = sqrt(x * x + across * y * y + z * z)
+        nx, ny, nz = x / distance, across * y / distance, z / distance
+        push = -stiffness * (distance - touch) - damping * (nx * vx + ny * vy + nz * vz)
+        return (vx, vy, vz, push * nx, push * ny, push * nz - gravity)
+
+    def jacobian(_time, state):
+        import numpy as np
+
+        r = state[:3] * (1.0, across, 1.0)
+        distance = sqrt(r @ r)
+        n = r / distance
+        turn = (np.diag((1.0, across, 1.0)) - np.outer(n, n)) / distance  # dn/dx
+        rate = n @ state[3:]
+        push = -stiffness * (distance - touch) - damping * rate
+        result = np.zeros((6, 6))
+        result[:3, 3:] = np.eye(3)
+        result[3:, :3] = push * turn - np.outer(n, stiffness * n + damping * (turn @ state[3:]))
+        result[3:, 3:] = -damping * np.outer(n, n)
+        return result
+
+    def gap(state):
+        x, y, z = state.tolist()[:3]
+        return side * (sqrt(x * x + across * y * y + z * z) - touch)
+
+    return flight, contact, jacobian, gap
+
+
+def crossing(gap, touching):
+    """The event that ends a phase."""
+
+    def event(_time, state):
+        return gap(state) + (-PASSED if touching else PASSED)
+
+    event.terminal = True
+    event.direction = 1 if touching else -1
+    return event
+
+
+class Motion:
+    def __init__(self, problem, case):
+        import numpy as np
+
+        self.problem, self.state = problem, np.array([*problem.position, *problem.velocity])
+        self.equations = equations(problem)
+        self.method, self.tolerance = case.integrator, case.parameter
+        self.limited = not case.setting.endswith(UNLIMITED)
+        self.onsets = 0
+
+    def phase(self, start, end, touching, resume):
+        """To the end or to the next event; returns the time reached and whether there was one."""
+        from scipy.integrate import solve_ivp
+
+        flight, contact, jacobian, gap = self.equations
+        options = {"rtol": self.tolerance, "atol": 1e-3 * self.tolerance, "max_step": inf}
+        if self.method == "Radau":
+            options["jac"] = jacobian if touching else None
+        if self.limited and not resume:
+            options["max_step"] = self.problem.contact_time / 4 if touching else FLIGHT_STEP
+        event = crossing(gap, touching)
+        rates = contact if touching else flight
+        run = solve_ivp(rates, (start, end), self.state, method=self.method, events=event, **options)
+        if run.status < 0:
+            raise ArithmeticError(run.message)
+        self.state = run.y[:, -1]
+        return float(run.t[-1]), run.status == 1
+
+    def advance(self):
+        problem, time = self.problem, 0.0
+        touching, resume = problem.touching, False
+        self.onsets = int(touching)
+        for _ in range(PHASES):
+            end = problem.end
+            if self.limited and touching and not resume:
+                end = min(end, time + 2 * problem.contact_time)
+            time, crossed = self.phase(time, end, touching, resume)
+            if time >= problem.end:
+                return
+            resume = not crossed
+            if crossed:
+                touching = not touching
+                self.onsets += touching
+        raise ArithmeticError(f"not done after {PHASES} phases: the gap changes its sign without end")
+
+
+def prepare(problem, case):
+    import scipy.integrate  # noqa: F401  (before the clock starts)
+
+    motion = Motion(problem, case)
+    return Run(motion.advance, lambda: motion.state[:3].tolist(), lambda: motion.onsets)

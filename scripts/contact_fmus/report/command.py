@@ -1,0 +1,89 @@
+"""The commands measure and page of contact_fmus
+
+measure writes results.csv and summary.json; page draws figures, index.html and README.md from them and from
+what the optional parts left in the same folder (rows.py).
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import json
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from contact_fmus.fmu.files import repository
+from contact_fmus.fmu.host import HostError
+from contact_fmus.pages import machine
+
+from . import measure as solvers
+from .page import draw_page
+from .rows import write_rows
+
+
+def measure(arguments: list[str] | None = None) -> int:
+    """0: done; 1: an FMU refused, or something is not built"""
+    parser = _parser("measure", "Runs the FMU's solvers and writes results.csv and summary.json.")
+    parser.add_argument("--quick", action="store_true", help="few runs, to see that it works")
+    return _guarded(_measure, parser.parse_args(arguments))
+
+
+def page(arguments: list[str] | None = None) -> int:
+    """0: drawn; 1: something is missing"""
+    return _guarded(
+        _page, _parser("page", "Draws the page from what is in the folder.").parse_args(arguments)
+    )
+
+
+def _parser(name: str, text: str) -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog=f"contact_fmus {name}", description=text)
+    parser.add_argument("--output", type=Path, default=repository() / "docs" / "report", metavar="FOLDER")
+    return parser
+
+
+def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:
+    options.output.mkdir(parents=True, exist_ok=True)
+    try:
+        return command(options)
+    except (HostError, FileNotFoundError) as error:
+        print(error, file=sys.stderr)
+        return 1
+
+
+def _measure(options: argparse.Namespace) -> int:
+    plan = solvers.QUICK if options.quick else solvers.FULL
+    begin = time.monotonic()
+
+    def say(text: str) -> None:
+        print(f"{time.monotonic() - begin:6.1f} s  {text}", flush=True)
+
+    rows = solvers.work_precision(plan, say)
+    ratios = solvers.compare_best(rows, plan, say)
+    rows += solvers.stiffness(plan, say)
+    write_rows(options.output / "results.csv", rows)
+    summary = {
+        "made": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "plan": _describe(plan, options.quick),
+        "versions": machine.versions(),
+        "ratios": ratios,
+    }
+    text = json.dumps(summary, indent=1, ensure_ascii=False)
+    (options.output / "summary.json").write_text(text + "\n", encoding="utf-8")
+    say("measured")
+    return 0
+
+
+def _describe(plan: solvers.Plan, quick: bool) -> str:
+    text = "A quick run with few repetitions, for trying out. " if quick else ""
+    text += (
+        f"Settings of a problem take turns in one process, {plan.repeat} turns of {plan.burst} runs, fewer"
+    )
+    return f"{text} once a setting has run {plan.budget:g} s; a run is ended after {plan.limit:g} s."
+
+
+def _page(options: argparse.Namespace) -> int:
+    for file in draw_page(options.output):
+        print(file)
+    return 0

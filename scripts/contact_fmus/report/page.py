@@ -1,0 +1,107 @@
+"""The page of the report: index.html, which holds its figures, and README.md next to them"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from contact_fmus.bench.problems import benchmarks, stiff_families
+from contact_fmus.pages import write_pages
+
+from . import figures, tables
+from .rows import Row, read_part, read_rows
+from .tables import Table
+
+
+@dataclass
+class Section:
+    """What stands under one heading"""
+
+    title: str
+    paragraphs: Sequence[str] = ()
+    tables: Sequence[Table] = ()
+    figures: Sequence[dict[str, str]] = field(default_factory=list)  # name and caption
+
+
+def draw_page(folder: Path) -> list[Path]:
+    """Reads what the parts left in the folder and writes figures, index.html and README.md."""
+    own = read_rows(folder / "results.csv")
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    others = read_rows(folder / "peers.csv") if (folder / "peers.csv").is_file() else []
+    parts = [read_part(folder / name) for name in ("peers.json", "force_element.json")]
+    versions = dict(summary["versions"])
+    for part in parts:
+        versions |= part.get("versions", {})
+    given = [given_section(section, folder) for part in parts for section in part.get("sections", ())]
+    sections = [
+        _work_precision(own, others, summary["ratios"], "sections" in parts[0], folder),
+        _stiffness(own, folder),
+        *given,
+    ]
+    context = {"versions": versions, "made": summary["made"], "plan": summary["plan"], "sections": sections}
+    return write_pages(Path(__file__).parent, folder, context)
+
+
+def _work_precision(
+    own: list[Row], others: list[Row], ratios: list[dict], given: bool, folder: Path
+) -> Section:
+    """`given`: the peers tell by themselves what could not be measured"""
+    rows = tables.own_work_precision(own)
+    figures.work_precision(rows, folder)
+    caption = "Error against time of the three solvers of the FMU, over relative tolerances."
+    shown = [{"name": "work_precision", "caption": caption}]
+    if figures.has_peers(others):
+        figures.peers(rows, others, folder)
+        caption = "The event-driven solver with the fewest communication steps, and other simulators over"
+        caption += (
+            " their own step sizes or tolerances. A line joins the best settings of a solver; faint marks are"
+        )
+        caption += f" the others; errors above {figures.WORST:g} m are left out."
+        shown.append({"name": "peers", "caption": caption})
+    every = [*rows, *others]
+    listed = [tables.least_times(problem, every) for problem in benchmarks()]
+    paragraphs = [
+        "The error is the distance of the ball's centre at the end from the reference. A time is the median "
+        "of the runs, of stepping alone: fmi2DoStep called by a C program, without loading and "
+        "initialization. The absolute tolerance goes along at 1e-4 of the relative one.",
+    ]
+    unable = [f"{row.solver}, {row.problem}: {row.note}" for row in others if not row.measured]
+    if unable and not given:
+        paragraphs.append("Not measured: " + "; ".join(dict.fromkeys(unable)) + ".")
+    return Section("Error against time", paragraphs, [*listed, tables.ratios(ratios)], shown)
+
+
+def _stiffness(own: list[Row], folder: Path) -> Section:
+    figures.stiffness(own, folder)
+    families = stiff_families()
+    listed = [tables.stiffness(name, family, own) for name, family in families.items()]
+    caption = "Time and error against the penalty factor; one communication step for the whole time."
+    paragraphs = [
+        "Problem P3, the ball let go at the wall of a hollow cylinder, and the same in a hollow sphere, with "
+        "the dashpot at 10 % of critical damping and without one. Runs that take too long are ended, and "
+        "stiffer contacts are then not tried with that solver.",
+    ]
+    figure = {"name": "stiffness", "caption": caption}
+    return Section("Stiffness", paragraphs, [tables.growth(families, own), *listed], [figure])
+
+
+def given_section(section: dict[str, Any], folder: Path) -> Section:
+    """A section of peers.json or force_element.json (rows.py describes it)"""
+    listed = [
+        Table(one.get("caption", ""), one["header"], [[_text(cell) for cell in row] for row in one["rows"]])
+        for one in section.get("tables", ())
+    ]
+    shown = list(section.get("figures", ()))
+    for figure in shown:
+        for kind in ("svg", "png"):
+            file = folder / f"{figure['name']}.{kind}"
+            if not file.is_file():
+                raise FileNotFoundError(f"section '{section['title']}' shows {file}, which does not exist")
+    return Section(section["title"], section.get("paragraphs", ()), listed, shown)
+
+
+def _text(cell: Any) -> str:
+    return f"{cell:.4g}" if isinstance(cell, float) else str(cell)

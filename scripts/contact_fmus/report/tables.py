@@ -1,0 +1,180 @@
+"""The report's tables: header and cells of text, the same for HTML and Markdown"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from contact_fmus.bench.problems import Problem
+from contact_fmus.bench.settings import EVENT_DRIVEN, METHODS, STIFF_TOLERANCE
+
+from .measure import TOO_LONG, stiff_setting
+from .rows import PEER, RELATIVE_TOLERANCE, THIS_FMU, Row
+
+ERRORS = (1e-5, 1e-7, 1e-9, 1e-11)  # m
+MISSING = "–"
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns from the `numbers`-th on are aligned to the right."""
+
+    caption: str
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    numbers: int = 1
+
+
+def seconds(value: float | None) -> str:
+    """Three digits in the unit that suits"""
+    if value is None:
+        return MISSING
+    for scale, unit in ((1, "s"), (1e-3, "ms"), (1e-6, "µs")):
+        if value >= 0.9995 * scale:
+            return f"{_three_digits(value / scale)} {unit}"
+    return f"{value * 1e9:.0f} ns"
+
+
+def _three_digits(value: float) -> str:
+    return f"{value:.2f}" if value < 9.995 else f"{value:.1f}" if value < 99.95 else f"{value:.0f}"
+
+
+def metres(value: float | None) -> str:
+    return MISSING if value is None else f"{value:.1e}"
+
+
+def least_times(problem: str, rows: Sequence[Row]) -> Table:
+    """Least time to reach each error: our solvers with one and with many communication steps, then peers"""
+    measured = [row for row in rows if row.problem == problem and row.measured]
+    keys = dict.fromkeys(_solver_key(row) for row in measured)
+    cells = []
+    for key in keys:
+        own = [row for row in measured if _solver_key(row) == key]
+        best = [min((row.time_s for row in own if row.error_m <= error), default=None) for error in ERRORS]
+        cells.append([*key, *map(seconds, best), metres(min(row.error_m for row in own))])
+    header = [
+        "solver",
+        "law",
+        "communication steps",
+        *(f"≤ {error:g} m" for error in ERRORS),
+        "least error, m",
+    ]
+    return Table(f"{problem}: least time to reach an error", header, cells, 3)
+
+
+def _solver_key(row: Row) -> tuple[str, str, str]:
+    """A peer's settings and integrators count as one solver each."""
+    steps = MISSING if row.group == PEER else str(row.communication_steps)
+    return row.solver, row.law, steps
+
+
+def ratios(comparison: Sequence[dict]) -> Table:
+    cells = []
+    for one in comparison:
+        if one["ratio"] is None:
+            cells.append([one["problem"], str(one["communication_steps"]), *[MISSING] * 6])
+            continue
+        cells.append(
+            [
+                one["problem"],
+                str(one["communication_steps"]),
+                *_side(one["cvode"]),
+                *_side(one["event_driven"]),
+                _ratio(one["ratio"]),
+                _ratio(one["ratio_of_least"]),
+            ]
+        )
+    header = ["problem", "communication steps", "best CVODE setting that reaches 1e-7 m", "its time, error"]
+    header += ["best event_driven setting that reaches 1e-9 m", "its time, error"]
+    header += ["ratio of the medians", "of the least times"]
+    return Table("How much less time the event-driven solver takes", header, cells, 6)
+
+
+def _ratio(value: float) -> str:
+    return f"{value:.0f}" if value >= 9.95 else f"{value:.1f}"
+
+
+def _side(side: dict) -> tuple[str, str]:
+    how = f"{side['solver']}, relative tolerance {side['tolerance']:.0e}"
+    return how, f"{seconds(side['time_s'])}, {metres(side['error_m'])} m"
+
+
+def stiffness(name: str, family: Sequence[Problem], rows: Sequence[Row]) -> Table:
+    """Time and error against p_n of one family, at one tolerance and one communication step"""
+    by_key = {
+        (row.solver, row.parameter): row
+        for row in rows
+        if (row.problem, row.setting) == (name, stiff_setting(STIFF_TOLERANCE))
+        and row.communication_steps == 1
+    }
+    cells = []
+    for problem in family:
+        found = [by_key.get((method, problem.penalty_factor)) for method in METHODS]
+        if not any(found):
+            continue
+        pairs = [text for row in found for text in _time_and_error(row)]
+        cells.append(
+            [f"{problem.penalty_factor:.0e}", *pairs, f"{problem.method}, {problem.uncertainty:.0e} m"]
+        )
+    header = ["p_n, N/m", *(f"{method}: {what}" for method in METHODS for what in ("time", "error, m"))]
+    caption = f"{name}: relative tolerance {STIFF_TOLERANCE:g}, one communication step"
+    return Table(caption, [*header, "reference and how far it is good"], cells, 0)
+
+
+def _time_and_error(row: Row | None) -> tuple[str, str]:
+    if row is None:
+        return MISSING, MISSING
+    if row.measured:
+        return seconds(row.time_s), metres(row.error_m)
+    if row.note.startswith(TOO_LONG):
+        return f">{row.note.removeprefix(TOO_LONG)}", MISSING
+    return "not run" if row.note.startswith("not run") else "failed", MISSING
+
+
+def growth(names: Iterable[str], rows: Sequence[Row]) -> Table:
+    """Time of event_driven at the stiffest against 1e7 N/m, runs taking turns"""
+    cells = []
+    for name in names:
+        for setting in dict.fromkeys(row.setting for row in rows if row.problem == name):
+            for steps in dict.fromkeys(row.communication_steps for row in rows if row.setting == setting):
+                cells += _growth_row(name, setting, steps, rows)
+    header = ["family", "relative tolerance", "communication steps", "at 1e7 N/m", "at the stiffest", "ratio"]
+    return Table("event_driven: time at the stiffest contact against that at 1e7 N/m", header, cells, 1)
+
+
+def _growth_row(name: str, setting: str, steps: int, rows: Sequence[Row]) -> list:
+    key = (name, setting, steps, EVENT_DRIVEN)
+    times = {
+        row.parameter: row.time_s
+        for row in rows
+        if (row.problem, row.setting, row.communication_steps, row.solver) == key
+    }
+    if not times:
+        return []
+    stiffest = max(times)
+    base, last = times.get(1e7), times[stiffest]
+    ratio = f"{last / base:.2g}" if base and last else MISSING
+    end = f"{seconds(last)} ({stiffest:.0e} N/m)"
+    return [[name, setting.rpartition(" ")[2], str(steps), seconds(base), end, ratio]]
+
+
+def curves(rows: Sequence[Row], problem: str) -> dict[tuple[str, int | None], list[Row]]:
+    """Measured rows of each (solver, communication steps), by ascending parameter"""
+    found: dict[tuple[str, int | None], list[Row]] = {}
+    for row in rows:
+        if row.problem == problem and row.measured:
+            found.setdefault((row.solver, row.communication_steps), []).append(row)
+    return {key: sorted(some, key=lambda row: row.parameter) for key, some in found.items()}
+
+
+def front(rows: Sequence[Row]) -> list[Row]:
+    """The rows that no other one beats in both time and error, by ascending time"""
+    best: list[Row] = []
+    for row in sorted(rows, key=lambda row: (row.time_s, row.error_m)):
+        if not best or row.error_m < best[-1].error_m:
+            best.append(row)
+    return best
+
+
+def own_work_precision(rows: Sequence[Row]) -> list[Row]:
+    return [row for row in rows if row.group == THIS_FMU and row.setting == RELATIVE_TOLERANCE]

@@ -1,0 +1,94 @@
+"""The commands run, picture and leave-out of contact_fmus"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from contact_fmus.fmu.contact_fmu import FmuError
+from contact_fmus.fmu.files import fmus_folder, repository
+
+from . import plots, runner, tables
+from .leave_out import measure_all
+from .page import write_report
+from .recording import RunError, record
+from .scenario import ScenarioError, read_scenario
+
+
+def run(arguments: list[str] | None = None) -> int:
+    """0: all claims hold; 1: one does not, or an FMU refused; 2: the request makes no sense"""
+    text = "Runs scenarios, checks their claims, writes plots and index.html."
+    parser = argparse.ArgumentParser(prog="contact_fmus run", description=text)
+    parser.add_argument(
+        "files", nargs="*", type=Path, help="scenario files; default all of scripts/scenarios"
+    )
+    parser.add_argument("--output", type=Path, default=repository() / "build" / "scenarios", metavar="FOLDER")
+    parser.add_argument("--no-plots", action="store_true", help="check the claims only")
+    return _guarded(_run, parser.parse_args(arguments))
+
+
+def picture(arguments: list[str] | None = None) -> int:
+    """0: drawn; 1: an FMU refused; 2: the request makes no sense"""
+    parser = argparse.ArgumentParser(prog="contact_fmus picture", description="Draws one scenario.")
+    parser.add_argument("file", type=Path)
+    parser.add_argument("--output", type=Path, required=True, metavar="PNG")
+    return _guarded(_picture, parser.parse_args(arguments))
+
+
+def leave_out(arguments: list[str] | None = None) -> int:
+    """0: compared; 1: an FMU refused, or none is built"""
+    text = "Compares the sizes and speeds of the FMUs."
+    parser = argparse.ArgumentParser(prog="contact_fmus leave-out", description=text)
+    return _guarded(_leave_out, parser.parse_args(arguments))
+
+
+def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:
+    try:
+        return command(options)
+    except ScenarioError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except (RunError, FmuError, FileNotFoundError) as error:
+        print(error, file=sys.stderr)
+        return 1
+
+
+def _run(options: argparse.Namespace) -> int:
+    files = options.files or sorted((repository() / "scripts" / "scenarios").glob("*.toml"))
+    scenarios = [read_scenario(file) for file in files]
+    console = tables.make_console()
+    options.output.mkdir(parents=True, exist_ok=True)
+    plot_folder = None if options.no_plots else options.output / "plots"
+    results = runner.run_scenarios(scenarios, plot_folder, console)
+    console.print(tables.claims_table(results))
+    for result in results:
+        for failure in result.failures:
+            console.print(f"FAILED {failure}", style="red", markup=False)
+    count = sum(len(result.results) for result in results)
+    broken = sum(not one.holds for result in results for one in result.results)
+    failures = sum(len(result.failures) for result in results)
+    console.print(
+        f"{len(results)} scenarios, {count} claims checked, {broken} do not hold, {failures} runs failed"
+    )
+    if plot_folder is not None:
+        print(f"plots: {plot_folder}")
+    print(f"page:  {write_report(results, options.output)}")
+    return 0 if all(result.holds for result in results) else 1
+
+
+def _picture(options: argparse.Namespace) -> int:
+    scenario = read_scenario(options.file)
+    plots.draw([record(scenario, variant) for variant in scenario.plotted()], options.output)
+    print(options.output)
+    return 0
+
+
+def _leave_out(_options: argparse.Namespace) -> int:
+    sizes = measure_all()
+    if not sizes:
+        raise FileNotFoundError(f"no FMU in {fmus_folder()}: build first")
+    tables.make_console().print(tables.leave_out_table(sizes))
+    print("time per step: least of 5 averages over 1000 communication steps of 1 ms, fmpy's call included")
+    return 0

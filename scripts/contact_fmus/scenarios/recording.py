@@ -1,0 +1,124 @@
+"""Steps an FMU through a variant of a scenario and keeps what it saw"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError, fmu_file, repository
+
+from .scenario import Scenario, Variant
+
+# Read at every communication point, where the FMU has them
+RECORDED = (
+    "source.position",
+    "destination.position",
+    "source.velocity",
+    "destination.velocity",
+    "source.prescribed_displacement",
+    "source.prescribed_velocity",
+    "destination.prescribed_displacement",
+    "destination.prescribed_velocity",
+    "contact.gap",
+    "contact.gap_rate",
+    "contact.normal_force",
+    "contact.source_force",
+    "contact.destination_force",
+    "energy.kinetic",
+    "energy.potential",
+    "energy.contact",
+    "energy.dissipated",
+    "energy.external_work",
+)
+
+
+class RunError(Exception):
+    """The FMU refused something, or lacks a variable the scenario names"""
+
+
+@dataclass(frozen=True)
+class Recording:
+    scenario: Scenario
+    variant: Variant
+    time: np.ndarray
+    series: dict[str, np.ndarray]  # recorded names, one row a communication point
+    initial: dict[str, Any]  # every variable after initialization
+    final: dict[str, Any]  # every variable at the end
+
+    def value(self, name: str) -> Any:
+        """A parameter, pinned or open, or an output at the start"""
+        if name in self.initial:
+            return self.initial[name]
+        pinned = pinned_values(self.scenario.fmu)
+        if name in pinned:
+            return pinned[name]
+        raise RunError(f"{self.scenario.name}: {self.scenario.fmu} has no variable {name}")
+
+    def has(self, name: str) -> bool:
+        return name in self.initial or name in pinned_values(self.scenario.fmu)
+
+
+@cache
+def scene_file(fmu: str) -> dict[str, Any]:
+    """The scene an FMU was built from; empty for an FMU from elsewhere"""
+    path = repository() / "modelDescription" / "scenes" / f"{fmu}.toml"
+    return tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+
+
+def pinned_values(fmu: str) -> dict[str, Any]:
+    return scene_file(fmu).get("pinned", {})
+
+
+def record(
+    scenario: Scenario, variant: Variant, advance: Callable[[int], None] = lambda steps: None
+) -> Recording:
+    """`advance` is told now and then how many steps were done"""
+    try:
+        with ContactFmu(fmu_file(scenario.fmu)) as fmu:
+            start = dict(variant.start)
+            for signal in scenario.inputs:
+                start[signal.variable] = signal.evaluate(scenario.start_time, 0)
+            fmu.start(start, variant.tolerance, scenario.start_time, scenario.stop_time)
+            return _step_through(fmu, scenario, variant, advance)
+    except (FmuError, KeyError, ValueError, FileNotFoundError) as error:
+        where = f"{scenario.name} ({variant.label})" if variant.label else scenario.name
+        text = error.args[0] if isinstance(error, KeyError) else error
+        raise RunError(f"{where}: {text}") from None
+
+
+def _step_through(
+    fmu: ContactFmu, scenario: Scenario, variant: Variant, advance: Callable[[int], None]
+) -> Recording:
+    names = [name for name in RECORDED if name in fmu]
+    rows: dict[str, list] = {name: [] for name in names}
+    # Communication points as fractions of the whole: the last one is stop_time, not a sum of roundings
+    times = np.linspace(scenario.start_time, scenario.stop_time, variant.steps + 1)
+    initial = _snapshot(fmu)
+    for index, time in enumerate(times):
+        if index > 0:
+            fmu.step(time - fmu.time)
+        for signal in scenario.inputs:
+            _set_input(fmu, signal, time)
+        for name in names:
+            rows[name].append(fmu[name])
+        if index % 100 == 0 and index > 0:
+            advance(100)
+    advance(variant.steps % 100)
+    series = {name: np.array(values) for name, values in rows.items()}
+    return Recording(scenario, variant, times, series, initial, _snapshot(fmu))
+
+
+def _set_input(fmu: ContactFmu, signal: Any, time: float) -> None:
+    fmu[signal.variable] = signal.evaluate(time, 0)
+    for order in range(1, signal.derivatives + 1):
+        fmu.set_derivative(signal.variable, signal.evaluate(time, order), order)
+
+
+def _snapshot(fmu: ContactFmu) -> dict[str, Any]:
+    """Every variable; a vector under its name without index, too"""
+    return {name: fmu[name] for name in fmu.variables}

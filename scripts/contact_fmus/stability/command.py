@@ -1,0 +1,59 @@
+"""python -m contact_fmus stability [--quick] [--check] [--workers N] --output FOLDER
+
+Runs the atlas's scenes and writes runs.csv, summary.csv, figures, index.html and README.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from contact_fmus.fmu.files import repository
+
+from .limits import groups, write_csv
+from .page import draw_page
+from .run import Row, run_all, thinned
+from .scenes import all_scenes
+
+QUICK = 37  # every so many-th scene
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """0: done; 1: with --check, a result of event_driven is wrong; or something is not built"""
+    options = _parser().parse_args(arguments)
+    options.output.mkdir(parents=True, exist_ok=True)
+    try:
+        rows = _measured(options)
+    except FileNotFoundError as error:
+        print(error, file=sys.stderr)
+        return 1
+    write_csv(rows, options.output / "runs.csv")
+    write_csv(groups(rows), options.output / "summary.csv")
+    plan = "A quick run with few of the scenes. " if options.quick else ""
+    for file in draw_page(rows, options.output, plan):
+        print(file)
+    wrong = [row for row in rows if row.wrong]
+    print(f"{len(rows)} runs, {len(wrong)} wrong, {sum(row.status != 'ok' for row in rows)} refused")
+    return int(options.check and any(row.method == "event_driven" for row in wrong))
+
+
+def _measured(options: argparse.Namespace) -> list[Row]:
+    begin, family, rows = time.monotonic(), "", []
+    for scene, found in run_all(thinned(all_scenes(), QUICK if options.quick else 1), options.workers):
+        if scene.family != family:
+            family = scene.family
+            print(f"{time.monotonic() - begin:6.1f} s  {family}", flush=True)
+        rows += found
+    print(f"{time.monotonic() - begin:6.1f} s  done", flush=True)
+    return rows
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="contact_fmus stability", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="few of the scenes")
+    parser.add_argument("--check", action="store_true", help="the status is 1 where event_driven is wrong")
+    parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes (2)")
+    parser.add_argument("--output", type=Path, default=repository() / "docs" / "stability", metavar="FOLDER")
+    return parser

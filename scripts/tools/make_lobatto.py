@@ -1,0 +1,81 @@
+"""Writes the constants of fmu_src/contact/lobatto.c: collocation at the Gauss-Lobatto nodes, with 60 digits.
+
+    python scripts/tools/make_lobatto.py > fmu_src/contact/lobatto.c
+
+Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32). With l_j the Lagrange polynomials
+of the n nodes: `integral[j n + i]` is the integral of l_j from -1 to node i, `monomial[j n + k]` the
+coefficient of sigma^k in l_j.
+"""
+
+import mpmath
+
+POINTS = (4, 8, 12)
+
+
+def nodes(points: int) -> list:
+    """The Gauss-Lobatto nodes, ascending."""
+    legendre = mpmath.taylor(lambda x: mpmath.legendre(points - 1, x), 0, points - 1)
+    slope = [k * legendre[k] for k in range(points - 1, 0, -1)]
+    inner = sorted(mpmath.re(root) for root in mpmath.polyroots(slope, maxsteps=500, extraprec=500))
+    return [mpmath.mpf(-1), *inner, mpmath.mpf(1)]
+
+
+def lagrange(at: list, j: int) -> list:
+    """Coefficients of l_j, lowest degree first."""
+    coefficients = [mpmath.mpf(1)]
+    for i, node in enumerate(at):
+        if i != j:
+            shifted = [mpmath.mpf(0), *coefficients]
+            scaled = [-node * c for c in coefficients] + [mpmath.mpf(0)]
+            coefficients = [(a + b) / (at[j] - node) for a, b in zip(shifted, scaled, strict=True)]
+    return coefficients
+
+
+def integral(coefficients: list, end) -> mpmath.mpf:
+    """Of a polynomial from -1 to `end`."""
+    return sum(c * (end ** (k + 1) - mpmath.mpf(-1) ** (k + 1)) / (k + 1) for k, c in enumerate(coefficients))
+
+
+def number(x) -> str:
+    """A C literal that reads back as the nearest double."""
+    value = float(x)
+    return "0.0" if abs(value) < 1e-40 else repr(value)
+
+
+def table(name: str, rows: list) -> str:
+    """A C array, row after row."""
+    count = sum(len(row) for row in rows)
+    lines = [f"static const double {name}[{count}] = {{"]
+    for row in rows:
+        lines.append("    " + ", ".join(number(x) for x in row) + ",")
+    return "\n".join([*lines, "};\n"])
+
+
+def tables(points: int) -> str:
+    """Those of so many nodes."""
+    at = nodes(points)
+    basis = [lagrange(at, j) for j in range(points)]
+    return "\n".join(
+        [
+            table(f"node_{points}", [at]),
+            table(f"integral_{points}", [[integral(b, x) for x in at] for b in basis]),
+            table(f"monomial_{points}", basis),
+        ]
+    )
+
+
+def main() -> None:
+    """Prints the file."""
+    mpmath.mp.dps = 60
+    print("/* Written by scripts/tools/make_lobatto.py; not to be edited. */")
+    print('#include "contact/lobatto.h"\n\n/* clang-format off */')
+    for points in POINTS:
+        print(tables(points))
+    print("const struct lobatto lobatto[LOBATTO_SIZES] = {")
+    for points in POINTS:
+        print(f"    {{{points}, node_{points}, integral_{points}, monomial_{points}}},")
+    print("};\n/* clang-format on */")
+
+
+if __name__ == "__main__":
+    main()

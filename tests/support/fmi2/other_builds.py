@@ -1,0 +1,52 @@
+"""The code of an FMU built once more, with another compiler or other flags, by the build's own commands."""
+
+import itertools
+import os
+import shlex
+import subprocess
+from pathlib import Path
+
+from support.fmi2 import raw
+
+BUILD = Path(os.environ.get("CONTACT_BUILD") or raw.fmus_folder().parent).resolve()
+# Link-time optimization is not the same for both compilers; without it the code is one unit all the same.
+LEFT_OUT = ("-flto", "-fno-fat-lto", "-O", "-M", "-g")
+
+
+def _commands(scene: str) -> tuple[list[str], list[str]]:
+    """How ninja compiles the scene's one unit, and how it links the library"""
+    told = subprocess.run(
+        ["ninja", "-C", str(BUILD), "-t", "commands", f"libraries/{scene}.so"],
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout.splitlines()
+    link = next(line for line in told if f"-o libraries/{scene}.so " in line)
+    unit = next(word for word in shlex.split(link) if word.endswith(".c.o"))
+    compile_ = next(line for line in told if f"-o {unit} " in line)
+    return _plain(compile_), _plain(link)
+
+
+def _plain(line: str) -> list[str]:
+    """The command without its compiler, its output and its flags of optimization"""
+    words = [word for word in shlex.split(line) if word not in (":", "&&")]
+    kept = []
+    for before, word in itertools.pairwise(words):
+        if before in ("-o", "-MT", "-MF") or word == "-o" or word.startswith(LEFT_OUT):
+            continue
+        kept.append(word)
+    return kept
+
+
+def build(scene: str, compiler: str, flags: list[str], folder: Path) -> raw.Fmu:
+    """The FMU of the scene with its code from this compiler"""
+    unit, library = folder / f"{scene}.o", folder / f"{scene}.so"
+    compile_, link = _commands(scene)
+    link = [str(unit) if word.endswith(".c.o") else word for word in link]
+    for command in (
+        [compiler, *flags, *compile_, "-w", "-o", str(unit)],
+        [compiler, *flags, *link, "-o", str(library)],
+    ):
+        done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=BUILD)
+        assert done.returncode == 0, done.stderr
+    return raw.load(scene).with_library(library)

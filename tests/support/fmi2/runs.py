@@ -1,0 +1,231 @@
+"""Runs that differ in everything a saved state has to hold, for the tests of states, threads and memory.
+
+As a program: `runs.py NAME STEP < blob` restores a saved state in a new process, goes on, prints the digest.
+"""
+
+import hashlib
+import math
+import sys
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from support.fmi2 import raw
+
+# Communication steps of changing size; a thousandth of a second is far less than a contact lasts here.
+SIZES = (0.01, 0.003, 0.017, 0.0001)
+SOFT = {"contact.penalty_factor": 2e3, "contact.viscous_penalty_factor": 5.0}
+OVER_CYLINDER = {"destination.axis": [0.0, 1.0, 0.0], "source.center": [0.05, 0.0, 0.7]}
+
+
+class Run(NamedTuple):
+    """An FMU, its parameters, its inputs as a function of time, and the step at which the state is saved"""
+
+    scene: str
+    values: dict[str, Any]
+    saved_at: int  # steps
+    touching: bool  # whether the bodies touch there
+    inputs: Callable[[float], dict[str, Any]] = lambda time: {}
+    derivatives: Callable[[float], dict[str, Any]] = lambda time: {}
+    steps: int = 90
+    tolerance: float | None = None
+
+
+def _shaken(time: float) -> dict[str, Any]:
+    return {
+        "destination.prescribed_displacement": [0.0, 0.0, 0.2 * math.sin(9 * time)],
+        "destination.prescribed_velocity": [0.0, 0.0, 1.8 * math.cos(9 * time)],
+    }
+
+
+def _pushed(time: float) -> dict[str, Any]:
+    return {"source.external_force": [math.sin(20 * time), 0.0, 3 * math.cos(7 * time)]}
+
+
+def _fed(time: float) -> dict[str, Any]:
+    return {
+        "source.prescribed_displacement": [0.55, 0.3 * math.sin(5 * time), -0.1 * time],
+        "source.prescribed_velocity": [0.0, 1.5 * math.cos(5 * time), -0.1],
+    }
+
+
+RUNS = {
+    "sphere in flight": Run("SphereSphere", {}, 20, False),
+    "sphere in contact": Run("SphereSphere", {**SOFT, "source.center": [0.05, 0.0, 1.1]}, 46, True),
+    "adams in contact": Run(
+        "SphereSphere",
+        {**SOFT, "solver.method": "cvode_adams", "source.center": [0.05, 0, 1.1]},
+        46,
+        True,
+        tolerance=1e-10,
+    ),
+    "event driven in contact": Run(
+        "SphereSphere",
+        {**SOFT, "solver.method": "event_driven", "source.center": [0.05, 0, 1.1]},
+        46,
+        True,
+    ),
+    "adams in flight": Run("SphereSphere", {"solver.method": "cvode_adams"}, 30, False),
+    "two free bodies": Run(
+        "SphereSphere",
+        {
+            **SOFT,
+            "destination.motion": "free",
+            "gravity": [0, 0, 0],
+            "source.initial_velocity": [0.1, 0.0, -2.0],
+        },
+        36,
+        True,
+    ),
+    "on a shaken sphere": Run(
+        "SphereSphere",
+        {**SOFT, "destination.motion": "prescribed", "source.center": [0.02, 0.0, 0.65]},
+        8,
+        True,
+        _shaken,
+    ),
+    "pushed about": Run("SphereSphere", {**SOFT, "source.center": [0.0, 0.0, 0.65]}, 20, True, _pushed),
+    "unclamped dashpot": Run(
+        "SphereSphere", {**SOFT, "contact.dashpot": "unclamped", "source.center": [0.1, 0, 0.65]}, 22, True
+    ),
+    "approach only": Run(
+        "SphereSphere",
+        {**SOFT, "contact.dashpot": "approach_only", "source.center": [0.1, 0, 0.65]},
+        22,
+        True,
+    ),
+    "viscous only": Run(
+        "SphereSphere",
+        {
+            "contact.penalty_control": "viscous_only",
+            "source.center": [0.0, 0.0, 0.65],
+            "contact.viscous_penalty_factor": 300.0,
+        },
+        40,
+        True,
+    ),
+    "automatic factors": Run(
+        "SphereSphere",
+        {
+            "contact.penalty_control": "automatic",
+            "source.center": [0, 0, 0.65],
+            "contact.viscous_control": "automatic",
+            "contact.reference_modulus": 2e3,
+        },
+        17,
+        True,
+    ),
+    "penalty": Run(
+        "SphereSphere", {**SOFT, "contact.method": "penalty", "source.center": [0.0, 0.0, 0.65]}, 22, True
+    ),
+    "both prescribed": Run(
+        "SphereCylinder",
+        {"source.motion": "prescribed", "destination.motion": "prescribed", "source.center": [0, 0, 0]},
+        15,
+        True,
+        _fed,
+    ),
+    "on a cylinder": Run("SphereCylinder", {**SOFT, **OVER_CYLINDER}, 25, True),
+    "in a cylinder": Run(
+        "SphereCylinder",
+        {**SOFT, "destination.axis": [0.0, 1.0, 0.0], "source.center": [0.3, 0, 0]},
+        40,
+        True,
+    ),
+    "cylinder in flight": Run(
+        "SphereCylinder", {**OVER_CYLINDER, "source.center": [0.05, 0.0, 1.2]}, 20, False
+    ),
+    "off a cylinder's end": Run(
+        "SphereCylinder",
+        {
+            **OVER_CYLINDER,
+            "destination.finite_length": 1,
+            "source.center": [0.0, 0.3, 0.6],
+            **SOFT,
+            "source.initial_velocity": [0.0, 1.0, 0.0],
+        },
+        30,
+        False,
+    ),
+    "up to a cylinder's end": Run(
+        "SphereCylinder",
+        {
+            **OVER_CYLINDER,
+            "destination.finite_length": 1,
+            "source.center": [0.0, 0.3, 0.6],
+            **SOFT,
+            "source.initial_velocity": [0.0, 1.0, 0.0],
+        },
+        20,
+        True,
+    ),
+    "ball on sphere": Run("BallOnSphere", {"source.center": [0.03, 0.04, 0.7], **SOFT}, 24, True),
+    "ball in shell": Run("BallInShell", SOFT, 45, True),
+    "ball on roller": Run("BallOffRoller", SOFT, 20, True),
+    "ball off roller": Run("BallOffRoller", SOFT, 85, False),
+    "force element": Run("ForceElement", {"source.center": [0, 0, 0]}, 15, True, _fed),
+    "force element extrapolating": Run(
+        "ForceElement",
+        {"source.center": [0, 0, 0]},
+        15,
+        True,
+        _fed,
+        lambda time: {"source.prescribed_displacement": [0.0, 1.5 * math.cos(5 * time), -0.1]},
+    ),
+    "force with a rate": Run(
+        "SphereSphere",
+        {**SOFT, "source.center": [0.0, 0.0, 0.65]},
+        20,
+        True,
+        _pushed,
+        lambda time: {"source.external_force": [20 * math.cos(20 * time), 0.0, 1.0]},
+    ),
+}
+
+
+def time_after(count: int) -> float:
+    """The communication point after so many steps, added up as an importer does"""
+    time = 0.0
+    for index in range(count):
+        time += SIZES[index % len(SIZES)]
+    return time
+
+
+def begin(run: Run, fmu: raw.Fmu | None = None, **options: Any) -> raw.Instance:
+    instance = raw.Instance(fmu or raw.load(run.scene), **options)
+    return instance.initialize({**run.values, **run.inputs(0.0)}, tolerance=run.tolerance)
+
+
+def step(instance: raw.Instance, run: Run, index: int) -> dict[str, bytes]:
+    time = time_after(index)
+    instance.set(run.inputs(time))
+    for name, value in run.derivatives(time).items():
+        references = [instance.fmu.variables[f"{name}[{component}]"].reference for component in (1, 2, 3)]
+        instance.ok(
+            "SetRealInputDerivatives",
+            raw.array(raw.c_uint, references),
+            3,
+            raw.array(raw.c_int, [1, 1, 1]),
+            raw.array(raw.c_double, value),
+        )
+    instance.ok("DoStep", time, SIZES[index % len(SIZES)], 1)
+    return instance.bits("output")
+
+
+def go_on(instance: raw.Instance, run: Run, first: int, last: int | None = None) -> list[dict[str, bytes]]:
+    """The bits of all outputs after each of the steps"""
+    return [step(instance, run, index) for index in range(first, run.steps if last is None else last)]
+
+
+def digest(rows: list[dict[str, bytes]]) -> str:
+    return hashlib.sha256(b"".join(value for row in rows for _, value in sorted(row.items()))).hexdigest()
+
+
+def _main() -> None:
+    run = RUNS[sys.argv[1]]
+    with raw.Instance(raw.load(run.scene)) as instance:
+        instance.restore(sys.stdin.buffer.read())
+        print(digest(go_on(instance, run, int(sys.argv[2]))))
+
+
+if __name__ == "__main__":
+    _main()

@@ -1,0 +1,294 @@
+"""An independent reference for the motion: Taylor series of the equations of DESIGN section 1 with events
+found on the series.
+
+The motion is integrated regime by regime: within a regime the right-hand side is analytic, a step carries
+the power series of positions and velocities to a high order, and an event is the first root of a series,
+isolated by Bernstein signs (nothing is missed between samples, there are none). Free flight is a polynomial
+and takes one step however long it is. Which side of an event the motion is on is remembered, not recomputed
+from a rounded gap.
+
+The number type is float (quick) or decimal.Decimal (40 digits, the check of float). Dissipated work,
+external work and impulse ride along as further states.
+"""
+
+from dataclasses import dataclass
+
+from support.reference.law import ReferenceContact, complete, start_motion
+from support.reference.series import Tape, evaluate, first_root, square_root
+
+FLIGHT, FULL, SPRING, CLIPPED = "flight", "spring and dashpot", "spring alone", "clipped"
+
+
+@dataclass
+class Span:
+    """The series of one step: states by name, and what events and step length are read from."""
+
+    states: dict
+    conditions: list  # (event name, row, sign that makes it positive now)
+    resolved: list  # rows that limit the step; none in flight
+
+
+class Reference:
+    """Configuration as for ReferenceContact; "<input>.derivatives" gives a list of first and second
+    derivatives at time 0.
+    """
+
+    def __init__(self, configuration, shape, number=float, order=24):
+        derivatives = {k: v for k, v in configuration.items() if k.endswith(".derivatives")}
+        plain = {k: v for k, v in configuration.items() if k not in derivatives}
+        law = ReferenceContact(plain, shape)
+        self.values = {**complete(plain), **derivatives}
+        self.number, self.order, self.zero = number, order, number(0)
+        motion = start_motion(self.values)
+        self.position, self.velocity = {}, {}
+        for body in ("source", "destination"):
+            shift = getattr(motion, f"{body}_displacement")
+            center = self.vector(f"{body}.center")
+            self.position[body] = [c + number(float(u)) for c, u in zip(center, shift, strict=True)]
+            self.velocity[body] = [number(float(v)) for v in getattr(motion, f"{body}_velocity")]
+        radii = [number(self.values[f"{body}.radius"]) for body in ("destination", "source")]
+        self.inside = law.location == "inside"
+        self.surface = radii[0] - radii[1] if self.inside else radii[0] + radii[1]  # d at g = 0
+        self.sign = -1 if self.inside else 1  # g = sign * (d - surface)
+        self.penalty, self.viscous = number(float(law.penalty)), number(float(law.viscous))
+        self.dashpot = self.values["contact.dashpot"]
+        self.axis = self.half_length = None
+        if shape == "cylinder":
+            axis = self.vector("destination.axis")
+            length = square_root(sum(a * a for a in axis))
+            self.axis = [a / length for a in axis]
+            if self.values["destination.finite_length"]:
+                self.half_length = number(self.values["destination.length"]) / 2
+        self.time = self.dissipated = self.external_work = self.zero
+        self.impulse = [self.zero] * 3  # of the contact on the source
+        self.onsets, self.onset_times, self.durations, self.steps = 0, [], [], 0
+        self.law_regime, self.on_root = FULL, None
+        self.decide_start()
+
+    def vector(self, name):
+        return [self.number(x) for x in self.values[name]]
+
+    # Where the motion is: touching (g < 0), within (the ends), and the branch of the law.
+
+    def present(self):
+        """g, its rate, c.e_d and its rate, now."""
+        c, w = (
+            [b - a for a, b in zip(rows["source"], rows["destination"], strict=True)]
+            for rows in (self.position, self.velocity)
+        )
+        along = along_rate = self.zero
+        if self.axis:
+            along, along_rate = (sum(x * e for x, e in zip(row, self.axis, strict=True)) for row in (c, w))
+            c = [x - along * e for x, e in zip(c, self.axis, strict=True)]
+            w = [x - along_rate * e for x, e in zip(w, self.axis, strict=True)]
+        distance = square_root(sum(x * x for x in c))
+        rate = sum(x * y for x, y in zip(c, w, strict=True)) / distance if distance else self.zero
+        return self.sign * (distance - self.surface), self.sign * rate, along, along_rate
+
+    def decide_start(self):
+        gap, rate, along, _ = self.present()
+        self.touching = gap < 0 or (gap == 0 and rate < 0)
+        self.within = self.half_length is None or abs(along) <= self.half_length
+        self.begin_contact()
+
+    def begin_contact(self):
+        if not (self.touching and self.within):
+            return
+        self.onsets += 1
+        self.onset_times.append(self.time)
+        gap, rate, _, _ = self.present()
+        formula = -self.penalty * (self.zero if self.on_root == "gap" else gap) - self.viscous * rate
+        self.law_regime = FULL
+        if self.dashpot == "approach_only" and rate >= 0:
+            self.law_regime = SPRING
+        if self.dashpot == "non_adhesive" and self.viscous and formula < 0:
+            self.law_regime = CLIPPED
+
+    def regime(self):
+        return self.law_regime if self.touching and self.within else FLIGHT
+
+    def stored_energy(self):
+        if not (self.touching and self.within):
+            return self.zero
+        gap = self.present()[0]
+        return self.penalty * gap * gap / 2
+
+    def happen(self, event):
+        self.on_root = event
+        before = self.touching and self.within
+        stored = self.stored_energy()
+        if event == "gap":
+            self.touching = not self.touching
+        elif event.startswith("end"):
+            self.within = not self.within
+        elif event == "rate":
+            self.law_regime = SPRING if self.law_regime == FULL else FULL
+        elif event == "force":
+            self.law_regime = CLIPPED if self.law_regime == FULL else FULL
+        after = self.touching and self.within
+        if before and not after:
+            self.durations.append(self.time - self.onset_times[-1])
+        if after and not before:
+            self.begin_contact()
+        if event.startswith("end"):
+            self.dissipated = self.dissipated + stored - self.stored_energy()
+
+    # The series of a step.
+
+    def outer_rate(self, body):
+        """Row of accelerations without the contact, and the external force as polynomials in the
+        time since now.
+        """
+        kind = self.values[f"{body}.motion"]
+        force = [[self.zero]] * 3
+        if kind == "fixed":
+            return [[self.zero]] * 3, force
+        if kind == "prescribed":
+            given = self.values.get(f"{body}.prescribed_velocity.derivatives", [[0.0] * 3])
+            return [[self.number(a)] for a in given[0]], force
+        given = [
+            self.values[f"{body}.external_force"],
+            *self.values.get(f"{body}.external_force.derivatives", []),
+        ]
+        given += [[0.0] * 3] * (3 - len(given))
+        mass, t = self.number(self.values[f"{body}.mass"]), self.time
+        rates, forces = [], []
+        for weight, row in zip(self.vector("gravity"), zip(*given, strict=True), strict=True):
+            f0, f1, f2 = map(self.number, row)
+            forces.append([f0 + f1 * t + f2 * t * t / 2, f1 + f2 * t, f2 / 2])
+            rates.append([weight + forces[-1][0] / mass, forces[-1][1] / mass, forces[-1][2] / mass])
+        return rates, forces
+
+    def span(self, regime):
+        tape = Tape(self.number)
+        x = {body: [tape.state(p) for p in self.position[body]] for body in self.position}
+        v = {body: [tape.state(p) for p in self.velocity[body]] for body in self.velocity}
+        c = [tape.linear([(1, b), (-1, a)]) for a, b in zip(x["source"], x["destination"], strict=True)]
+        w = [tape.linear([(1, b), (-1, a)]) for a, b in zip(v["source"], v["destination"], strict=True)]
+        conditions = []
+        if self.axis:
+            along = tape.linear(list(zip(self.axis, c, strict=True)))
+            along_rate = tape.linear(list(zip(self.axis, w, strict=True)))
+            c = [tape.linear([(1, row), (-e, along)]) for e, row in zip(self.axis, c, strict=True)]
+            w = [tape.linear([(1, row), (-e, along_rate)]) for e, row in zip(self.axis, w, strict=True)]
+            if self.half_length is not None:
+                conditions += [
+                    (name, tape.linear([(side, along)], self.half_length), 1)
+                    for name, side in (("end+", -1), ("end-", 1))
+                ]
+        square = tape.dot(c, c)
+        beyond = tape.linear([(self.sign, square)], -self.sign * self.surface**2)
+        conditions.append(("gap", beyond, -1 if self.touching else 1))  # g times a positive length
+        push, rates, resolved = None, {}, []
+        if regime != FLIGHT:
+            gap, gap_rate, formula, force, push = self.contact_rows(tape, regime, c, w, square)
+            resolved = [*c, gap]
+            if self.dashpot == "approach_only":
+                conditions.append(("rate", gap_rate, -1 if regime == FULL else 1))
+            if self.dashpot == "non_adhesive" and self.viscous:  # without a dashpot the gap ends it all
+                conditions.append(("force", formula, -1 if regime == CLIPPED else 1))
+            lost = tape.linear([(1, force), (self.penalty, gap)])
+            rates["dissipated"] = tape.linear([(-1, tape.product(lost, gap_rate))])
+        states = {("position", body): x[body] for body in x} | {("velocity", body): v[body] for body in v}
+        powers = []
+        for body, side in (("source", 1), ("destination", -1)):
+            self.equation_of_motion(tape, body, side, x[body], v[body], push, powers)
+        rates["external_work"] = tape.linear([(1, power) for power in powers])
+        if push:
+            states["impulse"] = [tape.state(p) for p in self.impulse]
+            for state, row in zip(states["impulse"], push, strict=True):
+                tape.integrate(state, row)
+        for name, row in rates.items():
+            states[name] = tape.state(getattr(self, name))
+            tape.integrate(states[name], row)
+        tape.grow(10 if regime == FLIGHT else self.order)
+        return Span(states, self.oriented(conditions), resolved)
+
+    def contact_rows(self, tape, regime, c, w, square):
+        """g, its rate, the formula's force, the force and its vector on the source (along -/+ rho
+        outside/inside).
+        """
+        distance = tape.root(square)
+        rate = tape.quotient(tape.dot(c, w), distance)
+        gap = tape.linear([(self.sign, distance)], -self.sign * self.surface)
+        gap_rate = tape.linear([(self.sign, rate)])
+        formula = tape.linear([(-self.penalty, gap), (-self.viscous, gap_rate)])
+        force = {
+            FULL: formula,
+            SPRING: tape.linear([(-self.penalty, gap)]),
+            CLIPPED: tape.polynomial([self.zero]),
+        }[regime]
+        ratio = tape.quotient(force, distance)
+        push = [tape.linear([(-self.sign, tape.product(ratio, row))]) for row in c]
+        return gap, gap_rate, formula, force, push
+
+    def equation_of_motion(self, tape, body, side, position, velocity, push, powers):
+        outer, force = self.outer_rate(body)
+        kind = self.values[f"{body}.motion"]
+        mass = self.number(self.values[f"{body}.mass"])
+        for i in range(3):
+            rate = tape.polynomial(outer[i])
+            if push and kind == "free":
+                rate = tape.linear([(1, rate), (side / mass, push[i])])
+            tape.integrate(position[i], velocity[i])
+            tape.integrate(velocity[i], rate)
+            if kind == "free":
+                powers.append(tape.product(tape.polynomial(force[i]), velocity[i]))
+            elif kind == "prescribed" and push:  # what moves the body works against the contact
+                powers.append(tape.linear([(-side, tape.product(push[i], velocity[i]))]))
+
+    def oriented(self, conditions):
+        """Each condition with the sign that makes it positive on this side of its event."""
+        result = []
+        for name, row, sign in conditions:
+            if name.startswith("end"):
+                sign = 1 if self.within or name != self.nearer_end() else -1
+            result.append((name, [sign * c for c in row]))
+        return result
+
+    def nearer_end(self):
+        return "end+" if self.present()[2] > 0 else "end-"
+
+    # Running.
+
+    def step_limit(self, span):
+        """How far the contact's series have converged to the digits of the number type."""
+        exponent = -17 if self.number is float else -37
+        limit = None
+        for row in span.resolved:
+            for k in (self.order - 1, self.order - 2):
+                if row[k] != 0:
+                    ratio = self.number(10) ** exponent * self.surface / abs(row[k])
+                    reach = ratio ** (1 / self.number(k))
+                    limit = reach if limit is None else min(limit, reach)
+        return limit
+
+    def run(self, end):
+        end = self.number(end)
+        while self.time < end:
+            regime = self.regime()
+            span = self.span(regime)
+            step, event = end - self.time, None
+            if regime != FLIGHT:
+                limit = self.step_limit(span)
+                step = step if limit is None else min(step, limit)
+            for name, row in span.conditions:
+                root = first_root(row, step, self.number, fresh=name == self.on_root)
+                if root is not None:
+                    step, event = root, name
+            self.steps += 1
+            self.advance(span, step)
+            self.on_root = None
+            self.time = end if event is None and step >= end - self.time else self.time + step
+            if event is not None:
+                self.happen(event)
+        return self
+
+    def advance(self, span, step):
+        for key, rows in span.states.items():
+            if isinstance(key, tuple):
+                getattr(self, key[0])[key[1]] = [evaluate(row, step) for row in rows]
+            elif key == "impulse":
+                self.impulse = [evaluate(row, step) for row in rows]
+            else:
+                setattr(self, key, evaluate(rows, step))

@@ -1,0 +1,119 @@
+"""Writes wide_, creeping_ and variant_references.json, or those named: the ends of the scenes of
+wide_scenes.py and benchmark_variants.py by the Taylor integrator in 40 digits, and how much they depend on
+the last digits of what is given.
+
+    PYTHONPATH=tests python -m support.reference.make_references        # some minutes
+"""
+
+import json
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from decimal import Decimal
+from pathlib import Path
+
+import numpy as np
+
+from support.reference.integrator import Reference
+from support.scenes.benchmark_variants import VARIANTS, variant
+from support.scenes.wide_scenes import COUNT, CREEPING, creeping_scene, wide_scene
+
+FOLDER = Path(__file__).parent
+SETS = {
+    "wide_references.json": [(wide_scene, (number,)) for number in range(COUNT)],
+    "creeping_references.json": [(creeping_scene, (number,)) for number in range(CREEPING)],
+    "variant_references.json": [(variant, which) for which in VARIANTS],
+}
+ORDER = 30
+NUDGE = 2.0**-30  # relative change of what is given, for the condition numbers
+TRIES = 3
+NUDGED = [
+    "source.radius",
+    "destination.radius",
+    "source.mass",
+    "destination.mass",
+    "contact.penalty_factor",
+    "contact.viscous_penalty_factor",
+    "contact.penalty_multiplier",
+    "contact.characteristic_time",
+    "destination.length",
+    "gravity",
+    "destination.axis",
+    "source.initial_velocity",
+    "destination.initial_velocity",
+    "source.prescribed_velocity",
+    "destination.prescribed_velocity",
+    "source.external_force",
+    "destination.external_force",
+]
+
+
+def outcome(reference):
+    """What is compared, as floats; displacement and velocity of both bodies one after the other"""
+    lasting = reference.touching and reference.within
+    ended = reference.durations[-1] if reference.durations else 0
+    duration = reference.time - reference.onset_times[-1] if lasting else ended
+    moved = [
+        float(x - reference.number(start))
+        for body, row in reference.position.items()
+        for x, start in zip(row, reference.values[f"{body}.center"], strict=True)
+    ]
+    return {
+        "displacement": moved,
+        "velocity": [float(x) for row in reference.velocity.values() for x in row],
+        "energy.contact": float(reference.stored_energy()),
+        "energy.dissipated": float(reference.dissipated),
+        "energy.external_work": float(reference.external_work),
+        "contact.last_onset_time": float(reference.onset_times[-1]) if reference.onsets else 0.0,
+        "contact.last_duration": float(duration),
+        "impulse": [float(x) for x in reference.impulse],
+    }
+
+
+def nudged(values, random):
+    """Every number a little off, and the source by as much of the distance between the bodies"""
+    result = dict(values)
+    for name in NUDGED:
+        if name in values:
+            given = np.asarray(values[name], float)
+            result[name] = (given * (1 + NUDGE * random.uniform(-1, 1, size=given.shape))).tolist()
+    apart = np.subtract(values["source.center"], values.get("destination.center", [0.0] * 3))
+    shift = NUDGE * np.linalg.norm(apart) * random.uniform(-1, 1, size=3)
+    for row in ("initial", "prescribed"):
+        name = f"source.{row}_displacement"
+        result[name] = (np.array(values.get(name, [0.0] * 3)) + shift).tolist()
+    return result
+
+
+def distance(first, second):
+    return float(np.max(np.abs(np.subtract(first, second))))
+
+
+def reference_of(task):
+    make, which = task
+    shape, values, end = make(*which)
+    exact = Reference(values, shape, number=Decimal, order=ORDER).run(end)
+    result = outcome(exact)
+    plain = outcome(Reference(values, shape).run(end))
+    condition, steady = dict.fromkeys(result, 0.0), True
+    for attempt in range(TRIES):
+        moved = Reference(nudged(values, np.random.default_rng(attempt)), shape).run(end)
+        steady = steady and moved.onsets == exact.onsets
+        changed = outcome(moved)
+        for name in result:
+            condition[name] = max(condition[name], distance(changed[name], plain[name]) / NUDGE)
+    condition = {name: float(f"{c:.3g}") for name, c in condition.items()}
+    counts = {"onsets": exact.onsets, "steady": steady, "steps": exact.steps}
+    print(*which, counts, condition, flush=True)
+    return {"which": which, **counts, **result, "condition": condition}
+
+
+def main():
+    with ProcessPoolExecutor() as pool:
+        for name in sys.argv[1:] or SETS:
+            tasks = SETS[name]
+            lines = ",\n".join(json.dumps(row) for row in pool.map(reference_of, tasks))
+            (FOLDER / name).write_text(f"[\n{lines}\n]\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,49 @@
+"""The stored ends of scenes (make_references.py writes them) and how a run is compared with one of them."""
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from support.checks import differences
+
+FOLDER = Path(__file__).parent
+
+
+@cache
+def stored(file):
+    """which scene -> its row, as make_references.py wrote it"""
+    return {tuple(row["which"]): row for row in json.loads((FOLDER / file).read_text(encoding="utf-8"))}
+
+
+def both_bodies(fmu, name):
+    return np.concatenate([fmu[f"source.{name}"], fmu[f"destination.{name}"]])
+
+
+def measured(fmu, name):
+    """An outcome of make_references.py, read from an FMU at the end of its run"""
+    if name in ("displacement", "velocity"):
+        return both_bodies(fmu, name)
+    return fmu[name]
+
+
+# Where a contact is left slowly, rounding alone moves its end by gap / speed; the impulse is not an output.
+UNWEIGHED = {"impulse", "contact.last_duration"}
+
+
+def errors_beyond(fmu, row, tolerance, factor):
+    """What differs from the reference by more than factor * tolerance: displacements relative to the larger
+    of 1 m and their size, everything else as far as a nudge of what is given, by as much, would move it too.
+    """
+    wrong = []
+    for name, condition in row["condition"].items():
+        if name in UNWEIGHED:
+            continue
+        size = max(1.0, float(np.max(np.abs(row[name]))))
+        if name != "displacement":
+            size += condition
+        wrong += differences(name, measured(fmu, name), row[name], factor * tolerance * size)
+    if row["steady"] and fmu["contact.onsets"] != row["onsets"]:
+        wrong.append(f"onsets: got {fmu['contact.onsets']}, expected {row['onsets']}")
+    return wrong
