@@ -1,6 +1,7 @@
 """The benchmark: Idle is a valid FMU, ratios are those of pairs, and a slowdown shows."""
 
 import io
+import re
 import zipfile
 from dataclasses import replace
 
@@ -11,9 +12,11 @@ from fmpy.validation import validate_fmu
 from rich.console import Console
 
 from contact_fmus.bench import baseline as bench_baseline
+from contact_fmus.bench import best, instructions
+from contact_fmus.bench import command as bench_command
 from contact_fmus.bench import ratios as bench
 from contact_fmus.bench import tables as bench_tables
-from contact_fmus.bench.ratios import Effort, Ratio, Row
+from contact_fmus.bench.ratios import Comparison, Effort, Ratio
 from contact_fmus.fmu.files import fmu_file, fmus_folder
 from support.fmi2 import elf, vdmcheck
 
@@ -82,7 +85,7 @@ def test_the_median_lies_between_its_bounds_as_often_as_said():
 
 
 def test_builds_are_called_different_only_where_the_pairs_are_sure():
-    row = Row("work", "this build", "that")
+    row = Comparison("work", "this build", "that")
     cases = [((1.2, 1.3), "slower"), ((0.7, 0.8), "quicker"), ((0.9, 1.3), "same"), (None, "too few pairs")]
     for bounds, verdict in cases:
         assert verdict in shown(
@@ -90,26 +93,58 @@ def test_builds_are_called_different_only_where_the_pairs_are_sure():
         )
 
 
-@pytest.mark.parametrize(
-    "limits, median, good",
-    [
-        ({"at_least": 100.0}, 99.9, False),
-        ({"at_least": 100.0}, 100.0, True),
-        ({"at_most": 2.0}, 2.1, False),
-        ({"at_most": 2.0}, 1.9, True),
-        ({}, 1.9, None),
-    ],
-)
-def test_a_row_says_whether_its_ratio_is_as_asked(limits, median, good):
-    row = Row("what", "first", "second", 1.0, 1.0, Ratio(median, median, median), **limits)
-    assert row.good is good
-    assert ("does not hold" in shown([row])) == (good is False)
+def test_a_pair_that_could_not_be_measured_says_why():
+    assert "refused" in shown([Comparison("what", "first", "second", note="fmu_host: refused")])
 
 
-def test_a_row_that_could_not_be_measured_is_not_good():
-    row = Row("what", "first", "second", at_least=1.0, note="fmu_host: refused")
-    assert row.good is False
-    assert "refused" in shown([row])
+# --- instruction counts --------------------------------------------------------------------------------
+
+
+def test_every_case_that_is_counted_has_a_bound_and_every_bound_a_case():
+    assert [case.name for case in instructions.cases()] == list(instructions.read_bounds()["counts"])
+
+
+def test_two_counts_of_one_run_are_the_same_and_more_work_is_more():
+    once = bench.flight_case("SphereSphere", LITTLE)
+    count = instructions.instructions(once)
+    assert instructions.instructions(once) == count
+    twice = replace(once, steps=2 * once.steps)
+    assert instructions.instructions(twice) > 1.5 * count
+
+
+@pytest.mark.parametrize("fmu", ["SphereSphere", "SphereCylinder"])
+def test_the_compiler_of_an_fmu_is_found_in_it(fmu):
+    assert re.fullmatch(r"(gcc|clang) \d+|another", instructions.compiler_of(fmu_file(fmu)))
+
+
+@pytest.mark.parametrize("name", ["P1, 1 step", "P2, 997 steps"])
+def test_the_promise_holds_and_fails_where_it_is_exceeded(name, monkeypatch, capsys):
+    case = next(case for case in instructions.cases() if case.name == name)
+    monkeypatch.setattr(instructions, "cases", lambda: [case])
+    assert bench_command.main(["--instructions", "--check"]) == 0
+    bounds = instructions.read_bounds()
+    bounds["counts"][name] *= 0.5
+    monkeypatch.setattr(instructions, "read_bounds", lambda: bounds)
+    assert bench_command.main(["--instructions", "--check"]) == 1
+    assert "does not hold" in capsys.readouterr().out
+
+
+def test_a_case_without_a_bound_does_not_pass(monkeypatch):
+    case = replace(instructions.cases()[2], name="nobody promised this")
+    monkeypatch.setattr(instructions, "cases", lambda: [case])
+    assert bench_command.main(["--instructions", "--check"]) == 1
+
+
+def test_another_build_of_the_same_code_has_the_same_counts(capsys):
+    case = next(case for case in instructions.cases() if case.name == "P1, 1 step")
+    (count,) = instructions.measure(fmus_folder(), [case])
+    assert count.other == count.instructions
+
+
+def test_what_the_fmu_refuses_is_no_count():
+    case = bench.flight_case("SphereSphere", LITTLE)
+    with pytest.raises(instructions.CountError, match=r"source\.radius"):
+        instructions.instructions(replace(case, start={**case.start, "source.radius": -1.0}))
 
 
 # --- through the host ----------------------------------------------------------------------------------
@@ -119,8 +154,8 @@ def test_a_slowdown_shows_and_none_is_seen_where_there_is_none():
     """The slowdown: the same flight in twice as many steps, so that it does the work of a step twice."""
     once = bench.flight_case("SphereSphere", LITTLE)
     twice = replace(once, name="twice", steps=2 * once.steps)
-    slower = bench.compare(Row("work", "twice", "once"), twice, once, LITTLE)
-    same = bench.compare(Row("work", "once", "once"), once, replace(once, name="again"), LITTLE)
+    slower = bench.compare(Comparison("work", "twice", "once"), twice, once, LITTLE)
+    same = bench.compare(Comparison("work", "once", "once"), once, replace(once, name="again"), LITTLE)
     assert slower.ratio.median == pytest.approx(2.0, rel=0.25)
     assert "slower" in shown([slower])
     assert same.ratio.median == pytest.approx(1.0, rel=0.2)
@@ -141,7 +176,7 @@ def test_flight_is_measured_against_idle():
 
 
 def test_cvode_is_measured_against_event_driven_with_errors():
-    (row,) = bench.against_cvode(LITTLE, ["P2"])
+    (row,) = best.against_cvode(LITTLE, ["P2"])
     assert row.first.startswith("cvode")
     assert row.second.startswith("event_driven")
     assert row.errors[0] <= 1e-7
@@ -152,7 +187,7 @@ def test_cvode_is_measured_against_event_driven_with_errors():
 def test_a_case_that_the_fmu_refuses_is_noted():
     case = bench.flight_case("SphereSphere", LITTLE)
     bad = replace(case, start={**case.start, "source.radius": -1.0})
-    row = bench.compare(Row("flight", "bad", "good"), bad, case, LITTLE)
+    row = bench.compare(Comparison("flight", "bad", "good"), bad, case, LITTLE)
     assert row.ratio is None
     assert "source.radius" in row.note
 

@@ -7,8 +7,9 @@ import pytest
 
 from contact_fmus.scenarios import command
 from contact_fmus.scenarios.claims import Outcome
+from contact_fmus.scenarios.experiment import Claim
 from contact_fmus.scenarios.runner import run_scenario
-from contact_fmus.scenarios.scenario import Claim, read_scenario
+from contact_fmus.scenarios.scenario import read_scenario
 
 FOLDER = Path(__file__).resolve().parents[2] / "scripts" / "scenarios"
 SHIPPED = sorted(FOLDER.glob("*.toml"))

@@ -1,35 +1,58 @@
-"""The command bench of contact_fmus: ratios for developers"""
+"""The command bench of contact_fmus: instruction counts with their bounds, and ratios of run times"""
 
 from __future__ import annotations
 
 import argparse
+import sys
+from pathlib import Path
 
-from . import ratios
+from contact_fmus.fmu.host import HostError
+
+from . import best, instructions, ratios
 from .baseline import built
-from .tables import print_rows
+from .tables import print_counts, print_rows
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="contact_fmus bench", description=ratios.__doc__.splitlines()[0])
+    """0: done; 1: with --check, a count is above its bound; or something is not built"""
+    options = _parser().parse_args(arguments)
+    try:
+        counts = instructions.measure(options.against)
+        print_counts(counts, options.against)
+        if not options.instructions:
+            _print_ratios(options)
+    except (instructions.CountError, HostError, FileNotFoundError) as error:
+        print(error, file=sys.stderr)
+        return 1
+    return 1 if options.check and any(count.good is not True for count in counts) else 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    text = "How many instructions the FMUs execute, and ratios of run times."
+    parser = argparse.ArgumentParser(prog="contact_fmus bench", description=text)
     parser.add_argument("--quick", action="store_true", help="few runs, to see that it works")
+    parser.add_argument("--instructions", action="store_true", help="the instruction counts only")
     parser.add_argument(
-        "--check", action="store_true", help="end with status 1 where a ratio is not as asked"
+        "--against", type=Path, metavar="DIR", help="also count those of the FMUs in another build's folder"
     )
-    parser.add_argument("--baseline", metavar="COMMIT", help="compare with the FMUs of another commit")
-    options = parser.parse_args(arguments)
+    parser.add_argument(
+        "--check", action="store_true", help="the status is 1 where a count is above its bound"
+    )
+    parser.add_argument(
+        "--baseline", metavar="COMMIT", help="run times beside those of another commit's FMUs"
+    )
+    return parser
+
+
+def _print_ratios(options: argparse.Namespace) -> None:
     effort = ratios.QUICK if options.quick else ratios.FULL
-    rows = []
     for title, measure in (
         ("Flight: time of this FMU / time of one that does nothing", ratios.flights),
-        ("Time of CVODE / time of event_driven", ratios.against_cvode),
+        ("Time of CVODE / time of event_driven", best.against_cvode),
         ("Stiffness: time at the stiff contact / time at the soft one", ratios.stiffness),
     ):
-        measured = measure(effort)
-        print_rows(title, measured)
-        rows += measured
+        print_rows(title, measure(effort))
     if options.baseline:
         with built(options.baseline) as folder:
-            print_rows(
-                f"This build / {options.baseline}", ratios.against_baseline(folder, options.baseline, effort)
-            )
-    return 1 if options.check and any(row.good is False for row in rows) else 0
+            rows = ratios.against_baseline(folder, options.baseline, effort)
+            print_rows(f"This build / {options.baseline}", rows)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
-from .ratios import Row
+from .instructions import Count
+from .ratios import Comparison
 
 # Builds that differ by less are the same: where code and data happen to lie makes as much of a difference.
 NOTICED = 0.05
@@ -16,7 +18,7 @@ NOTICED = 0.05
 WIDTH = 130  # where no terminal says otherwise
 
 
-def print_rows(title: str, rows: Sequence[Row], console: Console | None = None) -> None:
+def print_rows(title: str, rows: Sequence[Comparison], console: Console | None = None) -> None:
     table = Table(title=title, title_justify="left", title_style="bold", header_style="bold")
     for head in ("", "time of", "divided by"):
         table.add_column(head)
@@ -28,13 +30,35 @@ def print_rows(title: str, rows: Sequence[Row], console: Console | None = None) 
         table.add_row(
             row.what, *sides, number(row.ratio.median) if row.ratio else "–", spread(row), verdict(row)
         )
-    if console is None:
-        console = Console()
-        console = console if console.is_terminal else Console(width=WIDTH)
-    console.print(table)
+    (console or own_console()).print(table)
 
 
-def side(row: Row, which: int) -> str:
+def own_console() -> Console:
+    console = Console()
+    return console if console.is_terminal else Console(width=WIDTH)
+
+
+def print_counts(
+    counts: Sequence[Count], against: Path | None = None, console: Console | None = None
+) -> None:
+    """A line for each case; with another build's counts, this build's share of them"""
+    title = "Instructions in fmi2DoStep" + (f", beside the FMUs of {against}" if against else "")
+    table = Table(title=title, title_justify="left", title_style="bold", header_style="bold")
+    table.add_column("")
+    for head in ("instructions", *(["there", "here / there"] if against else []), "bound"):
+        table.add_column(head, justify="right")
+    table.add_column("verdict")
+    for one in counts:
+        other = [f"{one.other:,}", f"{one.instructions / one.other:.4f}"] if one.other else []
+        bound = f"{one.bound:,}" if one.bound is not None else "–"
+        verdict = {True: "[green]holds[/]", False: "[red]does not hold[/]", None: "[red]no bound[/]"}[
+            one.good
+        ]
+        table.add_row(one.what, f"{one.instructions:,}", *other, bound, verdict)
+    (console or own_console()).print(table)
+
+
+def side(row: Comparison, which: int) -> str:
     """One of the two cases: its name, time and error"""
     name, time = ((row.first, row.first_time), (row.second, row.second_time))[which]
     error = row.errors[which]
@@ -53,17 +77,14 @@ def number(value: float) -> str:
     return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
 
 
-def spread(row: Row) -> str:
+def spread(row: Comparison) -> str:
     return f"{number(row.ratio.low)} … {number(row.ratio.high)}" if row.ratio else "–"
 
 
-def verdict(row: Row) -> str:
-    """Against what is asked for; between builds, which one is quicker, where the pairs are sure of that"""
+def verdict(row: Comparison) -> str:
+    """Which side is quicker, where the pairs are sure of that"""
     if row.ratio is None:
         return f"[red]{row.note.splitlines()[-1]}[/]"
-    if row.good is not None:
-        asked = f"≥ {row.at_least:g}" if row.at_least is not None else f"≤ {row.at_most:g}"
-        return f"[green]{asked} holds[/]" if row.good else f"[red]{asked} does not hold[/]"
     if row.ratio.bounds is None:
         return "too few pairs"
     if row.ratio.bounds[0] > 1.0 + NOTICED:

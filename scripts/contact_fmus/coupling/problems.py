@@ -43,7 +43,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Problem:
+class CoupledProblem:
     name: str
     title: str
     fmu: str
@@ -70,7 +70,7 @@ def damped_oscillation(time: float, push: float, omega: float, damping_ratio: fl
     return size * (math.cos(turning * time) + decay / turning * sine), -size * omega**2 / turning * sine
 
 
-def press() -> Problem:
+def press() -> CoupledProblem:
     stiffness = WALL["contact.penalty_factor"]
     omega = math.sqrt(stiffness)
     damping = 2.0 * DAMPING_RATIO * omega
@@ -90,10 +90,10 @@ def press() -> Problem:
     title = "a damped oscillation in lasting contact"
     what = "position and velocity/omega, of the push"
     outside = Outside(1.0, GRAVITY, stiffness, damping)
-    return Problem("press", title, "SphereSphere", values, outside, what, "1", 0.01, trials)
+    return CoupledProblem("press", title, "SphereSphere", values, outside, what, "1", 0.01, trials)
 
 
-def bounce() -> Problem:
+def bounce() -> CoupledProblem:
     stiffness, speed = WALL["contact.penalty_factor"], 1.0
     omega = math.sqrt(stiffness)
     damping = 2.0 * DAMPING_RATIO * omega
@@ -110,10 +110,10 @@ def bounce() -> Problem:
     outside = Outside(1.0, np.zeros(3), stiffness, damping)
     title = "one impact with a dashpot"
     what = "speed after the impact, of that before"
-    return Problem("bounce", title, "SphereSphere", values, outside, what, "1", 1.0, trials)
+    return CoupledProblem("bounce", title, "SphereSphere", values, outside, what, "1", 1.0, trials)
 
 
-def benchmark(name: str) -> Problem:
+def benchmark(name: str) -> CoupledProblem:
     """A problem of problems.py whose ball the tool moves"""
     base = benchmarks()[name]
     moved = ("source.mass", "source.initial_velocity")
@@ -132,4 +132,6 @@ def benchmark(name: str) -> Problem:
         start = Ball(np.zeros(3), velocity, np.zeros(3))
         yield Trial(start, base.stop / steps, steps, lambda ball: base.error(center + ball.displacement))
 
-    return Problem(name, base.title, base.fmu, values, outside, "position at the end", "m", 1.0, trials)
+    return CoupledProblem(
+        name, base.title, base.fmu, values, outside, "position at the end", "m", 1.0, trials
+    )

@@ -20,10 +20,10 @@ import numpy as np
 
 from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
 
-from . import problems as force_problems
 from .driven_contact import DrivenContact
 from .outer_integrators import SCHEMES, Scheme, run
 from .page import draw, print_tables, sections
+from .problems import CoupledProblem, benchmark, bounce, press
 from .stable_steps import stable_step_measured, stable_step_of_theory
 
 # Communication steps in h omega, in s for P1 and P3.
@@ -39,12 +39,12 @@ QUICK = {
     "P1": [2e-3],
     "P3": [4e-4],
 }
-OWN = {"press": force_problems.press, "bounce": force_problems.bounce}
+OWN = {"press": press, "bounce": bounce}
 DAMPING_RATIOS = [0.0, 0.025, 0.5]  # 0.025 is P3's
 WANTED = 0.01  # of the speed after an impact
 
 
-def error_of(problem: force_problems.Problem, scheme: Scheme, fmu: ContactFmu, step: float) -> dict[str, Any]:
+def error_of(problem: CoupledProblem, scheme: Scheme, fmu: ContactFmu, step: float) -> dict[str, Any]:
     """The worst error of the problem's trials; None where the ball has left the scene"""
 
     def gone(ball) -> bool:
@@ -87,7 +87,7 @@ def study(quick: bool = False, say=lambda text: None) -> dict[str, Any]:
     began = time.perf_counter()
     problems = []
     for name, sizes in (QUICK if quick else FULL).items():
-        problem = OWN[name]() if name in OWN else force_problems.benchmark(name)
+        problem = OWN[name]() if name in OWN else benchmark(name)
         steps = [size / problem.omega if name in OWN else size for size in sizes]
         curves = []
         with ContactFmu(fmu_file(problem.fmu)) as fmu:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
@@ -13,8 +12,7 @@ from matplotlib.lines import Line2D
 
 from contact_fmus.report import figures
 
-if TYPE_CHECKING:
-    from .study import Point
+from .point import Point
 
 COLORS = ("#94a3b8", "#0369a1", "#6d28d9", "#4d7c0f")  # of Radau IIA's stages
 OWN = "#c2410c"

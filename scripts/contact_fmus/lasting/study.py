@@ -16,12 +16,13 @@ import json
 import math
 import os
 import subprocess
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 
 from contact_fmus.fmu.files import repository
 
 from .page import draw, print_tables
+from .point import Method, Point
 from .radau import coefficients
 
 MASS, GRAVITY, END = 0.1, 9.81, 2.0
@@ -32,37 +33,8 @@ STAGES = (3, 5, 8, 12)
 REFERENCES = Path(__file__).parents[1] / "bench" / "stiff_references.json"
 
 
-@dataclass(frozen=True)
-class Method:
-    """`program`: exponential, or Radau IIA with an angle (plane) or with n and H (space) as unknowns"""
-
-    program: str
-    stages: int = 0
-
-    @property
-    def name(self) -> str:
-        if self.program == "exponential":
-            return "exponential collocation"
-        return f"Radau IIA, {self.stages} stages" + (", plane" if self.program == "plane" else "")
-
-
 EXPONENTIAL = Method("exponential")
 METHODS = [Method(program, stages) for program in ("space", "plane") for stages in STAGES] + [EXPONENTIAL]
-
-
-@dataclass(frozen=True)
-class Point:
-    """What one run cost and how far off it is; error None where an iteration does not converge"""
-
-    method: str
-    damping: float
-    penalty: float
-    step: float  # s
-    error: float | None = None  # m
-    iterations: int = 0  # of Newton; sweeps
-    evaluations: int = 0  # of the right side at one instant
-    solves: int = 0  # of complex linear systems of the problem's size
-    seconds: float = 0.0
 
 
 def amplitude(penalty: float) -> float:

@@ -22,7 +22,7 @@ from types import ModuleType
 from contact_fmus.bench.problems import benchmarks
 from contact_fmus.report.rows import PEER, Row
 
-from .case import CannotExpress, Case, Problem
+from .case import BallAndWall, CannotExpress, Case
 from .problems import error_of, problem_of
 from .worker import FULL, QUICK, Measured, Worker, median
 
@@ -61,7 +61,7 @@ def run(
                 yield from run_problem(module, worker, problem, quick)
 
 
-def run_problem(module: ModuleType, worker: Worker, problem: Problem, quick: bool) -> Iterator[Row]:
+def run_problem(module: ModuleType, worker: Worker, problem: BallAndWall, quick: bool) -> Iterator[Row]:
     too_long: set[tuple[str, str]] = set()
     try:
         cases = list(module.cases(problem, quick))
@@ -79,7 +79,7 @@ def run_problem(module: ModuleType, worker: Worker, problem: Problem, quick: boo
         yield measured_row(module, problem, case, measured)
 
 
-def measured_row(module: ModuleType, problem: Problem, case: Case, measured: Measured) -> Row:
+def measured_row(module: ModuleType, problem: BallAndWall, case: Case, measured: Measured) -> Row:
     if measured.error:
         return row_of(module, problem, case, note=measured.error)
     error = error_of(problem.name, measured.position)
@@ -91,7 +91,7 @@ def measured_row(module: ModuleType, problem: Problem, case: Case, measured: Mea
 
 def row_of(
     module: ModuleType,
-    problem: Problem,
+    problem: BallAndWall,
     case: Case,
     time: float | None = None,
     least: float | None = None,
@@ -104,5 +104,5 @@ def row_of(
     return Row(*where, None, time, least, error, onsets, note)
 
 
-def unmeasured(module: ModuleType, problem: Problem, note: str) -> Row:
+def unmeasured(module: ModuleType, problem: BallAndWall, note: str) -> Row:
     return Row(problem.name, PEER, module.NAME, "", "", None, None, None, None, None, None, note)

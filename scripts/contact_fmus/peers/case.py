@@ -18,7 +18,7 @@ from typing import NamedTuple
 STEP_SIZE = "step size in s"
 
 
-class Problem(NamedTuple):
+class BallAndWall(NamedTuple):
     """A free ball and a fixed wall, SI units, gravity along -z: a solid sphere about the origin, or a hollow
     cylinder about the y axis.
     """

@@ -6,12 +6,12 @@ from math import sqrt
 
 from contact_fmus.bench.problems import benchmarks
 
-from .case import Problem
+from .case import BallAndWall
 
 GRAVITY = 9.81  # the FMUs' start value
 
 
-def problem_of(name: str) -> Problem:
+def problem_of(name: str) -> BallAndWall:
     """P1, P2, P3 or P3b; refuses what no peer's module here would notice"""
     benchmark = benchmarks()[name]
     start = dict(benchmark.start)
@@ -21,7 +21,7 @@ def problem_of(name: str) -> Problem:
     dashpot = start.pop("contact.method") == "penalty_dynamic"
     if dashpot and start.pop("contact.dashpot") != "unclamped":
         raise ValueError(f"{name}: the peers are given an unclamped dashpot only")
-    problem = Problem(
+    problem = BallAndWall(
         name=name,
         inside=inside,
         wall_radius=start.pop("destination.radius"),

@@ -12,7 +12,7 @@ import statistics
 import time
 from typing import Any, NamedTuple
 
-from .case import Case, Problem
+from .case import BallAndWall, Case
 
 
 class Plan(NamedTuple):
@@ -40,7 +40,7 @@ def failed(text: str) -> Measured:
     return Measured([], [], None, text)
 
 
-def measure(module: Any, problem: Problem, case: Case, plan: Plan) -> Measured:
+def measure(module: Any, problem: BallAndWall, case: Case, plan: Plan) -> Measured:
     times: list[float] = []
     try:
         while len(times) < plan.repeats and sum(times) < plan.enough:
@@ -98,7 +98,7 @@ class Worker:
             self.process.join()
             self.process = None
 
-    def ask(self, problem: Problem, case: Case, plan: Plan) -> tuple[Measured, bool]:
+    def ask(self, problem: BallAndWall, case: Case, plan: Plan) -> tuple[Measured, bool]:
         """What was measured, and whether it took too long"""
         fresh = self.process is None
         if fresh:

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from contact_fmus.bench.problems import Problem, benchmarks, stiff_families
+from contact_fmus.bench import best
+from contact_fmus.bench.problems import benchmarks, stiff_families
+from contact_fmus.bench.ratios import Effort
 from contact_fmus.bench.settings import (
-    CVODE,
-    CVODE_ERROR,
     EVENT_DRIVEN,
-    EVENT_DRIVEN_ERROR,
     METHODS,
     STIFF_TOLERANCE,
     Setting,
@@ -117,54 +116,38 @@ def work_precision(plan: Plan, say: Say) -> list[Row]:
     return rows
 
 
-def fastest(
-    rows: Sequence[Row], problem: str, solvers: Sequence[str], steps: int, error: float
-) -> Row | None:
-    """The quickest row of these solvers that is no further off"""
-    fit = [
-        row
-        for row in rows
-        if (row.problem, row.communication_steps) == (problem, steps)
-        and row.solver in solvers
-        and row.measured
-        and row.error_m <= error
-    ]
-    return min(fit, key=lambda row: row.time_s, default=None)
-
-
 def compare_best(rows: Sequence[Row], plan: Plan, say: Say) -> list[dict]:
-    """The best CVODE setting that reaches 1e-7 against event_driven that reaches 1e-9, in one run each"""
+    """The best of CVODE against the best of event_driven, in one run each"""
+    effort = Effort(plan.ratio_repeat, 0, plan.tolerances, 8 * plan.budget, 20 * plan.limit)
     found = []
     for problem in benchmarks().values():
         for steps in plan.communication_steps:
             say(f"{problem.name}, {steps} communication steps: the best of each")
-            ours = fastest(rows, problem.name, [EVENT_DRIVEN], steps, EVENT_DRIVEN_ERROR)
-            theirs = fastest(rows, problem.name, CVODE, steps, CVODE_ERROR)
+            tried = [
+                (Setting(problem, row.solver, row.parameter, steps), row.time_s, row.error_m)
+                for row in rows
+                if (row.problem, row.communication_steps) == (problem.name, steps) and row.measured
+            ]
+            row, (theirs, ours) = best.race(problem.name, tried, effort)
             entry = {"problem": problem.name, "communication_steps": steps, "ratio": None}
-            if ours and theirs:
-                entry |= _compare(problem, steps, ours, theirs, plan)
+            if row.ratio:
+                entry |= {"cvode": _side(theirs, row, 0), "event_driven": _side(ours, row, 1)}
+                entry |= {
+                    "ratio": row.first_time / row.second_time,
+                    "ratio_of_least": row.least[0] / row.least[1],
+                }
             found.append(entry)
     return found
 
 
-def _compare(problem: Problem, steps: int, ours: Row, theirs: Row, plan: Plan) -> dict:
-    settings = [Setting(problem, row.solver, row.parameter, steps) for row in (ours, theirs)]
-    cases = [setting.case() for setting in settings]
-    results = run_host(cases, repeat=plan.ratio_repeat, burst=plan.burst, budget=8 * plan.budget)
-    sides = [
-        {
-            "solver": setting.method,
-            "tolerance": setting.tolerance,
-            "time_s": result.median,
-            "time_min_s": result.least,
-            "error_m": problem.error(result.outputs["source.position"]),
-            "runs": len(result.times),
-        }
-        for setting, result in zip(settings, results, strict=True)
-    ]
-    ratio = sides[1]["time_s"] / sides[0]["time_s"]
-    least = sides[1]["time_min_s"] / sides[0]["time_min_s"]
-    return {"event_driven": sides[0], "cvode": sides[1], "ratio": ratio, "ratio_of_least": least}
+def _side(setting: Setting, row: best.Comparison, which: int) -> dict:
+    return {
+        "solver": setting.method,
+        "tolerance": setting.tolerance,
+        "time_s": (row.first_time, row.second_time)[which],
+        "time_min_s": row.least[which],
+        "error_m": row.errors[which],
+    }
 
 
 def stiffness(plan: Plan, say: Say) -> list[Row]:

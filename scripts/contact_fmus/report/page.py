@@ -10,10 +10,10 @@ from typing import Any
 
 from contact_fmus.bench.problems import benchmarks, stiff_families
 from contact_fmus.pages import write_pages
+from contact_fmus.pages.table import Table
 
 from . import figures, tables
 from .rows import Row, read_part, read_rows
-from .tables import Table
 
 
 @dataclass

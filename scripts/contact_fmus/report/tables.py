@@ -3,26 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 from contact_fmus.bench.problems import Problem
 from contact_fmus.bench.settings import EVENT_DRIVEN, METHODS, STIFF_TOLERANCE
+from contact_fmus.pages.table import Table
 
 from .measure import TOO_LONG, stiff_setting
 from .rows import PEER, RELATIVE_TOLERANCE, THIS_FMU, Row
 
 ERRORS = (1e-5, 1e-7, 1e-9, 1e-11)  # m
 MISSING = "–"
-
-
-@dataclass(frozen=True)
-class Table:
-    """Columns from the `numbers`-th on are aligned to the right."""
-
-    caption: str
-    header: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    numbers: int = 1
 
 
 def seconds(value: float | None) -> str:

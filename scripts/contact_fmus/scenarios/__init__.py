@@ -1,10 +1,11 @@
 """Runs experiments on the contact FMUs and compares them with closed forms.
 
-fmu.py           one FMU instance, by variable names (fmu_files.py, variables.py)
-scenario.py      reads a scenario file (scripts/scenarios/*.toml), inputs.py its inputs over time
-recording.py     steps an FMU through a scenario and keeps what it saw
+experiment.py    what a scenario is, and what a run of it leaves (inputs.py: its inputs over time)
 closed_forms.py  what theory says
 claims.py        what a scenario claims, measured against what is expected (geometry.py recomputes)
+scenario.py      reads a scenario file (scripts/scenarios/*.toml)
+recording.py     steps an FMU through a scenario
 runner.py        all of it for a list of scenarios; leave_out.py compares the FMUs' sizes
-plots.py, report.py, tables.py   pictures, the HTML page, the terminal
+plots.py, page.py, tables.py   pictures, the HTML page, the terminal
+command.py       the commands run, picture and leave-out
 """

@@ -9,15 +9,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from . import closed_forms, geometry
-
-if TYPE_CHECKING:
-    from .recording import Recording
-    from .scenario import Claim
+from .experiment import Claim, Recording
 
 CHECKS: dict[str, Callable[..., Outcome]] = {}
 

@@ -11,9 +11,10 @@ from contact_fmus.fmu.contact_fmu import FmuError
 from contact_fmus.fmu.files import fmus_folder, repository
 
 from . import plots, runner, tables
+from .experiment import RunError
 from .leave_out import measure_all
 from .page import write_report
-from .recording import RunError, record
+from .recording import record
 from .scenario import ScenarioError, read_scenario
 
 

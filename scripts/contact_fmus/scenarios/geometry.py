@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from . import closed_forms
-
-if TYPE_CHECKING:
-    from .recording import Recording
+from .experiment import Recording
 
 
 def _is_cylinder(run: Recording) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 
 from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file, fmus_folder
 
-from .recording import scene_file
+from .experiment import scene_file
 
 STEP = 1e-3  # s, a usual communication step
 STEPS = 1000

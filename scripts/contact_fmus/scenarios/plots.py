@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from .recording import Recording
+from .experiment import Recording
 
 COLORS = ("#1f6fb4", "#d95f02", "#2b9348", "#8e44ad", "#7f7f7f")
 BODY, EDGE = "#e3e7ee", "#4a5568"

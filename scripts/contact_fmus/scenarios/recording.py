@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
 
-from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError, fmu_file, repository
+from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError, fmu_file
 
-from .scenario import Scenario, Variant
+from .experiment import Recording, RunError, Scenario, Variant
 
 # Read at every communication point, where the FMU has them
 RECORDED = (
@@ -35,43 +32,6 @@ RECORDED = (
     "energy.dissipated",
     "energy.external_work",
 )
-
-
-class RunError(Exception):
-    """The FMU refused something, or lacks a variable the scenario names"""
-
-
-@dataclass(frozen=True)
-class Recording:
-    scenario: Scenario
-    variant: Variant
-    time: np.ndarray
-    series: dict[str, np.ndarray]  # recorded names, one row a communication point
-    initial: dict[str, Any]  # every variable after initialization
-    final: dict[str, Any]  # every variable at the end
-
-    def value(self, name: str) -> Any:
-        """A parameter, pinned or open, or an output at the start"""
-        if name in self.initial:
-            return self.initial[name]
-        pinned = pinned_values(self.scenario.fmu)
-        if name in pinned:
-            return pinned[name]
-        raise RunError(f"{self.scenario.name}: {self.scenario.fmu} has no variable {name}")
-
-    def has(self, name: str) -> bool:
-        return name in self.initial or name in pinned_values(self.scenario.fmu)
-
-
-@cache
-def scene_file(fmu: str) -> dict[str, Any]:
-    """The scene an FMU was built from; empty for an FMU from elsewhere"""
-    path = repository() / "modelDescription" / "scenes" / f"{fmu}.toml"
-    return tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-
-
-def pinned_values(fmu: str) -> dict[str, Any]:
-    return scene_file(fmu).get("pinned", {})
 
 
 def record(

@@ -12,8 +12,8 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from . import claims, plots
-from .recording import RunError, record
-from .scenario import Claim, Scenario, Variant
+from .experiment import Claim, RunError, Scenario, Variant
+from .recording import record
 
 
 @dataclass(frozen=True)

@@ -41,11 +41,11 @@ from __future__ import annotations
 import inspect
 import itertools
 import tomllib
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from . import claims
+from .experiment import Claim, Scenario, Variant
 from .inputs import InputSignal
 
 NUMBER = (int, float)
@@ -79,76 +79,6 @@ VARIED_SETTINGS = ("steps", "tolerance")
 
 class ScenarioError(Exception):
     pass
-
-
-@dataclass(frozen=True)
-class Claim:
-    check: str
-    text: str
-    allowed: float
-    relative: bool
-    options: dict[str, Any] = field(default_factory=dict)
-    when: dict[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Variant:
-    """One run of a scenario: what [vary] chose for it"""
-
-    choice: dict[str, Any]
-    start: dict[str, Any]
-    steps: int
-    tolerance: float | None
-
-    @property
-    def label(self) -> str:
-        return ", ".join(_describe(name, value) for name, value in self.choice.items())
-
-
-@dataclass(frozen=True)
-class Scenario:
-    name: str
-    title: str
-    description: str
-    fmu: str
-    start_time: float
-    stop_time: float
-    variants: list[Variant]
-    inputs: list[InputSignal]
-    claims: list[Claim]
-    plot_steps: int
-    plot_compare: str | None
-
-    def plotted(self) -> list[Variant]:
-        """The runs that are drawn: the last choice of everything but what is compared"""
-        last = self.variants[-1].choice
-        drawn = [
-            variant
-            for variant in self.variants
-            if all(value == last[name] for name, value in variant.choice.items() if name != self.plot_compare)
-        ]
-        return [
-            Variant(
-                {name: value for name, value in variant.choice.items() if name == self.plot_compare},
-                variant.start,
-                self.plot_steps,
-                variant.tolerance,
-            )
-            for variant in drawn
-        ]
-
-
-def _describe(name: str, value: Any) -> str:
-    """A choice in words: cvode_bdf; 10 steps; finite_length true; penalty_factor 1e+06"""
-    if isinstance(value, str):
-        return value
-    if name == "steps":
-        return f"{value} step{'' if value == 1 else 's'}"
-    if isinstance(value, list):
-        text = "(" + ", ".join(f"{entry:g}" for entry in value) + ")"
-    else:
-        text = str(value).lower() if isinstance(value, bool) else f"{value:g}"
-    return f"{name.split('.')[-1]} {text}"
 
 
 def read_scenario(path: Path) -> Scenario:

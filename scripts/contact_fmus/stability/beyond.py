@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from .head_on import GEOMETRIES, LAWS, HeadOn
-from .run import Row, run_scene
+from .run import SceneRun, run_scene
 from .scene import Scene
 
 
@@ -80,7 +80,7 @@ def drawn(seed: int) -> Scene:
     return Scene("beyond", seed, finite(random, motion), steps=(1, int(random.integers(2, 40))))
 
 
-def run_seed(seed: int) -> list[Row] | str:
+def run_seed(seed: int) -> list[SceneRun] | str:
     """Or why it has no closed form"""
     try:
         return run_scene(drawn(seed), ("event_driven",))
@@ -88,7 +88,7 @@ def run_seed(seed: int) -> list[Row] | str:
         return str(error)
 
 
-def line_of(row: Row) -> str:
+def line_of(row: SceneRun) -> str:
     what = row.wrong if row.status == "ok" else f"{row.status}: {row.message}"
     return (
         f"{row.value:.0f}, {row.geometry}, {row.law}, {row.communication_steps} steps: {what}; "

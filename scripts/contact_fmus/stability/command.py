@@ -14,7 +14,7 @@ from contact_fmus.fmu.files import repository
 
 from .limits import groups, write_csv
 from .page import draw_page
-from .run import Row, run_all, thinned
+from .run import SceneRun, run_all, thinned
 from .scenes import all_scenes
 
 QUICK = 37  # every so many-th scene
@@ -39,7 +39,7 @@ def main(arguments: list[str] | None = None) -> int:
     return int(options.check and any(row.method == "event_driven" for row in wrong))
 
 
-def _measured(options: argparse.Namespace) -> list[Row]:
+def _measured(options: argparse.Namespace) -> list[SceneRun]:
     begin, family, rows = time.monotonic(), "", []
     for scene, found in run_all(thinned(all_scenes(), QUICK if options.quick else 1), options.workers):
         if scene.family != family:

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from .head_on import LAWS
 from .limits import worst
-from .run import METHODS, Row
+from .run import METHODS, SceneRun
 from .scene import Family
 from .scenes import FAMILIES
 
@@ -26,7 +26,9 @@ REFUSED, NOTHING = "#94a3b8", "#f1f5f9"
 class Map:
     """What a figure shows of a run"""
 
-    def __init__(self, name: str, caption: str, bounds: tuple[float, float], value: Callable[[Row], float]):
+    def __init__(
+        self, name: str, caption: str, bounds: tuple[float, float], value: Callable[[SceneRun], float]
+    ):
         self.name, self.caption, self.bounds, self.value = name, caption, bounds, value
 
 
@@ -55,7 +57,7 @@ MAPS = (
 LEGEND = "Grey: every run refused, with a message; a dot: some refused; a cross: a wrong result."
 
 
-def draw(rows: Sequence[Row], folder: Path) -> list[dict[str, str]]:
+def draw(rows: Sequence[SceneRun], folder: Path) -> list[dict[str, str]]:
     """Name and caption of each figure; the files are name.png"""
     for one in MAPS:
         with mpl.rc_context(STYLE):
@@ -69,7 +71,7 @@ def short(value: float) -> str:
     return re.sub(r"e([-+])0*", lambda match: "e" + match[1].replace("+", ""), text)
 
 
-def _figure(shown: Map, rows: Sequence[Row]) -> Figure:
+def _figure(shown: Map, rows: Sequence[SceneRun]) -> Figure:
     families = [family for family in FAMILIES if any(row.family == family.name for row in rows)]
     height = 1.28 * len(families) + 1.4  # inches, of which 0.5 at the top and 0.9 at the bottom
     figure = Figure(figsize=(12.5, height))
@@ -88,9 +90,9 @@ def _figure(shown: Map, rows: Sequence[Row]) -> Figure:
     return figure
 
 
-def _panel(panel: Axes, shown: Map, family: Family, rows: Sequence[Row]) -> mpl.image.AxesImage:
+def _panel(panel: Axes, shown: Map, family: Family, rows: Sequence[SceneRun]) -> mpl.image.AxesImage:
     values = sorted({row.value for row in rows})
-    cells: dict[tuple[int, int], list[Row]] = {}
+    cells: dict[tuple[int, int], list[SceneRun]] = {}
     for row in rows:
         cells.setdefault((LAWS.index(row.law), values.index(row.value)), []).append(row)
     image, refused = np.full((len(LAWS), len(values)), math.nan), []

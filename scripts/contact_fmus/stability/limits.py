@@ -10,10 +10,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
-from contact_fmus.report.tables import Table
+from contact_fmus.pages.table import Table
 
 from .checks import LIMITS
-from .run import METHODS, Row
+from .run import METHODS, SceneRun
 from .scenes import FAMILIES
 
 MEASURES = ("error", "balance", "gain", "momentum", "touch")
@@ -45,14 +45,14 @@ def worst(values: Iterable[float]) -> float:
     return max((value for value in values if not math.isnan(value)), default=math.nan)
 
 
-def groups(rows: Sequence[Row]) -> list[Group]:
-    found: dict[tuple[str, float, str], list[Row]] = defaultdict(list)
+def groups(rows: Sequence[SceneRun]) -> list[Group]:
+    found: dict[tuple[str, float, str], list[SceneRun]] = defaultdict(list)
     for row in rows:
         found[row.family, row.value, row.method].append(row)
     return [_group(*key, members) for key, members in found.items()]
 
 
-def _group(family: str, value: float, method: str, rows: list[Row]) -> Group:
+def _group(family: str, value: float, method: str, rows: list[SceneRun]) -> Group:
     wrong = [row for row in rows if row.wrong]
     refused = [row for row in rows if not row.wrong and row.status != "ok"]
     return Group(
@@ -69,7 +69,7 @@ def _group(family: str, value: float, method: str, rows: list[Row]) -> Group:
     )
 
 
-def write_csv(rows: Sequence[Row] | Sequence[Group], file: Path) -> None:
+def write_csv(rows: Sequence[SceneRun] | Sequence[Group], file: Path) -> None:
     """Figures with three digits"""
     names = [field.name for field in fields(rows[0])]
     with file.open("w", encoding="utf-8", newline="") as stream:
@@ -85,7 +85,7 @@ def _cell(value: object) -> object:
     return ("" if math.isnan(value) else f"{value:.3g}") if isinstance(value, float) else value
 
 
-def counts(rows: Sequence[Row]) -> Table:
+def counts(rows: Sequence[SceneRun]) -> Table:
     header = [
         "method",
         "scenes",
@@ -122,7 +122,7 @@ def span(values: Iterable[float]) -> str:
     return f"{ordered[0]:g}" if len(ordered) == 1 else f"{ordered[0]:g} … {ordered[-1]:g}"
 
 
-def reason(row: Row) -> str:
+def reason(row: SceneRun) -> str:
     """The message without its numbers: a kind of refusal"""
     text = row.message.partition(": ")[2]
     for name in ("solver.max_internal_steps",):
@@ -131,9 +131,9 @@ def reason(row: Row) -> str:
     return NUMBER.sub("#", text)[:120] or row.status
 
 
-def refusals(rows: Sequence[Row]) -> Table:
+def refusals(rows: Sequence[SceneRun]) -> Table:
     """Where a method refuses, and for what reason"""
-    found: dict[tuple[str, str, str], list[Row]] = defaultdict(list)
+    found: dict[tuple[str, str, str], list[SceneRun]] = defaultdict(list)
     runs = Counter((row.method, row.family) for row in rows)
     for row in rows:
         if row.status != "ok" and not row.wrong:
@@ -152,8 +152,8 @@ def refusals(rows: Sequence[Row]) -> Table:
     return Table("Refused, by the message", ["method", "axis", "values", "laws", "reason", "runs"], cells, 5)
 
 
-def mistakes(rows: Sequence[Row]) -> Table:
-    found: dict[tuple[str, str, str], list[Row]] = defaultdict(list)
+def mistakes(rows: Sequence[SceneRun]) -> Table:
+    found: dict[tuple[str, str, str], list[SceneRun]] = defaultdict(list)
     for row in rows:
         if row.wrong:
             found[row.method, row.family, row.wrong].append(row)
@@ -165,18 +165,18 @@ def mistakes(rows: Sequence[Row]) -> Table:
     return Table("Wrong", header, cells, 6)
 
 
-def _worst_name(rows: Sequence[Row]) -> str:
+def _worst_name(rows: Sequence[SceneRun]) -> str:
     row = max(rows, key=lambda one: 0.0 if math.isnan(one.error) else one.error)
     parts = (row.geometry, row.law, f"{row.value:g}", row.note)
     return ", ".join(part for part in parts if part) + f" ({row.error:.0e})"
 
 
-def laws(rows: Sequence[Row]) -> str:
+def laws(rows: Sequence[SceneRun]) -> str:
     found = sorted({row.law for row in rows})
     return "all" if len(found) == 5 else ", ".join(found)
 
 
-def axes(rows: Sequence[Row]) -> Table:
+def axes(rows: Sequence[SceneRun]) -> Table:
     """The range of each axis in which a method is right with all its scenes"""
     cells = []
     for family in FAMILIES:
@@ -203,7 +203,7 @@ def _reached(own: Sequence[Group]) -> str:
     return ", ".join(span(values) for values in runs) or "none"
 
 
-def same_bits(rows: Sequence[Row]) -> Table:
+def same_bits(rows: Sequence[SceneRun]) -> Table:
     """How many oblique scenes end with the same bits in other units"""
     original = {
         (row.note, row.method, row.communication_steps): row.bits

@@ -11,11 +11,11 @@ from contact_fmus.pages.machine import versions
 
 from . import figures, limits, text
 from .checks import TOLERANCE
-from .run import METHODS, MOST_STEPS, Row
+from .run import METHODS, MOST_STEPS, SceneRun
 from .scenes import FAMILIES
 
 
-def draw_page(rows: Sequence[Row], folder: Path, plan: str) -> list[Path]:
+def draw_page(rows: Sequence[SceneRun], folder: Path, plan: str) -> list[Path]:
     """Figures, index.html and README.md"""
     drawn = figures.draw(rows, folder)
     context = {

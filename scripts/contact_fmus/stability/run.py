@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from contact_fmus.bench.settings import METHODS
+
 from . import checks
 from .checks import TOLERANCE, Figures
 from .drive import Driver, Outcome
 from .scene import Scene
 from .similar import Similar
 
-METHODS = ("event_driven", "cvode_bdf", "cvode_adams")
 MOST_STEPS = 10_000  # solver.max_internal_steps
 PATIENCE = 300.0  # s for one scene with all its runs
 
@@ -24,7 +25,7 @@ _driver: Driver | None = None
 
 
 @dataclass
-class Row:
+class SceneRun:
     """One run"""
 
     family: str
@@ -67,7 +68,7 @@ def start_values(scene: Scene, method: str) -> dict[str, Any]:
     }
 
 
-def run_scene(scene: Scene, methods: Sequence[str] = METHODS) -> list[Row]:
+def run_scene(scene: Scene, methods: Sequence[str] = METHODS) -> list[SceneRun]:
     global _driver  # one for each worker process
     _driver = _driver or Driver()
     motion, expected, rows = scene.motion, scene.expected(), []
@@ -80,9 +81,9 @@ def run_scene(scene: Scene, methods: Sequence[str] = METHODS) -> list[Row]:
     return rows
 
 
-def row_of(scene: Scene, method: str, steps: int, outcome: Outcome, found: Figures) -> Row:
+def row_of(scene: Scene, method: str, steps: int, outcome: Outcome, found: Figures) -> SceneRun:
     motion, counts = scene.motion, outcome.counts
-    return Row(
+    return SceneRun(
         family=scene.family,
         value=scene.value,
         geometry=motion.geometry,
@@ -115,7 +116,7 @@ def bits(scene: Scene, outcome: Outcome) -> str:
     return hashlib.sha256((np.array(ends) + 0.0).tobytes()).hexdigest()[:8]
 
 
-def run_all(scenes: Sequence[Scene], workers: int) -> Iterator[tuple[Scene, list[Row]]]:
+def run_all(scenes: Sequence[Scene], workers: int) -> Iterator[tuple[Scene, list[SceneRun]]]:
     """In the order of the scenes"""
     with multiprocessing.get_context("spawn").Pool(workers) as pool:
         results = pool.imap(run_scene, scenes)

@@ -54,7 +54,7 @@ def approach(location):
     return ACROSS if location == "inside" else -ACROSS
 
 
-class HeadOn(NamedTuple):
+class Impact(NamedTuple):
     """What the oscillator says: speed after / before, how long g < 0, and the peaks."""
 
     restitution: float
@@ -79,4 +79,4 @@ def oscillator(dashpot, mass, stiffness, damping, speed=SPEED):
     else:  # from the deepest point on undamped
         restitution, duration = cmath.exp(-slope * turned), turned / rate + math.pi / (2 * omega)
     force = mass * omega * speed * cmath.exp(-slope * (turned - 2 * phi)) if zeta < 0.5 else damping * speed
-    return HeadOn(*(complex(x).real for x in (restitution, duration, deepest, force)))
+    return Impact(*(complex(x).real for x in (restitution, duration, deepest, force)))

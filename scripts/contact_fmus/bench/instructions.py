@@ -1,0 +1,131 @@
+"""How many instructions the FMUs execute in fmi2DoStep, counted by callgrind, and what this project promises.
+
+A count says the same on every processor, busy or idle, where seconds do not. Two things could still make it
+differ, and are dealt with: the C library picks its functions by the processor (sin, cos and memcpy have
+several versions), so it is told to use those that every x86-64 processor has; and another compiler gives
+other code, so instruction_bounds.toml allows it more.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from contact_fmus.fmu.files import unpack
+from contact_fmus.fmu.host import Case, case_arguments, host_file
+
+from .problems import benchmarks
+from .ratios import FLIGHT_STEP, FULL, flight_case, stiff_problems
+from .settings import EVENT_DRIVEN, STIFF_TOLERANCE, Setting
+
+BOUNDS = Path(__file__).with_name("instruction_bounds.toml")
+STEPS = (1, 997)  # communication steps of the benchmark problems
+# No version of a function that needs more than the x86-64 baseline; names of glibc 2.33 on, then older ones.
+PLAIN = ("AVX", "AVX2", "FMA", "FMA4", "AVX512F", "AVX512VL", "ERMS", "FSRM")
+EARLIER = ("AVX_Usable", "AVX2_Usable", "FMA_Usable")
+TUNABLES = "glibc.cpu.hwcaps=" + ",".join(f"-{name}" for name in PLAIN + EARLIER)
+
+
+class CountError(Exception):
+    """valgrind is missing, or the FMU refused"""
+
+
+@dataclass(frozen=True)
+class Count:
+    """Instructions of one case; `bound` where something is promised, `other` of another build"""
+
+    what: str
+    instructions: int
+    bound: int | None = None
+    other: int | None = None
+
+    @property
+    def good(self) -> bool | None:
+        return None if self.bound is None else self.instructions <= self.bound
+
+
+def cases() -> list[Case]:
+    """Flight, the benchmark problems, and both ends of the stiffness sweep, all by event_driven"""
+    found = [
+        replace(
+            flight_case(fmu, FULL), name=f"{fmu}, {FULL.flight_steps} steps of {FLIGHT_STEP:g} s in flight"
+        )
+        for fmu in ("SphereSphere", "SphereCylinder")
+    ]
+    for problem in benchmarks().values():
+        for steps in STEPS:
+            case = Setting(problem, EVENT_DRIVEN, STIFF_TOLERANCE, steps).case()
+            found.append(replace(case, name=f"{problem.name}, {steps} step{'s' if steps > 1 else ''}"))
+    for pair in stiff_problems():
+        for problem in pair:
+            case = Setting(problem, EVENT_DRIVEN, STIFF_TOLERANCE, 1).case()
+            found.append(replace(case, name=f"{problem.name}, p_n = {problem.penalty_factor:.0e} N/m"))
+    return found
+
+
+def instructions(case: Case) -> int:
+    """Those executed in all calls of fmi2DoStep of one run, the C library's included"""
+    valgrind = shutil.which("valgrind")
+    if valgrind is None:
+        raise CountError("valgrind is missing: scripts/setup.sh installs it")
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder, "counts")
+        options = ["--tool=callgrind", "--toggle-collect=fmi2DoStep", f"--callgrind-out-file={out}"]
+        run = subprocess.run(
+            [valgrind, "--quiet", *options, str(host_file()), *case_arguments(case)],
+            capture_output=True,
+            text=True,
+            check=False,
+            env={**os.environ, "GLIBC_TUNABLES": TUNABLES},
+        )
+        if run.returncode != 0:
+            raise CountError(f"{case.name}: {run.stderr.strip()}")
+        total = re.search(r"^(?:summary|totals): (\d+)", out.read_text(encoding="utf-8"), re.MULTILINE)
+    if total is None or int(total[1]) == 0:
+        raise CountError(f"{case.name}: callgrind saw no fmi2DoStep")
+    return int(total[1])
+
+
+def compiler_of(fmu: Path) -> str:
+    """gcc 12, say: what made the library in the FMU, from its section .comment"""
+    folder, description = unpack(fmu)
+    library = folder / "binaries" / "linux64" / f"{description.coSimulation.modelIdentifier}.so"
+    text = library.read_bytes()
+    for name, pattern in (("clang", rb"clang version (\d+)"), ("gcc", rb"GCC: \([^)]*\) (\d+)")):
+        match = re.search(pattern, text)
+        if match:
+            return f"{name} {match[1].decode()}"
+    return "another"
+
+
+def read_bounds() -> dict[str, Any]:
+    return tomllib.loads(BOUNDS.read_text(encoding="utf-8"))
+
+
+def bound_of(case: Case, bounds: dict[str, Any]) -> int | None:
+    """The count promised and the margin that the compiler gets"""
+    promised = bounds["counts"].get(case.name)
+    if promised is None:
+        return None
+    known = compiler_of(case.fmu) == bounds["compiler"]
+    return int(promised * (1.0 + (bounds["margin"] if known else bounds["other_compiler_margin"])))
+
+
+def measure(against: Path | None = None, chosen: Sequence[Case] | None = None) -> list[Count]:
+    """Every case, beside the FMU of the same name in the folder `against`"""
+    bounds = read_bounds()
+    found = []
+    for case in cases() if chosen is None else chosen:
+        other = None
+        if against is not None:
+            other = instructions(replace(case, fmu=against / case.fmu.name))
+        found.append(Count(case.name, instructions(case), bound_of(case, bounds), other))
+    return found
