@@ -6,10 +6,10 @@ from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
 import pytest
 
 from support.fmi2 import raw
-from support.fmi2.blob import PHASES, forge
 from support.fmi2.call_table import FUNCTIONS, STATES, allowed
 from support.fmi2.caller import Caller
 from support.fmi2.raw import DISCARD, ERROR, OK, array
+from support.fmi2.states import bring_to, fail_a_step
 
 PHASE_NAMES = {
     "instantiated": "instantiated",
@@ -28,35 +28,6 @@ ANSWERS = {
     "GetStringStatus": DISCARD,
     ("DoStep", "failed"): DISCARD,
 }
-
-
-def bring_to(instance: raw.Instance, state: str) -> None:
-    """From instantiated to a state of the table; `error` and `fatal`, out of reach else, by a forged state"""
-    if state == "failed":
-        fail_a_step(instance)
-        return
-    instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-    if state == "instantiated":
-        return
-    instance.ok("EnterInitializationMode")
-    if state == "initialization":
-        return
-    instance.ok("ExitInitializationMode")
-    instance.ok("DoStep", 0.0, 0.01, 1)
-    if state == "terminated":
-        instance.ok("Terminate")
-    elif state in ("error", "fatal"):
-        status, handle = instance.deserialize(forge(instance.save(), phase=PHASES[state]))
-        assert (status, instance.call("SetFMUstate", handle)) == (OK, OK), instance.texts()
-        instance.call("FreeFMUstate", byref(handle))
-
-
-def fail_a_step(instance: raw.Instance) -> None:
-    """A step that the solver cannot finish in one internal step: a ball dropped on the other body"""
-    drop = {"solver.method": 2, "solver.max_internal_steps": 1, "source.center[1]": 1.1, "gravity[1]": -9.81}
-    instance.initialize({name: value for name, value in drop.items() if name in instance.fmu.variables})
-    assert instance.call("DoStep", 0.0, 1.0, 1) == DISCARD, instance.texts()
-    del instance.messages[:]
 
 
 def refusal_fault(instance: raw.Instance, function: str, state: str, status: int) -> str | None:

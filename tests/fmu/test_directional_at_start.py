@@ -3,9 +3,9 @@ differences through the FMU. There the inputs move the start: no work is done, a
 
 import numpy as np
 import pytest
-from test_directional import checked_jacobian
 
 from support.fmi2 import raw
+from support.fmi2.jacobian import checked_jacobian
 
 # Bodies that overlap (the gap is -0.04 m) and move; the free one has kinetic and potential energy.
 TOUCHING = {

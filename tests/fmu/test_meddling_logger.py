@@ -4,13 +4,13 @@ refused without a message, and the run goes the way it goes without such a logge
 from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
 
 import pytest
-from test_call_order import bring_to
 
 from support.fmi2 import raw
 from support.fmi2.call_table import FUNCTIONS, allowed
 from support.fmi2.caller import Caller
 from support.fmi2.raw import DISCARD, ERROR, OK, WARNING, array
 from support.fmi2.runs import RUNS, begin, step
+from support.fmi2.states import bring_to
 
 READING = {
     *(f"Get{kind}" for kind in ("Real", "Integer", "Boolean", "String")),

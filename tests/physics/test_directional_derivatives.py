@@ -11,10 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_force_element import INPUTS, SHAPES, motion_of, random_configuration, random_inputs
 
 from support.checks import differences, start
 from support.reference.law import REAL, Motion, ReferenceContact, norm, vector
+from support.scenes.configurations import INPUTS, SHAPES, motion_of, random_configuration, random_inputs
 
 COUNT = 60
 RELATIVE = 1e-10

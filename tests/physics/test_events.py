@@ -9,7 +9,7 @@ import pytest
 
 from support.checks import METHODS, check_close, check_relative, run
 from support.reference.integrator import Reference
-from support.scenes.head_on import ACROSS, AXIS, FMU, GAP, GEOMETRIES, SPEED, approach, head_on
+from support.scenes.head_on import ACROSS, AXIS, FMU, GAP, GEOMETRIES, SPEED, approach, head_on, passing
 
 EXACT = 1e-11  # s
 
@@ -51,18 +51,6 @@ def test_a_bullet_hits_a_grain_in_one_communication_step(opened, distance, metho
     allowed = 1e-7 + 1e-2 * 1e-10 * distance / depth
     check_relative("peak_penetration", fmu["contact.peak_penetration"], depth, allowed)
     check_close("velocity", fmu["source.velocity"], speed * ACROSS, allowed * speed)
-
-
-def passing(shape, miss, speed=3.0):
-    """A straight pass whose closest approach to the touching distance is `miss` (negative: overlap),
-    gravity off.
-    """
-    values = head_on(shape, "outside")
-    across = np.cross(AXIS, ACROSS)
-    along = 0.3 * AXIS if shape == "cylinder" else 0.0
-    values["source.center"] = ((0.6 + miss) * ACROSS - 2.0 * across + along).tolist()
-    values["source.initial_velocity"] = (speed * across).tolist()
-    return values
 
 
 @pytest.mark.parametrize("method", METHODS)

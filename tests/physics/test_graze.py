@@ -8,11 +8,10 @@ from decimal import Decimal
 
 import numpy as np
 import pytest
-from test_events import passing
 
 from support.checks import check_close, run
 from support.reference.integrator import Reference
-from support.scenes.head_on import AXIS, FMU, head_on, oscillator
+from support.scenes.head_on import AXIS, FMU, head_on, oscillator, passing
 
 METHOD, TOLERANCE = "event_driven", 1e-10
 EPSILON = np.finfo(float).eps

@@ -7,8 +7,8 @@ import time
 import pytest
 
 from contact_fmus.fmu.host import Case, HostError, HostTimeout, case_arguments, host_file, run_host
-from support.host_sources import SOURCES, fmi_headers
 from support.scenes.benchmarks import BENCHMARKS
+from support.sources import HOST_SOURCES, fmi_headers
 
 OUTPUTS = ("source.position", "contact.onsets", "contact.active", "solver.method", "contact.gap")
 
@@ -149,7 +149,7 @@ def checked_host(tmp_path_factory):
     """The host with the address sanitizer, which looks for leaks at the end"""
     program = tmp_path_factory.mktemp("host") / "fmu_host"
     command = ["gcc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-g", "-fsanitize=address,undefined"]
-    command += ["-isystem", str(fmi_headers()), *map(str, SOURCES), "-o", str(program), "-lm", "-ldl"]
+    command += ["-isystem", str(fmi_headers()), *map(str, HOST_SOURCES), "-o", str(program), "-lm", "-ldl"]
     subprocess.run(command, check=True)
     return program
 

@@ -26,6 +26,7 @@ WARNINGS = [
 
 HEADERS = sorted(SOURCE.rglob("*.h"))
 UNITS = sorted(SOURCE.rglob("*.c"))
+HOST_SOURCES = sorted((ROOT / "scripts" / "tools" / "fmu_host").glob("*.c"))
 SCENES = sorted(path.stem for path in (ROOT / "modelDescription" / "scenes").glob("*.toml"))
 
 

@@ -80,3 +80,15 @@ def oscillator(dashpot, mass, stiffness, damping, speed=SPEED):
         restitution, duration = cmath.exp(-slope * turned), turned / rate + math.pi / (2 * omega)
     force = mass * omega * speed * cmath.exp(-slope * (turned - 2 * phi)) if zeta < 0.5 else damping * speed
     return Impact(*(complex(x).real for x in (restitution, duration, deepest, force)))
+
+
+def passing(shape, miss, speed=3.0):
+    """A straight pass whose closest approach to the touching distance is `miss` (negative: overlap),
+    gravity off.
+    """
+    values = head_on(shape, "outside")
+    across = np.cross(AXIS, ACROSS)
+    along = 0.3 * AXIS if shape == "cylinder" else 0.0
+    values["source.center"] = ((0.6 + miss) * ACROSS - 2.0 * across + along).tolist()
+    values["source.initial_velocity"] = (speed * across).tolist()
+    return values

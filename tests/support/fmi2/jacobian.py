@@ -1,0 +1,69 @@
+"""Directional derivatives that an FMU gives, compared with difference quotients through the FMU itself"""
+
+from ctypes import c_double, c_uint
+
+import numpy as np
+
+from support.fmi2 import raw
+from support.fmi2.raw import OK, array
+
+STEP = 1e-4
+
+
+def jacobian(instance: raw.Instance, unknowns, knowns) -> np.ndarray:
+    columns = []
+    values = array(c_double, [0.0] * len(unknowns))
+    rows = array(c_uint, [variable.reference for variable in unknowns])
+    for known in knowns:
+        instance.ok(
+            "GetDirectionalDerivative",
+            rows,
+            len(unknowns),
+            array(c_uint, [known.reference]),
+            1,
+            array(c_double, [1.0]),
+            values,
+        )
+        columns.append(list(values))
+    return np.array(columns).T
+
+
+def read(instance: raw.Instance, variables) -> np.ndarray:
+    values = array(c_double, [0.0] * len(variables))
+    instance.ok("GetReal", array(c_uint, [one.reference for one in variables]), len(variables), values)
+    return np.array(values)
+
+
+def moved(instance: raw.Instance, known, by: float, unknowns, blob: bytes) -> np.ndarray:
+    value = instance.get_one(known)
+    assert instance.set_one(known, value + by) == OK
+    values = read(instance, unknowns)
+    instance.restore(blob)
+    return values
+
+
+def differences(instance: raw.Instance, unknowns, knowns) -> np.ndarray:
+    blob = instance.save()
+    columns = []
+    for known in knowns:
+        near, far = (
+            moved(instance, known, h, unknowns, blob) - moved(instance, known, -h, unknowns, blob)
+            for h in (STEP, 2 * STEP)
+        )
+        columns.append((8 * near - far) / (12 * STEP))
+    return np.array(columns).T
+
+
+def checked_jacobian(instance: raw.Instance, unknowns, knowns) -> np.ndarray:
+    """The Jacobian the FMU gives, after comparison with difference quotients."""
+    given = jacobian(instance, unknowns, knowns)
+    expected = differences(instance, unknowns, knowns)
+    # Rounding of the values over the step, and the formula's own error on slopes as large as the largest.
+    size = np.abs(read(instance, unknowns))[:, None] * 1e-15 / STEP
+    allowed = 100 * size + 1e-7 * np.max(np.abs(expected), axis=1, keepdims=True) + 1e-9
+    wrong = [
+        f"d {unknowns[i].name} / d {knowns[j].name}: {given[i, j]}, differences {expected[i, j]}"
+        for i, j in np.argwhere(~(np.abs(given - expected) <= allowed))
+    ]
+    assert wrong == []
+    return given
