@@ -9,12 +9,12 @@ import json
 import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from support.fmi2 import raw
+from support.programs import environment, python
 
 HERE = Path(__file__).resolve().parent
 LIBRARIES = Path(os.environ.get("CONTACT_BUILD", HERE.parents[1] / "build")).resolve() / "libraries"
@@ -52,13 +52,13 @@ def test_every_failed_allocation_is_survived_but_for_those_sundials_does_not_che
     fmu = raw.load("SphereSphere")
     library = LIBRARIES / "SphereSphere.so"
     reference = fmu.variables["solver.method"].reference
-    command = [sys.executable, "-B", "-m", "support.fmi2.solver_faults", str(library), fmu.guid]
+    command = python("support.fmi2.solver_faults", library, fmu.guid, reference, method)
     run = subprocess.run(
-        [*command, str(reference), str(method)],
+        command,
         capture_output=True,
         text=True,
         timeout=300,
-        env={**os.environ, "LD_PRELOAD": str(shim), "PYTHONPATH": str(HERE.parent)},
+        env=environment(LD_PRELOAD=str(shim)),
     )
     assert run.returncode == 0, run.stderr
     rows = [json.loads(line) for line in run.stdout.splitlines()]

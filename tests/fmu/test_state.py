@@ -1,12 +1,9 @@
 """Saved states hold everything: a restored run has the bits of the run that went on, wherever restored."""
 
-import os
 import random
 import struct
 import subprocess
-import sys
 from ctypes import byref, c_void_p
-from pathlib import Path
 
 import pytest
 
@@ -14,6 +11,7 @@ from support.fmi2 import raw, runs
 from support.fmi2.blob import HEADER_SIZE, forge, header
 from support.fmi2.raw import ERROR, OK
 from support.fmi2.runs import RUNS, begin, digest, go_on
+from support.programs import environment, python
 
 
 @pytest.fixture(params=RUNS)
@@ -48,10 +46,9 @@ def test_another_process_goes_on_with_the_same_bits(run):
     name = next(name for name, known in RUNS.items() if known is run)
     with bring(run) as instance:
         blob = instance.save()
-        command = [sys.executable, "-m", runs.__name__, name, str(run.saved_at)]
-        environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+        command = python("support.fmi2.runs", name, run.saved_at)
         other = subprocess.run(
-            command, input=blob, capture_output=True, check=True, timeout=120, env=environment
+            command, input=blob, capture_output=True, check=True, timeout=120, env=environment()
         )
         assert other.stdout.decode().strip() == digest(go_on(instance, run, run.saved_at))
 

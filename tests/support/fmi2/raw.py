@@ -1,7 +1,7 @@
 """FMI 2.0 calls by ctypes, without an importer's kindness: any function, any arguments, statuses as they are.
 
 An Instance records what the FMU told its logger; it never raises for a refused call, `ok` does. What the FMU
-is as a file comes from raw_fmu.py; the tests take the names of both from here.
+is as a file comes from raw_fmu.py, types and numbers from prototypes.py; the tests take all names from here.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from collections.abc import Iterable
 from ctypes import c_double, c_int, c_size_t, c_uint, c_void_p
 from typing import Any, NamedTuple
 
-from support.fmi2.raw_fmu import (
+from contact_fmus.fmu.files import fmus_folder
+from support.fmi2.prototypes import (
     ALLOCATE,
     ARGUMENTS,
     CO_SIMULATION,
@@ -27,16 +28,12 @@ from support.fmi2.raw_fmu import (
     MODEL_EXCHANGE,
     OK,
     PENDING_STATUS,
-    SCENES,
     TERMINATED,
     WARNING,
     Callbacks,
-    Fmu,
-    Variable,
     array,
-    fmus_folder,
-    load,
 )
+from support.fmi2.raw_fmu import SCENES, Fmu, Variable, load
 
 __all__ = [
     "ALLOCATE",

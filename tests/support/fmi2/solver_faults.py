@@ -1,6 +1,6 @@
 """Lives of an FMU in which one allocation fails, SUNDIALS' own included. Run with failing_malloc.c preloaded:
 
-    solver_faults.py LIBRARY GUID METHOD_REFERENCE METHOD
+    python -m support.fmi2.solver_faults LIBRARY GUID METHOD_REFERENCE METHOD
 
 Each life is a child process, for some end in a crash. Prints a line of JSON for each allocation: where it was
 asked for, and how the life ended: "survived", "signal N" or what was wrong.
@@ -12,7 +12,7 @@ import os
 import sys
 from ctypes import byref, c_char_p, c_double, c_int, c_long, c_size_t, c_uint, c_ulong, c_void_p
 
-from support.fmi2.raw_fmu import ARGUMENTS, OK, RESULTS, WARNING, Callbacks, array
+from support.fmi2.prototypes import OK, WARNING, Callbacks, array, bind
 
 ALL_FROM = 1_000_000
 
@@ -26,10 +26,7 @@ class Life:
         self.shim.failing_malloc_count.restype = c_long
         self.shim.failing_malloc_living.restype = c_long
         self.shim.failing_malloc_caller.restype = c_ulong
-        self.fmu = ctypes.CDLL(library)
-        for name, arguments in ARGUMENTS.items():
-            getattr(self.fmu, name).argtypes = arguments
-            getattr(self.fmu, name).restype = RESULTS.get(name, c_int)
+        self.fmu = bind(library)
         self.guid, self.reference, self.method = guid.encode(), reference, method
 
     def again(self, function, *arguments):
