@@ -11,8 +11,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from contact_fmus import peers
 from contact_fmus.peers import problems, worker
+from contact_fmus.peers import run as peers
 from contact_fmus.peers.case import Case, Run
 from contact_fmus.peers.command import main
 from contact_fmus.report.rows import PEER, SAME, SIMILAR, read_rows

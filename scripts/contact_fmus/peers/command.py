@@ -13,7 +13,7 @@ from pathlib import Path
 
 from contact_fmus.report.rows import Row, write_rows
 
-from . import NAMES, module_of, run, versions
+from .run import NAMES, module_of, run, versions
 
 
 def main(arguments: list[str] | None = None) -> int:

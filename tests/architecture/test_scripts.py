@@ -1,0 +1,140 @@
+"""scripts/contact_fmus flows one way, and the shell scripts are alike."""
+
+import ast
+import re
+import subprocess
+
+import pytest
+
+from support.sources import ROOT, label
+
+PACKAGE = ROOT / "scripts" / "contact_fmus"
+MODULES = sorted(PACKAGE.rglob("*.py"))
+# A package imports those before it.
+PACKAGES = ("fmu", "pages", "scenarios", "bench", "report", "peers", "coupling", "lasting", "stability")
+SCRIPTS = sorted(file for file in (ROOT / "scripts").glob("*.sh") if file.stem != "prologue")
+
+
+def name_of(file):
+    parts = file.relative_to(PACKAGE.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+NAMES = {name_of(file) for file in MODULES}
+
+
+def imports(name, text, package):
+    """The modules of contact_fmus that the text imports, those for type checking too"""
+    found = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            folders = (name if package else name.rpartition(".")[0]).split(".")
+            base = ".".join(folders[: len(folders) - node.level + 1]) if node.level else ""
+            origin = ".".join(part for part in (base, node.module) if part)
+            modules = {f"{origin}.{alias.name}" for alias in node.names}
+            found |= {one if one in NAMES else origin for one in modules}
+    return found & NAMES
+
+
+def graph():
+    return {
+        name_of(file): imports(name_of(file), file.read_text(), file.stem == "__init__") for file in MODULES
+    }
+
+
+def circle(edges):
+    """Some path that ends where it began, or None"""
+    done = set()
+
+    def visit(name, path):
+        if name in path:
+            return [*path[path.index(name) :], name]
+        if name in done:
+            return None
+        found = next((way for to in sorted(edges[name]) if (way := visit(to, [*path, name]))), None)
+        done.add(name)
+        return found
+
+    return next((way for name in sorted(edges) if (way := visit(name, []))), None)
+
+
+def upward(edges):
+    """Imports of a package by one that stands before it"""
+    place = {name: index for index, name in enumerate(PACKAGES)}
+    parts = [(a.split("."), b.split(".")) for a, targets in edges.items() for b in targets]
+    return [
+        f"{'.'.join(a)} imports {'.'.join(b)}"
+        for a, b in parts
+        if len(a) > 2 and len(b) > 1 and place[b[1]] > place[a[1]]
+    ]
+
+
+def test_the_packages_are_the_folders():
+    assert sorted(PACKAGES) == sorted(file.parent.name for file in PACKAGE.glob("*/__init__.py"))
+
+
+def test_imports_have_no_circle_and_never_point_back():
+    edges = graph()
+    assert sum(map(len, edges.values())) > 100
+    assert circle(edges) is None
+    assert upward(edges) == []
+
+
+@pytest.mark.parametrize(
+    "text", ["from contact_fmus.{} import x", "if TYPE_CHECKING:\n    from contact_fmus.{} import x"]
+)
+def test_a_circle_or_an_import_that_points_back_is_found(text):
+    edges = graph()
+    back = imports("contact_fmus.fmu.files", text.format("fmu.contact_fmu"), package=False)
+    assert circle({**edges, "contact_fmus.fmu.files": edges["contact_fmus.fmu.files"] | back})
+    back = imports("contact_fmus.fmu.files", text.format("report.rows"), package=False)
+    assert upward({"contact_fmus.fmu.files": back}) == [
+        "contact_fmus.fmu.files imports contact_fmus.report.rows"
+    ]
+
+
+def run(script, *arguments):
+    return subprocess.run([script, *arguments], capture_output=True, text=True, check=False, timeout=60)
+
+
+def options_of(script):
+    """What its own `case $1 in ... esac` takes"""
+    cases = re.findall(r"case \$1 in\n(.*?)\n *esac", script.read_text(), re.DOTALL)
+    patterns = re.findall(r"^ *(-[^)]*)\)", "\n".join(cases), re.MULTILINE)
+    return {one for text in patterns for one in re.findall(r"(?<![\w-])-{1,2}[a-z][a-z-]*", text)}
+
+
+def test_the_options_of_a_script_are_found():
+    assert options_of(ROOT / "scripts" / "report.sh") == {"--peers", "--quick", "--output"}
+
+
+@pytest.mark.parametrize("option", ["-h", "--help"])
+@pytest.mark.parametrize("script", SCRIPTS, ids=label)
+def test_a_script_tells_what_it_does_and_each_of_its_options(script, option):
+    told = run(script, option)
+    assert (told.returncode, told.stderr) == (0, "")
+    assert told.stdout.startswith(f"scripts/{script.name}")
+    described = set(re.findall(r"^ +(.*)$", told.stdout, re.M))
+    missing = [
+        one
+        for one in [*options_of(script), "-h", "--help"]
+        if not any(re.search(rf"(^|[ ,]){one}\b.*\w{{3}}", line) for line in described)
+    ]
+    assert missing == []
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=label)
+def test_a_script_refuses_what_it_does_not_know(script):
+    refused = run(script, "--no-such-option")
+    assert refused.returncode == 2
+    assert refused.stderr.startswith(f"{script.stem}: ")
+    assert "--no-such-option" in refused.stderr
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=label)
+def test_set_up_and_build_stand_in_the_prologue_alone(script):
+    text = script.read_text()
+    assert 'source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"\n' in text
+    assert re.findall(r"^\s*(?:set -|root=|cmake --preset default -W|export PYTHONPATH)", text, re.M) == []
