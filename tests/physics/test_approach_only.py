@@ -7,10 +7,11 @@ import math
 
 import numpy as np
 import pytest
-from checks import check_close, run
-from make_swaying_references import FILE, end_of
-from stiff_limit import StiffContact
-from swaying_load import integrate, random_scene
+
+from support.checks import check_close, run
+from support.reference.make_swaying_references import FILE, end_of
+from support.reference.stiff_limit import StiffContact
+from support.reference.swaying_load import integrate, random_scene
 
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 ROWS = json.loads(FILE.read_text(encoding="utf-8"))

@@ -6,8 +6,9 @@ import itertools
 
 import numpy as np
 import pytest
-from checks import METHODS, check_close, start
-from given_motions import adaptive
+
+from support.checks import METHODS, check_close, start
+from support.scenes.given_motions import adaptive
 
 FALLING = {  # a ball that falls on a ball that is led away
     "destination.motion": "prescribed",

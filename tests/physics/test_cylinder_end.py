@@ -1,13 +1,16 @@
-"""A ball that leaves a contact over the end of a cylinder, or by opening the gap, against an integrator of scipy.
+"""A ball that leaves a contact over the end of a cylinder, or by opening the gap, against an integrator of
+scipy.
 
-The forces jump at the end, where nothing is to be put right afterwards: the energy that is stored then is lost. Bodies of
-very different masses fall together, so that the energy of the heavy one has more rounding than the contact has energy.
+The forces jump at the end, where nothing is to be put right afterwards: the energy that is stored then is
+lost. Bodies of very different masses fall together, so that the energy of the heavy one has more rounding
+than the contact has energy.
 """
 
 import numpy as np
 import pytest
-from checks import check_close, run
 from scipy.integrate import solve_ivp
+
+from support.checks import check_close, run
 
 REACH, SPEED = 0.6, 0.01
 AXES = {"along y": [0.0, 1.0, 0.0], "tilted": [1.0, 2.0, 2.0]}
@@ -22,8 +25,8 @@ def frame(axis):
 
 
 def scene(axis, ratio, frequency, damping, height=0.4):
-    """A ball of 1 kg beside a cylinder of length 1, on its way to its end at 0.5; `frequency` of their contact [rad/s],
-    `damping` in parts of the critical one.
+    """A ball of 1 kg beside a cylinder of length 1, on its way to its end at 0.5; `frequency` of their
+    contact [rad/s], `damping` in parts of the critical one.
     """
     e, across = frame(axis)
     reduced = ratio / (1.0 + ratio)

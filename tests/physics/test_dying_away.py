@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from checks import check_close, start
+
+from support.checks import check_close, start
 
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 FRAMES = ["fixed", "prescribed", "pair", "flying pair"]

@@ -4,8 +4,9 @@ motions passing by, against the closed form of the gap (given_motions.py).
 
 import numpy as np
 import pytest
-from checks import METHODS, check_close, start
-from given_motions import END, FAMILIES, STEPS, Passing, measured, scene
+
+from support.checks import METHODS, check_close, start
+from support.scenes.given_motions import END, FAMILIES, STEPS, Passing, measured, scene
 
 SEEDS, CHUNK = 480, 40
 RELATIVE = 1e-8  # of energies and impulses: the quadrature is asked for 1e-10

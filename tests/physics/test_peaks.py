@@ -1,7 +1,8 @@
-"""contact.peak_force and contact.peak_penetration, against a reference that follows the contact through every turn.
+"""contact.peak_force and contact.peak_penetration, against a reference that follows the contact through every
+turn.
 
-The reference is the motion of a ball pressed on a fixed body in a plane, in polar coordinates about the body's centre,
-so that the gap has digits of its own:
+The reference is the motion of a ball pressed on a fixed body in a plane, in polar coordinates about the
+body's centre, so that the gap has digits of its own:
 
     side g'' = H^2 / d^3 + n.f / m - side (p_n g + p_nv g') / m,   H' = d n x f / m,   d = reach + side g
 """
@@ -11,10 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from checks import check_close, run, start
-from head_on import DASHPOTS, FMU, GEOMETRIES, head_on
 from scipy.integrate import solve_ivp
-from stiff_scenes import SCENES, stiff_scene
+
+from support.checks import check_close, run, start
+from support.scenes.head_on import DASHPOTS, FMU, GEOMETRIES, head_on
+from support.scenes.stiff_scenes import SCENES, stiff_scene
 
 METHOD = "event_driven"
 TOLERANCE = 1e-10
@@ -141,8 +143,8 @@ def random_pressed(random):
 @pytest.mark.parametrize("shape", ["sphere", "cylinder"])
 @pytest.mark.parametrize("portion", range(3))
 def test_peaks_of_a_lasting_contact(opened, shape, dashpot, portion):
-    """Set down, landing, settled or pressed deeper, from hardly damped to 100 times critical, under forces that
-    change: all within one communication step
+    """Set down, landing, settled or pressed deeper, from hardly damped to 100 times critical, under forces
+    that change: all within one communication step
     """
     random = np.random.default_rng([portion, len(shape), len(dashpot)])
     compared = 0
@@ -165,8 +167,8 @@ def test_peaks_of_a_lasting_contact(opened, shape, dashpot, portion):
 @pytest.mark.parametrize("dashpot", DASHPOTS)
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_a_body_set_down_presses_harder_than_its_weight(opened, shape, location, dashpot, stiffness, ratio):
-    """Beyond critical damping F = W - m s'' has its largest value where s'''' = 0: with the two rates a > b and
-    s''' = W / m (a^2 e^(-a t) - b^2 e^(-b t)) / (a - b) = 0 there. The depth only grows towards W / p_n.
+    """Beyond critical damping F = W - m s'' has its largest value where s'''' = 0: with the two rates a > b
+    and s''' = W / m (a^2 e^(-a t) - b^2 e^(-b t)) / (a - b) = 0 there. The depth only grows towards W / p_n.
     """
     mass, weight = 1.0, 10.0
     omega = math.sqrt(stiffness / mass)

@@ -5,8 +5,9 @@ step says nothing about the rest of it.
 from functools import cache
 
 import pytest
-from checks import METHODS, check_close, run
-from ramp_scenes import ramp_scene, reference
+
+from support.checks import METHODS, check_close, run
+from support.scenes.ramp_scenes import ramp_scene, reference
 
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 ALLOWED = 1e-9  # m; m/s and J where speeds and energies are of order one

@@ -1,16 +1,17 @@
 """Free balls through the axis of a tilted solid cylinder, and close by it: scenes of round numbers.
 
-The axis is met where the ball is anywhere along it: what is left of its place across the axis is then rounding of
-its place along it, and points anywhere.
+The axis is met where the ball is anywhere along it: what is left of its place across the axis is then
+rounding of its place along it, and points anywhere.
 """
 
 from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
-from axis_line import Line
-from checks import check_close, run
-from reference_integrator import Reference
+
+from support.checks import check_close, run
+from support.reference.axis_line import Line
+from support.reference.integrator import Reference
 
 AXES = [[1, 1, 1], [1, 2, 0], [1, 0, 1], [3, 4, 0], [1, 2, 2], [1, 2, 3], [-1, 1, 0.5], [0, 0, 1]]
 REACH = 0.6

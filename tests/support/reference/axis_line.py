@@ -1,7 +1,7 @@
 """A reference for motion straight through the axis of a solid cylinder: one place s across it and its rate.
 
-m s'' = sign(s) F_n + m a with F_n of the gap |s| - reach: within a regime a linear equation with constant coefficients,
-solved by the exponential of its matrix; the regime ends at the first root of its conditions.
+m s'' = sign(s) F_n + m a with F_n of the gap |s| - reach: within a regime a linear equation with constant
+coefficients, solved by the exponential of its matrix; the regime ends at the first root of its conditions.
 """
 
 import math

@@ -324,7 +324,7 @@ def adaptive(f, low, high, allowed=None, whole=None):
 
 def measured(fmu, values, steps, end, method, tolerance):
     """What the FMU says of the scene."""
-    from checks import start
+    from support.checks import start
 
     start(fmu, {**values, "solver.max_internal_steps": 20_000}, tolerance, method)
     impulse, force, penetration = np.zeros(3), 0.0, 0.0

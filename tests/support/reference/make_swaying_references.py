@@ -1,13 +1,13 @@
 """Writes swaying_references.json, the true motions that test_approach_only.py compares with:
 
-.venv/bin/python tests/physics/make_swaying_references.py     (some minutes on two cores)
+PYTHONPATH=tests .venv/bin/python -m support.reference.make_swaying_references     (some minutes on two cores)
 """
 
 import json
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from swaying_load import integrate, random_scene
+from support.reference.swaying_load import integrate, random_scene
 
 FILE = Path(__file__).with_name("swaying_references.json")
 SCENES = 36
