@@ -6,6 +6,7 @@ import subprocess
 
 import pytest
 
+from contact_fmus.__main__ import COMMANDS, main
 from support.sources import ROOT, label
 
 PACKAGE = ROOT / "scripts" / "contact_fmus"
@@ -138,3 +139,19 @@ def test_set_up_and_build_stand_in_the_prologue_alone(script):
     text = script.read_text()
     assert 'source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"\n' in text
     assert re.findall(r"^\s*(?:set -|root=|cmake --preset default -W|export PYTHONPATH)", text, re.M) == []
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_command_of_the_package_answers_help(name, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main([name, "--help"])
+    assert ended.value.code == 0
+    assert capsys.readouterr().out.startswith(f"usage: contact_fmus {name}")
+
+
+def test_the_package_lists_its_commands_and_refuses_others(capsys):
+    assert main(["--help"]) == 0
+    told = capsys.readouterr().out
+    assert [name for name in COMMANDS if f"  {name} " not in told] == []
+    assert (main(["nonsense"]), main([])) == (2, 2)
+    assert "unknown command 'nonsense'" in capsys.readouterr().err
