@@ -14,9 +14,12 @@ external work and impulse ride along as further states.
 from dataclasses import dataclass
 
 from reference_law import ReferenceContact, complete, start_motion
-from series import Tape, evaluate, first_root, square_root
+from reference_paths import GivenPath, shifted
+from series import Tape, evaluate, first_root, highest, square_root
 
 FLIGHT, FULL, SPRING, CLIPPED = "flight", "spring and dashpot", "spring alone", "clipped"
+# A gap at the start that eight roundings of its terms could have made is none: the bodies just touch.
+START_ROUNDING = 8 * 2.0**-53
 
 
 @dataclass
@@ -26,22 +29,29 @@ class Span:
     states: dict
     conditions: list  # (event name, row, sign that makes it positive now)
     resolved: list  # rows that limit the step; none in flight
+    loads: tuple = ()  # rows of the normal force and of the gap, whose extremes are peaks; none in flight
 
 
 class Reference:
     """Configuration as for ReferenceContact; "<input>.derivatives" gives a list of first and second
     derivatives at time 0.
+
+    `straight`: the bodies move on the line through their centres (or across the axis) and may pass the
+    centre, where the normal turns round. The distance is then the place on that line with a sign, whose
+    change is an event.
     """
 
-    def __init__(self, configuration, shape, number=float, order=24):
+    def __init__(self, configuration, shape, number=float, order=24, straight=False):
         derivatives = {k: v for k, v in configuration.items() if k.endswith(".derivatives")}
         plain = {k: v for k, v in configuration.items() if k not in derivatives}
         law = ReferenceContact(plain, shape)
         self.values = {**complete(plain), **derivatives}
         self.number, self.order, self.zero = number, order, number(0)
         motion = start_motion(self.values)
-        self.position, self.velocity = {}, {}
+        self.position, self.velocity, self.given = {}, {}, {}
         for body in ("source", "destination"):
+            if self.values[f"{body}.motion"] == "prescribed":
+                self.given[body] = GivenPath(self.values, body, number)
             shift = getattr(motion, f"{body}_displacement")
             center = self.vector(f"{body}.center")
             self.position[body] = [c + number(float(u)) for c, u in zip(center, shift, strict=True)]
@@ -62,8 +72,28 @@ class Reference:
         self.time = self.dissipated = self.external_work = self.zero
         self.impulse = [self.zero] * 3  # of the contact on the source
         self.onsets, self.onset_times, self.durations, self.steps = 0, [], [], 0
+        self.event_times = []  # when the regime of the contact changed
         self.law_regime, self.on_root = FULL, None
+        self.line = self.line_through_the_centre() if straight else None
+        self.begin_window()
         self.decide_start()
+
+    def begin_window(self):
+        """Peaks are those from here on."""
+        self.peak_force = self.peak_penetration = self.zero
+
+    def line_through_the_centre(self):
+        c = self.apart(self.position)[0]
+        length = square_root(sum(x * x for x in c))
+        return [x / length for x in c]
+
+    def apart(self, rows):
+        """Source to destination across the axis, and along it."""
+        c = [b - a for a, b in zip(rows["source"], rows["destination"], strict=True)]
+        if not self.axis:
+            return c, self.zero
+        along = sum(x * e for x, e in zip(c, self.axis, strict=True))
+        return [x - along * e for x, e in zip(c, self.axis, strict=True)], along
 
     def vector(self, name):
         return [self.number(x) for x in self.values[name]]
@@ -72,21 +102,18 @@ class Reference:
 
     def present(self):
         """g, its rate, c.e_d and its rate, now."""
-        c, w = (
-            [b - a for a, b in zip(rows["source"], rows["destination"], strict=True)]
-            for rows in (self.position, self.velocity)
-        )
-        along = along_rate = self.zero
-        if self.axis:
-            along, along_rate = (sum(x * e for x, e in zip(row, self.axis, strict=True)) for row in (c, w))
-            c = [x - along * e for x, e in zip(c, self.axis, strict=True)]
-            w = [x - along_rate * e for x, e in zip(w, self.axis, strict=True)]
+        (c, along), (w, along_rate) = self.apart(self.position), self.apart(self.velocity)
+        if self.line:
+            distance, rate = (sum(x * n for x, n in zip(row, self.line, strict=True)) for row in (c, w))
+            return self.sign * (distance - self.surface), self.sign * rate, along, along_rate
         distance = square_root(sum(x * x for x in c))
         rate = sum(x * y for x, y in zip(c, w, strict=True)) / distance if distance else self.zero
         return self.sign * (distance - self.surface), self.sign * rate, along, along_rate
 
     def decide_start(self):
         gap, rate, along, _ = self.present()
+        if abs(gap) <= self.number(START_ROUNDING) * self.surface:
+            gap, self.on_root = self.zero, "gap"
         self.touching = gap < 0 or (gap == 0 and rate < 0)
         self.within = self.half_length is None or abs(along) <= self.half_length
         self.begin_contact()
@@ -96,10 +123,14 @@ class Reference:
             return
         self.onsets += 1
         self.onset_times.append(self.time)
+        self.begin_law()
+
+    def begin_law(self):
+        """The branch of the law by the gap and its rate of now."""
         gap, rate, _, _ = self.present()
         formula = -self.penalty * (self.zero if self.on_root == "gap" else gap) - self.viscous * rate
         self.law_regime = FULL
-        if self.dashpot == "approach_only" and rate >= 0:
+        if self.dashpot == "approach_only" and self.viscous and rate >= 0:
             self.law_regime = SPRING
         if self.dashpot == "non_adhesive" and self.viscous and formula < 0:
             self.law_regime = CLIPPED
@@ -115,7 +146,7 @@ class Reference:
 
     def happen(self, event):
         self.on_root = event
-        before = self.touching and self.within
+        before, regime = self.touching and self.within, self.regime()
         stored = self.stored_energy()
         if event == "gap":
             self.touching = not self.touching
@@ -125,6 +156,9 @@ class Reference:
             self.law_regime = SPRING if self.law_regime == FULL else FULL
         elif event == "force":
             self.law_regime = CLIPPED if self.law_regime == FULL else FULL
+        elif event == "centre":
+            self.line = [-n for n in self.line]
+            self.begin_law()
         after = self.touching and self.within
         if before and not after:
             self.durations.append(self.time - self.onset_times[-1])
@@ -132,6 +166,8 @@ class Reference:
             self.begin_contact()
         if event.startswith("end"):
             self.dissipated = self.dissipated + stored - self.stored_energy()
+        if self.regime() != regime:
+            self.event_times.append(self.time)
 
     # The series of a step.
 
@@ -141,21 +177,18 @@ class Reference:
         """
         kind = self.values[f"{body}.motion"]
         force = [[self.zero]] * 3
-        if kind == "fixed":
+        if kind != "free":
             return [[self.zero]] * 3, force
-        if kind == "prescribed":
-            given = self.values.get(f"{body}.prescribed_velocity.derivatives", [[0.0] * 3])
-            return [[self.number(a)] for a in given[0]], force
         given = [
             self.values[f"{body}.external_force"],
             *self.values.get(f"{body}.external_force.derivatives", []),
         ]
         given += [[0.0] * 3] * (3 - len(given))
-        mass, t = self.number(self.values[f"{body}.mass"]), self.time
+        mass = self.number(self.values[f"{body}.mass"])
         rates, forces = [], []
         for weight, row in zip(self.vector("gravity"), zip(*given, strict=True), strict=True):
             f0, f1, f2 = map(self.number, row)
-            forces.append([f0 + f1 * t + f2 * t * t / 2, f1 + f2 * t, f2 / 2])
+            forces.append(shifted([f0, f1, f2 / 2], self.time))
             rates.append([weight + forces[-1][0] / mass, forces[-1][1] / mass, forces[-1][2] / mass])
         return rates, forces
 
@@ -163,6 +196,8 @@ class Reference:
         tape = Tape(self.number)
         x = {body: [tape.state(p) for p in self.position[body]] for body in self.position}
         v = {body: [tape.state(p) for p in self.velocity[body]] for body in self.velocity}
+        for body, path in self.given.items():
+            x[body], v[body] = ([tape.polynomial(row) for row in rows] for rows in path.at(self.time))
         c = [tape.linear([(1, b), (-1, a)]) for a, b in zip(x["source"], x["destination"], strict=True)]
         w = [tape.linear([(1, b), (-1, a)]) for a, b in zip(v["source"], v["destination"], strict=True)]
         conditions = []
@@ -176,14 +211,21 @@ class Reference:
                     (name, tape.linear([(side, along)], self.half_length), 1)
                     for name, side in (("end+", -1), ("end-", 1))
                 ]
-        square = tape.dot(c, c)
-        beyond = tape.linear([(self.sign, square)], -self.sign * self.surface**2)
+        if self.line:
+            distance = tape.linear(list(zip(self.line, c, strict=True)))
+            beyond = tape.linear([(self.sign, distance)], -self.sign * self.surface)
+            if regime != FLIGHT or self.inside:
+                conditions.append(("centre", distance, 1))
+        else:
+            square = tape.dot(c, c)
+            beyond = tape.linear([(self.sign, square)], -self.sign * self.surface**2)
+            distance = tape.root(square) if regime != FLIGHT else None
         conditions.append(("gap", beyond, -1 if self.touching else 1))  # g times a positive length
-        push, rates, resolved = None, {}, []
+        push, rates, resolved, loads = None, {}, [], ()
         if regime != FLIGHT:
-            gap, gap_rate, formula, force, push = self.contact_rows(tape, regime, c, w, square)
-            resolved = [*c, gap]
-            if self.dashpot == "approach_only":
+            gap, gap_rate, formula, force, push = self.contact_rows(tape, regime, c, w, distance)
+            resolved, loads = [*c, gap], (force, gap)
+            if self.dashpot == "approach_only" and self.viscous:
                 conditions.append(("rate", gap_rate, -1 if regime == FULL else 1))
             if self.dashpot == "non_adhesive" and self.viscous:  # without a dashpot the gap ends it all
                 conditions.append(("force", formula, -1 if regime == CLIPPED else 1))
@@ -202,14 +244,16 @@ class Reference:
             states[name] = tape.state(getattr(self, name))
             tape.integrate(states[name], row)
         tape.grow(10 if regime == FLIGHT else self.order)
-        return Span(states, self.oriented(conditions), resolved)
+        return Span(states, self.oriented(conditions), resolved, loads)
 
-    def contact_rows(self, tape, regime, c, w, square):
+    def contact_rows(self, tape, regime, c, w, distance):
         """g, its rate, the formula's force, the force and its vector on the source (along -/+ rho
         outside/inside).
         """
-        distance = tape.root(square)
-        rate = tape.quotient(tape.dot(c, w), distance)
+        if self.line:
+            rate = tape.linear(list(zip(self.line, w, strict=True)))
+        else:
+            rate = tape.quotient(tape.dot(c, w), distance)
         gap = tape.linear([(self.sign, distance)], -self.sign * self.surface)
         gap_rate = tape.linear([(self.sign, rate)])
         formula = tape.linear([(-self.penalty, gap), (-self.viscous, gap_rate)])
@@ -218,6 +262,9 @@ class Reference:
             SPRING: tape.linear([(-self.penalty, gap)]),
             CLIPPED: tape.polynomial([self.zero]),
         }[regime]
+        if self.line:
+            push = [tape.linear([(-self.sign * n, force)]) for n in self.line]
+            return gap, gap_rate, formula, force, push
         ratio = tape.quotient(force, distance)
         push = [tape.linear([(-self.sign, tape.product(ratio, row))]) for row in c]
         return gap, gap_rate, formula, force, push
@@ -227,11 +274,12 @@ class Reference:
         kind = self.values[f"{body}.motion"]
         mass = self.number(self.values[f"{body}.mass"])
         for i in range(3):
-            rate = tape.polynomial(outer[i])
-            if push and kind == "free":
-                rate = tape.linear([(1, rate), (side / mass, push[i])])
-            tape.integrate(position[i], velocity[i])
-            tape.integrate(velocity[i], rate)
+            if kind != "prescribed":
+                rate = tape.polynomial(outer[i])
+                if push and kind == "free":
+                    rate = tape.linear([(1, rate), (side / mass, push[i])])
+                tape.integrate(position[i], velocity[i])
+                tape.integrate(velocity[i], rate)
             if kind == "free":
                 powers.append(tape.product(tape.polynomial(force[i]), velocity[i]))
             elif kind == "prescribed" and push:  # what moves the body works against the contact
@@ -277,12 +325,20 @@ class Reference:
                 if root is not None:
                     step, event = root, name
             self.steps += 1
+            self.note_peaks(span, step)
             self.advance(span, step)
             self.on_root = None
             self.time = end if event is None and step >= end - self.time else self.time + step
             if event is not None:
                 self.happen(event)
         return self
+
+    def note_peaks(self, span, step):
+        if span.loads:
+            force, gap = span.loads
+            self.peak_force = highest(force, step, self.number, self.peak_force)
+            depth = [-c for c in gap]
+            self.peak_penetration = highest(depth, step, self.number, self.peak_penetration)
 
     def advance(self, span, step):
         for key, rows in span.states.items():
