@@ -20,6 +20,7 @@ from series import Tape, evaluate, first_root, highest, square_root
 FLIGHT, FULL, SPRING, CLIPPED = "flight", "spring and dashpot", "spring alone", "clipped"
 # A gap at the start that eight roundings of its terms could have made is none: the bodies just touch.
 START_ROUNDING = 8 * 2.0**-53
+SLIGHT = 1e-10  # m/s
 
 
 @dataclass
@@ -29,7 +30,7 @@ class Span:
     states: dict
     conditions: list  # (event name, row, sign that makes it positive now)
     resolved: list  # rows that limit the step; none in flight
-    loads: tuple = ()  # rows of the normal force and of the gap, whose extremes are peaks; none in flight
+    loads: tuple = ()  # rows of normal force, gap and its rate, whose extremes are noted; none in flight
 
 
 class Reference:
@@ -72,15 +73,17 @@ class Reference:
         self.time = self.dissipated = self.external_work = self.zero
         self.impulse = [self.zero] * 3  # of the contact on the source
         self.onsets, self.onset_times, self.durations, self.steps = 0, [], [], 0
+        self.happened = set()  # names of conditions that went through zero
         self.event_times = []  # when the regime of the contact changed
+        # The most that the gap's rate was on its side of zero since it changed sign, and how many events are
+        # there for less than SLIGHT: nobody with a tolerance can be asked to see them.
+        self.clearest, self.slight_events = self.zero, 0
         self.law_regime, self.on_root = FULL, None
         self.line = self.line_through_the_centre() if straight else None
-        self.begin_window()
+        self.window = self.peak_force = self.peak_penetration = self.zero  # peaks are those from `window` on
+        self.within = True
         self.decide_start()
-
-    def begin_window(self):
-        """Peaks are those from here on."""
-        self.peak_force = self.peak_penetration = self.zero
+        self.from_rest = False
 
     def line_through_the_centre(self):
         c = self.apart(self.position)[0]
@@ -114,9 +117,24 @@ class Reference:
         gap, rate, along, _ = self.present()
         if abs(gap) <= self.number(START_ROUNDING) * self.surface:
             gap, self.on_root = self.zero, "gap"
-        self.touching = gap < 0 or (gap == 0 and rate < 0)
+            self.close_gap()
+        self.just_touches = self.on_root == "gap"
+        self.from_rest = gap == 0 and rate == 0
+        self.touching = gap < 0 or (gap == 0 and rate < 0) or (self.from_rest and self.closes_from_rest())
         self.within = self.half_length is None or abs(along) <= self.half_length
         self.begin_contact()
+
+    def close_gap(self):
+        """The gap is zero here and now: its rounding would look like another event soon."""
+        self.surface = self.surface + self.sign * self.present()[0]
+
+    def closes_from_rest(self):
+        """Whether bodies that just touch, at rest, are about to overlap: by the first power of the time in
+        which the gap of a flight changes."""
+        self.touching = False
+        row = next(row for name, row in self.span(FLIGHT).conditions if name == "gap")
+        noise = max(map(abs, row)) * self.number(10) ** (-13)
+        return next((c < 0 for c in row[1:] if abs(c) > noise), False)
 
     def begin_contact(self):
         if not (self.touching and self.within):
@@ -130,7 +148,8 @@ class Reference:
         gap, rate, _, _ = self.present()
         formula = -self.penalty * (self.zero if self.on_root == "gap" else gap) - self.viscous * rate
         self.law_regime = FULL
-        if self.dashpot == "approach_only" and self.viscous and rate >= 0:
+        parts = rate > 0 or (rate == 0 and not self.from_rest)
+        if self.dashpot == "approach_only" and self.viscous and parts:
             self.law_regime = SPRING
         if self.dashpot == "non_adhesive" and self.viscous and formula < 0:
             self.law_regime = CLIPPED
@@ -146,13 +165,17 @@ class Reference:
 
     def happen(self, event):
         self.on_root = event
+        self.happened.add(event)
         before, regime = self.touching and self.within, self.regime()
         stored = self.stored_energy()
         if event == "gap":
             self.touching = not self.touching
+            self.close_gap()
         elif event.startswith("end"):
             self.within = not self.within
         elif event == "rate":
+            self.slight_events += 2 if self.clearest < SLIGHT else 0
+            self.clearest = self.zero
             self.law_regime = SPRING if self.law_regime == FULL else FULL
         elif event == "force":
             self.law_regime = CLIPPED if self.law_regime == FULL else FULL
@@ -224,7 +247,7 @@ class Reference:
         push, rates, resolved, loads = None, {}, [], ()
         if regime != FLIGHT:
             gap, gap_rate, formula, force, push = self.contact_rows(tape, regime, c, w, distance)
-            resolved, loads = [*c, gap], (force, gap)
+            resolved, loads = [*c, gap], (force, gap, gap_rate)
             if self.dashpot == "approach_only" and self.viscous:
                 conditions.append(("rate", gap_rate, -1 if regime == FULL else 1))
             if self.dashpot == "non_adhesive" and self.viscous:  # without a dashpot the gap ends it all
@@ -329,16 +352,24 @@ class Reference:
             self.advance(span, step)
             self.on_root = None
             self.time = end if event is None and step >= end - self.time else self.time + step
+            for body, path in self.given.items():
+                self.position[body], self.velocity[body] = ([r[0] for r in rows] for rows in path.at(self.time))
             if event is not None:
                 self.happen(event)
         return self
 
     def note_peaks(self, span, step):
-        if span.loads:
-            force, gap = span.loads
-            self.peak_force = highest(force, step, self.number, self.peak_force)
+        if span.loads and self.dashpot == "approach_only":
+            side = -1 if self.law_regime == FULL else 1
+            rate = [side * c for c in span.loads[2]]
+            self.clearest = highest(rate, step, self.number, self.clearest)
+        skipped = max(self.zero, self.window - self.time)
+        if span.loads and skipped <= step:
+            force, gap, _ = (shifted(row, skipped) if skipped else row for row in span.loads)
             depth = [-c for c in gap]
-            self.peak_penetration = highest(depth, step, self.number, self.peak_penetration)
+            rest = step - skipped
+            self.peak_force = highest(force, rest, self.number, self.peak_force)
+            self.peak_penetration = highest(depth, rest, self.number, self.peak_penetration)
 
     def advance(self, span, step):
         for key, rows in span.states.items():

@@ -12,9 +12,9 @@ TOLERANCE = 1e-10  # solver.relative_tolerance of the runs
 # steps add up.
 ALLOWED = {"event_driven": 1e-9, "cvode_bdf": 1e-6, "cvode_adams": 1e-6}
 ENERGIES = ("kinetic", "potential", "contact", "dissipated", "external_work")
-# Internal steps of event_driven for each communication step and event at most, and beyond them for each
-# step of the reference, whose series resolve every motion.
-STEPS_EACH = 12
+# Internal steps of event_driven at most for each communication step and event, besides those of the
+# reference: towards a centre or a contact that dies away lengths change by all binary digits of a number.
+STEPS_EACH = 64
 # A run that is stuck ends there.
 MOST_STEPS = {"event_driven": 20_000, "cvode_bdf": 300_000, "cvode_adams": 300_000}
 
@@ -44,7 +44,7 @@ def failures(fmu, values, stops, method, expected, leaves_open=frozenset()):
     found = {}
     for name, (value, right, allowed) in figures(run, expected, stops, ALLOWED[method]).items():
         found[name] = differences(name, value, right, allowed)
-    found["counts"] = counts(fmu, expected, method, stops)
+    found |= counts(fmu, expected, method, stops)
     return [line for name, lines in found.items() if name not in leaves_open for line in lines]
 
 
@@ -56,8 +56,8 @@ def figures(run, expected, stops, allowed):
         way = max(1.0, float(np.linalg.norm(expected.position[body])))
         rows[f"{body}.position"] = fmu[f"{body}.position"], expected.position[body], allowed * way
         rows[f"{body}.velocity"] = fmu[f"{body}.velocity"], expected.velocity[body], 10 * allowed * fastest
-    energy = allowed * max(1.0, run.in_play)
-    rows["total"] = run.stray, 0.0, energy
+    energy = 10 * allowed * max(1.0, run.in_play)  # as the velocities
+    rows["total"] = run.stray, 0.0, energy / 10
     works = {
         "energy.contact": expected.stored_energy(),
         "energy.dissipated": expected.dissipated,
@@ -80,15 +80,18 @@ def figures(run, expected, stops, allowed):
 
 
 def counts(fmu, expected, method, stops):
-    lines = []
+    """By name: a line where it is wrong. Only event_driven finds an event as often as there is one."""
+    found, events = {}, len(expected.event_times)
     if fmu["contact.onsets"] != expected.onsets:
-        lines.append(f"onsets: got {fmu['contact.onsets']}, expected {expected.onsets}")
+        found["onsets"] = [f"onsets: got {fmu['contact.onsets']}, expected {expected.onsets}"]
     if method != "event_driven":
-        return lines
-    events = len(expected.event_times)
-    if fmu["solver.events"] != events:
-        lines.append(f"events: got {fmu['solver.events']}, expected {events}")
+        return found
+    # Two at the same instant may count as one, slight ones need not be seen, and bodies that just touch at
+    # the start, give or take a rounding, are in contact at once or right after it.
+    least = len(set(expected.event_times)) - expected.slight_events
+    if not least <= fmu["solver.events"] <= events + expected.just_touches:
+        found["events"] = [f"events: got {fmu['solver.events']}, expected {least} to {events}"]
     most = STEPS_EACH * (len(stops) + events + 1) + expected.steps
     if fmu["solver.steps"] > most:
-        lines.append(f"steps: got {fmu['solver.steps']}, expected at most {most}")
-    return lines
+        found["steps"] = [f"steps: got {fmu['solver.steps']}, expected at most {most}"]
+    return found

@@ -149,7 +149,7 @@ def first_root(row, span, number, fresh=False):
     if fresh:
         scaled = scaled[1:]
         noise = max(map(abs, scaled)) * number(10) ** (-14)
-        while len(scaled) > 1 and scaled[0] < 0 and -scaled[0] < noise:
+        while len(scaled) > 1 and scaled[0] <= 0 and -scaled[0] < noise:
             scaled = scaled[1:]
     if scaled[0] > sum(map(abs, scaled[1:])):
         return None
