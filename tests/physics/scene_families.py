@@ -215,11 +215,9 @@ def through_the_centre(random, shape):
     axis = np.array(chosen(random, ROUND_AXES))
     across = np.zeros(3, int)
     while not across.any():
-        across = np.cross(axis, random.integers(-2, 3, 3))
-    start = 0.5 * across / math.ceil(np.linalg.norm(across))
-    start = np.array([float(f"{x:.2g}") for x in 4 * start]) / 4  # quarters of two digits are exact to type
-    if exact_cross(across_axis(start, axis), list(map(Fraction, map(int, across)))) != ZERO:
-        start = 0.25 * across
+        across = np.cross(axis, random.integers(-1, 2, 3))
+    fits = [x for x in (0.125, 0.25, 0.5, 0.75, 1.0) if 0.1 < x * np.linalg.norm(across) < 1.5]
+    start = chosen(random, fits) * across
     speed = float(chosen(random, [1.0, 2.0, 0.5]))
     velocity = -speed * across / chosen(random, [1, 2, 4])
     values = {
@@ -228,14 +226,14 @@ def through_the_centre(random, shape):
         "contact.location": "outside",
         "contact.dashpot": chosen(random, DASHPOTS),
         "contact.viscous_penalty_factor": chosen(random, [0.0, 0.1, 0.2, 0.25, 0.5]),
-        "contact.penalty_factor": chosen(random, [0.05, 0.1, 0.5, 1.0]),
+        "contact.penalty_factor": chosen(random, [0.05, 0.1, 0.5, 1.0, 10.0]),
         "gravity": NOTHING,
     }
     if random.random() < 0.5:
         values["contact.penalty_control"] = "viscous_only"
     if shape == "cylinder":
         values["destination.axis"] = list(map(float, axis))
-        along = float(chosen(random, [0.0, 0.25, 0.5]))
+        along = float(chosen(random, [0.0, 0.1, 0.25, 0.5]))
         values["source.initial_velocity"] = (velocity + along * axis).tolist()
         values["gravity"] = (chosen(random, [0.0, 0.0, -1.0, 2.0]) * axis).tolist()
     if random.random() < 0.3:
