@@ -44,10 +44,8 @@ export CONTACT_BUILD=$root/build CONTACT_FMUS=$root/build/fmus
 say "The FMU's solvers"
 .venv/bin/python -m contact_report measure "${quick[@]}" --output "$output"
 
-if [[ -f scripts/contact_report/force_element.py ]]; then
-    say "The FMU as a force element"
-    .venv/bin/python -m contact_report.force_element "${quick[@]}" --output "$output"
-fi
+say "The FMU as a force element"
+.venv/bin/python -m contact_report.force_element "${quick[@]}" --output "$output"
 if $peers; then
     say "Other simulators"
     .venv/bin/python -m contact_report.peers "${quick[@]}" --output "$output"

@@ -38,7 +38,9 @@ def main(arguments: list[str] | None = None) -> int:
     print(f"{len(rows)} runs, {len(wrong)} wrong, {sum(row.status != 'ok' for row in rows)} refused")
     failed = not_right(rows, "event_driven")
     for row in failed if options.check else ():
-        print(f"not right: {row.family}, {row.value:g}, {row.geometry}, {row.law}: {row.wrong or row.message}")
+        print(
+            f"not right: {row.family}, {row.value:g}, {row.geometry}, {row.law}: {row.wrong or row.message}"
+        )
     return int(options.check and bool(failed))
 
 
@@ -56,7 +58,9 @@ def _measured(options: argparse.Namespace) -> list[Row]:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m contact_stability", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="few of the scenes")
-    parser.add_argument("--check", action="store_true", help="the status is 1 unless event_driven is right everywhere")
+    parser.add_argument(
+        "--check", action="store_true", help="the status is 1 unless event_driven is right everywhere"
+    )
     parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes (2)")
     parser.add_argument("--output", type=Path, default=repository() / "docs" / "stability", metavar="FOLDER")
     return parser

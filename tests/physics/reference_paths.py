@@ -2,7 +2,7 @@
 
 The place of a prescribed body is its displacement input with the derivatives given for it. Where none are
 given, the displacement follows the velocity input, unless every body of the scene is prescribed: then it
-stays where it was put (README, "Variables"). Its velocity is the velocity input with its own derivatives,
+stays where it was put. Its velocity is the velocity input with its own derivatives,
 whatever the displacement does: the two disagree where the importer makes them.
 """
 
@@ -35,8 +35,7 @@ class GivenPath:
             self.position = [[c + u, v, a / 2, number(0)] for c, (u, v, a) in zip(center, moved, strict=True)]
         else:
             self.position = [
-                [c + u[0], v, a / 2, j / 6]
-                for c, u, (v, a, j) in zip(center, moved, speed, strict=True)
+                [c + u[0], v, a / 2, j / 6] for c, u, (v, a, j) in zip(center, moved, speed, strict=True)
             ]
 
     def at(self, time):

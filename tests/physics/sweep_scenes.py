@@ -1,8 +1,10 @@
-"""PYTHONPATH=scripts:tests/physics python -m sweep_scenes [FAMILY ...] [--first SEED] [--count N] [--method M ...]
+"""python -m sweep_scenes [FAMILY ...] [--first SEED] [--count N] [--method M ...] [--brief]
 
 Runs N scenes of each family of scene_families.py (all families without one named) and prints a line for
-each failure, with all values of the scene, and at the end how many failed in which figure. `--show` prints
-one line of Python that makes the run again. The status is 1 where something failed.
+each failure, with all values of the scene, and at the end how many failed in which figure. The status is 1
+where something failed. From the repository:
+
+    PYTHONPATH=scripts:tests/physics .venv/bin/python -m sweep_scenes "from zero" --first 100 --count 400
 """
 
 import argparse

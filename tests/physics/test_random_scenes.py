@@ -1,4 +1,4 @@
-"""Random scenes of every kind against the independent integrator, in all that a run says, with all methods."""
+"""Random scenes of every kind against the independent integrator, in all that a run says, by all methods."""
 
 from functools import cache
 

@@ -36,7 +36,16 @@ def test_event_driven_is_right(rows, family):
     own = [row for row in rows if row.family == family and row.method == "event_driven"]
     assert len(own) >= 4
     found = [
-        (row.wrong, row.status, row.message, row.value, row.geometry, row.law, row.note, row.communication_steps)
+        (
+            row.wrong,
+            row.status,
+            row.message,
+            row.value,
+            row.geometry,
+            row.law,
+            row.note,
+            row.communication_steps,
+        )
         for row in not_right(own, "event_driven")
     ]
     assert found == []
