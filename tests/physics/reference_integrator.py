@@ -63,9 +63,9 @@ class Reference(SpanMaker):
         self.onsets, self.onset_times, self.durations, self.steps = 0, [], [], 0
         self.happened = set()  # names of conditions that went through zero
         self.event_times = []  # when the regime of the contact changed
-        # The most that the gap's rate was on its side of zero since it changed sign, and how many events are
-        # there for less than SLIGHT: nobody with a tolerance can be asked to see them.
-        self.clearest, self.slight_events = self.zero, 0
+        # The most that the gap's rate was on its side of zero since it changed sign, and the events that begin
+        # or end less than SLIGHT of that: nobody with a tolerance can be asked to see them.
+        self.clearest, self.slight = self.zero, set()
         self.law_regime, self.on_root = FULL, None
         self.line = self.line_through_the_centre() if straight else None
         self.window = self.peak_force = self.peak_penetration = self.zero  # peaks are those from `window` on
@@ -142,6 +142,13 @@ class Reference(SpanMaker):
         if self.dashpot == "non_adhesive" and self.viscous and formula < 0:
             self.law_regime = CLIPPED
 
+    def sure_events(self):
+        """How many events there are in any case; two at the same instant may count as one."""
+        slight = set(self.slight)
+        if self.happened & {"rate"} and self.clearest < SLIGHT:
+            slight.add(len(self.event_times) - 1)
+        return len({time for i, time in enumerate(self.event_times) if i not in slight})
+
     def regime(self):
         return self.law_regime if self.touching and self.within else FLIGHT
 
@@ -162,7 +169,8 @@ class Reference(SpanMaker):
         elif event.startswith("end"):
             self.within = not self.within
         elif event == "rate":
-            self.slight_events += 2 if self.clearest < SLIGHT else 0
+            if self.clearest < SLIGHT:
+                self.slight |= {len(self.event_times) - 1, len(self.event_times)}
             self.clearest = self.zero
             self.law_regime = SPRING if self.law_regime == FULL else FULL
         elif event == "force":

@@ -98,4 +98,5 @@ def test_forty_digits_and_a_higher_order_change_nothing(family, seed):
         check_close(name, getattr(quick, name), float(getattr(exact, name)), 1e-9)
     peak = float(exact.peak_force)
     check_close("peak_force", quick.peak_force, peak, 1e-9 * max(1.0, peak, quick.penalty * 1e-3))
-    assert (quick.onsets, len(quick.event_times)) == (exact.onsets, len(exact.event_times))
+    assert quick.onsets == exact.onsets
+    assert quick.sure_events() <= len(exact.event_times) <= len(quick.event_times)
