@@ -81,6 +81,14 @@ def test_the_length_of_functions_is_measured():
     assert list(python_functions("def f():\n    return 1\n")) == [(1, 2)]
 
 
+def test_every_folder_of_python_tests_is_run_by_ctest():
+    listed = (ROOT / "tests" / "CMakeLists.txt").read_text(encoding="utf-8")
+    folders = {file.parent.name for file in (ROOT / "tests").rglob("test_*.py")}
+    assert {"physics", "stability"} <= folders
+    named = set(re.findall(r"^ *contact_python_tests\(\w+ tests/(\w+)", listed, re.MULTILINE))
+    assert folders == named
+
+
 def repository_files():
     listed = subprocess.run(
         ["git", "ls-files", "--cached", "--others", "--exclude-standard"],

@@ -63,8 +63,8 @@ class Reference(SpanMaker):
         self.onsets, self.onset_times, self.durations, self.steps = 0, [], [], 0
         self.happened = set()  # names of conditions that went through zero
         self.event_times = []  # when the regime of the contact changed
-        # The most that the gap's rate was on its side of zero since it changed sign, and the events that begin
-        # or end less than SLIGHT of that: nobody with a tolerance can be asked to see them.
+        # The most that the gap's rate was on its side of zero since it changed sign, and the events that
+        # begin or end less than SLIGHT of that: nobody with a tolerance can be asked to see them.
         self.clearest, self.slight = self.zero, set()
         self.law_regime, self.on_root = FULL, None
         self.line = self.line_through_the_centre() if straight else None
