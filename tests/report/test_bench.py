@@ -108,6 +108,12 @@ def test_a_row_says_whether_its_ratio_is_as_asked(limits, median, good):
     assert ("does not hold" in shown([row])) == (good is False)
 
 
+def test_the_stiffness_that_is_checked_is_there():
+    """A check of no rows would hold."""
+    pairs = bench.stiff_problems()
+    assert [(soft.penalty_factor, stiff.penalty_factor) for soft, stiff in pairs] == [(1e7, 1e15)] * 2
+
+
 def test_a_row_that_could_not_be_measured_is_not_good():
     row = Row("what", "first", "second", at_least=1.0, note="fmu_host: refused")
     assert row.good is False
