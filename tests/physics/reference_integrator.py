@@ -18,7 +18,7 @@ from series import evaluate, first_root, highest, square_root
 
 # A gap at the start that eight roundings of its terms could have made is none: the bodies just touch.
 START_ROUNDING = 8 * 2.0**-53
-SLIGHT = 1e-10  # m/s
+SLIGHT = 1e-10  # m/s of the rate, m of the gap: the tolerance that runs are asked for
 
 
 class Reference(SpanMaker):
@@ -174,6 +174,8 @@ class Reference(SpanMaker):
             self.clearest = self.zero
             self.law_regime = SPRING if self.law_regime == FULL else FULL
         elif event == "force":
+            if self.law_regime == FULL and abs(self.present()[0]) < SLIGHT:
+                self.slight.add(len(self.event_times))  # let go this near the surface is to part
             self.law_regime = CLIPPED if self.law_regime == FULL else FULL
         elif event == "centre":
             self.line = [-n for n in self.line]

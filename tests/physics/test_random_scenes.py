@@ -7,7 +7,7 @@ from checks import METHODS, check_close, run
 from random_scenes import DELICATE, SCENES, random_scene
 from reference_integrator import Reference
 from scene_checks import FMU, failures
-from scene_families import even
+from scene_parts import even
 
 ALLOWED = 1e-6  # m, at tolerance 1e-10
 
