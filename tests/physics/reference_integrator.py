@@ -16,7 +16,8 @@ from reference_paths import GivenPath, shifted
 from reference_span import CLIPPED, FLIGHT, FULL, SPRING, SpanMaker
 from series import evaluate, first_root, highest, square_root
 
-# A gap at the start that eight roundings of its terms could have made is none: the bodies just touch.
+# A gap at the start that eight roundings of its terms could have made is none: the bodies just touch. With
+# forty digits the gap is that of the numbers given, to the last one.
 START_ROUNDING = 8 * 2.0**-53
 SLIGHT = 1e-10  # m/s of the rate, m of the gap: the tolerance that runs are asked for
 
@@ -103,7 +104,8 @@ class Reference(SpanMaker):
 
     def decide_start(self):
         gap, rate, along, _ = self.present()
-        if abs(gap) <= self.number(START_ROUNDING) * self.surface:
+        rounding = self.surface * START_ROUNDING if self.number is float else self.zero
+        if abs(gap) <= rounding:
             gap, self.on_root = self.zero, "gap"
             self.close_gap()
         self.just_touches = self.on_root == "gap"

@@ -82,7 +82,9 @@ def figures(run, expected, stops, allowed):
 def counts(fmu, expected, method, stops):
     """By name: a line where it is wrong. Only event_driven finds an event as often as there is one."""
     found, events = {}, len(expected.event_times)
-    if fmu["contact.onsets"] != expected.onsets:
+    # Bodies that just touch at the start and part may overlap by a rounding before.
+    parts = expected.just_touches and 0.0 not in expected.onset_times
+    if fmu["contact.onsets"] not in (expected.onsets, expected.onsets + parts):
         found["onsets"] = [f"onsets: got {fmu['contact.onsets']}, expected {expected.onsets}"]
     if method != "event_driven":
         return found

@@ -98,5 +98,6 @@ def test_forty_digits_and_a_higher_order_change_nothing(family, seed):
         check_close(name, getattr(quick, name), float(getattr(exact, name)), 1e-9)
     peak = float(exact.peak_force)
     check_close("peak_force", quick.peak_force, peak, 1e-9 * max(1.0, peak, quick.penalty * 1e-3))
-    assert quick.onsets == exact.onsets
-    assert quick.sure_events() <= len(exact.event_times) <= len(quick.event_times)
+    assert quick.onsets == exact.onsets or (quick.just_touches and 0.0 not in quick.onset_times)
+    most = len(quick.event_times) + quick.just_touches
+    assert quick.sure_events() <= len(exact.event_times) <= most
