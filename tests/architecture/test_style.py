@@ -12,6 +12,7 @@ C_FILES = HEADERS + UNITS + [file for name in ("scripts", "tests") for file in (
 PROGRAMS = sorted((ROOT / "scripts").rglob("*.c"))
 FILE_LINES = 300
 FUNCTION_LINES = 60  # one screen
+LINE_COLUMNS = 110  # ColumnLimit of .clang-format
 
 
 def output(*command):
@@ -22,6 +23,13 @@ def output(*command):
 
 def test_c_is_formatted():
     assert output("clang-format", "--dry-run", "--Werror", *map(str, C_FILES)) == ""
+
+
+@pytest.mark.parametrize("file", C_FILES, ids=label)
+def test_no_line_of_c_is_wider_than_110_columns(file):
+    """Of comments and macros too, which clang-format does not break."""
+    lines = enumerate(file.read_text(encoding="utf-8").splitlines(), 1)
+    assert [f"line {number}: {len(line)}" for number, line in lines if len(line) > LINE_COLUMNS] == []
 
 
 def test_python_is_linted():
