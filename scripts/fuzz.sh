@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # scripts/fuzz.sh: runs each fuzzer ten minutes. New inputs are kept in build-fuzz/found/NAME, what broke a claim in
 # build-fuzz/findings/NAME; `build-fuzz/tests/fuzz/fuzz_NAME FILE` runs one again and prints its values. The status is 1
-# when there is a finding.
+# when there is a finding, or a fuzzer did not run.
 #   --minutes N    instead of ten
 #   --only NAME    one fuzzer: calls, state, run_sphere, run_cylinder, run_three_balls, run_two_pairs, scene_files
 #   -h, --help     prints this
@@ -49,5 +49,10 @@ for name in "${names[@]}"; do
     count=$(find "$broken" -type f ! -name log | wc -l)
     printf '%s: %d findings in %s\n' "$name" "$count" "${broken#"$root"/}"
     ((count == 0)) || findings=1
+    # libFuzzer's last words; without them it did not run, and nothing was looked for.
+    if ! grep -q '^INFO: exiting' "$broken/log"; then
+        printf '%s: did not run to its end, see %s/log\n' "$name" "${broken#"$root"/}" >&2
+        findings=1
+    fi
 done
 exit "$findings"

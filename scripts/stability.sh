@@ -2,7 +2,7 @@
 # scripts/stability.sh: installs what is missing, builds the FMUs and sweeps stiff and extreme scenes over all solver
 # methods and communication steps: CSV, heat maps, a table of limits, index.html and README.md in docs/stability.
 #   --quick        few of the scenes
-#   --check        the status is 1 where event_driven is wrong
+#   --check        the status is 1 unless event_driven comes to its end everywhere and is right there
 #   --output DIR   instead of docs/stability
 #   --beyond FIRST LAST   nothing of that: random scenes far beyond the atlas's axes, by event_driven; seeds
 #   -h, --help     prints this

@@ -13,6 +13,7 @@ C_FILES = HEADERS + UNITS + [file for name in ("scripts", "tests") for file in (
 PROGRAMS = sorted((ROOT / "scripts").rglob("*.c"))
 FILE_LINES = 300
 FUNCTION_LINES = 60  # one screen
+LINE_COLUMNS = 110  # ColumnLimit of .clang-format
 
 
 def output(*command):
@@ -23,6 +24,13 @@ def output(*command):
 
 def test_c_is_formatted():
     assert output("clang-format", "--dry-run", "--Werror", *map(str, C_FILES)) == ""
+
+
+@pytest.mark.parametrize("file", C_FILES, ids=label)
+def test_no_line_of_c_is_wider_than_110_columns(file):
+    """Of comments and macros too, which clang-format does not break."""
+    lines = enumerate(file.read_text(encoding="utf-8").splitlines(), 1)
+    assert [f"line {number}: {len(line)}" for number, line in lines if len(line) > LINE_COLUMNS] == []
 
 
 def test_python_is_linted():
@@ -80,6 +88,14 @@ def test_a_function_fits_one_screen(file):
 def test_the_length_of_functions_is_measured():
     assert list(c_functions("int f(void)\n{\n    return 1;\n}\n\nstruct s {\n    int a;\n};\n")) == [(2, 3)]
     assert list(python_functions("def f():\n    return 1\n")) == [(1, 2)]
+
+
+def test_every_folder_of_python_tests_is_run_by_ctest():
+    listed = (ROOT / "tests" / "CMakeLists.txt").read_text(encoding="utf-8")
+    folders = {file.parent.name for file in (ROOT / "tests").rglob("test_*.py")}
+    assert {"physics", "stability"} <= folders
+    named = set(re.findall(r"^ *contact_python_tests\(\w+ tests/(\w+)", listed, re.MULTILINE))
+    assert folders == named
 
 
 def repository_files():

@@ -78,6 +78,8 @@ def test_fixed_dependencies_are_ones_or_zeros(scene):
     """dependenciesKind fixed: bodies go where they are put, whatever the place"""
     fmu = raw.load(scene)
     entries = [(o, k) for o, known in declared(fmu).items() for k, kind in known.items() if kind == "fixed"]
+    put = {"source.prescribed_displacement[1]", "source.position[1]"} <= set(fmu.variables)
+    assert bool(entries) == put
     with raw.Instance(fmu) as instance:
         instance.initialize()
         for output, known in entries:

@@ -165,7 +165,9 @@ def test_the_documentation_stands_alone(fmu_path, scene):
     with zipfile.ZipFile(fmu_path(scene)) as fmu:
         names = set(fmu.namelist())
         page = etree.HTML(fmu.read("documentation/index.html"))
-    for target in page.xpath("//@href | //@src"):
+    targets = page.xpath("//@href | //@src")
+    assert targets
+    for target in targets:
         if not target.startswith(("#", "https://", "data:")):
             resolved = (Path("/documentation") / target.partition("#")[0]).as_posix()
             assert str(Path(resolved).resolve()).lstrip("/") in names, target

@@ -44,10 +44,13 @@ def test_one_huge_step_and_a_thousand_small_ones_agree(final_position, name, met
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", BENCHMARKS)
 def test_the_error_follows_the_tolerance(opened, name, method):
-    """At the everyday tolerance 1e-8 the runs are still right to a tenth of a millimetre."""
+    """At the everyday tolerance 1e-8 CVODE is still right to a tenth of a millimetre, event_driven to ten
+    times the tolerance.
+    """
+    allowed = 1e-7 if method == "event_driven" else 1e-4
     problem = BENCHMARKS[name]
     fmu = run(opened(problem.fmu), problem.configuration, problem.end, 10, 1e-8, method)
-    check_close(f"{name} position", fmu["source.position"], problem.position, 1e-4)
+    check_close(f"{name} position", fmu["source.position"], problem.position, allowed)
 
 
 @pytest.mark.parametrize("tolerance", [None, TOLERANCE])

@@ -188,9 +188,10 @@ def test_a_body_at_rest_sinks_in_by_weight_over_stiffness(opened, shape, locatio
     check_close("velocity", fmu["source.velocity"], [0, 0, 0], 1e-7)
 
 
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("steps", [1, 7, 100])
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
-def test_mean_force_is_what_changes_the_momentum(opened, shape, location, steps):
+def test_mean_force_is_what_changes_the_momentum(opened, shape, location, steps, method):
     """mean_force h = m (v1 - v0) - (m gravity + external force) h, in every communication step."""
     mass, gravity, force = 1.5, np.array([0.0, 0.0, -9.81]), np.array([1.0, -2.0, 0.5])
     configuration = head_on(shape, location, contact_method="penalty_dynamic")
@@ -204,7 +205,7 @@ def test_mean_force_is_what_changes_the_momentum(opened, shape, location, steps)
         means.append(fmu["contact.mean_force"])
         peaks.append(fmu["contact.peak_force"])
 
-    run(opened(FMU[shape]), configuration, END, steps, each=record)
+    run(opened(FMU[shape]), configuration, END, steps, method=method, each=record)
     assert max(peaks) > 100
     step = END / steps
     for before, after, mean in zip(velocities[:-1], velocities[1:], means[1:], strict=True):
@@ -212,8 +213,9 @@ def test_mean_force_is_what_changes_the_momentum(opened, shape, location, steps)
         check_close("mean_force", mean, expected, 1e-8 * mass * SPEED / step)
 
 
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("steps", [1, 5, 500])
-def test_peaks_are_of_the_last_communication_step_and_none_is_missed(opened, steps):
+def test_peaks_are_of_the_last_communication_step_and_none_is_missed(opened, steps, method):
     """The peak of the whole is v/omega and v sqrt(k m) however it is cut; a step without contact has none."""
     depths, forces = [], []
 
@@ -221,7 +223,8 @@ def test_peaks_are_of_the_last_communication_step_and_none_is_missed(opened, ste
         depths.append(fmu["contact.peak_penetration"])
         forces.append(fmu["contact.peak_force"])
 
-    fmu = run(opened("SphereSphere"), head_on("sphere", "outside"), END, steps, each=record)
+    values = head_on("sphere", "outside")
+    fmu = run(opened("SphereSphere"), values, END, steps, method=method, each=record)
     check_relative("peak penetration", max(depths), SPEED * math.sqrt(1 / STIFFNESS), RELATIVE)
     check_relative("peak force", max(forces), SPEED * math.sqrt(STIFFNESS), RELATIVE)
     fmu.step(0.01)

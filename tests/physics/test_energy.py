@@ -82,10 +82,11 @@ def test_energy_balances_in_random_scenes(opened, shape, kind, seed, method):
     balance.check()
 
 
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(
     "shape, kind, seed", [scene for scene in SCENES if scene[1] in ("both free", "inside")]
 )
-def test_every_term_is_what_it_says(opened, shape, kind, seed):
+def test_every_term_is_what_it_says(opened, shape, kind, seed, method):
     configuration, end = random_scene(shape, kind, seed)
 
     def check_terms(fmu):
@@ -101,7 +102,7 @@ def test_every_term_is_what_it_says(opened, shape, kind, seed):
         check_close("energy.potential", fmu["energy.potential"], potential, 1e-13 * (1 + abs(potential)) * 10)
         check_close("energy.contact", fmu["energy.contact"], stored, 1e-10 * (1e-3 + stored))
 
-    run(opened(FMU[shape]), configuration, end, 50, each=check_terms)
+    run(opened(FMU[shape]), configuration, end, 50, method=method, each=check_terms)
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -14,7 +14,7 @@ ALLOWED = 1e-7  # of the size of the motion; both runs at tolerance 1e-10
 OUTPUTS = ["source.position", "source.velocity", "destination.position", "destination.velocity"]
 
 
-def outcome(opened, scene, method="cvode_bdf", steps=3):
+def outcome(opened, scene, method, steps=3):
     fmu = run(opened(FMU[scene.shape]), scene.configuration, scene.end, steps, method=method)
     return {name: np.array(fmu[name]) for name in [*OUTPUTS, *RESULTS]}
 
@@ -115,9 +115,10 @@ def unit_factor(name, metre, second, kilogram):
     return 1.0
 
 
+@pytest.mark.parametrize("method", METHODS)
 @BOUNDED
 @given(scene=scenes(), powers=st.tuples(*[st.integers(-8, 8)] * 3))
-def test_units_do_not_matter(opened, scene, powers):
+def test_units_do_not_matter(opened, method, scene, powers):
     """Powers of two rescale without rounding; the solver's absolute tolerance is scaled as a length."""
     units = [2.0**power for power in powers]
     rescaled = {
@@ -126,14 +127,16 @@ def test_units_do_not_matter(opened, scene, powers):
         else value
         for name, value in {**scene.configuration, "solver.absolute_tolerance": 1e-14}.items()
     }
-    ends = outcome(opened, scene)
-    again = outcome(opened, scene._replace(configuration=rescaled, end=scene.end * units[1]))
+    ends = outcome(opened, scene, method)
+    again = outcome(opened, scene._replace(configuration=rescaled, end=scene.end * units[1]), method)
     check_same({name: value / unit_factor(name, *units) for name, value in again.items()}, ends)
 
 
+@pytest.mark.parametrize("method", METHODS)
 @BOUNDED
 @given(scene=scenes(shapes=["cylinder"]), factor=st.sampled_from([-1.0, 1e-3, -1e140, 1e-140]))
-def test_length_and_sign_of_the_axis_do_not_matter(opened, scene, factor):
+def test_length_and_sign_of_the_axis_do_not_matter(opened, method, scene, factor):
     axis = np.array(scene.configuration["destination.axis"]) * factor
     again = {**scene.configuration, "destination.axis": axis.tolist()}
-    check_same(outcome(opened, scene._replace(configuration=again)), outcome(opened, scene))
+    turned = outcome(opened, scene._replace(configuration=again), method)
+    check_same(turned, outcome(opened, scene, method))

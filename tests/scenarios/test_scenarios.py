@@ -23,6 +23,7 @@ def ignore(_steps):
 def test_every_claim_of_the_scenario_holds_in_every_run(file):
     result = run_scenario(read_scenario(file), None, ignore)
     assert result.failures == []
+    assert result.results
     broken = [
         (one.variant.label, one.claim.text, one.outcome, one.error) for one in result.results if not one.holds
     ]

@@ -10,12 +10,14 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
+from contact_fmus.stability import command
 from contact_fmus.stability.checks import LIMITS, Figures
 from contact_fmus.stability.command import QUICK
+from contact_fmus.stability.drive import Outcome
 from contact_fmus.stability.head_on import HeadOn
 from contact_fmus.stability.limits import groups, write_csv
 from contact_fmus.stability.page import draw_page
-from contact_fmus.stability.run import METHODS, run_all, run_scene, thinned
+from contact_fmus.stability.run import METHODS, not_right, row_of, run_all, run_scene, thinned
 from contact_fmus.stability.scene import Scene
 from contact_fmus.stability.scenes import FAMILIES, all_scenes
 from contact_fmus.stability.similar import Similar, Units, bases
@@ -31,16 +33,49 @@ def rows():
 
 
 @pytest.mark.parametrize("family", [family.name for family in FAMILIES])
-def test_event_driven_is_right_or_says_what_stops_it(rows, family):
+def test_event_driven_is_right(rows, family):
     own = [row for row in rows if row.family == family and row.method == "event_driven"]
     assert len(own) >= 4
-    wrong = [
-        (row.wrong, row.value, row.geometry, row.law, row.note, row.communication_steps)
-        for row in own
-        if row.wrong
+    found = [
+        (
+            row.wrong,
+            row.status,
+            row.message,
+            row.value,
+            row.geometry,
+            row.law,
+            row.note,
+            row.communication_steps,
+        )
+        for row in not_right(own, "event_driven")
     ]
-    assert wrong == []
-    assert all(row.message for row in own if row.status != "ok")
+    assert found == []
+    for row in own:
+        assert math.isfinite(row.error), row
+        assert math.isfinite(row.balance) and math.isfinite(row.momentum), row
+
+
+def test_a_run_that_did_not_come_to_its_end_is_not_right():
+    """Figures of nothing are never wrong: the status has to be asked for."""
+    scene = Scene("damping", 0.2, HeadOn(ratio=0.2))
+    right = run_scene(scene, ("event_driven",))
+    assert not_right(right, "event_driven") == []
+    for status in ("refused", "discarded", "error"):
+        outcome = Outcome(status=status, message="fmi2DoStep failed with status 3 (error).")
+        row = row_of(scene, "event_driven", 1, outcome, Figures())
+        assert row.wrong == "" and not_right([*right, row], "event_driven") == [row]
+
+
+def test_the_check_fails_where_a_run_did_not_come_to_its_end(monkeypatch, tmp_path, capsys):
+    scene = Scene("damping", 0.2, HeadOn(ratio=0.2))
+    rows = run_scene(scene, ("event_driven",))
+    monkeypatch.setattr(command, "_measured", lambda options: rows)
+    monkeypatch.setattr(command, "draw_page", lambda *_: [])
+    assert command.main(["--check", "--output", str(tmp_path)]) == 0
+    rows[0].status = "error"
+    assert command.main(["--output", str(tmp_path)]) == 0
+    assert command.main(["--check", "--output", str(tmp_path)]) == 1
+    assert "not right: damping" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("method", CVODE)
@@ -51,11 +86,14 @@ def test_cvode_is_right_where_it_ends(rows, method):
         if row.method == method and row.wrong and row.family not in NAMED
     ]
     assert wrong == []
+    ended = [row for row in rows if row.method == method and row.status == "ok"]
+    assert all(math.isfinite(row.error) and math.isfinite(row.balance) for row in ended)
 
 
 @pytest.mark.parametrize("method", CVODE)
 def test_cvode_refuses_at_its_work_limit_and_nowhere_else(rows, method):
     refused = [row for row in rows if row.method == method and row.status != "ok"]
+    assert {row.status for row in refused} == {"discarded"}
     assert all("solver.max_internal_steps" in row.message for row in refused)
     ended = sum(row.status == "ok" for row in rows if row.method == method)
     assert ended > 5 * len(refused) > 0
@@ -93,17 +131,19 @@ def test_the_declared_ranges_are_swept():
     assert math.isclose(min(sizes), 1e-9) and math.isclose(max(sizes), 1e3)
 
 
-def test_other_units_give_the_same_bits(rows):
+def test_other_units_give_the_same_bits():
     """event_driven: nothing in it knows a metre, a kilogram or a second."""
     units = [Units(), Units(length=-30), Units(mass=20), Units(time=-20), Units(20, -20, 10)]
     for number in range(0, len(bases()), 9):
-        found = {
-            row.bits
+        name = bases()[number]["name"]
+        found = [
+            row
             for system in units
-            for row in run_scene(Scene("units", 0.0, Similar(number, system), steps=(3,)))
-            if row.method == "event_driven"
-        }
-        assert len(found) == 1, bases()[number]["name"]
+            for row in run_scene(Scene("units", 0.0, Similar(number, system), steps=(3,)), METHODS[:1])
+        ]
+        assert [row.status for row in found] == ["ok"] * len(units), (name, [row.message for row in found])
+        assert all(row.bits for row in found), name
+        assert len({row.bits for row in found}) == 1, name
 
 
 def test_a_wrong_answer_is_found():

@@ -8,12 +8,15 @@ from contact_fmus.stability.checks import Figures
 
 @pytest.mark.parametrize("first", range(0, 100, 20))
 def test_the_first_seeds_are_right(first):
+    compared = 0
     for seed in range(first, first + 20):
         rows = beyond.run_seed(seed)
         if isinstance(rows, str):
             assert rows == "no root found in 400 steps"  # of the closed form, which has no more to say
             continue
+        compared += 1
         assert [beyond.line_of(row) for row in rows if row.wrong or row.status != "ok"] == []
+    assert compared >= 15
 
 
 @pytest.mark.parametrize("seed", [655, 705, 756, 785, 1117, 1439, 1779, 5273])

@@ -52,7 +52,7 @@ def start(fmu, configuration, tolerance=None, method=None):
     return fmu
 
 
-def run(fmu, configuration, end, steps=10, tolerance=1e-10, method="cvode_bdf", each=None):
+def run(fmu, configuration, end, steps=10, tolerance=1e-10, method="event_driven", each=None):
     """From 0 to `end` in equal communication steps; `each(fmu)` is called at the start and after every
     step.
     """

@@ -81,6 +81,11 @@ def run_scene(scene: Scene, methods: Sequence[str] = METHODS) -> list[SceneRun]:
     return rows
 
 
+def not_right(rows: Sequence[SceneRun], method: str) -> list[SceneRun]:
+    """The method's runs that are wrong or did not come to their end: of those nothing was compared"""
+    return [row for row in rows if row.method == method and (row.wrong or row.status != "ok")]
+
+
 def row_of(scene: Scene, method: str, steps: int, outcome: Outcome, found: Figures) -> SceneRun:
     motion, counts = scene.motion, outcome.counts
     return SceneRun(

@@ -11,37 +11,37 @@ The number type is float (quick) or decimal.Decimal (40 digits, the check of flo
 external work and impulse ride along as further states.
 """
 
-from dataclasses import dataclass
-
 from support.reference.law import ReferenceContact, complete, start_motion
-from support.reference.series import Tape, evaluate, first_root, square_root
+from support.reference.paths import GivenPath, shifted
+from support.reference.series import evaluate, first_root, highest, square_root
+from support.reference.span import CLIPPED, FLIGHT, FULL, SPRING, SpanMaker
 
-FLIGHT, FULL, SPRING, CLIPPED = "flight", "spring and dashpot", "spring alone", "clipped"
-
-
-@dataclass
-class Span:
-    """The series of one step: states by name, and what events and step length are read from."""
-
-    states: dict
-    conditions: list  # (event name, row, sign that makes it positive now)
-    resolved: list  # rows that limit the step; none in flight
+# A gap at the start that eight roundings of its terms could have made is none: the bodies just touch. With
+# forty digits the gap is that of the numbers given, to the last one.
+START_ROUNDING = 8 * 2.0**-53
+SLIGHT = 1e-10  # m/s of the rate, m of the gap: the tolerance that runs are asked for
 
 
-class Reference:
+class Reference(SpanMaker):
     """Configuration as for ReferenceContact; "<input>.derivatives" gives a list of first and second
     derivatives at time 0.
+
+    `straight`: the bodies move on the line through their centres (or across the axis) and may pass the
+    centre, where the normal turns round. The distance is then the place on that line with a sign, whose
+    change is an event.
     """
 
-    def __init__(self, configuration, shape, number=float, order=24):
+    def __init__(self, configuration, shape, number=float, order=24, straight=False):
         derivatives = {k: v for k, v in configuration.items() if k.endswith(".derivatives")}
         plain = {k: v for k, v in configuration.items() if k not in derivatives}
         law = ReferenceContact(plain, shape)
         self.values = {**complete(plain), **derivatives}
         self.number, self.order, self.zero = number, order, number(0)
         motion = start_motion(self.values)
-        self.position, self.velocity = {}, {}
+        self.position, self.velocity, self.given = {}, {}, {}
         for body in ("source", "destination"):
+            if self.values[f"{body}.motion"] == "prescribed":
+                self.given[body] = GivenPath(self.values, body, number)
             shift = getattr(motion, f"{body}_displacement")
             center = self.vector(f"{body}.center")
             self.position[body] = [c + number(float(u)) for c, u in zip(center, shift, strict=True)]
@@ -62,8 +62,30 @@ class Reference:
         self.time = self.dissipated = self.external_work = self.zero
         self.impulse = [self.zero] * 3  # of the contact on the source
         self.onsets, self.onset_times, self.durations, self.steps = 0, [], [], 0
+        self.happened = set()  # names of conditions that went through zero
+        self.event_times = []  # when the regime of the contact changed
+        # The most that the gap's rate was on its side of zero since it changed sign, and the events that
+        # begin or end less than SLIGHT of that: nobody with a tolerance can be asked to see them.
+        self.clearest, self.slight = self.zero, set()
         self.law_regime, self.on_root = FULL, None
+        self.line = self.line_through_the_centre() if straight else None
+        self.window = self.peak_force = self.peak_penetration = self.zero  # peaks are those from `window` on
+        self.within = True
         self.decide_start()
+        self.from_rest = False
+
+    def line_through_the_centre(self):
+        c = self.apart(self.position)[0]
+        length = square_root(sum(x * x for x in c))
+        return [x / length for x in c]
+
+    def apart(self, rows):
+        """Source to destination across the axis, and along it."""
+        c = [b - a for a, b in zip(rows["source"], rows["destination"], strict=True)]
+        if not self.axis:
+            return c, self.zero
+        along = sum(x * e for x, e in zip(c, self.axis, strict=True))
+        return [x - along * e for x, e in zip(c, self.axis, strict=True)], along
 
     def vector(self, name):
         return [self.number(x) for x in self.values[name]]
@@ -72,37 +94,62 @@ class Reference:
 
     def present(self):
         """g, its rate, c.e_d and its rate, now."""
-        c, w = (
-            [b - a for a, b in zip(rows["source"], rows["destination"], strict=True)]
-            for rows in (self.position, self.velocity)
-        )
-        along = along_rate = self.zero
-        if self.axis:
-            along, along_rate = (sum(x * e for x, e in zip(row, self.axis, strict=True)) for row in (c, w))
-            c = [x - along * e for x, e in zip(c, self.axis, strict=True)]
-            w = [x - along_rate * e for x, e in zip(w, self.axis, strict=True)]
+        (c, along), (w, along_rate) = self.apart(self.position), self.apart(self.velocity)
+        if self.line:
+            distance, rate = (sum(x * n for x, n in zip(row, self.line, strict=True)) for row in (c, w))
+            return self.sign * (distance - self.surface), self.sign * rate, along, along_rate
         distance = square_root(sum(x * x for x in c))
         rate = sum(x * y for x, y in zip(c, w, strict=True)) / distance if distance else self.zero
         return self.sign * (distance - self.surface), self.sign * rate, along, along_rate
 
     def decide_start(self):
         gap, rate, along, _ = self.present()
-        self.touching = gap < 0 or (gap == 0 and rate < 0)
+        rounding = self.surface * START_ROUNDING if self.number is float else self.zero
+        if abs(gap) <= rounding:
+            gap, self.on_root = self.zero, "gap"
+            self.close_gap()
+        self.just_touches = self.on_root == "gap"
+        self.from_rest = gap == 0 and rate == 0
+        self.touching = gap < 0 or (gap == 0 and rate < 0) or (self.from_rest and self.closes_from_rest())
         self.within = self.half_length is None or abs(along) <= self.half_length
         self.begin_contact()
+
+    def close_gap(self):
+        """The gap is zero here and now: its rounding would look like another event soon."""
+        self.surface = self.surface + self.sign * self.present()[0]
+
+    def closes_from_rest(self):
+        """Whether bodies that just touch, at rest, are about to overlap: by the first power of the time in
+        which the gap of a flight changes."""
+        self.touching = False
+        row = next(row for name, row in self.span(FLIGHT).conditions if name == "gap")
+        noise = max(map(abs, row)) * self.number(10) ** (-13)
+        return next((c < 0 for c in row[1:] if abs(c) > noise), False)
 
     def begin_contact(self):
         if not (self.touching and self.within):
             return
         self.onsets += 1
         self.onset_times.append(self.time)
+        self.begin_law()
+
+    def begin_law(self):
+        """The branch of the law by the gap and its rate of now."""
         gap, rate, _, _ = self.present()
         formula = -self.penalty * (self.zero if self.on_root == "gap" else gap) - self.viscous * rate
         self.law_regime = FULL
-        if self.dashpot == "approach_only" and rate >= 0:
+        parts = rate > 0 or (rate == 0 and not self.from_rest)
+        if self.dashpot == "approach_only" and self.viscous and parts:
             self.law_regime = SPRING
         if self.dashpot == "non_adhesive" and self.viscous and formula < 0:
             self.law_regime = CLIPPED
+
+    def sure_events(self):
+        """How many events there are in any case; two at the same instant may count as one."""
+        slight = set(self.slight)
+        if self.happened & {"rate"} and self.clearest < SLIGHT:
+            slight.add(len(self.event_times) - 1)
+        return len({time for i, time in enumerate(self.event_times) if i not in slight})
 
     def regime(self):
         return self.law_regime if self.touching and self.within else FLIGHT
@@ -115,16 +162,26 @@ class Reference:
 
     def happen(self, event):
         self.on_root = event
-        before = self.touching and self.within
+        self.happened.add(event)
+        before, regime = self.touching and self.within, self.regime()
         stored = self.stored_energy()
         if event == "gap":
             self.touching = not self.touching
+            self.close_gap()
         elif event.startswith("end"):
             self.within = not self.within
         elif event == "rate":
+            if self.clearest < SLIGHT:
+                self.slight |= {len(self.event_times) - 1, len(self.event_times)}
+            self.clearest = self.zero
             self.law_regime = SPRING if self.law_regime == FULL else FULL
         elif event == "force":
+            if self.law_regime == FULL and abs(self.present()[0]) < SLIGHT:
+                self.slight.add(len(self.event_times))  # let go this near the surface is to part
             self.law_regime = CLIPPED if self.law_regime == FULL else FULL
+        elif event == "centre":
+            self.line = [-n for n in self.line]
+            self.begin_law()
         after = self.touching and self.within
         if before and not after:
             self.durations.append(self.time - self.onset_times[-1])
@@ -132,122 +189,8 @@ class Reference:
             self.begin_contact()
         if event.startswith("end"):
             self.dissipated = self.dissipated + stored - self.stored_energy()
-
-    # The series of a step.
-
-    def outer_rate(self, body):
-        """Row of accelerations without the contact, and the external force as polynomials in the
-        time since now.
-        """
-        kind = self.values[f"{body}.motion"]
-        force = [[self.zero]] * 3
-        if kind == "fixed":
-            return [[self.zero]] * 3, force
-        if kind == "prescribed":
-            given = self.values.get(f"{body}.prescribed_velocity.derivatives", [[0.0] * 3])
-            return [[self.number(a)] for a in given[0]], force
-        given = [
-            self.values[f"{body}.external_force"],
-            *self.values.get(f"{body}.external_force.derivatives", []),
-        ]
-        given += [[0.0] * 3] * (3 - len(given))
-        mass, t = self.number(self.values[f"{body}.mass"]), self.time
-        rates, forces = [], []
-        for weight, row in zip(self.vector("gravity"), zip(*given, strict=True), strict=True):
-            f0, f1, f2 = map(self.number, row)
-            forces.append([f0 + f1 * t + f2 * t * t / 2, f1 + f2 * t, f2 / 2])
-            rates.append([weight + forces[-1][0] / mass, forces[-1][1] / mass, forces[-1][2] / mass])
-        return rates, forces
-
-    def span(self, regime):
-        tape = Tape(self.number)
-        x = {body: [tape.state(p) for p in self.position[body]] for body in self.position}
-        v = {body: [tape.state(p) for p in self.velocity[body]] for body in self.velocity}
-        c = [tape.linear([(1, b), (-1, a)]) for a, b in zip(x["source"], x["destination"], strict=True)]
-        w = [tape.linear([(1, b), (-1, a)]) for a, b in zip(v["source"], v["destination"], strict=True)]
-        conditions = []
-        if self.axis:
-            along = tape.linear(list(zip(self.axis, c, strict=True)))
-            along_rate = tape.linear(list(zip(self.axis, w, strict=True)))
-            c = [tape.linear([(1, row), (-e, along)]) for e, row in zip(self.axis, c, strict=True)]
-            w = [tape.linear([(1, row), (-e, along_rate)]) for e, row in zip(self.axis, w, strict=True)]
-            if self.half_length is not None:
-                conditions += [
-                    (name, tape.linear([(side, along)], self.half_length), 1)
-                    for name, side in (("end+", -1), ("end-", 1))
-                ]
-        square = tape.dot(c, c)
-        beyond = tape.linear([(self.sign, square)], -self.sign * self.surface**2)
-        conditions.append(("gap", beyond, -1 if self.touching else 1))  # g times a positive length
-        push, rates, resolved = None, {}, []
-        if regime != FLIGHT:
-            gap, gap_rate, formula, force, push = self.contact_rows(tape, regime, c, w, square)
-            resolved = [*c, gap]
-            if self.dashpot == "approach_only":
-                conditions.append(("rate", gap_rate, -1 if regime == FULL else 1))
-            if self.dashpot == "non_adhesive" and self.viscous:  # without a dashpot the gap ends it all
-                conditions.append(("force", formula, -1 if regime == CLIPPED else 1))
-            lost = tape.linear([(1, force), (self.penalty, gap)])
-            rates["dissipated"] = tape.linear([(-1, tape.product(lost, gap_rate))])
-        states = {("position", body): x[body] for body in x} | {("velocity", body): v[body] for body in v}
-        powers = []
-        for body, side in (("source", 1), ("destination", -1)):
-            self.equation_of_motion(tape, body, side, x[body], v[body], push, powers)
-        rates["external_work"] = tape.linear([(1, power) for power in powers])
-        if push:
-            states["impulse"] = [tape.state(p) for p in self.impulse]
-            for state, row in zip(states["impulse"], push, strict=True):
-                tape.integrate(state, row)
-        for name, row in rates.items():
-            states[name] = tape.state(getattr(self, name))
-            tape.integrate(states[name], row)
-        tape.grow(10 if regime == FLIGHT else self.order)
-        return Span(states, self.oriented(conditions), resolved)
-
-    def contact_rows(self, tape, regime, c, w, square):
-        """g, its rate, the formula's force, the force and its vector on the source (along -/+ rho
-        outside/inside).
-        """
-        distance = tape.root(square)
-        rate = tape.quotient(tape.dot(c, w), distance)
-        gap = tape.linear([(self.sign, distance)], -self.sign * self.surface)
-        gap_rate = tape.linear([(self.sign, rate)])
-        formula = tape.linear([(-self.penalty, gap), (-self.viscous, gap_rate)])
-        force = {
-            FULL: formula,
-            SPRING: tape.linear([(-self.penalty, gap)]),
-            CLIPPED: tape.polynomial([self.zero]),
-        }[regime]
-        ratio = tape.quotient(force, distance)
-        push = [tape.linear([(-self.sign, tape.product(ratio, row))]) for row in c]
-        return gap, gap_rate, formula, force, push
-
-    def equation_of_motion(self, tape, body, side, position, velocity, push, powers):
-        outer, force = self.outer_rate(body)
-        kind = self.values[f"{body}.motion"]
-        mass = self.number(self.values[f"{body}.mass"])
-        for i in range(3):
-            rate = tape.polynomial(outer[i])
-            if push and kind == "free":
-                rate = tape.linear([(1, rate), (side / mass, push[i])])
-            tape.integrate(position[i], velocity[i])
-            tape.integrate(velocity[i], rate)
-            if kind == "free":
-                powers.append(tape.product(tape.polynomial(force[i]), velocity[i]))
-            elif kind == "prescribed" and push:  # what moves the body works against the contact
-                powers.append(tape.linear([(-side, tape.product(push[i], velocity[i]))]))
-
-    def oriented(self, conditions):
-        """Each condition with the sign that makes it positive on this side of its event."""
-        result = []
-        for name, row, sign in conditions:
-            if name.startswith("end"):
-                sign = 1 if self.within or name != self.nearer_end() else -1
-            result.append((name, [sign * c for c in row]))
-        return result
-
-    def nearer_end(self):
-        return "end+" if self.present()[2] > 0 else "end-"
+        if self.regime() != regime:
+            self.event_times.append(self.time)
 
     # Running.
 
@@ -277,12 +220,30 @@ class Reference:
                 if root is not None:
                     step, event = root, name
             self.steps += 1
+            self.note_peaks(span, step)
             self.advance(span, step)
             self.on_root = None
             self.time = end if event is None and step >= end - self.time else self.time + step
+            for body, path in self.given.items():
+                self.position[body], self.velocity[body] = (
+                    [r[0] for r in rows] for rows in path.at(self.time)
+                )
             if event is not None:
                 self.happen(event)
         return self
+
+    def note_peaks(self, span, step):
+        if span.loads and self.dashpot == "approach_only":
+            side = -1 if self.law_regime == FULL else 1
+            rate = [side * c for c in span.loads[2]]
+            self.clearest = highest(rate, step, self.number, self.clearest)
+        skipped = max(self.zero, self.window - self.time)
+        if span.loads and skipped <= step:
+            force, gap, _ = (shifted(row, skipped) if skipped else row for row in span.loads)
+            depth = [-c for c in gap]
+            rest = step - skipped
+            self.peak_force = highest(force, rest, self.number, self.peak_force)
+            self.peak_penetration = highest(depth, rest, self.number, self.peak_penetration)
 
     def advance(self, span, step):
         for key, rows in span.states.items():

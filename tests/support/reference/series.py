@@ -149,7 +149,7 @@ def first_root(row, span, number, fresh=False):
     if fresh:
         scaled = scaled[1:]
         noise = max(map(abs, scaled)) * number(10) ** (-14)
-        while len(scaled) > 1 and scaled[0] < 0 and -scaled[0] < noise:
+        while len(scaled) > 1 and scaled[0] <= 0 and -scaled[0] < noise:
             scaled = scaled[1:]
     if scaled[0] > sum(map(abs, scaled[1:])):
         return None
@@ -159,6 +159,26 @@ def first_root(row, span, number, fresh=False):
     bits = 60 if number is float else 120
     place = first_crossing(points, number(0), number(1), bits)
     return None if place is None else polished(scaled, place, number) * span
+
+
+def highest(row, span, number, known):
+    """The larger of `known` and the largest value of the series on [0, span], to 14 digits: Bernstein
+    coefficients bound it, and halves that cannot hold more than is known are left alone.
+    """
+    scaled, power = [], number(1)
+    for coefficient in row:
+        scaled.append(coefficient * power)
+        power = power * span
+    open_parts = [[sum(map(mul, weights, scaled)) for weights in bernstein_matrix(len(row) - 1, number)]]
+    best = max(known, open_parts[0][0], open_parts[0][-1])
+    slack = max(map(abs, open_parts[0])) * number(10) ** (-14)
+    while open_parts:
+        points = open_parts.pop()
+        if max(points) > best + slack:
+            left, right = split(points)
+            best = max(best, right[0])
+            open_parts += [left, right]
+    return best
 
 
 def polished(scaled, place, number):
