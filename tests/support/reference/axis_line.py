@@ -13,6 +13,13 @@ from scipy.optimize import brentq
 PLACES = 24  # in each radian of the motion, to find roots between
 
 
+def root_between(value, low, high):
+    """Where a value that falls from low to high is zero; the places are rounded, so it may be at an end."""
+    if value(low) <= 0.0:
+        return low
+    return brentq(value, low, high, xtol=1e-300, rtol=1e-15) if value(high) < 0.0 else high
+
+
 class Line:
     def __init__(self, s, rate, mass, reach, stiffness, damping, dashpot, pull=0.0):
         self.s, self.rate, self.mass, self.reach, self.pull = s, rate, mass, reach, pull
@@ -74,9 +81,7 @@ class Line:
             values = [condition(x) for x in states]
             for i in range(1 if name == just else 0, len(times) - 1):
                 if values[i] > 0.0 and values[i + 1] <= 0.0:
-                    root = brentq(
-                        lambda t, of=condition: of(state(t)), times[i], times[i + 1], xtol=1e-300, rtol=1e-15
-                    )
+                    root = root_between(lambda t, of=condition: of(state(t)), times[i], times[i + 1])
                     first, event = (root, name) if root < first else (first, event)
                     break
         return first, event, state(first)

@@ -4,7 +4,7 @@ Runs N scenes of each family of scene_families.py (all families without one name
 each failure, with all values of the scene, and at the end how many failed in which figure. The status is 1
 where something failed. From the repository:
 
-    PYTHONPATH=scripts:tests .venv/bin/python -m support.scenes.sweep_scenes "from zero" --first 100 --count 400
+    PYTHONPATH=scripts:tests .venv/bin/python -m support.scenes.sweep_scenes "from zero" --count 400
 """
 
 import argparse
