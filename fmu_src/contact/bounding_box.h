@@ -1,8 +1,9 @@
-/* The axis-aligned box around bodies, whose diagonal scales the automatic penalty factors. World frame, metres. */
-#ifndef CONTACT_BOUNDING_BOX_H
-#define CONTACT_BOUNDING_BOX_H
+/* The axis-aligned box around bodies, whose diagonal scales the automatic penalty factors. World frame,
+ * metres. */
+#ifndef CONTACT_CONTACT_BOUNDING_BOX_H
+#define CONTACT_CONTACT_BOUNDING_BOX_H
 
-#include "contact/vec3.h"
+#include "math/vec3.h"
 
 struct bounding_box {
     struct vec3 low, high;
@@ -19,7 +20,8 @@ struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, str
 /* Diagonal of the smallest box around both [m]. */
 double bounding_box_diagonal(const struct bounding_box *a, const struct bounding_box *b);
 
-/* d/dt of that diagonal while b moves with `rate` [m/s]; where edges of both lie on each other, it is a's that counts. */
+/* d/dt of that diagonal while b moves with `rate` [m/s]; where edges of both lie on each other, it is a's
+ * that counts. */
 double bounding_box_diagonal_rate(const struct bounding_box *a, const struct bounding_box *b,
                                   struct vec3 rate);
 

@@ -1,6 +1,6 @@
 /* The choices a scene offers. The values are those of the FMI enumerations and never change. */
-#ifndef CONTACT_CHOICES_H
-#define CONTACT_CHOICES_H
+#ifndef CONTACT_CONTACT_CHOICES_H
+#define CONTACT_CONTACT_CHOICES_H
 
 enum shape { SHAPE_SPHERE, SHAPE_CYLINDER };
 

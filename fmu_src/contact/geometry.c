@@ -12,7 +12,7 @@ static bool fills_shell(const struct contact_shape *shape)
     return shape->side < 0 && shape->source_radius > 0.5 * shape->other_radius;
 }
 
-/* Taken off one at a time, the larger first: the sum r_s + r_d would round once more. */
+/* The radii are subtracted one after the other, the larger first: their sum would be rounded once more. */
 static double gap_at(const struct contact_shape *shape, double distance)
 {
     const double source = shape->source_radius;
@@ -20,13 +20,15 @@ static double gap_at(const struct contact_shape *shape, double distance)
     if (shape->side > 0) {
         return source > other ? (distance - source) - other : (distance - other) - source;
     }
-    /* Of a body that all but fills its shell other - source is exact; of a smaller one other - distance is, where they touch. */
+    /* other - source is exact for a source that nearly fills its shell; other - distance is exact for a
+     * smaller one where they touch. */
     return fills_shell(shape) ? (other - source) - distance : (other - distance) - source;
 }
 
 /*
- * Near the axis what is left of c is the rounding of the projection, which points anywhere, along the axis too: projected once
- * more it lies across, to rounding of its own size; where nothing is left then, c is on the axis.
+ * Near the axis what is left of c is the rounding of the projection, which points anywhere, along the axis
+ * too: projected once more it lies across, to rounding of its own size; where nothing is left then, c is on
+ * the axis.
  */
 struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial)
 {
@@ -79,7 +81,7 @@ struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 no
     return across;
 }
 
-struct vec3 contact_way_out(const struct contact_shape *shape, struct vec3 w, struct vec3 fallback)
+struct vec3 contact_escape_direction(const struct contact_shape *shape, struct vec3 w, struct vec3 fallback)
 {
     if (contact_is_cylinder(shape)) {
         w = contact_across_axis(shape, w, vec3_dot(w, shape->axis));

@@ -1,21 +1,23 @@
 /*
- * Geometry of one contact: where the source sphere is relative to the destination, in the world frame, SI units.
+ * Geometry of one contact: where the source sphere is relative to the destination, in the world frame, SI
+ * units.
  *
  *   c = x_dst - x_src     separation [m], w = v_dst - v_src its rate [m/s]
  *   sphere:    d = |c|,   n = c / d
  *   cylinder:  rho = c - (c.e_d) e_d, d = |rho|, n = rho / d
  *   outside:   g = d - (r_s + r_d)        inside a hollow destination:   g = (r_d - r_s) - d
  *
- * Both are g = side (d - reach) with side +1 outside, -1 inside, and reach r_s + r_d or r_d - r_s, so that
- * g' = side n.w. The gradient of d with respect to c is n for both shapes; n is perpendicular to e_d for a cylinder.
+ * Both are g = side (d - reach) with side +1 outside, -1 inside, and reach r_s + r_d or r_d - r_s, so that g'
+ * = side n.w. The gradient of d with respect to c is n for both shapes; n is perpendicular to e_d for a
+ * cylinder.
  */
-#ifndef CONTACT_GEOMETRY_H
-#define CONTACT_GEOMETRY_H
+#ifndef CONTACT_CONTACT_GEOMETRY_H
+#define CONTACT_CONTACT_GEOMETRY_H
 
 #include <stdbool.h>
 
 #include "contact/choices.h"
-#include "contact/vec3.h"
+#include "math/vec3.h"
 
 /* What does not change while a contact exists. */
 struct contact_shape {
@@ -28,17 +30,20 @@ struct contact_shape {
 };
 
 struct contact_geometry {
-    struct vec3 normal; /* n, unit; towards the destination's centre or axis; the fallback where d = 0 */
+    /* n, unit; towards the destination's centre or axis; the fallback where d = 0 */
+    struct vec3 normal;
     struct vec3 offset; /* c of a sphere, rho of a cylinder [m] */
     double distance;    /* d [m] */
     double gap;         /* g, radial, whether or not the source is within a cylinder's extents [m] */
-    double gap_terms;   /* what rounds in g besides d: r_s + r_d, or r_d - r_s where that is exact [m] */
-    double gap_rate;    /* g' [m/s] */
-    double axial;       /* c.e_d [m]; 0 for a sphere */
-    bool degenerate;    /* d = 0: n is the fallback */
+    /* what rounds in g besides d: r_s + r_d, or r_d - r_s where that is exact [m] */
+    double gap_terms;
+    double gap_rate; /* g' [m/s] */
+    double axial;    /* c.e_d [m]; 0 for a sphere */
+    bool degenerate; /* d = 0: n is the fallback */
 };
 
-/* Whether the destination is a cylinder; never, at compile time, where the build knows of spheres only (ContactFmu.cmake). */
+/* Whether the destination is a cylinder; never, at compile time, where the build knows of spheres only
+ * (ContactFmu.cmake). */
 static inline bool contact_is_cylinder(const struct contact_shape *shape)
 {
 #ifdef CONTACT_SPHERES_ONLY
@@ -49,8 +54,8 @@ static inline bool contact_is_cylinder(const struct contact_shape *shape)
 #endif
 }
 
-/* Whether the part of a vector across the axis, `across`, is so small beside its part along the axis that a single projection
- * leaves it less than about half of its digits. */
+/* Whether the part of a vector across the axis, `across`, is so small beside its part along the axis that a
+ * single projection leaves it less than about half of its digits. */
 static inline bool contact_is_near_axis(struct vec3 across, double axial)
 {
     return fabs(across.x) + fabs(across.y) + fabs(across.z) <= 1e-8 * fabs(axial);
@@ -72,20 +77,23 @@ double contact_reach(const struct contact_shape *shape);
 struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
                                             struct vec3 fallback);
 
-/* Whether the source's centre lies between the end planes of the destination (always, unless it is finite). */
+/* Whether the source's centre lies between the end planes of the destination (always, unless it is
+ * finite). */
 bool contact_within_extents(const struct contact_shape *shape, double axial);
 
 /* e_c as users see it: towards the destination's centre (sphere) or towards the contact point (cylinder). */
 struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at);
 
-/* The part of w that turns n: without its components along n and along a cylinder's axis [m/s]. */
+/* The part of w that rotates n: without its components along n and along a cylinder's axis [m/s]. */
 struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w);
 
-/* Where d = 0 the distance can only grow: the unit vector along w, across a cylinder's axis, `fallback` where nothing of w is. */
-struct vec3 contact_way_out(const struct contact_shape *shape, struct vec3 w, struct vec3 fallback);
+/* The escape direction at d = 0, where the distance can only grow: the unit vector along w, perpendicular to
+ * a cylinder's axis; `fallback` where w has no such part. */
+struct vec3 contact_escape_direction(const struct contact_shape *shape, struct vec3 w, struct vec3 fallback);
 
-/* A unit vector to start from where no direction is known: -z for a sphere (the source above the destination);
- * for a cylinder the coordinate axis least aligned with e_d, made perpendicular to it, negative. */
+/* A unit vector to start from where no direction is known: -z for a sphere (the source above the
+ * destination); for a cylinder the coordinate axis least aligned with e_d, made perpendicular to it,
+ * negative. */
 struct vec3 contact_default_normal(const struct contact_shape *shape);
 
 #endif

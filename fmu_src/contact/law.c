@@ -9,22 +9,22 @@ enum contact_regime contact_regime_of(const struct contact_law *law, double gap,
     }
     if (law->damping > 0.0) {
         if (law->dashpot == DASHPOT_NON_ADHESIVE && law->stiffness * gap + law->damping * gap_rate >= 0.0) {
-            return REGIME_RELEASED;
+            return REGIME_SEPARATING;
         }
         if (law->dashpot == DASHPOT_APPROACH_ONLY && gap_rate >= 0.0) {
-            return REGIME_RECEDING;
+            return REGIME_RESTITUTION;
         }
     }
-    return REGIME_PRESSING;
+    return REGIME_COMPRESSION;
 }
 
 struct contact_coefficients contact_coefficients_of(const struct contact_law *law, enum contact_regime regime)
 {
     struct contact_coefficients coefficients = {0.0, 0.0};
-    if (regime == REGIME_PRESSING || regime == REGIME_RECEDING) {
+    if (regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION) {
         coefficients.k = law->stiffness;
     }
-    if (regime == REGIME_PRESSING) {
+    if (regime == REGIME_COMPRESSION) {
         coefficients.c = law->damping;
     }
     return coefficients;
@@ -33,11 +33,11 @@ struct contact_coefficients contact_coefficients_of(const struct contact_law *la
 double contact_normal_force_of(const struct contact_law *law, enum contact_regime regime, double gap,
                                double gap_rate)
 {
-    if (regime == REGIME_APART || regime == REGIME_RELEASED) {
+    if (regime == REGIME_APART || regime == REGIME_SEPARATING) {
         return 0.0;
     }
-    const struct contact_coefficients by = contact_coefficients_of(law, regime);
-    const double force = -(by.k * gap + by.c * gap_rate);
+    const struct contact_coefficients coefficients = contact_coefficients_of(law, regime);
+    const double force = -(coefficients.k * gap + coefficients.c * gap_rate);
     return law->dashpot == DASHPOT_UNCLAMPED ? force : fmax(force, 0.0);
 }
 
@@ -45,13 +45,13 @@ double contact_regime_margin(const struct contact_law *law, enum contact_regime 
                              double gap_rate)
 {
     if (law->damping > 0.0) {
-        if (regime == REGIME_PRESSING && law->dashpot == DASHPOT_NON_ADHESIVE) {
+        if (regime == REGIME_COMPRESSION && law->dashpot == DASHPOT_NON_ADHESIVE) {
             return -(law->stiffness * gap + law->damping * gap_rate);
         }
-        if (regime == REGIME_PRESSING && law->dashpot == DASHPOT_APPROACH_ONLY) {
+        if (regime == REGIME_COMPRESSION && law->dashpot == DASHPOT_APPROACH_ONLY) {
             return -gap_rate;
         }
-        if (regime == REGIME_RECEDING) {
+        if (regime == REGIME_RESTITUTION) {
             return gap_rate;
         }
     }
@@ -60,10 +60,10 @@ double contact_regime_margin(const struct contact_law *law, enum contact_regime 
 
 enum contact_regime contact_regime_after(const struct contact_law *law, enum contact_regime regime)
 {
-    if (regime != REGIME_PRESSING) {
-        return REGIME_PRESSING;
+    if (regime != REGIME_COMPRESSION) {
+        return REGIME_COMPRESSION;
     }
-    return law->dashpot == DASHPOT_NON_ADHESIVE ? REGIME_RELEASED : REGIME_RECEDING;
+    return law->dashpot == DASHPOT_NON_ADHESIVE ? REGIME_SEPARATING : REGIME_RESTITUTION;
 }
 
 double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap)

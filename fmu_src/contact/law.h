@@ -5,12 +5,13 @@
  *   penalty, dynamic   F_n = -p_n g - p_nv g'
  *   viscous only       F_n = -p_nv g'             (p_n = 0)
  *
- * for g < 0, zero otherwise. The dashpot says what becomes of the viscous term: unclamped (as it stands), non-adhesive
- * (F_n clipped at zero) or acting on approach only. In each regime the force is F_n = -(k g + c g') with constant k and
- * c, a smooth function of the motion; the regimes change where a smooth function passes through zero.
+ * for g < 0, zero otherwise. The dashpot says what becomes of the viscous term: unclamped (as it stands),
+ * non-adhesive (F_n clipped at zero) or acting on approach only. In each regime the force is F_n = -(k g + c
+ * g') with constant k and c, a smooth function of the motion; the regimes change where a smooth function
+ * passes through zero.
  */
-#ifndef CONTACT_LAW_H
-#define CONTACT_LAW_H
+#ifndef CONTACT_CONTACT_LAW_H
+#define CONTACT_CONTACT_LAW_H
 
 #include <stdbool.h>
 
@@ -23,10 +24,10 @@ struct contact_law {
 };
 
 enum contact_regime {
-    REGIME_APART,    /* no contact: g >= 0 or beyond a cylinder's end */
-    REGIME_PRESSING, /* the full law */
-    REGIME_RECEDING, /* approach-only dashpot while g' >= 0: the spring alone */
-    REGIME_RELEASED  /* non-adhesive dashpot while the law would pull: overlapping without force */
+    REGIME_APART,       /* no contact: g >= 0 or beyond a cylinder's end */
+    REGIME_COMPRESSION, /* the full law */
+    REGIME_RESTITUTION, /* restitution under an approach-only dashpot (g' >= 0): the spring alone */
+    REGIME_SEPARATING   /* non-adhesive dashpot while the formula would pull: overlap without force */
 };
 
 struct contact_coefficients {
@@ -44,12 +45,14 @@ struct contact_coefficients contact_coefficients_of(const struct contact_law *la
 double contact_normal_force_of(const struct contact_law *law, enum contact_regime regime, double gap,
                                double gap_rate);
 
-/* The function whose fall through zero ends a regime by the law itself (not by the gap): the force of a non-adhesive
- * contact, the approach speed while pressing and the receding speed while receding; 1 where there is none. */
+/* The margin of a regime, positive within it: its fall through zero ends the regime by the law itself (not by
+ * the gap). The force of a non-adhesive contact in compression; of an approach-only dashpot -g' in
+ * compression and g' in restitution; 1 where the law ends nothing. */
 double contact_regime_margin(const struct contact_law *law, enum contact_regime regime, double gap,
                              double gap_rate);
 
-/* The regime that follows where the margin has fallen (or, released, where the law has come back to zero). */
+/* The regime after the margin has fallen (or, while separating, after the law's force has become positive
+ * again). */
 enum contact_regime contact_regime_after(const struct contact_law *law, enum contact_regime regime);
 
 /* E_c = p_n g^2 / 2 while overlapping [J]. */

@@ -116,7 +116,8 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
     return status_of(model_get_output_derivatives(instance->model, vr, order, nvr, value));
 }
 
-/* Unknowns are the outputs; in initialization mode the calculated parameters too (ModelStructure: InitialUnknowns). */
+/* Unknowns are the outputs; in initialization mode the calculated parameters too (ModelStructure:
+ * InitialUnknowns). */
 static bool is_unknown(struct instance *instance, fmi2ValueReference reference)
 {
     const struct variable *variable = scene_variable(reference);

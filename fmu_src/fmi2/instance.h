@@ -39,11 +39,12 @@ struct instance {
     fmi2CallbackFunctions callbacks;
     struct experiment experiment;
     enum phase phase;
-    struct state_block *states; /* handed out and not freed, the newest first; fmi2Reset keeps them */
-    fmi2Status step_status;     /* of the last fmi2DoStep */
-    unsigned log_categories;    /* bits of enum log_category */
-    bool logging_on;            /* as instantiated; fmi2Reset returns to it */
-    const char *name;           /* kept behind the struct, in the same allocation */
+    /* handed out and not freed, the newest first; fmi2Reset keeps them */
+    struct state_block *states;
+    fmi2Status step_status;  /* of the last fmi2DoStep */
+    unsigned log_categories; /* bits of enum log_category */
+    bool logging_on;         /* as instantiated; fmi2Reset returns to it */
+    const char *name;        /* kept behind the struct, in the same allocation */
 };
 
 /* The model's statuses are fmi2Status values by another name. */

@@ -64,7 +64,8 @@ static const struct log_category_name *category_of_status(fmi2Status status)
     return &known_categories[0];
 }
 
-/* Bytes of the UTF-8 character that a text begins with; 0 where it begins with something else or only a part. */
+/* Bytes of the UTF-8 character that a text begins with; 0 where it begins with something else or only a
+ * part. */
 static size_t character_length(const char *text)
 {
     const unsigned char first = (unsigned char)text[0];
@@ -119,7 +120,8 @@ static void send_message(struct instance *instance, fmi2Status status, const cha
     instance->phase = phase;
 }
 
-/* Never while the logger is at work: one that called wrongly each time it is told would never come to an end. */
+/* Never while the logger is at work: one that called wrongly each time it is told would never come to an
+ * end. */
 static bool is_heard(const struct instance *instance, unsigned category_bits)
 {
     return instance->callbacks.logger != NULL && (instance->phase & PHASE_TELLING) == 0 &&

@@ -34,9 +34,9 @@ bool log_category_bits(const char *name, unsigned *categories);
 const char *log_category_names(void);
 
 /*
- * Tells the importer, and returns the status so that a caller can say `return log_report(...)`. Until the logger is back
- * the instance is in the midst of something: functions that only read are answered, all others give fmi2Error and change
- * nothing (fmi2FreeInstance too does nothing), and nothing is told of it.
+ * Tells the importer, and returns the status so that a caller can say `return log_report(...)`. Until the
+ * logger is back the instance is in the midst of something: functions that only read are answered, all others
+ * give fmi2Error and change nothing (fmi2FreeInstance too does nothing), and nothing is told of it.
  */
 fmi2Status log_report(struct instance *instance, fmi2Status status, const char *format, ...)
     CONTACT_PRINTF_LIKE(3, 4);

@@ -1,7 +1,8 @@
 /*
  * Saved states: one flat row of bytes without pointers, a header of the adapter followed by the model's part.
- * What the importer serializes are these bytes as they stand; what it brings back is checked as a whole before
- * it is used. In memory they follow a link (state_list.h), by which the importer's pointers are recognised.
+ * What the importer serializes are these bytes as they stand; what it brings back is checked as a whole
+ * before it is used. In memory they follow a link (state_list.h), by which the importer's pointers are
+ * recognised.
  */
 #include <math.h>
 #include <stddef.h>

@@ -1,7 +1,8 @@
 /*
  * The saved states an instance has handed out and the importer has not freed: a list through the blocks
  * themselves. An fmi2FMUstate is the address of such a block. What the importer brings is looked up by
- * comparing addresses and never read before it is found: it may be uninitialised, freed, or another instance's.
+ * comparing addresses and never read before it is found: it may be uninitialised, freed, or another
+ * instance's.
  */
 #ifndef CONTACT_FMI2_STATE_LIST_H
 #define CONTACT_FMI2_STATE_LIST_H

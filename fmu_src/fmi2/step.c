@@ -29,8 +29,8 @@ static fmi2Status refuse_step_size(struct instance *instance, double time, doubl
 
 /*
  * Whether a step is in order at first sight. What passes here passes in checked_step, whose limits are wider;
- * what does not is left to it. A size of zero, below zero or NaN never passes; an infinite one does where there
- * is no stop time, but model_glide goes no such way.
+ * what does not is left to it. A size of zero, below zero or NaN never passes; an infinite one does where
+ * there is no stop time, but model_step_deferred goes no such way.
  */
 static inline bool plainly_in_order(const struct instance *instance, double point, double size)
 {
@@ -71,7 +71,8 @@ static fmi2Status checked_step(struct instance *instance, double point, double s
     return status;
 }
 
-/* Any step, with messages. Apart from fmi2DoStep, so that a glide does not save registers for it. */
+/* Any step, with messages. Apart from fmi2DoStep, so that a deferred flight does not save registers for
+ * it. */
 __attribute__((noinline)) static fmi2Status do_step(struct instance *instance, double point, double size)
 {
     if (!call_allowed(instance, CALL_DoStep)) {
@@ -83,7 +84,7 @@ __attribute__((noinline)) static fmi2Status do_step(struct instance *instance, d
 
 /*
  * Nothing is kept for going back (states are saved on request), so noSetFMUStatePriorToCurrentPoint is idle.
- * Flattened, because calls would be a good part of what a glide costs.
+ * Flattened, because calls would be a good part of what a deferred flight costs.
  */
 __attribute__((flatten)) fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint,
                                                fmi2Real communicationStepSize,
@@ -95,7 +96,7 @@ __attribute__((flatten)) fmi2Status fmi2DoStep(fmi2Component c, fmi2Real current
         return fmi2Error;
     }
     if (plainly_in_order(instance, currentCommunicationPoint, communicationStepSize) &&
-        model_glide(instance->model, currentCommunicationPoint + communicationStepSize)) {
+        model_step_deferred(instance->model, currentCommunicationPoint + communicationStepSize)) {
         return fmi2OK; /* as the step before, so that step_status need not be written */
     }
     return do_step(instance, currentCommunicationPoint, communicationStepSize);

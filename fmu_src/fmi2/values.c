@@ -108,7 +108,8 @@ static inline bool all_readable(struct instance *instance, enum call call, const
     return true;
 }
 
-/* Any number, with messages. Apart from fmi2GetReal, so that reading a vector does not save registers for it. */
+/* Any number, with messages. Apart from fmi2GetReal, so that reading a vector does not save registers for
+ * it. */
 __attribute__((noinline)) static fmi2Status
 get_reals(struct instance *instance, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[])
 {

@@ -1,14 +1,14 @@
 /*
- * Inputs between communication points: each goes on from where it was last set, as a polynomial of the derivatives given
- * with it. A prescribed body goes on with its prescribed velocity unless its displacement has derivatives of its own; where
- * all bodies are prescribed (a force element) only given derivatives move them.
+ * Inputs between communication points: each continues from its last value as a polynomial with the given
+ * derivatives. A prescribed body follows its prescribed velocity unless its displacement has derivatives of
+ * its own. A force element (all bodies prescribed) moves by given derivatives only.
  */
 #include <math.h>
 #include <string.h>
 
-#include "dynamics/energy.h"
-#include "dynamics/flight.h"
 #include "model/state.h"
+#include "scene/energy.h"
+#include "segment/flight.h"
 
 /* Which of a body's nine input signals a variable is; -1 when it is no input. */
 static int signal_of(const struct variable *variable)
@@ -33,7 +33,7 @@ static void note_value(struct model *m, const struct variable *variable)
     }
     uint8_t *marks = &m->state.marks[variable->element][index];
     struct input_signal *signal = &m->state.signals[variable->element][index];
-    /* A new value without derivatives given at the same communication point ends the old ones. */
+    /* A new value without derivatives at the same communication point ends earlier derivatives. */
     if (!(*marks & (SIGNAL_RATE | SIGNAL_CURVATURE))) {
         *signal = (struct input_signal){0.0, 0.0};
         *marks = 0;
@@ -183,26 +183,27 @@ enum model_status model_refuse_inputs(const struct model *m)
 }
 
 #if SCENE_ANY_FREE
-/* Other paths from now on, and the work that the change does; false, and the motion as before, where that is no number. */
-static bool change_paths(const struct scene_values *v, struct motion *q, const struct body_path *next)
+/* Changes the paths and books the work that the change does; false, and nothing changed, where the work is
+ * not finite. */
+static bool change_paths(const struct scene_values *v, struct scene_state *q, const struct body_path *next)
 {
-    const struct motion before = *q;
-    struct system_instant at;
-    system_now(v, q, &at);
+    const struct scene_state before = *q;
+    struct scene_instant at;
+    scene_now(v, q, &at);
     const double stored = energy_stored(v, q, &at);
-    motion_rebase(v, q);
+    scene_rebase(v, q);
     memcpy(q->path, next, sizeof q->path);
-    event_settle_regimes(v, q, stored, false);
-    if (isfinite(q->external_work) || system_is_force_element(v)) {
+    transition_settle_regimes(v, q, stored, false);
+    if (isfinite(q->external_work) || scene_is_force_element(v)) {
         return true;
     }
     *q = before;
     return false;
 }
 #else
-static bool change_paths(const struct scene_values *v, struct motion *q, const struct body_path *next)
+static bool change_paths(const struct scene_values *v, struct scene_state *q, const struct body_path *next)
 {
-    motion_rebase(v, q);
+    scene_rebase(v, q);
     memcpy(q->path, next, sizeof q->path);
     return true;
 }
@@ -210,12 +211,12 @@ static bool change_paths(const struct scene_values *v, struct motion *q, const s
 
 bool model_apply_inputs(struct model *m)
 {
-    struct motion *q = &m->state.motion;
+    struct scene_state *q = &m->state.motion;
     if (!m->state.signals_changed || !m->state.initialized) {
         return true;
     }
 #if SCENE_ANY_FREE
-    flight_arrive(&m->state.values, q);
+    flight_catch_up(&m->state.values, q);
 #endif
     struct body_path next[SCENE_BODIES];
     bool same = true;
@@ -233,10 +234,12 @@ bool model_apply_inputs(struct model *m)
     return applied;
 }
 
-/* Derivative and velocity may be rounded apart by this part of the larger: difference quotients of displacements keep no more digits. */
+/* Derivative and velocity may be rounded apart by this part of the larger: difference quotients of
+ * displacements keep no more digits. */
 static const double RATE_AGREEMENT = 1e-6;
 
-/* Speeds below it are none [m/s]: the solver's tolerance of speeds, or its start value in scenes without a solver. */
+/* Speeds below it are none [m/s]: the solver's tolerance of speeds, or its start value in scenes without a
+ * solver. */
 static double least_speed(const struct scene_values *v)
 {
 #if SCENE_ANY_FREE
@@ -247,8 +250,8 @@ static double least_speed(const struct scene_values *v)
 #endif
 }
 
-/* Without derivatives of its own a displacement goes on with the velocity, or stays in a force element: neither contradicts. In a force
- * element derivatives of zero say the same as none. */
+/* Without derivatives of its own a displacement goes on with the velocity, or stays in a force element:
+ * neither contradicts. In a force element derivatives of zero say the same as none. */
 static bool has_rate_of_its_own(const struct model *m, int body, struct vec3 rate)
 {
     const uint8_t *marks = m->state.marks[body];
@@ -259,7 +262,7 @@ static bool has_rate_of_its_own(const struct model *m, int body, struct vec3 rat
 void model_warn_of_rates(struct model *m)
 {
     const struct scene_values *v = &m->state.values;
-    const struct motion *q = &m->state.motion;
+    const struct scene_state *q = &m->state.motion;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (!body_is_prescribed(v, i) || m->state.warned_of_rate[i]) {
             continue;
@@ -280,7 +283,7 @@ void model_warn_of_rates(struct model *m)
                 "%s.prescribed_velocity is (%g, %g, %g) m/s: the gap follows the displacement, the gap "
                 "rate and the work the velocity, and energies need not balance (allowed: equal ones). "
                 "Given once.",
-                name, rate.x, rate.y, rate.z, motion_time(q), name, velocity.x, velocity.y, velocity.z);
+                name, rate.x, rate.y, rate.z, scene_time(q), name, velocity.x, velocity.y, velocity.z);
         }
     }
 }

@@ -5,8 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "dynamics/flight.h"
 #include "model/state.h"
+#include "segment/flight.h"
 
 static const char *category_of(enum model_status status)
 {
@@ -53,7 +53,7 @@ void model_destroy(struct model *m)
 {
     if (m) {
 #if SCENE_ANY_FREE
-        solver_close(&m->solver);
+        integrator_close(&m->integrator);
 #endif
         m->host.release(m);
     }
@@ -99,10 +99,10 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
 }
 
 #if SCENE_ANY_FREE
-bool model_open_solver(struct model *m, const struct scene_values *v)
+bool model_open_integrator(struct model *m, const struct scene_values *v)
 {
-    const struct solver_memory memory = {m->host.allocate, m->host.release};
-    return solver_open(&m->solver, v, &memory);
+    const struct integrator_memory memory = {m->host.allocate, m->host.release};
+    return integrator_open(&m->integrator, v, &memory);
 }
 #endif
 
@@ -114,8 +114,8 @@ enum model_status model_exit_initialization(struct model *m)
     }
     model_prepare(m);
 #if SCENE_ANY_FREE
-    if (!model_open_solver(m, &m->state.values)) {
-        return model_report(m, MODEL_ERROR, "Initialization failed: %s.", m->solver.message);
+    if (!model_open_integrator(m, &m->state.values)) {
+        return model_report(m, MODEL_ERROR, "Initialization failed: %s.", m->integrator.message);
     }
 #endif
     m->state.initialized = 1;
@@ -125,7 +125,7 @@ enum model_status model_exit_initialization(struct model *m)
 
 double model_time(const struct model *m)
 {
-    return m->state.initialized ? motion_time(&m->state.motion) : m->state.start_time;
+    return m->state.initialized ? scene_time(&m->state.motion) : m->state.start_time;
 }
 
 #if SCENE_ANY_FREE
@@ -133,20 +133,20 @@ static enum model_status advance_motion(struct model *m, double end_time)
 {
     const struct scene_values *v = &m->state.values;
     const int32_t events = m->state.motion.counters.events;
-    switch (solver_run(&m->solver, v, &m->state.motion, end_time)) {
-    case SOLVER_DONE:
+    switch (integrator_run(&m->integrator, v, &m->state.motion, end_time)) {
+    case INTEGRATOR_DONE:
         break;
-    case SOLVER_STEP_LIMIT:
+    case INTEGRATOR_STEP_LIMIT:
         return model_report(
             m, MODEL_DISCARD,
             "The step to %.17g s stopped at %.17g s: solver.max_internal_steps = %d are used up "
             "(allowed: 1 .. 2147483647). Go on from there, if need be in smaller steps, or start with a "
             "larger limit.",
             end_time, model_time(m), (int)solver_max_internal_steps(v));
-    case SOLVER_FAILED:
+    case INTEGRATOR_FAILED:
     default:
         return model_report(m, MODEL_ERROR, "The step to %.17g s failed at %.17g s: %s", end_time,
-                            model_time(m), m->solver.message);
+                            model_time(m), m->integrator.message);
     }
     if (m->state.motion.counters.events != events) {
         model_report(m, MODEL_OK, "Changes of contact up to %.17g s: %d; since initialization: %d.", end_time,
@@ -157,16 +157,16 @@ static enum model_status advance_motion(struct model *m, double end_time)
 #else
 static enum model_status advance_motion(struct model *m, double end_time)
 {
-    struct motion *q = &m->state.motion;
-    q->clock += motion_remaining(q, end_time);
-    motion_rebase(&m->state.values, q);
+    struct scene_state *q = &m->state.motion;
+    q->clock += scene_remaining(q, end_time);
+    scene_rebase(&m->state.values, q);
     return MODEL_OK;
 }
 #endif
 
 #if SCENE_ANY_FREE
-/* Large, infinite or NaN as the largest of the motion of a free body is. */
-static double size_of_motion(const struct scene_values *v, const struct motion *q, int body)
+/* A measure of a free body's motion that is infinite or NaN where any part of it is. */
+static double size_of_motion(const struct scene_values *v, const struct scene_state *q, int body)
 {
     const struct vec3 speed = q->body[body].velocity;
     return body_mass(v, body) * vec3_dot(speed, speed) + vec3_norm(q->body[body].moved);
@@ -177,16 +177,16 @@ static double size_of_motion(const struct scene_values *v, const struct motion *
 static bool motion_is_finite(const struct model *m)
 {
     const struct scene_values *v = &m->state.values;
-    const struct motion *q = &m->state.motion;
-    double sum = motion_time(q);
+    const struct scene_state *q = &m->state.motion;
+    double sum = scene_time(q);
 #if SCENE_ANY_FREE
-    if (!system_is_force_element(v)) {
+    if (!scene_is_force_element(v)) {
         sum += q->dissipated + q->external_work;
     }
 #endif
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_prescribed(v, i)) {
-            const struct body_instant at = system_body_now(v, q, i);
+            const struct body_instant at = scene_body_now(v, q, i);
             sum += vec3_norm(at.displacement) + vec3_norm(at.velocity);
         }
 #if SCENE_ANY_FREE
@@ -196,11 +196,11 @@ static bool motion_is_finite(const struct model *m)
     return isfinite(sum);
 }
 
-/* The step has not been: the motion is as before, the integrator starts afresh. */
-static enum model_status step_refused(struct model *m, const struct motion *before, double end_time)
+/* Undoes the step: the motion is as before, the integrator restarts. */
+static enum model_status step_refused(struct model *m, const struct scene_state *before, double end_time)
 {
     m->state.motion = *before;
-    motion_rebase(&m->state.values, &m->state.motion);
+    scene_rebase(&m->state.values, &m->state.motion);
     return model_report(
         m, MODEL_DISCARD,
         "The step to %.17g s takes the motion beyond the range of numbers; it stays at %.17g s "
@@ -212,17 +212,17 @@ static enum model_status step_refused(struct model *m, const struct motion *befo
 static enum model_status take_step(struct model *m, double end_time)
 {
 #if SCENE_ANY_FREE
-    flight_arrive(&m->state.values, &m->state.motion);
+    flight_catch_up(&m->state.values, &m->state.motion);
 #endif
-    const struct motion before = m->state.motion;
+    const struct scene_state before = m->state.motion;
     const enum model_status status = advance_motion(m, end_time);
     return motion_is_finite(m) ? status : step_refused(m, &before, end_time);
 }
 
-bool model_glide(struct model *m, double end_time)
+bool model_step_deferred(struct model *m, double end_time)
 {
 #if SCENE_ANY_FREE
-    if (!m->state.signals_open && flight_glide(&m->state.motion, end_time)) {
+    if (!m->state.signals_open && flight_defer(&m->state.motion, end_time)) {
         if (m->outputs > OUTPUTS_FIXED) {
             model_foresee_reading(m, m->state.motion.clock);
         }
@@ -254,7 +254,7 @@ enum model_status model_step(struct model *m, double end_time)
         model_close_inputs(m);
         model_warn_of_rates(m);
     }
-    if (model_glide(m, end_time)) {
+    if (model_step_deferred(m, end_time)) {
         return MODEL_OK;
     }
     forget_outputs(m); /* whoever is told of the step may read in the midst of it */

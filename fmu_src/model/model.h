@@ -2,11 +2,11 @@
  * The contact model as an adapter sees it: variables, steps, saved states. It knows nothing of FMI.
  *
  * Time in seconds, everything in SI units. No function prints, and none allocates except model_create,
- * model_exit_initialization and model_restore. Refusals are reported through model_host.log with the variable, the value
- * and the allowed range, and change nothing.
+ * model_exit_initialization and model_restore. Refusals are reported through model_host.log with the
+ * variable, the value and the allowed range, and change nothing.
  */
-#ifndef CONTACT_MODEL_H
-#define CONTACT_MODEL_H
+#ifndef CONTACT_MODEL_MODEL_H
+#define CONTACT_MODEL_MODEL_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -22,8 +22,9 @@ struct model_host {
     void *context;
     /* category: logEvents, logStatusWarning, logStatusDiscard, logStatusError or logStatusFatal */
     void (*log)(void *context, enum model_status status, const char *category, const char *message);
-    bool (*wants)(void *context, const char *category); /* messages nobody wants are not formatted */
-    void *(*allocate)(size_t count, size_t size);       /* zeroed, as calloc */
+    /* messages nobody wants are not formatted */
+    bool (*wants)(void *context, const char *category);
+    void *(*allocate)(size_t count, size_t size); /* zeroed, as calloc */
     void (*release)(void *memory);
 };
 
@@ -41,16 +42,17 @@ void model_reset(struct model *m);
  * solver.relative_tolerance is clipped to it with a warning. */
 enum model_status model_setup(struct model *m, bool tolerance_defined, double tolerance, double start_time);
 
-/* Refuses contradictory parameters (naming both) and leaves everything settable; otherwise the model can step. */
+/* Refuses contradictory parameters (naming both) and leaves everything settable; otherwise the model can
+ * step. */
 enum model_status model_exit_initialization(struct model *m);
 
-/* Integrates to end_time > model_time. MODEL_DISCARD: solver.max_internal_steps ended it earlier, at model_time; the
- * values are those of that time and the next step may go on from there. */
+/* Integrates to end_time > model_time. MODEL_DISCARD: solver.max_internal_steps ended it earlier, at
+ * model_time; the values are those of that time and the next step may go on from there. */
 enum model_status model_step(struct model *m, double end_time);
 
-/* The same, quickly, for the many steps of a flight in which nothing else happens (dynamics/flight.h); false, and nothing
- * done, where it takes model_step. */
-bool model_glide(struct model *m, double end_time);
+/* model_step for a deferred flight: only the clock advances (segment/flight.h). False, and nothing done,
+ * where model_step is needed. */
+bool model_step_deferred(struct model *m, double end_time);
 
 double model_time(const struct model *m);
 
@@ -68,9 +70,9 @@ enum model_status model_check_reading(struct model *m, const struct variable *va
 /* Outputs are brought up to date with the inputs first. */
 double model_get_real(struct model *m, const struct variable *variable);
 
-/* The same for many references once the model is initialized, quickly: returns how many it read before one that is no Real
- * variable or that has to be computed. model_get_vector reads the three of a vector; none where they are anything else or an
- * array is missing. */
+/* The same for many references once the model is initialized, quickly: returns how many it read before one
+ * that is no Real variable or that has to be computed. model_get_vector reads the three of a vector; none
+ * where they are anything else or an array is missing. */
 size_t model_get_reals(const struct model *m, const uint32_t *references, size_t count, double *values);
 bool model_get_vector(const struct model *m, const uint32_t *references, double *values);
 int32_t model_get_integer(struct model *m, const struct variable *variable);
@@ -79,19 +81,20 @@ int32_t model_get_integer(struct model *m, const struct variable *variable);
 enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order,
                                              double value);
 
-/* Whether an output has derivatives with respect to time: those do not that sum up the last step (mean and peaks). */
+/* Whether an output has derivatives with respect to time: those do not that sum up the last step (mean and
+ * peaks). */
 bool model_has_derivatives(const struct variable *variable);
 
-/* d^order/dt^order of such outputs at the present time, orders 1 and 2, in the regimes in force. MODEL_DISCARD: beyond the range
- * of numbers. */
+/* d^order/dt^order of such outputs at the present time, orders 1 and 2, in the regimes in force.
+ * MODEL_DISCARD: beyond the range of numbers. */
 __attribute__((cold)) enum model_status model_get_output_derivatives(struct model *m,
                                                                      const uint32_t *references,
                                                                      const int *orders, size_t count,
                                                                      double *values);
 
-/* What the real variables `unknowns` change by, to first order and in the regimes in force, when the real inputs `knowns`
- * change by `direction`: J direction. Until the end of initialization the inputs move the start, with the automatic factors.
- * MODEL_DISCARD: beyond the range of numbers. */
+/* What the real variables `unknowns` change by, to first order and in the regimes in force, when the real
+ * inputs `knowns` change by `direction`: J direction. Until the end of initialization the inputs move the
+ * start, with the automatic factors. MODEL_DISCARD: beyond the range of numbers. */
 __attribute__((cold)) enum model_status
 model_get_directional_derivative(struct model *m, const uint32_t *unknowns, size_t unknown_count,
                                  const uint32_t *knowns, size_t known_count, const double *direction,
@@ -99,11 +102,12 @@ model_get_directional_derivative(struct model *m, const uint32_t *unknowns, size
 
 size_t model_state_size(void);
 
-/* Writes model_state_size() bytes. The running integrator drops its history, so that the run that goes on and a run
- * restored from these bytes are the same, bit for bit. */
+/* Writes model_state_size() bytes. The running integrator drops its history, so that the run that goes on and
+ * a run restored from these bytes are the same, bit for bit. */
 void model_save(struct model *m, void *bytes);
 
-/* Takes the bytes over as a whole or refuses them (another version or scene, cut short, altered) and changes nothing. */
+/* Takes the bytes over as a whole or refuses them (another version or scene, cut short, altered) and changes
+ * nothing. */
 enum model_status model_restore(struct model *m, const void *bytes, size_t size);
 
 #endif

@@ -1,9 +1,9 @@
 /* The outputs of the present instant: what the model shows, computed from the motion and nothing else. */
 #include <math.h>
 
-#include "dynamics/energy.h"
-#include "dynamics/flight.h"
 #include "model/state.h"
+#include "scene/energy.h"
+#include "segment/flight.h"
 
 static void put_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity)
 {
@@ -12,9 +12,9 @@ static void put_body(struct scene_values *v, int body, struct vec3 displacement,
     put_body_velocity(v, body, velocity);
 }
 
-/* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d n. */
-static struct vec3 contact_point_of(const struct scene_values *v, const struct system_instant *at,
-                                    int contact)
+/* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d
+ * n. */
+static struct vec3 contact_point_of(const struct scene_values *v, const struct scene_instant *at, int contact)
 {
     const int source = contact_source(contact);
     const struct contact_geometry *g = &at->geometry[contact];
@@ -30,17 +30,17 @@ static void put_force(struct scene_values *v, int contact, double normal_force, 
     put_contact_destination_force(v, contact, vec3_scale(-1.0, source_force));
 }
 
-/* Numbers within their ranges can still multiply to more than a double holds: these functions return a sum that is finite
- * only if all outputs of theirs are. */
-static double put_contact(struct scene_values *v, const struct motion *q, const struct system_instant *at,
+/* Numbers within their ranges can still multiply to more than a double holds: these functions return a sum
+ * that is finite only if all outputs of theirs are. */
+static double put_contact(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                           int contact)
 {
-    const struct contact_shape shape = system_shape(v, q, contact);
-    const struct contact_law law = system_law(v, q, contact);
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_state *state = &q->contact[contact];
     const struct contact_geometry *g = &at->geometry[contact];
     const enum contact_regime regime = (enum contact_regime)state->regime;
-    const bool within = system_within_extents(&shape, g);
+    const bool within = scene_within_extents(&shape, g);
     const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
     put_contact_effective_penalty_factor(v, contact, law.stiffness);
     put_contact_effective_viscous_penalty_factor(v, contact, law.damping);
@@ -64,12 +64,12 @@ static struct vec3 mean_of(struct vec3 impulse, double window)
                         : vec3_make(0.0, 0.0, 0.0);
 }
 
-static double put_history(struct scene_values *v, const struct motion *q, int contact)
+static double put_history(struct scene_values *v, const struct scene_state *q, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
     const struct vec3 impulse = vec3_sub(state->impulse, state->impulse_mark);
     const bool touching = state->regime != REGIME_APART;
-    const struct vec3 mean = mean_of(impulse, q->window);
+    const struct vec3 mean = mean_of(impulse, q->step_length);
     put_contact_mean_force(v, contact, mean);
     put_contact_peak_force(v, contact, state->peak_force);
     put_contact_peak_penetration(v, contact, state->peak_penetration);
@@ -79,7 +79,7 @@ static double put_history(struct scene_values *v, const struct motion *q, int co
     return mean.x + mean.y + mean.z + state->peak_force;
 }
 
-static double put_world(struct scene_values *v, const struct motion *q, const struct system_instant *at)
+static double put_world(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
 {
     const double kinetic = energy_kinetic_of(v, at);
     const double potential = energy_potential_of(v, at);
@@ -100,9 +100,9 @@ static double put_world(struct scene_values *v, const struct motion *q, const st
 }
 #endif
 
-static void warn_of_missing_direction(struct model *m, const struct system_instant *at)
+static void warn_of_missing_direction(struct model *m, const struct scene_instant *at)
 {
-    struct motion *q = &m->state.motion;
+    struct scene_state *q = &m->state.motion;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (at->geometry[j].degenerate && q->contact[j].regime != REGIME_APART && !q->contact[j].warned) {
             q->contact[j].warned = 1;
@@ -111,14 +111,14 @@ static void warn_of_missing_direction(struct model *m, const struct system_insta
                 m, MODEL_WARNING,
                 "%s.distance = 0 at %.17g s: the overlapping bodies have no defined normal; the direction "
                 "(%g, %g, %g) is used (allowed: distance > 0). Given once.",
-                scene_contact_name(j), motion_time(q), n.x, n.y, n.z);
+                scene_contact_name(j), scene_time(q), n.x, n.y, n.z);
         }
     }
 }
 
-static void update_body(struct scene_values *v, const struct motion *q, int body)
+static void update_body(struct scene_values *v, const struct scene_state *q, int body)
 {
-    const struct body_instant at = system_body_now(v, q, body);
+    const struct body_instant at = scene_body_now(v, q, body);
     put_body(v, body, at.displacement, at.velocity);
 }
 
@@ -126,7 +126,7 @@ static void update_bodies(struct model *m)
 {
     struct scene_values *v = &m->state.values;
 #if SCENE_ANY_FREE
-    flight_arrive(v, &m->state.motion);
+    flight_catch_up(v, &m->state.motion);
 #endif
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (m->outputs == OUTPUTS_NONE || body_is_free(v, i) || body_is_prescribed(v, i)) {
@@ -139,7 +139,7 @@ static void update_bodies(struct model *m)
 #if SCENE_ANY_FREE
 #if SCENE_ANY_PRESCRIBED
 /* Apart from model_foresee_reading, which need not save registers for it. */
-__attribute__((noinline)) static void show_prescribed(struct scene_values *v, const struct motion *q)
+__attribute__((noinline)) static void show_prescribed(struct scene_values *v, const struct scene_state *q)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_prescribed(v, i)) {
@@ -152,12 +152,12 @@ __attribute__((noinline)) static void show_prescribed(struct scene_values *v, co
 void model_foresee_reading(struct model *m, double clock)
 {
     struct scene_values *v = &m->state.values;
-    const struct motion *q = &m->state.motion;
+    const struct scene_state *q = &m->state.motion;
     m->outputs = OUTPUTS_BODIES;
     bool all_shown = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            const struct body_state at = flight_falling_at(v, q, i, clock);
+            const struct body_state at = flight_unforced_at(v, q, i, clock);
             put_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
         } else if (body_is_prescribed(v, i)) {
             all_shown = false;
@@ -176,13 +176,13 @@ void model_foresee_reading(struct model *m, double clock)
 static void update_all(struct model *m)
 {
     struct scene_values *v = &m->state.values;
-    struct motion *q = &m->state.motion;
-    struct system_instant at;
+    struct scene_state *q = &m->state.motion;
+    struct scene_instant at;
     double sum = 0.0;
-    system_now(v, q, &at);
+    scene_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (system_is_force_element(v)) {
-            q->contact[j].regime = (int32_t)system_regime(v, q, &at, j);
+        if (scene_is_force_element(v)) {
+            q->contact[j].regime = (int32_t)scene_regime(v, q, &at, j);
         }
         q->contact[j].normal = at.geometry[j].normal;
         sum += put_contact(v, q, &at, j);
@@ -210,8 +210,8 @@ bool model_update_outputs(struct model *m, enum outputs wanted)
     }
     update_bodies(m);
     /* Bodies that overlap may have to be warned of, whatever is asked. */
-    if (wanted > OUTPUTS_BODIES || system_is_force_element(&m->state.values) ||
-        !system_is_apart(&m->state.motion)) {
+    if (wanted > OUTPUTS_BODIES || scene_is_force_element(&m->state.values) ||
+        !scene_is_apart(&m->state.motion)) {
         update_all(m);
     }
     return true;

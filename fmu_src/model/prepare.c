@@ -3,10 +3,10 @@
 #include <string.h>
 
 #include "contact/bounding_box.h"
-#include "dynamics/energy.h"
 #include "model/state.h"
+#include "scene/energy.h"
 
-static struct vec3 start_displacement(const struct scene_values *v, const struct motion *q, int body)
+static struct vec3 start_displacement(const struct scene_values *v, const struct scene_state *q, int body)
 {
     if (body_is_free(v, body)) {
         return body_initial_displacement(v, body);
@@ -30,7 +30,7 @@ static struct bounding_box body_box(const struct scene_values *v, int body, stru
 }
 
 /* Seen from the source's centre, so that a common offset costs no digits. */
-static void start_boxes(const struct scene_values *v, const struct motion *q, int contact,
+static void start_boxes(const struct scene_values *v, const struct scene_state *q, int contact,
                         struct bounding_box boxes[2])
 {
     const int from = contact_source(contact);
@@ -79,7 +79,7 @@ static int automatic_side(const struct contact_shape *shape, const struct contac
     return inside ? -1 : 1;
 }
 
-static void prepare_contact(const struct scene_values *v, struct motion *q, int contact)
+static void prepare_contact(const struct scene_values *v, struct scene_state *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
     struct bounding_box boxes[2];
@@ -97,10 +97,10 @@ static void prepare_contact(const struct scene_values *v, struct motion *q, int 
         state->axis = unit_axis(v, contact_destination(contact));
     }
 #endif
-    struct contact_shape shape = system_shape(v, q, contact);
+    struct contact_shape shape = scene_contact_shape(v, q, contact);
     state->normal = contact_default_normal(&shape);
-    struct system_instant at;
-    system_now(v, q, &at);
+    struct scene_instant at;
+    scene_now(v, q, &at);
     if (contact_location(v, contact) == LOCATION_AUTOMATIC) {
         state->side = automatic_side(&shape, &at.geometry[contact]);
     } else {
@@ -111,7 +111,7 @@ static void prepare_contact(const struct scene_values *v, struct motion *q, int 
 
 void model_prepare(struct model *m)
 {
-    struct motion *q = &m->state.motion;
+    struct scene_state *q = &m->state.motion;
     const struct scene_values *v = &m->state.values;
     int32_t warned[SCENE_CONTACTS];
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -139,9 +139,9 @@ void model_prepare(struct model *m)
         prepare_contact(v, q, j);
     }
 #if SCENE_ANY_FREE
-    event_settle_regimes(v, q, 0.0, true);
-    struct system_instant at;
-    event_begin_window(v, q, &at);
+    transition_settle_regimes(v, q, 0.0, true);
+    struct scene_instant at;
+    transition_begin_step(v, q, &at);
 #endif
 }
 
@@ -197,14 +197,14 @@ static enum model_status check_factors(struct model *m, int contact)
 static enum model_status check_start(struct model *m)
 {
     const struct scene_values *v = &m->state.values;
-    struct system_instant at;
-    system_now(v, &m->state.motion, &at);
+    struct scene_instant at;
+    scene_now(v, &m->state.motion, &at);
     double sum = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         sum += at.normal_force[j];
     }
 #if SCENE_ANY_FREE
-    if (!system_is_force_element(v)) {
+    if (!scene_is_force_element(v)) {
         sum +=
             energy_kinetic_of(v, &at) + energy_potential_of(v, &at) + energy_stored(v, &m->state.motion, &at);
     }

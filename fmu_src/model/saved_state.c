@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "dynamics/flight.h"
 #include "model/state.h"
+#include "segment/flight.h"
 
 enum { HEADER_SIZE = offsetof(struct model_state, values) };
 
@@ -32,9 +32,9 @@ void model_save(struct model *m, void *bytes)
 {
     if (m->state.initialized) {
 #if SCENE_ANY_FREE
-        flight_arrive(&m->state.values, &m->state.motion);
+        flight_catch_up(&m->state.values, &m->state.motion);
 #endif
-        motion_rebase(&m->state.values, &m->state.motion);
+        scene_rebase(&m->state.values, &m->state.motion);
         m->outputs = OUTPUTS_NONE;
     }
     m->state.checksum = payload_checksum(&m->state);
@@ -75,14 +75,14 @@ static bool all_finite(const void *from, const void *to)
 }
 
 /* Inputs and their derivatives are below 1e150; more would overflow when the path's origin is moved. */
-static bool paths_are_sound(const struct motion *q)
+static bool paths_are_sound(const struct scene_state *q)
 {
     return all_within(q->path, q->path + SCENE_BODIES, 1e300);
 }
 
 static bool known_regime(int32_t regime)
 {
-    return regime >= REGIME_APART && regime <= REGIME_RELEASED;
+    return regime >= REGIME_APART && regime <= REGIME_SEPARATING;
 }
 
 /* A unit vector, to rounding. */
@@ -114,7 +114,7 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
 }
 
 /* As model_save leaves it: clock at zero, bodies where they are, an integrator that starts afresh. */
-static bool motion_is_sound(const struct motion *q, bool initialized)
+static bool motion_is_sound(const struct scene_state *q, bool initialized)
 {
     const struct solver_counters *n = &q->counters;
     const bool counted = n->steps >= 0 && n->force_evaluations >= 0 && n->events >= 0 &&
@@ -122,8 +122,8 @@ static bool motion_is_sound(const struct motion *q, bool initialized)
     /* With 0 CVODE would go on from a history that a restored state does not have. */
     const bool fresh = !initialized || q->integrator_fresh == 1;
 #if SCENE_ANY_FREE
-    /* nobody saves a glide, see model_save */
-    const bool at_rest = q->clock == 0.0 && q->quiet_clock == 0.0 && q->gliding == 0;
+    /* nobody saves a deferred flight, see model_save */
+    const bool at_rest = q->clock == 0.0 && q->deferrable_clock == 0.0 && q->deferred == 0;
     return counted && fresh && at_rest && paths_are_sound(q) && !isnan(q->horizon_clock) &&
            all_finite(q->origin, &q->counters) && all_finite(q, q->contact);
 #else
@@ -148,7 +148,8 @@ static bool state_is_sound(const struct model_state *state)
            all_finite(state->signals, &state->motion) && all_finite(&state->importer_tolerance, state->marks);
 }
 
-/* Whether all that can be read then are numbers; numbers near the end of their range may give none. Says nothing. */
+/* Whether all that can be read then are numbers; numbers near the end of their range may give none. Says
+ * nothing. */
 static bool gives_numbers(struct model *m, const struct model_state *state)
 {
     const struct model_state before = m->state;
@@ -212,8 +213,8 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
                             "Saved state refused: its motion is beyond the range of numbers.");
     }
 #if SCENE_ANY_FREE
-    if (state.initialized && !model_open_solver(m, &state.values)) {
-        return model_report(m, MODEL_ERROR, "Saved state refused: %s.", m->solver.message);
+    if (state.initialized && !model_open_integrator(m, &state.values)) {
+        return model_report(m, MODEL_ERROR, "Saved state refused: %s.", m->integrator.message);
     }
 #endif
     m->state = state;

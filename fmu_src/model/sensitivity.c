@@ -1,24 +1,25 @@
-/* Derivatives of outputs, with respect to time and with respect to inputs: both are coefficients along a path (varied_scene.h). */
+/* Derivatives of outputs, with respect to time and with respect to inputs: both are coefficients along a path
+ * (scene_jet.h). */
 #include <math.h>
 #include <string.h>
 
-#include "dynamics/varied_scene.h"
 #include "model/state.h"
+#include "scene/scene_jet.h"
 
-static double contact_term(const struct model *m, const struct system_instant *at,
-                           const struct system_variation *along, const struct variable *variable, int order)
+static double contact_term(const struct model *m, const struct scene_instant *at,
+                           const struct scene_jet *along, const struct variable *variable, int order)
 {
     const struct scene_values *v = &m->state.values;
     const int j = variable->element;
-    const struct contact_shape shape = system_shape(v, &m->state.motion, j);
-    const struct contact_variation *contact = &along->contact[j];
+    const struct contact_shape shape = scene_contact_shape(v, &m->state.motion, j);
+    const struct contact_jet *contact = &along->contact[j];
     const struct contact_geometry *g = &at->geometry[j];
     struct vec3 vector = {0.0, 0.0, 0.0};
     switch (variable->row) {
     case ROW_contact_gap:
-        return system_within_extents(&shape, g) ? contact->gap[order] : 0.0;
+        return scene_within_extents(&shape, g) ? contact->gap[order] : 0.0;
     case ROW_contact_gap_rate:
-        return system_within_extents(&shape, g) ? contact->gap_rate[order] : 0.0;
+        return scene_within_extents(&shape, g) ? contact->gap_rate[order] : 0.0;
     case ROW_contact_distance:
         return contact->distance[order];
     case ROW_contact_normal_force:
@@ -37,7 +38,7 @@ static double contact_term(const struct model *m, const struct system_instant *a
     case ROW_contact_point: { /* x_src + (d - r_d) n */
         const double radius = body_radius(v, contact_destination(j));
         vector = vec3_add(along->displacement[contact_source(j)][order],
-                          variation_scale(contact->distance, contact->normal, order));
+                          jet_scale(contact->distance, contact->normal, order));
         vector = vec3_axpy(vector, -radius, contact->normal[order]);
         break;
     }
@@ -48,12 +49,12 @@ static double contact_term(const struct model *m, const struct system_instant *a
 }
 
 #if SCENE_ANY_FREE
-static double energy_term(const struct model *m, const struct system_variation *along, int row, int order)
+static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
 {
     const struct scene_values *v = &m->state.values;
-    const double kinetic = variation_of_kinetic(v, along, order);
-    const double potential = variation_of_potential(v, along, order);
-    const double stored = variation_of_stored(v, &m->state.motion, along, order);
+    const double kinetic = jet_of_kinetic(v, along, order);
+    const double potential = jet_of_potential(v, along, order);
+    const double stored = jet_of_stored(v, &m->state.motion, along, order);
     switch (row) {
     case ROW_energy_kinetic:
         return kinetic;
@@ -74,8 +75,8 @@ static double energy_term(const struct model *m, const struct system_variation *
 #endif
 
 /* Coefficient `order` of a variable; zero where nothing along the path changes it. */
-static double term_of(const struct model *m, const struct system_instant *at,
-                      const struct system_variation *along, const struct variable *variable, int order)
+static double term_of(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
+                      const struct variable *variable, int order)
 {
     switch (variable->row) {
     case ROW_body_displacement:
@@ -124,9 +125,8 @@ bool model_has_derivatives(const struct variable *variable)
 }
 
 /* d/dt, or d^2/dt^2, of the one output that is a duration: it grows with the time while the bodies touch. */
-static double time_derivative(const struct model *m, const struct system_instant *at,
-                              const struct system_variation *along, const struct variable *variable,
-                              int order)
+static double time_derivative(const struct model *m, const struct scene_instant *at,
+                              const struct scene_jet *along, const struct variable *variable, int order)
 {
 #if SCENE_ANY_FREE
     if (variable->row == ROW_contact_last_duration) {
@@ -140,13 +140,13 @@ enum model_status model_get_output_derivatives(struct model *m, const uint32_t *
                                                size_t count, double *values)
 {
     enum model_status status = MODEL_OK;
-    struct system_instant at;
-    struct system_variation along;
+    struct scene_instant at;
+    struct scene_jet along;
     if (!model_update_outputs(m, OUTPUTS_ALL)) {
         return model_refuse_inputs(m);
     }
-    system_now(&m->state.values, &m->state.motion, &at);
-    variation_in_time(&m->state.values, &m->state.motion, &at, &along);
+    scene_now(&m->state.values, &m->state.motion, &at);
+    jet_in_time(&m->state.values, &m->state.motion, &at, &along);
     for (size_t i = 0; i < count && status == MODEL_OK; ++i) {
         const struct variable *variable = scene_variable(references[i]);
         values[i] = time_derivative(m, &at, &along, variable, orders[i]);
@@ -162,9 +162,9 @@ static void add_component(struct vec3 *a, int component, double value)
     a->z += component == 2 ? value : 0.0;
 }
 
-/* Forces change accelerations, which no output shows: only prescribed motion is felt at once. */
+/* Forces change accelerations, which are no outputs: at once only prescribed motion has an effect. */
 static void move_inputs(const struct scene_values *v, const struct variable *known, double change,
-                        struct system_variation *along)
+                        struct scene_jet *along)
 {
     if (!body_is_prescribed(v, known->element)) {
         return;
@@ -183,7 +183,7 @@ static bool factors_are_given(const struct scene_values *v, int contact)
 }
 
 /* Until the end of initialization the diagonal follows the start. */
-static double diagonal_slope(const struct model *m, const struct system_variation *along, int contact)
+static double diagonal_slope(const struct model *m, const struct scene_jet *along, int contact)
 {
     if (m->state.initialized) {
         return 0.0;
@@ -193,7 +193,7 @@ static double diagonal_slope(const struct model *m, const struct system_variatio
                                          along->displacement[contact_source(contact)][1]));
 }
 
-static void vary_factors(const struct model *m, struct system_variation *along)
+static void vary_factors(const struct model *m, struct scene_jet *along)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (!factors_are_given(&m->state.values, j)) {
@@ -202,10 +202,10 @@ static void vary_factors(const struct model *m, struct system_variation *along)
     }
 }
 
-/* What depends on inputs besides the state of the present: calculated parameters and peaks are those of the start until the
- * end of initialization, and whoever moves a body by a jump does the work on the contact. */
-static double input_derivative(const struct model *m, const struct system_instant *at,
-                               const struct system_variation *along, const struct variable *variable)
+/* What depends on inputs besides the state of the present: calculated parameters and peaks are those of the
+ * start until the end of initialization, and whoever moves a body by a jump does the work on the contact. */
+static double input_derivative(const struct model *m, const struct scene_instant *at,
+                               const struct scene_jet *along, const struct variable *variable)
 {
     const int j = variable->element;
     switch (variable->row) {
@@ -236,12 +236,12 @@ enum model_status model_get_directional_derivative(struct model *m, const uint32
                                                    double *values)
 {
     enum model_status status = MODEL_OK;
-    struct system_instant at;
-    struct system_variation along;
+    struct scene_instant at;
+    struct scene_jet along;
     if (!model_update_outputs(m, OUTPUTS_ALL)) {
         return model_refuse_inputs(m);
     }
-    system_now(&m->state.values, &m->state.motion, &at);
+    scene_now(&m->state.values, &m->state.motion, &at);
     memset(&along, 0, sizeof along);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         along.velocity[i][0] = at.velocity[i];
@@ -250,10 +250,10 @@ enum model_status model_get_directional_derivative(struct model *m, const uint32
         move_inputs(&m->state.values, scene_variable(knowns[i]), direction[i], &along);
     }
     vary_factors(m, &along);
-    variation_of_contacts(&m->state.values, &m->state.motion, &at, &along);
+    jet_of_contacts(&m->state.values, &m->state.motion, &at, &along);
 #if SCENE_ANY_FREE
     if (m->state.initialized) {
-        along.external_work[1] = variation_of_stored(&m->state.values, &m->state.motion, &along, 1);
+        along.external_work[1] = jet_of_stored(&m->state.values, &m->state.motion, &along, 1);
     }
 #endif
     for (size_t i = 0; i < unknown_count && status == MODEL_OK; ++i) {

@@ -2,12 +2,12 @@
 #ifndef CONTACT_MODEL_STATE_H
 #define CONTACT_MODEL_STATE_H
 
-#include "dynamics/motion.h"
+#include "integrator/phases.h"
 #include "model/model.h"
 #include "scene.h"
-#include "solver/solver.h"
+#include "scene/scene_state.h"
 
-/* Raised when struct model_state, struct motion or struct scene_values change their meaning. */
+/* Raised when struct model_state, struct scene_state or struct scene_values change their meaning. */
 #define MODEL_STATE_VERSION 3u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
@@ -32,7 +32,7 @@ struct model_state {
     uint64_t checksum; /* of everything below */
     struct scene_values values;
     struct input_signal signals[SCENE_BODIES][SIGNALS_EACH];
-    struct motion motion;
+    struct scene_state motion;
     double importer_tolerance; /* 0: none given */
     double start_time;
     uint8_t marks[SCENE_BODIES][SIGNALS_EACH];
@@ -43,8 +43,9 @@ struct model_state {
         [SCENE_BODIES]; /* whether the warning of a contradiction of its inputs has been given */
 };
 
-/* Which outputs are those of the present; each includes the ones before. As bits, these are the variables that can be read as
- * they stand (enum variable_source); VARIABLE_FIXED means nothing there and tells the first two apart. */
+/* Which outputs are those of the present; each includes the ones before. As bits, these are the variables
+ * that can be read as they stand (enum variable_source); VARIABLE_FIXED means nothing there and tells the
+ * first two apart. */
 enum outputs {
     OUTPUTS_NONE = VARIABLE_GIVEN,
     OUTPUTS_FIXED = OUTPUTS_NONE | VARIABLE_FIXED,  /* of bodies that never move */
@@ -56,7 +57,7 @@ struct model {
     struct model_state state;
     struct model_host host;
 #if SCENE_ANY_FREE
-    struct solver solver;
+    struct integrator integrator;
 #endif
     enum outputs outputs; /* in state.values */
 };
@@ -66,15 +67,16 @@ enum model_status model_report(const struct model *m, enum model_status status, 
     __attribute__((format(printf, 3, 4)));
 
 #if SCENE_ANY_FREE
-/* The solver's memory for the method that v chooses; false with m->solver.message when there is none to be had. */
-bool model_open_solver(struct model *m, const struct scene_values *v);
+/* The solver's memory for the method that v chooses; false with m->integrator.message when there is none to
+ * be had. */
+bool model_open_integrator(struct model *m, const struct scene_values *v);
 #endif
 
 /* Puts the motion at the start that the present parameters and inputs describe. */
 void model_prepare(struct model *m);
 
-/* d/ds of the diagonal of the bounding box, and of the factors made from it, when the separation at the start changes by
- * `rate` s. */
+/* d/ds of the diagonal of the bounding box, and of the factors made from it, when the separation at the start
+ * changes by `rate` s. */
 double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate);
 struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope);
 
@@ -84,14 +86,15 @@ void model_start_paths(struct model *m);
 /* Contradictions between parameters; reports the first. */
 enum model_status model_check_consistency(struct model *m);
 
-/* Takes changed inputs over into the paths of the motion; false, and the motion as before, where an energy would be beyond the range
- * of numbers. They remain to be taken over: others may be set. */
+/* Takes changed inputs over into the paths of the motion; false, and the motion as before, where an energy
+ * would be beyond the range of numbers. They remain to be taken over: others may be set. */
 bool model_apply_inputs(struct model *m);
 
 /* From the present communication point on, inputs go on as they are. */
 void model_close_inputs(struct model *m);
 
-/* Warns once of each prescribed body whose given derivative of displacement is not its prescribed velocity. */
+/* Warns once of each prescribed body whose given derivative of displacement is not its prescribed
+ * velocity. */
 void model_warn_of_rates(struct model *m);
 
 /* Computes outputs of the present, `wanted` at least; false where the inputs cannot be taken over. */
@@ -101,8 +104,9 @@ bool model_update_outputs(struct model *m, enum outputs wanted);
 enum model_status model_refuse_inputs(const struct model *m);
 
 #if SCENE_ANY_FREE
-/* After a glide to `clock`: whoever read after the step before will read again. In flight, where it is cheap, the motion of the
- * bodies is made current at once. The clock comes by value: read back from where it was written just now it costs more. */
+/* After a deferred flight to `clock`: a caller that has read outputs after the step before will read again,
+ * so body states are computed at once where that is cheap. The clock is passed by value, because reading it
+ * back just after it was written costs more. */
 void model_foresee_reading(struct model *m, double clock);
 #endif
 

@@ -1,6 +1,7 @@
 /*
- * The variables of an FMU as its adapter sees them. The table is generated from modelDescription/variables.toml and
- * the scene file (scene_variables.c); value references, ranges and order are those of modelDescription.xml.
+ * The variables of an FMU as its adapter sees them. The table is generated from
+ * modelDescription/variables.toml and the scene file (scene_variables.c); value references, ranges and order
+ * are those of modelDescription.xml.
  */
 #ifndef MODEL_VARIABLE_H
 #define MODEL_VARIABLE_H
@@ -20,12 +21,13 @@ struct variable {
     const char *name;
     double min, max;    /* inclusive; of an enumeration the first and last item */
     uint32_t reference; /* FMI value reference */
-    uint16_t offset;    /* bytes into struct scene_values; a double for VARIABLE_REAL, else an int32_t */
-    uint16_t row;       /* enum variable_row of scene.h */
-    uint8_t type;       /* enum variable_type */
-    uint8_t causality;  /* enum variable_causality */
-    uint8_t element;    /* index of the body or contact, 0 for the rest */
-    uint8_t component;  /* 0..2 in a vector, else 0 */
+    /* bytes into struct scene_values; a double for VARIABLE_REAL, else an int32_t */
+    uint16_t offset;
+    uint16_t row;      /* enum variable_row of scene.h */
+    uint8_t type;      /* enum variable_type */
+    uint8_t causality; /* enum variable_causality */
+    uint8_t element;   /* index of the body or contact, 0 for the rest */
+    uint8_t component; /* 0..2 in a vector, else 0 */
 };
 
 /* What has to be current for a value to be that of the present; bits above those of an offset. */
@@ -38,14 +40,15 @@ enum variable_source {
     VARIABLE_VECTOR = 0x100000   /* also: first of a vector, whose others follow */
 };
 
-/* All it takes to read a Real variable: its offset and its enum variable_source; 0 for a reference that has none. By value
- * reference, SCENE_REFERENCES of them. */
+/* All it takes to read a Real variable: its offset and its enum variable_source; 0 for a reference that has
+ * none. By value reference, SCENE_REFERENCES of them. */
 extern const uint32_t scene_reals[];
 
 extern const struct variable scene_variables[];
 extern const int scene_variable_count;
 
-/* The variable of a value reference, NULL when the scene has none; takes the same time for every reference. */
+/* The variable of a value reference, NULL when the scene has none; takes the same time for every
+ * reference. */
 const struct variable *scene_variable(uint32_t reference);
 
 #endif

@@ -37,7 +37,7 @@
 #include <stdint.h>
 
 #include "contact/choices.h"
-#include "contact/vec3.h"
+#include "math/vec3.h"
 
 #define SCENE_NAME "{{ scene.name }}"
 #define SCENE_GUID "{{ guid }}"

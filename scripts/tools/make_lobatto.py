@@ -1,6 +1,6 @@
-"""Writes the constants of fmu_src/contact/lobatto.c: collocation at the Gauss-Lobatto nodes, with 60 digits.
+"""Writes the constants of fmu_src/math/lobatto.c: collocation at the Gauss-Lobatto nodes, with 60 digits.
 
-    python scripts/tools/make_lobatto.py > fmu_src/contact/lobatto.c
+    python scripts/tools/make_lobatto.py > fmu_src/math/lobatto.c
 
 Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32). With l_j the Lagrange polynomials
 of the n nodes: `integral[j n + i]` is the integral of l_j from -1 to node i, `monomial[j n + k]` the
@@ -68,7 +68,7 @@ def main() -> None:
     """Prints the file."""
     mpmath.mp.dps = 60
     print("/* Written by scripts/tools/make_lobatto.py; not to be edited. */")
-    print('#include "contact/lobatto.h"\n\n/* clang-format off */')
+    print('#include "math/lobatto.h"\n\n/* clang-format off */')
     for points in POINTS:
         print(tables(points))
     print("const struct lobatto lobatto[LOBATTO_SIZES] = {")

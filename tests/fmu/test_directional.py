@@ -100,7 +100,7 @@ def edge(
 
 
 def test_on_an_edge_the_derivative_is_that_of_the_regime_in_force():
-    """g = 0 counts as apart, a clipped force as clipped, and g' = 0 as receding."""
+    """g = 0 counts as apart, a clipped force as clipped, and g' = 0 as restitution."""
     beside = {"source.radius": 0.25, "destination.radius": 0.5}
     touching = {**beside, "source.center": [0.75, 0.0, 0.0]}
     inwards = {**touching, "source.prescribed_velocity": [-1.0, 0.0, 0.0]}
@@ -117,10 +117,10 @@ def test_on_an_edge_the_derivative_is_that_of_the_regime_in_force():
     speed = "source.prescribed_velocity[1]"
     for rate, expected in [(1.0, 0.0), (1.0 - 2**-40, -(2.0**20)), (1.5, 0.0)]:
         assert edge({**clipped, "source.prescribed_velocity": [rate, 0.0, 0.0]}) == expected
-    receding = {**clipped, "contact.dashpot": "approach_only"}
+    restitution = {**clipped, "contact.dashpot": "approach_only"}
     for rate, expected in [(0.0, 0.0), (-(2.0**-40), -(2.0**10))]:
-        assert edge({**receding, "source.prescribed_velocity": [rate, 0.0, 0.0]}, known=speed) == expected
-        assert edge({**receding, "source.prescribed_velocity": [rate, 0.0, 0.0]}) == -(2.0**20)
+        assert edge({**restitution, "source.prescribed_velocity": [rate, 0.0, 0.0]}, known=speed) == expected
+        assert edge({**restitution, "source.prescribed_velocity": [rate, 0.0, 0.0]}) == -(2.0**20)
 
 
 def test_where_there_is_no_direction_the_one_in_use_is_held():

@@ -52,7 +52,7 @@ STARTS = {
                 "source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0},
     "clipped": {"destination.motion": "prescribed", "contact.dashpot": "non_adhesive",
                 "source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0},
-    "receding": {"destination.motion": "prescribed", "contact.dashpot": "approach_only",
+    "restitution": {"destination.motion": "prescribed", "contact.dashpot": "approach_only",
                  "source.initial_velocity": [6.0, 2.0, 9.0], "contact.viscous_penalty_factor": 50.0},
 }  # fmt: skip
 

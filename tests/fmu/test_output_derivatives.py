@@ -182,9 +182,9 @@ def test_a_head_on_contact_has_the_derivatives_of_its_oscillator(dashpot):
             instance.ok("DoStep", index * 2**-9, 2**-9, 1)
             gap, rate, force = (instance.get(name) for name in names[:3])
             damping = c if dashpot != "approach_only" or rate < 0.0 else 0.0
-            pressing = instance.get("contact.active") and (dashpot != "non_adhesive" or force > 0.0)
-            seen.add((bool(instance.get("contact.active")), bool(pressing), damping))
-            stiffness, damping = (k, damping) if pressing else (0.0, 0.0)
+            transmits = instance.get("contact.active") and (dashpot != "non_adhesive" or force > 0.0)
+            seen.add((bool(instance.get("contact.active")), bool(transmits), damping))
+            stiffness, damping = (k, damping) if transmits else (0.0, 0.0)
             bend = force / mass - 9.81
             first = -(stiffness * rate + damping * bend)
             second = -(stiffness * bend + damping * first / mass)

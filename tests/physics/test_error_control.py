@@ -11,7 +11,7 @@ import pytest
 from support.checks import check_close, run
 from support.reference.stored import errors_beyond, stored
 from support.scenes.benchmarks import BENCHMARKS
-from support.scenes.wide_scenes import COUNT, CREEPING, creeping_scene, wide_scene
+from support.scenes.wide_scenes import COUNT, OVERDAMPED, overdamped_scene, wide_scene
 
 FACTOR = 10
 TOLERANCES = [1e-6, 1e-9, 1e-12]
@@ -49,11 +49,11 @@ def test_the_end_of_a_random_scene_is_as_exact_as_asked(opened, number, toleranc
 
 @pytest.mark.parametrize("steps", [1, 97])
 @pytest.mark.parametrize("tolerance", TOLERANCES)
-@pytest.mark.parametrize("number", range(CREEPING))
+@pytest.mark.parametrize("number", range(OVERDAMPED))
 def test_a_contact_that_creeps_is_as_exact_as_asked(opened, number, tolerance, steps):
-    shape, configuration, end = creeping_scene(number)
+    shape, configuration, end = overdamped_scene(number)
     fmu = run(opened(FMU[shape]), configuration, end, steps, tolerance, METHOD)
-    assert errors_beyond(fmu, stored("creeping_references.json")[number,], tolerance, FACTOR) == []
+    assert errors_beyond(fmu, stored("overdamped_references.json")[number,], tolerance, FACTOR) == []
 
 
 @pytest.mark.parametrize("number", range(0, COUNT, 4))

@@ -116,10 +116,10 @@ def test_a_ball_at_rest_neither_drifts_nor_gains_energy(opened, state):
     energy = fmu["energy.total"] - fmu["energy.dissipated"]
     total = fmu["energy.total"]
     assert onsets == 1
-    run_steps, pieces = stepper(fmu), 12
-    count = round(duration / STEP / pieces)
-    for piece in range(pieces):
-        run_steps(1 + piece * count, count)
+    run_steps, parts = stepper(fmu), 12
+    count = round(duration / STEP / parts)
+    for part in range(parts):
+        run_steps(1 + part * count, count)
         check_close(f"position at {fmu.time} s", fmu["source.position"], place, STILL)
         check_close("energy.total", fmu["energy.total"], total, GAINED)
         assert fmu["energy.total"] - fmu["energy.dissipated"] <= energy + GAINED

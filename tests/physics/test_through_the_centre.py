@@ -1,7 +1,7 @@
 """A ball fast enough to pass through the middle of a solid, where the force turns round.
 
 Head-on the penetration obeys m s'' + c s' + k s = 0 up to the centre and again, from that depth, behind it:
-two pieces of an oscillator in closed form. The force jumps at the centre, where event_driven ends one piece
+two parts of an oscillator in closed form. The force jumps at the centre, where event_driven ends a segment
 and begins another; CVODE is not needed.
 """
 

@@ -11,7 +11,7 @@ SOURCE = ROOT / "fmu_src"
 BUILD = Path(os.environ.get("CONTACT_BUILD", ROOT / "build")).resolve()
 
 # The order in which data flows; a file includes its own layer and those before it.
-LAYERS = ("contact", "dynamics", "solver", "model", "fmi2")
+LAYERS = ("math", "contact", "scene", "segment", "integrator", "model", "fmi2")
 COMPILERS = ("gcc", "clang")
 WARNINGS = [
     "-Wall",

@@ -132,7 +132,8 @@ static void the_diagonal_spans_both_boxes_in_either_order(void)
         const struct bounding_box box_b = bounding_box_sphere(b, r_b);
         long double square = 0.0L;
         for (int i = 0; i < 3; ++i) {
-            /* Both intervals together: their centres' distance and radii, or the larger when it holds the other. */
+            /* Both intervals together: their centres' distance and radii, or the larger when it holds the
+             * other. */
             const long double apart = fabsl((long double)vec3_get(a, i) - vec3_get(b, i));
             const long double edge = fmaxl(apart + r_a + r_b, 2.0L * fmaxl(r_a, r_b));
             square += edge * edge;

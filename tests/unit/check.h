@@ -1,6 +1,6 @@
 /*
- * Claims of the C unit tests. A failed claim is printed with its values and the test goes on; check_summary says how many
- * held and is what main returns.
+ * Claims of the C unit tests. A failed claim is printed with its values and the test goes on; check_summary
+ * says how many held and is what main returns.
  */
 #ifndef CHECK_H
 #define CHECK_H
@@ -9,8 +9,8 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* Expected values are long double and meet double everywhere: clang counts that as double promotion, gcc only float to
- * double. */
+/* Expected values are long double and meet double everywhere: clang counts that as double promotion, gcc only
+ * float to double. */
 #ifdef __clang__
 #pragma clang diagnostic ignored "-Wdouble-promotion"
 #endif

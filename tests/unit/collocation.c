@@ -7,28 +7,30 @@ static const struct lobatto *const twelve = &lobatto[LOBATTO_TWELVE];
 
 enum { SAMPLES = 8 };
 
-/* Asked of the iteration, in parts of d; how many times it the result may be off: the estimate is made from two sweeps. */
+/* Asked of the iteration, in parts of d; how many times it the result may be off: the estimate is made from
+ * two sweeps. */
 static const double TOLERANCE = 1e-14;
 static const double TIMES = 10.0;
 
-/* What a first-order answer to an oscillation or decay of amplitude a leaves out: the next order, and the mean of its square. */
+/* What a first-order answer to an oscillation or decay of amplitude a leaves out: the next order, and the
+ * mean of its omega2. */
 static double left_out(const struct trial *t, const struct collocation *p)
 {
     if (t->kind == COLLOCATION_RESOLVED) {
         return 0.0;
     }
-    const double rate = t->kind == COLLOCATION_SPANNING ? t->rates.slower : t->rates.faster;
+    const double rate = t->kind == COLLOCATION_AVERAGED ? t->rates.slower : t->rates.faster;
     const double ratio = t->turning / rate;
     const double a = fabs(p->y) + fabs(p->y_rate) / (p->half * rate);
     return 4.0 * a * ratio * ratio + 3.0 * a * a / t->distance * t->turning * t->step;
 }
 
-/* At the end of a spanning step the square of its tail, before that twice the tail. */
+/* At the end of an averaged step the square of its tail, before that twice the tail. */
 static double allowed(const struct trial *t, const struct collocation *p, bool end)
 {
     const double tail = p->nodes->points * p->interior_error;
     const double by_tail =
-        t->kind == COLLOCATION_SPANNING && end ? 10.0 * tail * tail / t->distance : 2.5 * p->interior_error;
+        t->kind == COLLOCATION_AVERAGED && end ? 10.0 * tail * tail / t->distance : 2.5 * p->interior_error;
     return TIMES * TOLERANCE * t->distance + by_tail + left_out(t, p);
 }
 
@@ -46,17 +48,18 @@ static struct exact exact_of(const struct reference *r, long double t, const str
     const struct long_vec3 zero = {0.0L, 0.0L, 0.0L};
     const struct long_vec3 n = long_axpy(zero, 1.0L / d, y->c);
     const long double radial = long_dot(n, y->rate);
-    const long double lead = long_dot(n, long_polynomial(p->lead, COLLOCATION_LEAD_TERMS, t));
+    const long double mismatch = long_dot(n, long_polynomial(p->mismatch, COLLOCATION_MISMATCH_TERMS, t));
     const long double spin = (long_dot(y->rate, y->rate) - radial * radial) / d;
     const long double x = d - p->reach;
-    const long double pull = long_norm(long_polynomial(p->pull, COLLOCATION_PULL_TERMS, t));
+    const long double acceleration =
+        long_norm(long_polynomial(p->acceleration, COLLOCATION_ACCELERATION_TERMS, t));
     return (struct exact){.moved = long_axpy(y->c, -1.0L, r->start.c),
                           .gained = long_axpy(y->rate, -1.0L, r->start.rate),
                           .x = x,
                           .x_rate = radial,
                           .bend = long_dot(n, slope.rate) + spin,
-                          .force = p->square * fabsl(x) + p->damping * fabsl(radial + lead) + pull +
-                                   long_dot(y->rate, y->rate) / d};
+                          .force = p->omega2 * fabsl(x) + p->damping_rate * fabsl(radial + mismatch) +
+                                   acceleration + long_dot(y->rate, y->rate) / d};
 }
 
 static void check_vector(const char *name, struct vec3 got, struct long_vec3 expected, long double tolerance)
@@ -71,7 +74,7 @@ static void check_motion(const struct trial *t, const struct collocation *p, dou
     const double off = allowed(t, p, s == 2.0);
     const long double rate = t->rates.faster;
     double x[4];
-    collocation_excess(p, s, x);
+    collocation_deviation(p, s, x);
     check_vector("moved", change.moved, expected->moved, off);
     check_vector("gained", change.gained, expected->gained, off * rate);
     CHECK_CLOSE("x", x[0], expected->x, off);
@@ -79,7 +82,8 @@ static void check_motion(const struct trial *t, const struct collocation *p, dou
     CHECK_CLOSE("x bend", x[2] / ((long double)p->half * p->half), expected->bend, off * rate * rate);
 }
 
-/* A moment leaves out what y adds to n, whose integral is smaller than y by the ratio of the rates and by its rate. */
+/* A moment leaves out what y adds to n, whose integral is smaller than y by the ratio of the rates and by its
+ * rate. */
 static void check_sums(const struct trial *t, const struct collocation *p, const struct reference *r,
                        const struct reference_state *y, const struct vec3 weight[2], long double force)
 {
@@ -87,7 +91,7 @@ static void check_sums(const struct trial *t, const struct collocation *p, const
     const double most = vec3_norm(weight[0]) + t->step * vec3_norm(weight[1]);
     double of_y = 0.0;
     if (t->kind != COLLOCATION_RESOLVED) {
-        const double rate = t->kind == COLLOCATION_SPANNING ? t->rates.slower : t->rates.faster;
+        const double rate = t->kind == COLLOCATION_AVERAGED ? t->rates.slower : t->rates.faster;
         of_y = 4.0 * (fabs(p->y) + fabs(p->y_rate) / (p->half * rate)) / rate * (t->turning / rate);
     }
     CHECK_CLOSE("dissipated", collocation_dissipated(p, 2.0), y->dissipated,
@@ -135,18 +139,18 @@ static void a_resolved_step_moves_as_the_reference(void)
     check_kind(COLLOCATION_RESOLVED, 1, 600);
 }
 
-static void a_spanning_step_moves_as_the_reference(void)
+static void an_averaged_step_moves_as_the_reference(void)
 {
-    check_kind(COLLOCATION_SPANNING, 2, 300);
+    check_kind(COLLOCATION_AVERAGED, 2, 300);
 }
 
-static void a_creeping_step_moves_as_the_reference(void)
+static void an_overdamped_step_moves_as_the_reference(void)
 {
-    check_kind(COLLOCATION_CREEPING, 3, 300);
+    check_kind(COLLOCATION_OVERDAMPED, 3, 300);
 }
 
-/* With eight nodes, from a third of the length, to what is said of the end and of places close to it; twelve nodes are the reference,
- * far more accurate there. */
+/* With eight nodes, from a third of the length, to what is said of the end and of places close to it; twelve
+ * nodes are the reference, far more accurate there. */
 static void near_its_end_a_resolved_step_is_off_by_less_than_it_says(void)
 {
     struct random r = {7};
@@ -172,7 +176,7 @@ static void near_its_end_a_resolved_step_is_off_by_less_than_it_says(void)
     CHECK(strict > 400);
 }
 
-/* All along one coordinate axis but the lead, of which n takes its part. */
+/* All along one coordinate axis but the velocity mismatch, of which n takes its part. */
 static void straighten(struct trial *t, struct random *r)
 {
     struct collocation_problem *p = &t->problem;
@@ -182,8 +186,8 @@ static void straighten(struct trial *t, struct random *r)
     p->normal = n;
     p->rate = vec3_scale(radial, n);
     p->radial = radial;
-    for (int i = 0; i < COLLOCATION_PULL_TERMS; ++i) {
-        p->pull[i] = vec3_scale(vec3_dot(n, p->pull[i]), n);
+    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
+        p->acceleration[i] = vec3_scale(vec3_dot(n, p->acceleration[i]), n);
     }
 }
 
@@ -195,14 +199,15 @@ static void a_head_on_step_goes_straight_on(void)
         struct collocation p;
         straighten(&t, &r);
         CHECK(check_trial(&r, &t));
-        CHECK(collocation_make(&p, &t.problem, t.step, t.kind, twelve, TOLERANCE * t.distance) && p.straight);
+        CHECK(collocation_make(&p, &t.problem, t.step, t.kind, twelve, TOLERANCE * t.distance) && p.head_on);
         const struct collocation_change change = collocation_change_at(&p, 1.3);
         CHECK(vec3_is_zero(vec3_cross(change.moved, t.problem.normal)));
         CHECK(vec3_is_zero(vec3_cross(change.gained, t.problem.normal)));
     }
 }
 
-/* From what the step itself says: |c'|^2 / 2 + square x^2 / 2 - A.c and what the dashpot takes, for a constant A. */
+/* From what the step itself says: |c'|^2 / 2 + omega2 x^2 / 2 - A.c and what the dashpot takes, for a
+ * constant A. */
 static void energy_falls_by_what_the_dashpot_takes(void)
 {
     struct random r = {5};
@@ -210,28 +215,29 @@ static void energy_falls_by_what_the_dashpot_takes(void)
         struct trial t = random_trial(&r, (enum collocation_kind)(k % 3), 1.0, false);
         struct collocation_problem *from = &t.problem;
         struct collocation p;
-        from->pull[1] = from->pull[2] = vec3_make(0.0, 0.0, 0.0);
+        from->acceleration[1] = from->acceleration[2] = vec3_make(0.0, 0.0, 0.0);
         if (!collocation_make(&p, from, t.step, t.kind, twelve, TOLERANCE * t.distance)) {
             continue;
         }
         const double s = k % 5 == 0 ? 2.0 : random_between(&r, 0.0, 2.0);
         const struct collocation_change change = collocation_change_at(&p, s);
         double x[4];
-        collocation_excess(&p, s, x);
+        collocation_deviation(&p, s, x);
         const double twice =
             2.0 * vec3_dot(from->rate, change.gained) + vec3_dot(change.gained, change.gained);
-        const double stored = from->square * (x[0] - from->excess) * (x[0] + from->excess);
+        const double stored = from->omega2 * (x[0] - from->deviation) * (x[0] + from->deviation);
         const double taken = collocation_dissipated(&p, s);
-        const double load = vec3_norm(from->pull[0]) + vec3_dot(from->rate, from->rate) / t.distance;
-        const double force = 2.0 * load + from->square * fabs(from->excess) +
+        const double load = vec3_norm(from->acceleration[0]) + vec3_dot(from->rate, from->rate) / t.distance;
+        const double force = 2.0 * load + from->omega2 * fabs(from->deviation) +
                              2.0 * t.rates.faster * fabs(vec3_dot(from->rate, from->normal));
-        CHECK_CLOSE("balance", 0.5 * (twice + stored) + taken, vec3_dot(from->pull[0], change.moved),
+        CHECK_CLOSE("balance", 0.5 * (twice + stored) + taken, vec3_dot(from->acceleration[0], change.moved),
                     4.0 * allowed(&t, &p, false) * (force + vec3_norm(from->rate) * t.rates.faster));
-        CHECK(from->damping > 0.0 || fabs(taken) <= 4.0 * allowed(&t, &p, false) * force);
+        CHECK(from->damping_rate > 0.0 || fabs(taken) <= 4.0 * allowed(&t, &p, false) * force);
     }
 }
 
-/* x and three derivatives: with all of them the next place is known to the fourth power of the way, with one wrong not. */
+/* x and three derivatives: with all of them the next place is known to the fourth power of the way, with one
+ * wrong not. */
 static void check_taylor(const double here[4], const double there[4], double way, double rounding)
 {
     const double next = here[0] + way * (here[1] + way / 2.0 * (here[2] + way / 3.0 * here[3]));
@@ -257,15 +263,15 @@ static void derivatives_are_those_of_x(void)
         const double rounding = 64.0 * DBL_EPSILON * size;
         double here[4];
         double there[4];
-        collocation_slow_excess(&p, s, here);
-        collocation_slow_excess(&p, s + way, there);
+        collocation_averaged_deviation(&p, s, here);
+        collocation_averaged_deviation(&p, s + way, there);
         check_taylor(here, there, way, rounding);
-        collocation_excess(&p, s, here);
-        collocation_excess(&p, s + way, there);
+        collocation_deviation(&p, s, here);
+        collocation_deviation(&p, s + way, there);
         check_taylor(here, there, way, rounding);
         for (int i = 0; i < p.nodes->points; ++i) {
-            collocation_excess(&p, 1.0 + p.nodes->node[i], here);
-            collocation_excess_at_node(&p, i, there);
+            collocation_deviation(&p, 1.0 + p.nodes->node[i], here);
+            collocation_deviation_at_node(&p, i, there);
             double power = 1.0;
             for (int j = 0; j < 4; ++j) {
                 CHECK_CLOSE("at node", there[j], here[j], rounding * power);
@@ -278,8 +284,8 @@ static void derivatives_are_those_of_x(void)
 int main(void)
 {
     CHECK_TEST(a_resolved_step_moves_as_the_reference);
-    CHECK_TEST(a_spanning_step_moves_as_the_reference);
-    CHECK_TEST(a_creeping_step_moves_as_the_reference);
+    CHECK_TEST(an_averaged_step_moves_as_the_reference);
+    CHECK_TEST(an_overdamped_step_moves_as_the_reference);
     CHECK_TEST(near_its_end_a_resolved_step_is_off_by_less_than_it_says);
     CHECK_TEST(a_head_on_step_goes_straight_on);
     CHECK_TEST(energy_falls_by_what_the_dashpot_takes);

@@ -1,4 +1,5 @@
-/* What the iteration of a collocated step promises: to converge as far as asked, and to refuse what it cannot do. */
+/* What the iteration of a collocated step promises: to converge as far as asked, and to refuse what it cannot
+ * do. */
 #include "check.h"
 #include "collocation_problems.h"
 
@@ -41,8 +42,8 @@ static void a_step_through_the_centre_is_refused(void)
         const double rate = random_power(&r, -1.0, 5.0);
         struct collocation_problem from = {.normal = {0.0, -1.0, 0.0}, .reach = random_power(&r, -3.0, 1.0)};
         struct collocation p;
-        from.square = rate * rate;
-        from.damping = k % 2 == 0 ? 0.0 : 0.2 * rate;
+        from.omega2 = rate * rate;
+        from.damping_rate = k % 2 == 0 ? 0.0 : 0.2 * rate;
         from.radial = -1.5 * rate * from.reach;
         from.rate = vec3_scale(from.radial, from.normal);
         CHECK(!collocation_make(&p, &from, 3.5 / rate, COLLOCATION_RESOLVED, twelve, 1e-12 * from.reach));
@@ -72,21 +73,21 @@ static void nan_is_refused_wherever_it_comes_in(void)
             p->normal = vec3_make(1.0, 0.0, 0.0);
             p->rate = vec3_make(p->rate.x, 0.0, 0.0);
             p->radial = p->rate.x;
-            for (int i = 0; i < COLLOCATION_PULL_TERMS; ++i) {
-                p->pull[i] = vec3_make(p->pull[i].x, 0.0, 0.0);
+            for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
+                p->acceleration[i] = vec3_make(p->acceleration[i].x, 0.0, 0.0);
             }
         }
         check_refused(&t, &p->normal.x, "NaN in the normal");
         check_refused(&t, &p->rate.x, "NaN in the rate");
         check_refused(&t, &p->rate.z, "NaN in the rate");
         check_refused(&t, &p->reach, "NaN in the reach");
-        check_refused(&t, &p->excess, "NaN in the excess");
-        check_refused(&t, &p->square, "NaN in the square");
-        check_refused(&t, &p->damping, "NaN in the damping");
-        check_refused(&t, &p->pull[0].x, "NaN in the pull");
-        check_refused(&t, &p->pull[2].y, "NaN in the pull");
-        check_refused(&t, &p->lead[0].x, "NaN in the lead");
-        check_refused(&t, &p->lead[3].z, "NaN in the lead");
+        check_refused(&t, &p->deviation, "NaN in the excess");
+        check_refused(&t, &p->omega2, "NaN in the omega2");
+        check_refused(&t, &p->damping_rate, "NaN in the damping_rate");
+        check_refused(&t, &p->acceleration[0].x, "NaN in the pull");
+        check_refused(&t, &p->acceleration[2].y, "NaN in the pull");
+        check_refused(&t, &p->mismatch[0].x, "NaN in the lead");
+        check_refused(&t, &p->mismatch[3].z, "NaN in the lead");
         check_refused(&t, &t.step, "a step of NaN");
     }
 }

@@ -1,18 +1,19 @@
 /*
- * A pressing contact in Cartesian coordinates and long double, to judge collocation by:
+ * A contact that transmits a force in Cartesian coordinates and long double, to judge collocation by:
  *
- *   c'' = A(t) - (square (d - reach) + damping n.(c' + E(t))) n,   d = |c|, n = c / d
+ *   c'' = A(t) - (omega2 (d - reach) + damping_rate n.(c' + E(t))) n,   d = |c|, n = c / d
  *
- * with what the dashpot takes and a moment of the motion alongside. Extrapolation of the modified midpoint rule with 2, 4 .. 16
- * substeps (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9), order 16.
+ * with what the dashpot takes and a moment of the motion alongside. Extrapolation of the modified midpoint
+ * rule with 2, 4 .. 16 substeps (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9),
+ * order 16.
  */
 #ifndef CONTACT_REFERENCE_H
 #define CONTACT_REFERENCE_H
 
 #include <string.h>
 
-#include "contact/collocation.h"
 #include "long_vec3.h"
+#include "segment/collocation.h"
 
 struct reference_state {
     struct long_vec3 c, rate;
@@ -43,14 +44,14 @@ static inline struct reference_state reference_slope(const struct reference *r, 
     const long double d = long_norm(y->c);
     const struct long_vec3 zero = {0.0L, 0.0L, 0.0L};
     const struct long_vec3 n = long_axpy(zero, 1.0L / d, y->c);
-    const struct long_vec3 lead = long_polynomial(p->lead, COLLOCATION_LEAD_TERMS, t);
-    const long double closing = long_dot(n, long_axpy(y->rate, 1.0L, lead));
-    const long double push = p->square * (d - p->reach) + p->damping * closing;
+    const struct long_vec3 mismatch = long_polynomial(p->mismatch, COLLOCATION_MISMATCH_TERMS, t);
+    const long double closing = long_dot(n, long_axpy(y->rate, 1.0L, mismatch));
+    const long double push = p->omega2 * (d - p->reach) + p->damping_rate * closing;
     const struct long_vec3 weight = long_axpy(r->weight[0], t, r->weight[1]);
     return (struct reference_state){
         .c = y->rate,
-        .rate = long_axpy(long_polynomial(p->pull, COLLOCATION_PULL_TERMS, t), -push, n),
-        .dissipated = p->damping * closing * closing,
+        .rate = long_axpy(long_polynomial(p->acceleration, COLLOCATION_ACCELERATION_TERMS, t), -push, n),
+        .dissipated = p->damping_rate * closing * closing,
         .moment = long_dot(weight, long_axpy(y->c, -1.0L, r->start.c))};
 }
 
@@ -107,7 +108,7 @@ static inline struct reference reference_of(const struct collocation_problem *pr
                                             const struct vec3 weight[2])
 {
     const struct long_vec3 normal = long_of(problem->normal);
-    const long double d = (long double)problem->reach + problem->excess;
+    const long double d = (long double)problem->reach + problem->deviation;
     return (struct reference){
         problem,
         {long_of(weight[0]), long_of(weight[1])},

@@ -92,7 +92,8 @@ static void geometry_is_that_of_long_double_at_every_scale(void)
     }
 }
 
-/* d - r_s - r_d and r_d - d - r_s without a rounding: what is subtracted is within a factor of two (Sterbenz). */
+/* d - r_s - r_d and r_d - d - r_s without a rounding: what is subtracted is within a factor of two
+ * (Sterbenz). */
 static void the_gap_of_bodies_that_almost_touch_has_no_rounding(void)
 {
     struct random r = {4};
@@ -134,8 +135,8 @@ static void the_normal_is_perpendicular_to_a_cylinders_axis(void)
     }
 }
 
-/* Where c is along the axis to rounding, what the projection leaves points anywhere; a normal made of it must not push along
- * the axis. */
+/* Where c is along the axis to rounding, what the projection leaves points anywhere; a normal made of it must
+ * not push along the axis. */
 static void near_the_axis_the_normal_still_lies_across(void)
 {
     struct random r = {11};
@@ -156,8 +157,8 @@ static void near_the_axis_the_normal_still_lies_across(void)
     CHECK(on_the_axis > 0 && on_the_axis < CONFIGURATIONS / 2);
 }
 
-/* e_c starts at the source's centre. Of a sphere it ends at the destination's centre; of a cylinder r_s e_c is the
- * source's contact point: nearest to the axis outside, farthest from it inside. */
+/* e_c starts at the source's centre. Of a sphere it ends at the destination's centre; of a cylinder r_s e_c
+ * is the source's contact point: nearest to the axis outside, farthest from it inside. */
 static void directions_are_those_of_the_design(void)
 {
     struct random r = {6};
@@ -226,8 +227,8 @@ static void the_default_normal_is_the_documented_one(void)
         const struct vec3 n = contact_default_normal(&shape);
         CHECK_CLOSE("|n|", vec3_norm(n), 1.0, 4.0 * DBL_EPSILON);
         CHECK_CLOSE("n.e_d", vec3_dot(n, shape.axis), 0.0, 8.0 * DBL_EPSILON);
-        /* A unit vector made perpendicular to e_d keeps the part sqrt(1 - e_i^2) along itself; it is the largest of
-         * the three for the least |e_i|. */
+        /* A unit vector made perpendicular to e_d keeps the part sqrt(1 - e_i^2) along itself; it is the
+         * largest of the three for the least |e_i|. */
         const double least = fmin(fabs(e[0]), fmin(fabs(e[1]), fabs(e[2])));
         const double lowest = fmin(n.x, fmin(n.y, n.z));
         CHECK_CLOSE("along the axis least aligned", lowest, -sqrt(1.0 - least * least), 8.0 * DBL_EPSILON);

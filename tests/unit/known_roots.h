@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "check.h"
-#include "contact/polynomial.h"
+#include "math/polynomial.h"
 
 /* Factors of a polynomial: real roots, and pairs re +- i im off the real axis. */
 struct factors {

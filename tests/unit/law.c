@@ -55,7 +55,7 @@ static double law_force(const struct contact_law *law, double gap, double rate, 
     return contact_normal_force_of(law, contact_regime_of(law, gap, rate, within), gap, rate);
 }
 
-static double force_noise(const struct contact_law *law, double gap, double rate)
+static double force_rounding(const struct contact_law *law, double gap, double rate)
 {
     return 2.0 * DBL_EPSILON * (fabs(law->stiffness * gap) + fabs(law->damping * rate));
 }
@@ -63,7 +63,7 @@ static double force_noise(const struct contact_law *law, double gap, double rate
 static void check_force(const struct contact_law *law, double gap, double rate)
 {
     const double force = law_force(law, gap, rate, true);
-    CHECK_CLOSE("F_n", force, design_force(law, gap, rate, true), force_noise(law, gap, rate));
+    CHECK_CLOSE("F_n", force, design_force(law, gap, rate, true), force_rounding(law, gap, rate));
     CHECK_CLOSE("F_n beyond the ends", law_force(law, gap, rate, false), 0.0, 0.0);
     CHECK(force >= 0.0 || (law->dashpot == DASHPOT_UNCLAMPED && law->damping > 0.0));
     CHECK(gap < 0.0 || force == 0.0);
@@ -84,9 +84,9 @@ static void the_force_is_that_of_the_design_and_attracts_only_unclamped(void)
 static void check_coefficients(const struct contact_law *law, double gap, double rate)
 {
     const enum contact_regime regime = contact_regime_of(law, gap, rate, true);
-    const struct contact_coefficients by = contact_coefficients_of(law, regime);
-    CHECK_CLOSE("-(k g + c g')", -(by.k * gap + by.c * rate), design_force(law, gap, rate, true),
-                force_noise(law, gap, rate));
+    const struct contact_coefficients coefficients = contact_coefficients_of(law, regime);
+    CHECK_CLOSE("-(k g + c g')", -(coefficients.k * gap + coefficients.c * rate),
+                design_force(law, gap, rate, true), force_rounding(law, gap, rate));
 }
 
 static void a_regimes_constants_give_its_force(void)
@@ -103,16 +103,16 @@ static void check_margin(const struct contact_law *law, double gap, double rate)
     const enum contact_regime regime = contact_regime_of(law, gap, rate, true);
     CHECK(regime != REGIME_APART);
     if (law->damping == 0.0 || law->dashpot == DASHPOT_UNCLAMPED) {
-        CHECK(regime == REGIME_PRESSING);
+        CHECK(regime == REGIME_COMPRESSION);
     }
-    const bool pressing = contact_regime_margin(law, REGIME_PRESSING, gap, rate) > 0.0;
-    CHECK(pressing == (regime == REGIME_PRESSING));
+    const bool compression = contact_regime_margin(law, REGIME_COMPRESSION, gap, rate) > 0.0;
+    CHECK(compression == (regime == REGIME_COMPRESSION));
     if (law->dashpot == DASHPOT_APPROACH_ONLY && law->damping > 0.0 && rate != 0.0) {
-        const bool receding = contact_regime_margin(law, REGIME_RECEDING, gap, rate) > 0.0;
-        CHECK(receding == (regime == REGIME_RECEDING));
+        const bool restitution = contact_regime_margin(law, REGIME_RESTITUTION, gap, rate) > 0.0;
+        CHECK(restitution == (regime == REGIME_RESTITUTION));
     }
     CHECK(contact_regime_margin(law, REGIME_APART, gap, rate) > 0.0);
-    CHECK(contact_regime_margin(law, REGIME_RELEASED, gap, rate) > 0.0);
+    CHECK(contact_regime_margin(law, REGIME_SEPARATING, gap, rate) > 0.0);
 }
 
 static void a_regime_lasts_while_its_margin_is_positive(void)
@@ -126,20 +126,20 @@ static void regimes_change_where_the_design_says(void)
     CHECK(contact_regime_of(&clipped, 0.0, -1.0, true) == REGIME_APART);
     CHECK(contact_regime_of(&clipped, -0.0, -1.0, true) == REGIME_APART);
     CHECK(contact_regime_of(&clipped, (double)NAN, -1.0, true) == REGIME_APART);
-    CHECK(contact_regime_of(&clipped, -DBL_TRUE_MIN, -1.0, true) == REGIME_PRESSING);
+    CHECK(contact_regime_of(&clipped, -DBL_TRUE_MIN, -1.0, true) == REGIME_COMPRESSION);
     CHECK(contact_regime_of(&clipped, -0.25, 0.0, false) == REGIME_APART);
     /* 8 g + 2 g' = 0 without rounding */
-    CHECK(contact_regime_of(&clipped, -0.25, 1.0, true) == REGIME_RELEASED);
-    CHECK(contact_regime_of(&clipped, -0.25, nextafter(1.0, 2.0), true) == REGIME_RELEASED);
-    CHECK(contact_regime_of(&clipped, -0.25, nextafter(1.0, 0.0), true) == REGIME_PRESSING);
+    CHECK(contact_regime_of(&clipped, -0.25, 1.0, true) == REGIME_SEPARATING);
+    CHECK(contact_regime_of(&clipped, -0.25, nextafter(1.0, 2.0), true) == REGIME_SEPARATING);
+    CHECK(contact_regime_of(&clipped, -0.25, nextafter(1.0, 0.0), true) == REGIME_COMPRESSION);
     const struct contact_law approach = {8.0, 2.0, DASHPOT_APPROACH_ONLY};
-    CHECK(contact_regime_of(&approach, -0.25, 0.0, true) == REGIME_RECEDING);
-    CHECK(contact_regime_of(&approach, -0.25, -0.0, true) == REGIME_RECEDING);
-    CHECK(contact_regime_of(&approach, -0.25, -DBL_TRUE_MIN, true) == REGIME_PRESSING);
-    const struct contact_law pulling = {8.0, 2.0, DASHPOT_UNCLAMPED};
-    CHECK_CLOSE("unclamped pull", law_force(&pulling, -0.25, 3.0, true), -4.0, 0.0);
+    CHECK(contact_regime_of(&approach, -0.25, 0.0, true) == REGIME_RESTITUTION);
+    CHECK(contact_regime_of(&approach, -0.25, -0.0, true) == REGIME_RESTITUTION);
+    CHECK(contact_regime_of(&approach, -0.25, -DBL_TRUE_MIN, true) == REGIME_COMPRESSION);
+    const struct contact_law tensile = {8.0, 2.0, DASHPOT_UNCLAMPED};
+    CHECK_CLOSE("unclamped pull", law_force(&tensile, -0.25, 3.0, true), -4.0, 0.0);
     /* A clipped force stays at zero when the regime is a little behind the motion. */
-    CHECK_CLOSE("clip", contact_normal_force_of(&clipped, REGIME_PRESSING, -0.25, 3.0), 0.0, 0.0);
+    CHECK_CLOSE("clip", contact_normal_force_of(&clipped, REGIME_COMPRESSION, -0.25, 3.0), 0.0, 0.0);
 }
 
 /* d/dt E_c + dissipated power = -F_n g', the power that goes into the contact. */
@@ -151,7 +151,7 @@ static void check_energy(const struct contact_law *law, double gap, double rate)
     const double lost = contact_dissipated_power(law, regime, force, gap, rate);
     const bool touching = gap < 0.0;
     const long double p_n = law->stiffness;
-    const long double noise = 2.0L * force_noise(law, gap, rate) * fabs(rate);
+    const long double noise = 2.0L * force_rounding(law, gap, rate) * fabs(rate);
     CHECK_CLOSE("E_c", energy, touching ? p_n * gap * gap / 2.0L : 0.0L, 2.0 * DBL_EPSILON * energy);
     CHECK_CLOSE("power balance", touching ? p_n * gap * rate + lost : lost, -(long double)force * rate,
                 noise);

@@ -1,12 +1,12 @@
 /* The tables of the Gauss-Lobatto nodes by what defines them, and functions known at the nodes. */
-#include "contact/lobatto_row.h"
+#include "math/nodal_values.h"
 
 #include <float.h>
 
 #include "check.h"
 #include "random.h"
 
-enum { MOST = LOBATTO_MOST };
+enum { MOST = LOBATTO_MAX };
 
 /* The factors of the coefficients are up to 611 and of both signs: so many roundings a sum has at most. */
 static const long double ROUNDINGS = 1e3L * DBL_EPSILON;
@@ -120,17 +120,17 @@ static void a_polynomial_is_evaluated_with_its_derivatives(void)
         random_polynomial(&r, a);
         const double s = random_between(&r, 0.0, 2.0);
         const int terms = 1 + random_index(&r, table->points);
-        row_derivatives(a, terms, s, out);
+        nodal_derivatives(a, terms, s, out);
         long double largest = 1.0L; /* 12, 12 11, 12 11 10: of the factors of a derivative */
         for (int i = 0; i < 4; ++i) {
             CHECK_CLOSE("derivative", out[i], derivative(a, terms, i, s), 32.0L * DBL_EPSILON * largest);
             largest *= MOST - i;
         }
-        CHECK_CLOSE("value", row_at(a, table->points, s), derivative(a, table->points, 0, s),
+        CHECK_CLOSE("value", nodal_polynomial_at(a, table->points, s), derivative(a, table->points, 0, s),
                     32.0L * DBL_EPSILON);
-        CHECK_CLOSE("slope", row_slope(a, table->points, s), derivative(a, table->points, 1, s),
+        CHECK_CLOSE("slope", nodal_slope(a, table->points, s), derivative(a, table->points, 1, s),
                     384.0L * DBL_EPSILON);
-        CHECK_CLOSE("integral", row_integral(a, table->points, s), integral_to(a, s), 32.0L * DBL_EPSILON);
+        CHECK_CLOSE("integral", nodal_integral(a, table->points, s), integral_to(a, s), 32.0L * DBL_EPSILON);
     }
 }
 
@@ -142,8 +142,8 @@ static void values_and_coefficients_are_two_forms_of_one_polynomial(void)
         double values[MOST];
         double back[MOST];
         random_polynomial(&r, a);
-        row_at_nodes(table, a, values);
-        row_coefficients(table, values, back);
+        nodal_values_of(table, a, values);
+        nodal_coefficients(table, values, back);
         for (int k = 0; k < table->points; ++k) {
             CHECK_CLOSE("value", values[k], derivative(a, table->points, 0, 1.0L + node(k)),
                         16.0L * DBL_EPSILON);
@@ -159,7 +159,7 @@ static void a_large_constant_costs_a_small_change_no_digits(void)
     for (int i = 0; i < table->points; ++i) {
         values[i] = 1e6 + (i == 2 ? 0x1p-20 : 0.0);
     }
-    row_coefficients(table, values, a);
+    nodal_coefficients(table, values, a);
     CHECK_CLOSE("first", a[0], 1e6L + monomial(2, 0) * 0x1p-20L, 2.0L * DBL_EPSILON * 1e6L);
     for (int k = 1; k < table->points; ++k) {
         CHECK_CLOSE("coefficient", a[k], monomial(2, k) * 0x1p-20L,
@@ -178,17 +178,17 @@ static void rates_at_the_nodes_are_integrated(void)
         const double s = n % 10 == 0 ? 2.0 : random_between(&r, 0.0, 2.0);
         long double change = 0.0L;
         random_polynomial(&r, a);
-        row_at_nodes(table, a, rate);
+        nodal_values_of(table, a, rate);
         for (int i = 0; i < table->points; ++i) {
             sum[i] = random_between(&r, -1.0, 1.0);
             change = fmaxl(change, fabsl(integral_to(a, 1.0L + node(i)) - sum[i]));
         }
-        CHECK_CLOSE("change", row_integrate(table, rate, sum), change, 32.0L * DBL_EPSILON);
-        CHECK(row_integrate(table, rate, sum) == 0.0);
+        CHECK_CLOSE("change", nodal_integrate(table, rate, sum), change, 32.0L * DBL_EPSILON);
+        CHECK(nodal_integrate(table, rate, sum) == 0.0);
         for (int i = 0; i < table->points; ++i) {
             CHECK_CLOSE("sum", sum[i], integral_to(a, 1.0L + node(i)), 32.0L * DBL_EPSILON);
         }
-        CHECK_CLOSE("integral", row_integral_to(table, sum, rate, s), integral_to(a, s), ROUNDINGS);
+        CHECK_CLOSE("integral", nodal_integral_to(table, sum, rate, s), integral_to(a, s), ROUNDINGS);
     }
 }
 
@@ -197,13 +197,13 @@ static void at_the_end_the_integral_is_the_sum_itself(void)
     const double rate[MOST] = {5.0};
     double sum[MOST] = {0.0};
     sum[table->points - 1] = 3.0;
-    CHECK(row_integral_to(table, sum, rate, 2.0) == 3.0);
+    CHECK(nodal_integral_to(table, sum, rate, 2.0) == 3.0);
 }
 
 static void a_vector_is_put_at_its_node(void)
 {
-    struct vec3_row row = {{0.0}, {0.0}, {0.0}};
-    row_put_vec3(&row, 2, vec3_make(5.0, 6.0, 7.0));
+    struct nodal_vec3 row = {{0.0}, {0.0}, {0.0}};
+    nodal_put_vec3(&row, 2, vec3_make(5.0, 6.0, 7.0));
     CHECK(row.x[2] == 5.0 && row.y[2] == 6.0 && row.z[2] == 7.0 && row.x[1] == 0.0 && row.z[3] == 0.0);
 }
 
@@ -215,7 +215,7 @@ static void the_tail_is_that_of_chebyshev_polynomials(void)
         for (int i = 0; i < table->points; ++i) {
             values[i] = (double)cosl(k * acosl(node(i)));
         }
-        const double tail = row_tail(table, values);
+        const double tail = nodal_tail(table, values);
         if (k == table->points - 1) {
             CHECK_CLOSE("tail", tail, 1.0L, ROUNDINGS);
         } else if (k == table->points - 2) {

@@ -1,6 +1,6 @@
 /*
- * The model's interface without an adapter: wrong calls, and the quadrature over a given motion (solver/sampled.c), where
- * impulse, work, dissipated energy and peaks have closed forms.
+ * The model's interface without an adapter: wrong calls, and the quadrature over a given motion
+ * (integrator/prescribed.c), where impulse, work, dissipated energy and peaks have closed forms.
  */
 #include "model/model.h"
 
@@ -163,7 +163,7 @@ static void a_given_motion_has_the_impulse_work_and_loss_of_its_closed_form(void
         const long double stored = 5e3L * (gap_of(end) * gap_of(end) - 1e-4L);
         const double tolerance =
             1e-12; /* polynomials below degree nine: exact but for rounding of some 10 N m */
-        const struct motion *q = &m->state.motion;
+        const struct scene_state *q = &m->state.motion;
         CHECK_CLOSE("impulse along x", q->contact[0].impulse.x, impulse, tolerance);
         CHECK_CLOSE("impulse along y", q->contact[0].impulse.y, 0.0, 0.0);
         CHECK_CLOSE("impulse along z", q->contact[0].impulse.z, 0.0, 0.0);
@@ -177,7 +177,8 @@ static void a_given_motion_has_the_impulse_work_and_loss_of_its_closed_form(void
     model_destroy(m);
 }
 
-/* -g is largest at t = 1/8: 0.01625 m. F_n = -1e4 g - 200 g' is largest at t = 0.105: the slope 1e3 - 8e3 t - 160. */
+/* -g is largest at t = 1/8: 0.01625 m. F_n = -1e4 g - 200 g' is largest at t = 0.105: the slope 1e3 - 8e3 t -
+ * 160. */
 static void peaks_between_communication_points_are_found(void)
 {
     struct heard heard;

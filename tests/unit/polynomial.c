@@ -1,5 +1,5 @@
 /* Sign changes of polynomials whose roots are known because they were made from them. */
-#include "contact/polynomial.h"
+#include "math/polynomial.h"
 
 #include <float.h>
 #include <math.h>
@@ -153,7 +153,8 @@ static void touching_roots_are_not_reported(void)
     CHECK_CLOSE("triple root", roots[0], 0.5, cbrt(8.0 * DBL_EPSILON));
 }
 
-/* Rounding may make three roots of a triple one, and zeros of the derivative's double one; the sign changes all the same. */
+/* Rounding may make three roots of a triple one, and zeros of the derivative's double one; the sign changes
+ * all the same. */
 static void a_triple_root_anywhere_is_found_an_odd_number_of_times(void)
 {
     struct random r = {43};
@@ -196,7 +197,8 @@ static void constants_have_no_roots_and_zero_leading_coefficients_are_no_degree(
     }
 }
 
-/* Chebyshev's polynomial of degree 16 moved to [0, 1]: integer coefficients below 2^53, sixteen roots, all inside. */
+/* Chebyshev's polynomial of degree 16 moved to [0, 1]: integer coefficients below 2^53, sixteen roots, all
+ * inside. */
 static void all_sixteen_roots_of_degree_sixteen_are_found(void)
 {
     struct polynomial before = {{1.0}, 0};
@@ -224,7 +226,8 @@ static void products_sums_and_derivatives_evaluate_to_those_of_the_values(void)
         struct polynomial a = {{0.0}, random_index(&r, 9)};
         struct polynomial b = {{0.0}, random_index(&r, 9)};
         for (int i = 0; i <= 8; ++i) {
-            a.a[i] = i <= a.degree ? random_between(&r, -1.0, 1.0) : 1e9; /* beyond the degree: not read */
+            /* beyond the degree: not read */
+            a.a[i] = i <= a.degree ? random_between(&r, -1.0, 1.0) : 1e9;
             b.a[i] = i <= b.degree ? random_between(&r, -1.0, 1.0) : 1e9;
         }
         const double s = random_between(&r, 0.0, 1.0);

@@ -1,5 +1,5 @@
 /* The corrections at the end of a contact phase: exact along the normal, and nothing else is touched. */
-#include "dynamics/projection.h"
+#include "scene/projection.h"
 
 #include <float.h>
 
@@ -9,8 +9,8 @@
 
 static double balance_of(const struct model *m)
 {
-    struct system_instant at;
-    system_now(&m->state.values, &m->state.motion, &at);
+    struct scene_instant at;
+    scene_now(&m->state.values, &m->state.motion, &at);
     return projection_balance(&m->state.values, &m->state.motion, &at);
 }
 
@@ -34,16 +34,16 @@ static struct vec3 mass_moment(const struct model *m)
 
 static struct contact_geometry geometry(const struct model *m)
 {
-    struct system_instant at;
-    system_now(&m->state.values, &m->state.motion, &at);
+    struct scene_instant at;
+    scene_now(&m->state.values, &m->state.motion, &at);
     return at.geometry[0];
 }
 
 /* So much [m/s] that only the size of the correction counts. */
 static const double ANY_ERROR = 1.0;
 
-/* An undamped contact in mid-phase, inside or outside, about to part: the gap off zero by little, the balance set. A prescribed
- * destination rests. */
+/* An undamped contact in mid-phase, inside or outside, about to part: the gap off zero by little, the balance
+ * set. A prescribed destination rests. */
 static struct model random_parting(struct random *r, enum motion_kind destination)
 {
     struct model m = scene_model();
@@ -82,8 +82,8 @@ static void closing_the_gap_leaves_it_zero_and_the_centre_of_mass_in_place(void)
     for (int n = 0; n < 2000; ++n) {
         const enum motion_kind motion = random_motion_kind(&r);
         struct model m = random_parting(&r, motion);
-        struct motion *q = &m.state.motion;
-        const struct motion before = *q;
+        struct scene_state *q = &m.state.motion;
+        const struct scene_state before = *q;
         const struct contact_geometry start = geometry(&m);
         CHECK(start.gap < 0.0);
         projection_close_gap(&m.state.values, q, 0);
@@ -102,10 +102,10 @@ static void closing_the_gap_leaves_it_zero_and_the_centre_of_mass_in_place(void)
     }
 }
 
-static void check_restored(const struct model *m, const struct motion *before, enum motion_kind motion,
+static void check_restored(const struct model *m, const struct scene_state *before, enum motion_kind motion,
                            double scale)
 {
-    const struct motion *q = &m->state.motion;
+    const struct scene_state *q = &m->state.motion;
     CHECK_CLOSE("balance", balance_of(m), q->phase_energy, 32.0 * DBL_EPSILON * scale);
     const struct vec3 n = geometry(m).normal;
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -131,13 +131,13 @@ static void the_energy_is_restored_and_momentum_kept(void)
     for (int n = 0; n < 5000; ++n) {
         const enum motion_kind motion = random_motion_kind(&r);
         struct model m = random_parting(&r, motion);
-        struct motion *q = &m.state.motion;
+        struct scene_state *q = &m.state.motion;
         const struct contact_geometry start = geometry(&m);
         const double by_both = 1.0 / m.state.values.body[SOURCE].mass +
                                (motion == MOTION_FREE ? 1.0 / m.state.values.body[DESTINATION].mass : 0.0);
         const double normal_energy = 0.5 * start.gap_rate * start.gap_rate / by_both;
         q->phase_energy += random_between(&r, -0.99e-3, 0.99e-3) * normal_energy;
-        const struct motion before = *q;
+        const struct scene_state before = *q;
         const struct vec3 momentum_before = momentum(&m);
         projection_restore_energy(&m.state.values, q, 0, ANY_ERROR);
         check_restored(&m, &before, motion,
@@ -156,12 +156,12 @@ static void large_errors_and_damped_contacts_are_left_alone(void)
     struct random r = {93};
     for (int n = 0; n < 500; ++n) {
         struct model m = random_parting(&r, MOTION_FIXED);
-        struct motion *q = &m.state.motion;
+        struct scene_state *q = &m.state.motion;
         const double rate = geometry(&m).gap_rate;
         const double normal_energy = 0.5 * m.state.values.body[SOURCE].mass * rate * rate;
         const double balance = q->phase_energy;
         q->phase_energy = balance + random_sign(&r) * 1.1e-3 * normal_energy;
-        struct motion before = *q;
+        struct scene_state before = *q;
         projection_restore_energy(&m.state.values, q, 0, ANY_ERROR);
         CHECK(memcmp(&before, q, sizeof before) == 0);
         q->phase_energy = balance + 0.5e-3 * normal_energy;
@@ -175,7 +175,7 @@ static void large_errors_and_damped_contacts_are_left_alone(void)
 
 static void check_left_alone(struct model *m, double tolerated)
 {
-    const struct motion before = m->state.motion;
+    const struct scene_state before = m->state.motion;
     projection_restore_energy(&m->state.values, &m->state.motion, 0, tolerated);
     CHECK(memcmp(&before, &m->state.motion, sizeof before) == 0);
 }
@@ -186,9 +186,9 @@ static void what_is_no_error_of_the_integrator_is_left_alone(void)
     struct random r = {94};
     for (int n = 0; n < 500; ++n) {
         struct model m = random_parting(&r, random_motion_kind(&r));
-        struct motion *q = &m.state.motion;
+        struct scene_state *q = &m.state.motion;
         const double rate = geometry(&m).gap_rate;
-        const double by_both = system_inverse_mass(&m.state.values, 0);
+        const double by_both = scene_inverse_mass(&m.state.values, 0);
         const double balance = q->phase_energy;
         q->phase_energy = balance + random_sign(&r) * 0.5e-3 * rate * rate / by_both * 0.5;
         check_left_alone(&m, 1e-9 * fabs(rate));

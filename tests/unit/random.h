@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdint.h>
 
-#include "contact/vec3.h"
+#include "math/vec3.h"
 
 struct random {
     uint64_t state;

@@ -1,6 +1,7 @@
 /*
- * Saved states in which a single value is one that no model ever has, with checksums that fit: each is refused with a message and
- * changes nothing. What has no end or no number by right (how far was looked) is taken.
+ * Saved states in which a single value is one that no model ever has, with checksums that fit: each is
+ * refused with a message and changes nothing. What has no end or no number by right (how far was looked) is
+ * taken.
  */
 #include <float.h>
 #include <stddef.h>
@@ -38,8 +39,8 @@ static const struct change harmful[] = {
     {IN(start_time), REAL, ENDLESS},
     {IN(motion.base), REAL, NOT_A_NUMBER},
     {IN(motion.clock), REAL, 0.5},
-    {IN(motion.quiet_clock), REAL, 0.5},
-    {IN(motion.gliding), INTEGER, 1.0},
+    {IN(motion.deferrable_clock), REAL, 0.5},
+    {IN(motion.deferred), INTEGER, 1.0},
     {IN(motion.horizon_clock), REAL, NOT_A_NUMBER},
     {IN(motion.contact[0].normal.x), REAL, 2.0},
     {IN(motion.contact[0].axis.z), REAL, 1e200},
@@ -66,7 +67,7 @@ static const struct change harmful[] = {
     {IN(motion.body[0].velocity.z), REAL, NOT_A_NUMBER},
     {IN(motion.phase_energy), REAL, NOT_A_NUMBER},
     {IN(motion.dissipated), REAL, ENDLESS},
-    {IN(motion.window), REAL, NOT_A_NUMBER},
+    {IN(motion.step_length), REAL, NOT_A_NUMBER},
     {IN(motion.path[1].displacement[3].z), REAL, 2e300},
     {IN(motion.path[0].force[0].x), REAL, NOT_A_NUMBER},
 };
@@ -145,7 +146,7 @@ static void a_state_with_one_wrong_value_is_refused_and_changes_nothing(void)
         check_that(holds, harmful[i].name, __FILE__, __LINE__);
     }
     CHECK(model_step(&m, 0.75) == MODEL_OK);
-    solver_close(&m.solver);
+    integrator_close(&m.integrator);
 }
 
 static void what_may_be_without_end_is_taken(void)
@@ -163,7 +164,7 @@ static void what_may_be_without_end_is_taken(void)
         CHECK_CLOSE("time", model_time(&m), 0.5, DBL_EPSILON);
     }
     CHECK(heard.messages == 0);
-    solver_close(&m.solver);
+    integrator_close(&m.integrator);
 }
 
 static void a_model_that_is_not_there_can_be_destroyed(void)

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dynamics/system.h"
 #include "model/state.h"
+#include "scene/evaluate.h"
 
 enum { SOURCE = 0, DESTINATION = 1 };
 
@@ -15,7 +15,8 @@ static inline void *scene_allocate(size_t count, size_t size)
     return calloc(count, size);
 }
 
-/* A model with start values and gravity off; it is complete without memory of its own until it has to step. */
+/* A model with start values and gravity off; it is complete without memory of its own until it has to
+ * step. */
 static inline struct model scene_model(void)
 {
     struct model m;

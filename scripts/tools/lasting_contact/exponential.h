@@ -1,4 +1,4 @@
-/* The FMU's exponential collocation (contact/collocation.h) with steps of one size. */
+/* The FMU's exponential collocation (segment/collocation.h) with steps of one size. */
 #ifndef LASTING_EXPONENTIAL_H
 #define LASTING_EXPONENTIAL_H
 

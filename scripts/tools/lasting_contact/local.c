@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "contact/vec3.h"
+#include "math/vec3.h"
 
 enum { FORCE, MOMENTUM, TURN, SPIN, NORMAL = 2, WHIRL = 5 };
 

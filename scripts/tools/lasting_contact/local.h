@@ -9,7 +9,7 @@
 
 enum { LOCAL_UNKNOWNS = 8 };
 
-/* In the plane an angle and its rate suffice; in space n and H take their place (contact/collocation.h): what the FMU solves. */
+/* In the plane an angle and its rate suffice; in space n and H take their place (segment/collocation.h): what the FMU solves. */
 struct local {
     int unknowns;
     void (*start)(double *y);

@@ -1,4 +1,4 @@
-"""Writes wide_, creeping_ and variant_references.json, or those named: the ends of the scenes of
+"""Writes wide_, overdamped_ and variant_references.json, or those named: the ends of the scenes of
 wide_scenes.py and benchmark_variants.py by the Taylor integrator in 40 digits, and how much they depend on
 the last digits of what is given.
 
@@ -15,12 +15,12 @@ import numpy as np
 
 from support.reference.integrator import Reference
 from support.scenes.benchmark_variants import VARIANTS, variant
-from support.scenes.wide_scenes import COUNT, CREEPING, creeping_scene, wide_scene
+from support.scenes.wide_scenes import COUNT, OVERDAMPED, overdamped_scene, wide_scene
 
 FOLDER = Path(__file__).parent
 SETS = {
     "wide_references.json": [(wide_scene, (number,)) for number in range(COUNT)],
-    "creeping_references.json": [(creeping_scene, (number,)) for number in range(CREEPING)],
+    "overdamped_references.json": [(overdamped_scene, (number,)) for number in range(OVERDAMPED)],
     "variant_references.json": [(variant, which) for which in VARIANTS],
 }
 ORDER = 30

@@ -1,7 +1,7 @@
 """Three balls of one size in a row: scipy's DOP853 at 1e-12, restarted wherever a contact changes its regime.
 
 A contact is apart, presses (F = -(k g + c g')), recedes (F = -k g: a dashpot that acts on approach only) or
-is released (F = 0: a dashpot that does not pull, until its force presses again or the gap opens).
+is separating (F = 0: a dashpot that does not pull, until its force presses again or the gap opens).
 """
 
 from functools import cache
@@ -43,16 +43,16 @@ def started(case, state, contact):
     if width(case, state, contact) >= 0:
         return "apart"
     if case.dashpot == "unclamped" or margin(case, state, contact) < 0:
-        return "pressing"
-    return "receding" if case.dashpot == "approach_only" else "released"
+        return "compression"
+    return "restitution" if case.dashpot == "approach_only" else "separating"
 
 
 def rates(case, state, regimes):
     forces = np.zeros((3, 3))
     for contact, regime in enumerate(regimes):
         g, rate, direction = gap(case, state, contact)
-        damping = case.damping[contact] if regime == "pressing" else 0.0
-        if regime in ("pressing", "receding"):
+        damping = case.damping[contact] if regime == "compression" else 0.0
+        if regime in ("compression", "restitution"):
             push = -(STIFFNESS * g + damping * rate) * direction
             forces[contact] -= push
             forces[contact + 1] += push
@@ -61,14 +61,14 @@ def rates(case, state, regimes):
 
 def changes(case, regimes):
     """(contact, next regime, event) of all that may happen"""
-    other = "receding" if case.dashpot == "approach_only" else "released"
+    other = "restitution" if case.dashpot == "approach_only" else "separating"
     for contact, regime in enumerate(regimes):
         touches = regime == "apart"
-        yield contact, "pressing" if touches else "apart", crossing(case, width, contact, touches)
-        if regime == "pressing" and case.dashpot != "unclamped" and case.damping[contact] > 0.0:
+        yield contact, "compression" if touches else "apart", crossing(case, width, contact, touches)
+        if regime == "compression" and case.dashpot != "unclamped" and case.damping[contact] > 0.0:
             yield contact, other, crossing(case, margin, contact, False)
         if regime == other:
-            yield contact, "pressing", crossing(case, margin, contact, True)
+            yield contact, "compression", crossing(case, margin, contact, True)
 
 
 def crossing(case, quantity, contact, falls):

@@ -2,7 +2,7 @@
 none to twice the critical one, far from the origin, pushed by growing forces, free destinations under fixed
 and moved sources, bounce trains that settle into lasting contact, balls that slide along a stiff wall.
 
-Their ends are in wide_references.json and creeping_references.json, made by make_references.py.
+Their ends are in wide_references.json and overdamped_references.json, made by make_references.py.
 """
 
 import numpy as np
@@ -152,10 +152,10 @@ CHANGES = {
 }
 
 
-CREEPING = 26
+OVERDAMPED = 26
 
 
-def creeping_scene(number):
+def overdamped_scene(number):
     """shape, configuration and end; damped beyond critical, the ball creeps out of a stiff wall"""
     shape, values, end = wide_scene(number)
     random = np.random.default_rng([number, 4])

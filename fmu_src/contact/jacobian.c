@@ -1,0 +1,52 @@
+#include "contact/jacobian.h"
+
+static void add_outer(double m[3][3], double factor, struct vec3 a, struct vec3 b)
+{
+    const double left[3] = {a.x, a.y, a.z};
+    const double right[3] = {b.x, b.y, b.z};
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            m[i][j] += factor * left[i] * right[j];
+        }
+    }
+}
+
+/* Adds factor T. */
+static void add_projector(double m[3][3], double factor, const struct contact_shape *shape, struct vec3 n)
+{
+    for (int i = 0; i < 3; ++i) {
+        m[i][i] += factor;
+    }
+    add_outer(m, -factor, n, n);
+    if (contact_is_cylinder(shape)) {
+        add_outer(m, -factor, shape->axis, shape->axis);
+    }
+}
+
+struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
+                                            const struct contact_geometry *at, struct vec3 w,
+                                            struct contact_coefficients coefficients, double stiffness)
+{
+    const struct vec3 n = at->normal;
+    const double side = shape->side;
+    const double inverse_distance = at->degenerate ? 0.0 : 1.0 / at->distance;
+    const struct vec3 rate_by_c = vec3_scale(side * inverse_distance, contact_tangential(shape, n, w));
+    const double force = -(coefficients.k * at->gap + coefficients.c * at->gap_rate);
+    /* dF_n/dc and dF_n/dw */
+    const struct vec3 force_by_c =
+        vec3_axpy(vec3_scale(-coefficients.k * side, n), -coefficients.c, rate_by_c);
+    const struct vec3 force_by_w = vec3_scale(-coefficients.c * side, n);
+
+    struct contact_jacobian gradient = {.by_separation = {{0.0}}, .by_rate = {{0.0}}};
+    add_outer(gradient.by_separation, -side, n, force_by_c);
+    add_projector(gradient.by_separation, -side * force * inverse_distance, shape, n);
+    add_outer(gradient.by_rate, -side, n, force_by_w);
+
+    /* P = -(F_n + p_n g) g' */
+    const double viscous_force = force + stiffness * at->gap;
+    const struct vec3 viscous_force_by_c = vec3_axpy(force_by_c, stiffness * side, n);
+    gradient.power_by_separation =
+        vec3_axpy(vec3_scale(-at->gap_rate, viscous_force_by_c), -viscous_force, rate_by_c);
+    gradient.power_by_rate = vec3_axpy(vec3_scale(-at->gap_rate, force_by_w), -viscous_force * side, n);
+    return gradient;
+}

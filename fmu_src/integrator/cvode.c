@@ -1,0 +1,173 @@
+#include "integrator/cvode.h"
+
+#if SCENE_ANY_FREE
+
+#include <cvode/cvode.h>
+#include <float.h>
+
+#include "integrator/cvode_memory.h"
+#include "integrator/cvode_start.h"
+#include "scene/projection.h"
+#include "segment/flight.h"
+
+/* CVODE derives its first step from the time asked for. Where that is far longer than the contact's own time,
+ * it is asked for parts of it. */
+static double end_of_leg(const struct cvode *c, double clock, double clock_end)
+{
+    const double leg = 1e4 * c->longest_step;
+    return leg > 0.0 ? fmin(clock_end, clock + leg) : clock_end;
+}
+
+static void book_counters(struct cvode *c, struct scene_state *q, struct advance *step)
+{
+    long steps = 0, evaluations = 0, failures = 0, convergence_failures = 0;
+    CVodeGetNumSteps(c->memory, &steps);
+    CVodeGetNumRhsEvals(c->memory, &evaluations);
+    CVodeGetNumErrTestFails(c->memory, &failures);
+    CVodeGetNumNonlinSolvConvFails(c->memory, &convergence_failures);
+    failures += convergence_failures;
+    step->budget -= steps - c->steps;
+    counter_add(&q->counters.steps, steps - c->steps);
+    counter_add(&q->counters.force_evaluations, evaluations - c->evaluations);
+    counter_add(&q->counters.rejected_steps, failures - c->rejected);
+    c->steps = steps;
+    c->evaluations = evaluations;
+    c->rejected = failures;
+}
+
+/* CVODE places a root within 100 roundings of its time and step; four times that is beyond doubt in the new
+ * regime. */
+static double settled_clock(struct cvode *c, double clock)
+{
+    double step = 0.0;
+    CVodeGetLastStep(c->memory, &step);
+    return clock + 400.0 * DBL_EPSILON * (clock + step);
+}
+
+/* The regime after root 0: contact ends, or begins. */
+static enum contact_regime regime_beyond(const struct scene_values *v, const struct scene_state *q,
+                                         int contact)
+{
+    if (q->contact[contact].regime != REGIME_APART) {
+        return REGIME_APART;
+    }
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const double gap = fmin(at.geometry[contact].gap, -DBL_MIN);
+    return contact_regime_of(&law, gap, at.geometry[contact].gap_rate, true);
+}
+
+/* Which contact leaves its regime at the root just found; false when the root is only a peak. */
+static bool root_event(struct cvode *c, const struct scene_values *v, const struct scene_state *q,
+                       struct advance *step)
+{
+    int found[CVODE_ROOTS];
+    CVodeGetRootInfo(c->memory, found);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const int *roots = found + CVODE_ROOTS_EACH * j;
+        step->contact = j;
+        if (roots[0]) {
+            step->regime = regime_beyond(v, q, j);
+            return true;
+        }
+        if (roots[1]) {
+            const struct contact_law law = scene_contact_law(v, q, j);
+            step->regime = contact_regime_after(&law, (enum contact_regime)q->contact[j].regime);
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Corrects the state at an event where the exact value is known. */
+static void tidy_event(struct cvode *c, const struct scene_values *v, struct scene_state *q,
+                       const struct advance *step)
+{
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    const bool at_gap = fabs(at.geometry[step->contact].gap) <= 4.0 * c->problem.gap_offset[step->contact];
+    if (step->regime == REGIME_APART && at_gap) {
+        const double speed = vec3_norm(at.rate[step->contact]);
+        projection_close_gap(v, q, step->contact);
+        projection_restore_energy(v, q, step->contact, c->problem.relative * speed + c->problem.absolute);
+    }
+    q->contact[step->contact].settled_clock = settled_clock(c, q->clock);
+}
+
+/* Contacts that end, or begin, at almost the same time: when the first has ended the phase, the second may
+ * already be past its root by more than the offset, and CVODE would not find it any more. */
+static bool is_over_already(struct cvode *c, const struct scene_values *v, struct scene_state *q,
+                            struct advance *step)
+{
+    double roots[CVODE_ROOTS];
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    cvode_roots(q->clock, c->y, roots, &c->problem);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const bool leaves = (q->contact[j].regime == REGIME_APART) == (at.geometry[j].gap_rate < 0.0);
+        if (roots[CVODE_ROOTS_EACH * j] < 0.0 && leaves) {
+            step->contact = j;
+            step->regime = regime_beyond(v, q, j);
+            return true;
+        }
+    }
+    return false;
+}
+
+enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v, struct scene_state *q,
+                                  struct advance *step)
+{
+    /* CVODE stops at the next regime change that closed forms foresee, and at the horizon of that search. */
+    double stop = q->horizon_clock;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        stop = fmin(stop, q->contact[j].change_clock);
+    }
+    c->problem.values = v;
+    c->problem.state = q;
+    if (q->integrator_fresh) {
+        if (!cvode_start(c, v, q)) {
+            return ADVANCE_FAILED;
+        }
+        if (SCENE_CONTACTS > 1 && is_over_already(c, v, q, step)) {
+            return ADVANCE_EVENT;
+        }
+    }
+    CVodeSetStopTime(c->memory, stop);
+    for (;;) {
+        double clock = q->clock;
+        CVodeSetMaxNumSteps(c->memory, step->budget);
+        const int flag = CVode(c->memory, end_of_leg(c, clock, step->clock_end), c->y, &clock, CV_NORMAL);
+        book_counters(c, q, step);
+        if (flag == CV_TOO_CLOSE) { /* a last digit of the clock: nothing moves */
+            q->clock = step->clock_end;
+            return ADVANCE_REACHED;
+        }
+        if (flag < 0 && flag != CV_TOO_MUCH_WORK) {
+            return ADVANCE_FAILED;
+        }
+        cvode_unpack(v, q, c->y);
+        q->clock = clock;
+        if (flag == CV_TOO_MUCH_WORK) {
+            return ADVANCE_STEP_LIMIT;
+        }
+        flight_restore(v, q);
+        if (flag == CV_ROOT_RETURN && root_event(c, v, q, step)) {
+            tidy_event(c, v, q, step);
+            return ADVANCE_EVENT;
+        }
+        if (flag == CV_TSTOP_RETURN || q->clock >= step->clock_end) {
+            return ADVANCE_REACHED;
+        }
+        struct scene_instant at;
+        scene_now(v, q, &at);
+        transition_note_peaks(q, &at);
+        /* A return counts as a step, so that the limit of steps ends any number of roots that are no
+         * events. */
+        if (--step->budget <= 0) {
+            return ADVANCE_STEP_LIMIT;
+        }
+    }
+}
+
+#endif

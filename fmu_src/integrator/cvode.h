@@ -1,0 +1,23 @@
+/* Integration of free bodies by SUNDIALS CVODE (Hindmarsh et al., ACM TOMS 31 (2005) 363), within fixed
+ * regimes. */
+#ifndef CONTACT_INTEGRATOR_CVODE_H
+#define CONTACT_INTEGRATOR_CVODE_H
+
+#include "integrator/phases.h"
+
+#if SCENE_ANY_FREE
+
+struct cvode;
+
+/* Makes, or makes anew when the method or the number of free bodies differs, the integrator's memory. On
+ * failure returns false with a message (INTEGRATOR_MESSAGE_SIZE bytes) and leaves *c closed. */
+bool cvode_open(struct cvode **slot, const struct scene_values *v, const struct integrator_memory *memory,
+                char *message);
+
+void cvode_close(struct cvode **slot);
+
+enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v, struct scene_state *q,
+                                  struct advance *step);
+
+#endif
+#endif

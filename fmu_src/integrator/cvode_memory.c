@@ -1,0 +1,155 @@
+#include "integrator/cvode_memory.h"
+
+#if SCENE_ANY_FREE
+
+#include <cvode/cvode.h>
+#include <stdio.h>
+#include <sundials/sundials_version.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+/* SUNDIALS reports here instead of printing. */
+#if SUNDIALS_VERSION_MAJOR >= 7
+static void keep_message(int line, const char *function, const char *file, const char *text, SUNErrCode code,
+                         void *data, SUNContext context)
+{
+    (void)line, (void)file, (void)code, (void)context;
+    snprintf(data, INTEGRATOR_MESSAGE_SIZE, "%s: %s", function, text ? text : "");
+}
+#else
+static void keep_message(int code, const char *module, const char *function, char *text, void *data)
+{
+    (void)code, (void)module;
+    snprintf(data, INTEGRATOR_MESSAGE_SIZE, "%s: %s", function, text);
+}
+#endif
+
+static bool create_context(SUNContext *context)
+{
+#if SUNDIALS_VERSION_MAJOR >= 7
+    return SUNContext_Create(SUN_COMM_NULL, context) == 0;
+#else
+    return SUNContext_Create(NULL, context) == 0;
+#endif
+}
+
+static bool silence(struct cvode *c)
+{
+#if SUNDIALS_VERSION_MAJOR >= 7
+    return SUNContext_ClearErrHandlers(c->context) == 0 &&
+           SUNContext_PushErrHandler(c->context, keep_message, c->message) == 0;
+#else
+    return CVodeSetErrHandlerFn(c->memory, keep_message, c->message) == CV_SUCCESS;
+#endif
+}
+
+/* The Newton matrix I - gamma J, made in place: CVODE's own way keeps a copy of J that it allocates in the
+ * first step. */
+static int newton_matrix(double clock, N_Vector y, N_Vector rate, SUNMatrix matrix, int jacobian_ok,
+                         int *jacobian_now, double gamma, void *problem, N_Vector unused1, N_Vector unused2,
+                         N_Vector unused3)
+{
+    (void)jacobian_ok;
+    *jacobian_now = 1;
+    const int status = cvode_jacobian(clock, y, rate, matrix, problem, unused1, unused2, unused3);
+    return status != 0 ? status : SUNMatScaleAddI(-gamma, matrix);
+}
+
+static bool attach_newton(struct cvode *c)
+{
+    c->jacobian = SUNDenseMatrix(c->size, c->size, c->context);
+    c->linear = c->jacobian ? SUNLinSol_Dense(c->y, c->jacobian, c->context) : NULL;
+    return c->linear && CVodeSetLinearSolver(c->memory, c->linear, c->jacobian) == CV_SUCCESS &&
+           CVodeSetLinSysFn(c->memory, newton_matrix) == CV_SUCCESS;
+}
+
+static bool attach_fixed_point(struct cvode *c)
+{
+    c->nonlinear = SUNNonlinSol_FixedPoint(c->y, 0, c->context);
+    return c->nonlinear && CVodeSetNonlinearSolver(c->memory, c->nonlinear) == CV_SUCCESS;
+}
+
+static bool configure(struct cvode *c)
+{
+    /* -g, the margin and the force rate matter where they fall, see cvode_problem.h. */
+    int falling[CVODE_ROOTS];
+    for (int i = 0; i < CVODE_ROOTS; ++i) {
+        falling[i] = -1;
+    }
+    return silence(c) && CVodeInit(c->memory, cvode_rhs, 0.0, c->y) == CV_SUCCESS &&
+           CVodeSetUserData(c->memory, &c->problem) == CV_SUCCESS &&
+           CVodeWFtolerances(c->memory, cvode_weights) == CV_SUCCESS &&
+           (c->method != SOLVER_METHOD_CVODE_ADAMS ? attach_newton(c) : attach_fixed_point(c)) &&
+           CVodeRootInit(c->memory, CVODE_ROOTS, cvode_roots) == CV_SUCCESS &&
+           CVodeSetRootDirection(c->memory, falling) == CV_SUCCESS &&
+           CVodeSetNoInactiveRootWarn(c->memory) == CV_SUCCESS;
+}
+
+static bool create(struct cvode *c, const struct scene_values *v)
+{
+    c->size = cvode_problem_size(v);
+    c->method = (enum solver_method)solver_method(v);
+    if (!create_context(&c->context)) {
+        return false;
+    }
+    c->y = N_VNew_Serial(c->size, c->context);
+    if (!c->y) {
+        return false;
+    }
+    N_VConst(0.0, c->y);
+    c->memory = CVodeCreate(c->method != SOLVER_METHOD_CVODE_ADAMS ? CV_BDF : CV_ADAMS, c->context);
+    return c->memory && configure(c);
+}
+
+bool cvode_open(struct cvode **slot, const struct scene_values *v, const struct integrator_memory *memory,
+                char *message)
+{
+    if (*slot && (*slot)->method == (enum solver_method)solver_method(v) &&
+        (*slot)->size == cvode_problem_size(v)) {
+        return true;
+    }
+    struct cvode *c = memory->allocate(1, sizeof *c);
+    if (c) {
+        c->message = message;
+        c->release = memory->release;
+        if (create(c, v)) {
+            cvode_close(slot);
+            *slot = c;
+            return true;
+        }
+        cvode_close(&c);
+    }
+    snprintf(message, INTEGRATOR_MESSAGE_SIZE, "the integrator's memory could not be had");
+    return false;
+}
+
+void cvode_close(struct cvode **slot)
+{
+    struct cvode *c = *slot;
+    if (!c) {
+        return;
+    }
+    if (c->memory) {
+        CVodeFree(&c->memory);
+    }
+    if (c->linear) {
+        SUNLinSolFree(c->linear);
+    }
+    if (c->nonlinear) {
+        SUNNonlinSolFree(c->nonlinear);
+    }
+    if (c->jacobian) {
+        SUNMatDestroy(c->jacobian);
+    }
+    if (c->y) {
+        N_VDestroy(c->y);
+    }
+    if (c->context) {
+        SUNContext_Free(&c->context);
+    }
+    c->release(c);
+    *slot = NULL;
+}
+
+#endif

@@ -1,0 +1,198 @@
+#include "integrator/phases.h"
+
+#if SCENE_ANY_FREE
+
+#include <float.h>
+#include <stdio.h>
+
+#include "integrator/cvode.h"
+#include "integrator/event_driven.h"
+#include "integrator/prescribed.h"
+#include "scene/rounding.h"
+#include "segment/flight.h"
+#include "segment/regime_change.h"
+
+/* event_driven leaves only bodies in several contacts to CVODE. */
+static bool uses_cvode(const struct scene_values *v)
+{
+    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || system_shares_free_body(v);
+}
+
+bool integrator_open(struct integrator *s, const struct scene_values *v,
+                     const struct integrator_memory *memory)
+{
+    s->message[0] = '\0';
+    return scene_is_force_element(v) || !uses_cvode(v) || cvode_open(&s->cvode, v, memory, s->message);
+}
+
+void integrator_close(struct integrator *s)
+{
+    cvode_close(&s->cvode);
+}
+
+const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
+                                        const struct scene_state *q)
+{
+    if (!step->is_now) {
+        scene_kinematics_now(v, q, &step->now);
+        step->is_now = true;
+    }
+    return &step->now;
+}
+
+/* Horizon of a separating contact, as a multiple of the time in which it opens at its present rate. */
+static const double SEPARATION_TIMES = 4.0;
+
+/* The horizon of the search for regime changes [s]: the rest of the step, or the time since the phase began
+ * if that is longer, so that a flight of many short steps is searched a few times only. While a contact
+ * separates it is not much longer than that lasts: the conditions are then nearly linear and their roots
+ * cheap. */
+static double horizon_from(const struct scene_values *v, const struct scene_state *q,
+                           const struct scene_instant *at, double remaining)
+{
+    double horizon = fmax(remaining, q->clock);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].regime == REGIME_SEPARATING) {
+            const struct contact_geometry *now = &at->geometry[j];
+            const double opens = (rounding_of_gap(v, at, j) - now->gap) / now->gap_rate;
+            horizon = opens > 0.0 ? fmin(horizon, fmax(SEPARATION_TIMES * opens, q->clock)) : horizon;
+        }
+    }
+    return horizon;
+}
+
+/* Says of every contact when its regime changes next. */
+static void look_ahead(const struct scene_values *v, struct scene_state *q, double remaining,
+                       struct advance *step)
+{
+    if (q->horizon_clock > q->clock) {
+        return;
+    }
+    const struct scene_instant *at = advance_now(step, v, q);
+    const double horizon = horizon_from(v, q, at, remaining);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct regime_change next = next_regime_change(v, q, at, q->clock, j, horizon);
+        q->contact[j].change_clock = q->clock + next.after;
+        q->contact[j].change_regime = (int32_t)next.regime;
+        q->contact[j].change_gap = next.gap;
+        q->contact[j].passes_centre = next.passes_centre;
+    }
+    q->horizon_clock = q->clock + horizon;
+}
+
+/* The contact whose closed-form change comes first. */
+static int contact_changing_first(const struct scene_state *q)
+{
+    int first = 0;
+    for (int j = 1; j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].change_clock < q->contact[first].change_clock) {
+            first = j;
+        }
+    }
+    return first;
+}
+
+/* A separating contact opens, unless a prescribed displacement goes another way than its velocity says. */
+static void note_depth_of_released(const struct scene_values *v, struct scene_state *q, struct advance *step)
+{
+    for (int j = 0; SCENE_ANY_PRESCRIBED && j < SCENE_CONTACTS; ++j) {
+        const bool led =
+            body_is_prescribed(v, contact_source(j)) || body_is_prescribed(v, contact_destination(j));
+        if (led && q->contact[j].regime == REGIME_SEPARATING) {
+            const struct scene_instant *at = advance_now(step, v, q);
+            const double gap = regime_change_least_gap(v, q, at, q->clock, j, step->clock_end);
+            q->contact[j].peak_penetration = fmax(q->contact[j].peak_penetration, -gap);
+        }
+    }
+}
+
+static enum advance_result advance_phase(struct integrator *s, const struct scene_values *v,
+                                         struct scene_state *q, struct advance *step)
+{
+    if (!(step->clock_end > q->clock)) {
+        return ADVANCE_REACHED;
+    }
+    if (scene_is_force_element(v)) {
+        return prescribed_advance(v, q, step);
+    }
+    if (flight_is_free(q)) {
+        note_depth_of_released(v, q, step);
+        flight_advance(v, q, step->clock_end);
+        return ADVANCE_REACHED;
+    }
+    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN) {
+        const enum advance_result result = event_driven_advance(v, q, step);
+        if (result != ADVANCE_FAILED) {
+            return result;
+        }
+        if (!uses_cvode(v)) {
+            snprintf(s->message, sizeof s->message, "no segment of the motion can be made from here");
+            return ADVANCE_FAILED;
+        }
+        counter_add(&q->counters.fallbacks, 1);
+        q->integrator_fresh = 1;
+    }
+    return cvode_advance(s->cvode, v, q, step);
+}
+
+static enum integrator_status run_phases(struct integrator *s, const struct scene_values *v,
+                                         struct scene_state *q, struct advance *step, double end_time)
+{
+    for (;;) {
+        const double remaining = scene_remaining(q, end_time);
+        if (!(remaining > 0.0)) {
+            return INTEGRATOR_DONE;
+        }
+        look_ahead(v, q, remaining, step);
+        const int next = contact_changing_first(q);
+        const double change = q->contact[next].change_clock;
+        const double end = q->clock + remaining;
+        step->clock_end = fmin(end, fmin(change, q->horizon_clock));
+        const enum advance_result result = advance_phase(s, v, q, step);
+        step->is_now = false;
+        switch (result) {
+        case ADVANCE_REACHED:
+            if (step->clock_end >= change) {
+                transition_change_regime(v, q, next, (enum contact_regime)q->contact[next].change_regime,
+                                         &step->now);
+                step->is_now = true;
+                break;
+            }
+            if (step->clock_end >= end) {
+                return INTEGRATOR_DONE;
+            }
+            break;
+        case ADVANCE_EVENT:
+            transition_change_regime(v, q, step->contact, step->regime, &step->now);
+            step->is_now = true;
+            break;
+        case ADVANCE_STEP_LIMIT:
+            return INTEGRATOR_STEP_LIMIT;
+        case ADVANCE_FAILED:
+        default:
+            return INTEGRATOR_FAILED;
+        }
+        /* An event counts as a step, so that the limit of steps ends any number of events. */
+        if (--step->budget <= 0) {
+            return INTEGRATOR_STEP_LIMIT;
+        }
+    }
+}
+
+enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
+                                      struct scene_state *q, double end_time)
+{
+    const double start = scene_time(q);
+    struct advance step;
+    step.budget = solver_max_internal_steps(v);
+    transition_begin_step(v, q, &step.now);
+    step.is_now = true;
+    const enum integrator_status status = run_phases(s, v, q, &step, end_time);
+    q->step_length = scene_time(q) - start;
+    transition_end_step(v, q);
+    q->deferrable_clock =
+        status == INTEGRATOR_DONE && !scene_is_force_element(v) ? flight_deferrable_until(v, q) : 0.0;
+    return status;
+}
+
+#endif

@@ -1,0 +1,71 @@
+/*
+ * Integrates a scene, phase by phase. All methods have one interface: a method integrates within fixed
+ * regimes of the contacts (a smooth problem) and stops at the first change of regime; integrator_run strings
+ * these phases together.
+ *
+ *   flight.c         no contact transmits a force: closed form (in segment/), whatever the method
+ *   event_driven.c   contact pairs that share no free body: closed form, collocation and Taylor series
+ *                    (segment.h)
+ *   cvode.c          SUNDIALS CVODE, BDF with an analytic Jacobian or Adams
+ *   prescribed.c     neither body of a contact is free: only quadratures along the given motion
+ */
+#ifndef CONTACT_INTEGRATOR_PHASES_H
+#define CONTACT_INTEGRATOR_PHASES_H
+
+#include <stddef.h>
+
+#include "scene/transition.h"
+
+#if SCENE_ANY_FREE
+
+enum integrator_status {
+    INTEGRATOR_DONE,       /* arrived at the end time */
+    INTEGRATOR_STEP_LIMIT, /* solver.max_internal_steps reached; q holds the time and state so far */
+    INTEGRATOR_FAILED      /* the method gave up; q holds the last good state, integrator_message says why */
+};
+
+enum { INTEGRATOR_MESSAGE_SIZE = 256 };
+
+/* Where the methods get their memory from. */
+struct integrator_memory {
+    void *(*allocate)(size_t count, size_t size); /* zeroed, as calloc */
+    void (*release)(void *memory);
+};
+
+/* Memory of the methods. Holds nothing that must be saved: everything can be rebuilt from scene_values and
+ * motion. */
+struct integrator {
+    struct cvode *cvode;
+    char message[INTEGRATOR_MESSAGE_SIZE];
+};
+
+/* What one advance of a method ended with. */
+enum advance_result { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_STEP_LIMIT, ADVANCE_FAILED };
+
+struct advance {
+    double clock_end;           /* in: not beyond this clock */
+    long budget;                /* in: at most so many internal steps; out: what is left of it */
+    struct scene_instant now;   /* what advance_now knows; */
+    bool is_now;                /* to be cleared by whoever moves the bodies */
+    int contact;                /* out, ADVANCE_EVENT: which contact changes its regime at q->clock */
+    enum contact_regime regime; /* out, ADVANCE_EVENT: and into which */
+};
+
+/* The present instant, without accelerations and forces: computed once, however many ask for it. */
+const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
+                                        const struct scene_state *q);
+
+/* Prepares the memory for the scene's method; false when out of memory. Called again it adapts to changed
+ * values. */
+bool integrator_open(struct integrator *s, const struct scene_values *v,
+                     const struct integrator_memory *memory);
+
+void integrator_close(struct integrator *s);
+
+/* Integrates to end_time [s], through as many phases as there are. Tolerances are those of v; a deferred
+ * flight must have been caught up (flight.h). */
+enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
+                                      struct scene_state *q, double end_time);
+
+#endif
+#endif

@@ -1,0 +1,266 @@
+#include "integrator/prescribed.h"
+
+#if SCENE_ANY_FREE
+
+#include <float.h>
+
+#include "scene/energy.h"
+#include "scene/rounding.h"
+#include "segment/regime_change.h"
+
+enum { NODES = 5, TERMS = 3 * SCENE_CONTACTS + 2 };
+
+/* Five-point Gauss-Legendre rule on [-1, 1]: exact to degree nine. Nodes 0, +-sqrt(5 -+ 2 sqrt(10/7))/3. */
+static const double node[NODES] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309,
+                                   0.90617984593866399};
+static const double weight[NODES] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889,
+                                     0.47862867049936647, 0.23692688505618909};
+
+/* Impulses, dissipated energy, external work over a panel, and how large their integrands are. */
+struct panel {
+    double sum[TERMS];
+    double size[TERMS];
+};
+
+static bool is_driven(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    return contact_is_driven(v, contact) && q->contact[contact].regime != REGIME_APART;
+}
+
+static void powers(const struct scene_values *v, const struct scene_state *q, double clock, double out[TERMS])
+{
+    struct scene_instant at;
+    scene_evaluate(v, q, clock, q->body, &at);
+    for (int k = 0; k < TERMS; ++k) {
+        out[k] = 0.0;
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (is_driven(v, q, j)) {
+            out[3 * j] = at.source_force[j].x;
+            out[3 * j + 1] = at.source_force[j].y;
+            out[3 * j + 2] = at.source_force[j].z;
+            out[TERMS - 2] += energy_dissipated_power_of(v, q, &at, j);
+            out[TERMS - 1] += scene_driving_power(v, &at, j);
+        }
+    }
+}
+
+static struct panel integrate(const struct scene_values *v, struct scene_state *q, double from, double to)
+{
+    struct panel result = {{0.0}, {0.0}};
+    const double half = 0.5 * (to - from);
+    for (int i = 0; i < NODES; ++i) {
+        double value[TERMS];
+        powers(v, q, from + half * (1.0 + node[i]), value);
+        for (int k = 0; k < TERMS; ++k) {
+            result.sum[k] += half * weight[i] * value[k];
+            result.size[k] += half * weight[i] * fabs(value[k]);
+        }
+    }
+    counter_add(&q->counters.force_evaluations, NODES);
+    return result;
+}
+
+/* What rounding alone does to the force, through g, n and n.w; no agreement can be asked for below. */
+static double force_rounding(const struct scene_values *v, const struct scene_state *q,
+                             const struct scene_instant *at)
+{
+    double noise = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (is_driven(v, q, j)) {
+            const struct contact_law law = scene_contact_law(v, q, j);
+            const double gap_rounding = rounding_of_gap(v, at, j);
+            const double angle = fmin(8.0 * DBL_EPSILON + gap_rounding / at->geometry[j].distance, 1.0);
+            noise += law.stiffness * gap_rounding +
+                     angle * (law.damping * vec3_norm(at->rate[j]) + fabs(at->normal_force[j]));
+        }
+    }
+    return noise;
+}
+
+static double largest_speed(const struct scene_values *v, const struct scene_instant *at)
+{
+    double speed = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        speed = body_is_prescribed(v, i) ? fmax(speed, vec3_norm(at->velocity[i])) : speed;
+    }
+    return speed;
+}
+
+/* `at`: the instants at both ends. Near the centre n may be rounding at one of them; the error bound of the
+ * other then holds for nearly all of the panel. */
+static bool agree(const struct scene_values *v, const struct scene_state *q, const struct panel *whole,
+                  const struct panel *left, const struct panel *right, const struct scene_instant at[2],
+                  double width)
+{
+    const double noise = width * fmin(force_rounding(v, q, &at[0]), force_rounding(v, q, &at[1]));
+    const double speed = fmax(largest_speed(v, &at[0]), largest_speed(v, &at[1]));
+    const double tolerance = solver_relative_tolerance(v);
+    for (int k = 0; k < TERMS; ++k) {
+        const double difference = fabs(left->sum[k] + right->sum[k] - whole->sum[k]);
+        const double floor = k < TERMS - 2 ? noise : noise * 2.0 * speed;
+        if (!(difference <= tolerance * (left->size[k] + right->size[k]) + floor + DBL_MIN)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool has_direction(const struct scene_values *v, const struct scene_instant *at, int contact)
+{
+    const struct contact_geometry *g = &at->geometry[contact];
+    return !g->degenerate && g->distance > rounding_of_gap(v, at, contact);
+}
+
+/* cos of the largest rotation of n over a panel, 0.5 rad, which five nodes resolve. Without it a panel could
+ * end just beyond the closest approach of the centres, where n reverses between the nodes. A panel that
+ * begins or ends in the centre, where n has no meaning, lies on one side of it. */
+static const double LARGEST_ANGLE_COSINE = 0.88;
+
+static bool normal_turns_little(const struct scene_values *v, const struct scene_state *q,
+                                const struct scene_instant at[2])
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (is_driven(v, q, j) && has_direction(v, &at[0], j) && has_direction(v, &at[1], j) &&
+            vec3_dot(at[0].geometry[j].normal, at[1].geometry[j].normal) < LARGEST_ANGLE_COSINE) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void add_panel(struct scene_state *q, const struct panel *panel)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const double *sum = panel->sum + 3 * j;
+        q->contact[j].impulse = vec3_add(q->contact[j].impulse, vec3_make(sum[0], sum[1], sum[2]));
+    }
+    q->dissipated += panel->sum[TERMS - 2];
+    q->external_work += panel->sum[TERMS - 1];
+}
+
+/* A measure of contact j to be maximised: 0 the force, 1 the penetration. */
+static double measure(const struct scene_values *v, const struct scene_state *q, double clock, int contact,
+                      int which)
+{
+    struct scene_instant at;
+    scene_evaluate(v, q, clock, q->body, &at);
+    return which == 0 ? at.normal_force[contact] : -at.geometry[contact].gap;
+}
+
+/* Golden-section search: the interval shrinks by 0.618 a step, so 40 steps reach the square root of the
+ * rounding, which is where a maximum is exact to rounding. */
+static double largest_between(const struct scene_values *v, struct scene_state *q, double from, double to,
+                              int contact, int which)
+{
+    const double ratio = 0.5 * (sqrt(5.0) - 1.0);
+    double low = to - ratio * (to - from), high = from + ratio * (to - from);
+    double at_low = measure(v, q, low, contact, which), at_high = measure(v, q, high, contact, which);
+    for (int i = 0; i < 40; ++i) {
+        if (at_low > at_high) {
+            to = high, high = low, at_high = at_low;
+            low = to - ratio * (to - from);
+            at_low = measure(v, q, low, contact, which);
+        } else {
+            from = low, low = high, at_low = at_high;
+            high = from + ratio * (to - from);
+            at_high = measure(v, q, high, contact, which);
+        }
+    }
+    counter_add(&q->counters.force_evaluations, 42);
+    return fmax(at_low, at_high);
+}
+
+/* Peaks inside a panel that the quadrature resolves: there force and penetration have one maximum at most. */
+static void note_peaks_between(const struct scene_values *v, struct scene_state *q, double from, double to)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        struct contact_state *state = &q->contact[j];
+        for (int which = 0; which < 2 && is_driven(v, q, j); ++which) {
+            const double middle = measure(v, q, 0.5 * (from + to), j, which);
+            const double ends = fmax(measure(v, q, from, j, which), measure(v, q, to, j, which));
+            double *peak = which == 0 ? &state->peak_force : &state->peak_penetration;
+            *peak = fmax(*peak, ends);
+            if (middle != ends) {
+                *peak = fmax(*peak, largest_between(v, q, from, to, j, which));
+            }
+        }
+    }
+}
+
+static bool any_is_driven(const struct scene_values *v, const struct scene_state *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (is_driven(v, q, j)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* How deep they come, whatever the law says meanwhile: a force that is zero has no panels that would show
+ * it. */
+static void note_depth(const struct scene_values *v, struct scene_state *q, double until)
+{
+    struct scene_instant at;
+    scene_kinematics_now(v, q, &at);
+    for (int j = 0; until > q->clock && j < SCENE_CONTACTS; ++j) {
+        if (is_driven(v, q, j)) {
+            const double gap = regime_change_least_gap(v, q, &at, q->clock, j, until);
+            q->contact[j].peak_penetration = fmax(q->contact[j].peak_penetration, -gap);
+        }
+    }
+}
+
+static double integrate_until(const struct scene_values *v, struct scene_state *q, double end, long *budget)
+{
+    double clock = q->clock;
+    double width = end - clock;
+    while (clock < end) {
+        if ((*budget)-- <= 0) {
+            return clock;
+        }
+        const double to = clock + width < end ? clock + width : end;
+        const double middle = 0.5 * (clock + to);
+        const bool divides = middle > clock && middle < to;
+        struct scene_instant at[2];
+        scene_evaluate(v, q, clock, q->body, &at[0]);
+        scene_evaluate(v, q, to, q->body, &at[1]);
+        if (divides && !normal_turns_little(v, q, at)) {
+            width *= 0.5;
+            continue;
+        }
+        const struct panel whole = integrate(v, q, clock, to);
+        const struct panel left = integrate(v, q, clock, middle);
+        const struct panel right = integrate(v, q, middle, to);
+        if (divides && !agree(v, q, &whole, &left, &right, at, to - clock)) {
+            width *= 0.5;
+            continue;
+        }
+        add_panel(q, &left);
+        add_panel(q, &right);
+        note_peaks_between(v, q, clock, to);
+        clock = to;
+        width *= 2.0;
+    }
+    return clock;
+}
+
+double prescribed_integrate(const struct scene_values *v, struct scene_state *q, double end, long *budget)
+{
+    if (!any_is_driven(v, q)) {
+        return end;
+    }
+    const double reached = integrate_until(v, q, end, budget);
+    note_depth(v, q, reached);
+    return reached;
+}
+
+enum advance_result prescribed_advance(const struct scene_values *v, struct scene_state *q,
+                                       struct advance *step)
+{
+    q->clock = prescribed_integrate(v, q, step->clock_end, &step->budget);
+    return q->clock < step->clock_end ? ADVANCE_STEP_LIMIT : ADVANCE_REACHED;
+}
+
+#endif

@@ -1,0 +1,64 @@
+/*
+ * The linear oscillator x'' + damping_rate x' + omega2 x = load, solved exactly for a polynomial load: x = s
+ * + y with
+ *   s   the particular solution, a polynomial of the load's degree
+ *   y   the free oscillation from the start values
+ * Variable z >= 0, dimensionless; damping_rate and omega2 in its units.
+ */
+#ifndef CONTACT_MATH_OSCILLATOR_H
+#define CONTACT_MATH_OSCILLATOR_H
+
+struct oscillator {
+    double omega2, damping_rate;
+};
+
+/* What y and y' are at z for y(0) = 1, y'(0) = 0 and for y(0) = 0, y'(0) = 1. */
+struct oscillator_basis {
+    double y_of_y, y_of_rate;
+    double rate_of_y, rate_of_rate;
+};
+
+struct oscillator_basis oscillator_basis_at(const struct oscillator *o, double z);
+
+/* y alone, at 1 + offset for an even number of ascending offsets in [-1, 1] that are symmetric about zero:
+ * half the cost. */
+void oscillator_basis_about_one(const struct oscillator *o, const double *offset, int count, double *y_of_y,
+                                double *y_of_rate);
+
+/* The two rates at which y decays; both sqrt(omega2), the rate of oscillation, up to critical damping. */
+struct oscillator_rates {
+    double slower, faster;
+};
+
+struct oscillator_rates oscillator_rates_of(const struct oscillator *o);
+
+/* |y| <= amplitude exp(-decay_rate z) for the free oscillation that starts with y and y'. Any sum of y and y'
+ * solves the same equation, so the bound serves for it too. The least possible amplitude below critical
+ * damping; near it and beyond, the sum of the two parts. */
+struct oscillator_envelope {
+    double amplitude, decay_rate;
+};
+
+struct oscillator_envelope oscillator_envelope_of(const struct oscillator *o, double y, double y_rate);
+
+/* The increments of x and x' since x(0) = x, x'(0) = x_rate under a constant load, by a power series:
+ * subtracting the start values from the closed form would lose the digits of a small increment. For z up to
+ * OSCILLATOR_SERIES_RANGE / (1 + damping_rate), omega2 up to 1. */
+static const double OSCILLATOR_SERIES_RANGE = 0.1;
+
+struct oscillator_increment {
+    double x, x_rate;
+};
+
+struct oscillator_increment oscillator_increment(const struct oscillator *o, double x, double x_rate,
+                                                 double load, double z);
+
+/* Coefficients of the particular solution s for a polynomial load of `terms` coefficients. The recurrence is
+ * finite. The coefficients of s are of the load's size where the slower rate exceeds the degree, and grow as
+ * k! / rate^k below. */
+void oscillator_particular(const struct oscillator *o, const double *load, double *s, int terms);
+
+/* The same for x' + rate x = load. */
+void relaxation_particular(double rate, const double *load, double *s, int terms);
+
+#endif

@@ -1,0 +1,83 @@
+/* Vectors of the world frame, three doubles, by value. */
+#ifndef CONTACT_MATH_VEC3_H
+#define CONTACT_MATH_VEC3_H
+
+#include <math.h>
+#include <stdbool.h>
+
+struct vec3 {
+    double x, y, z;
+};
+
+static inline struct vec3 vec3_make(double x, double y, double z)
+{
+    return (struct vec3){x, y, z};
+}
+
+static inline struct vec3 vec3_add(struct vec3 a, struct vec3 b)
+{
+    return (struct vec3){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+static inline struct vec3 vec3_sub(struct vec3 a, struct vec3 b)
+{
+    return (struct vec3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static inline struct vec3 vec3_scale(double s, struct vec3 a)
+{
+    return (struct vec3){s * a.x, s * a.y, s * a.z};
+}
+
+/* a + s b */
+static inline struct vec3 vec3_axpy(struct vec3 a, double s, struct vec3 b)
+{
+    return (struct vec3){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+}
+
+static inline double vec3_dot(struct vec3 a, struct vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline struct vec3 vec3_cross(struct vec3 a, struct vec3 b)
+{
+    return (struct vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static inline bool vec3_is_zero(struct vec3 a)
+{
+    return a.x == 0.0 && a.y == 0.0 && a.z == 0.0;
+}
+
+/* Component 0, 1 or 2. */
+static inline double vec3_get(struct vec3 a, int index)
+{
+    return index == 0 ? a.x : index == 1 ? a.y : a.z;
+}
+
+static inline double vec3_max_abs(struct vec3 a)
+{
+    const double x = fabs(a.x);
+    const double y = fabs(a.y);
+    const double z = fabs(a.z);
+    const double yz = y > z ? y : z;
+    return x > yz ? x : yz;
+}
+
+/* Length, scaled by the largest component where 1e150 would overflow or 1e-170 underflow when squared. */
+static inline double vec3_norm(struct vec3 a)
+{
+    const double square = vec3_dot(a, a);
+    if (square > 1e-280 && square < 1e280) {
+        return sqrt(square);
+    }
+    const double scale = vec3_max_abs(a);
+    if (!(scale > 0.0)) {
+        return fabs(a.x) + fabs(a.y) + fabs(a.z); /* zero or NaN */
+    }
+    const struct vec3 s = {a.x / scale, a.y / scale, a.z / scale};
+    return scale * sqrt(vec3_dot(s, s));
+}
+
+#endif

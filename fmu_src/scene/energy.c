@@ -1,0 +1,54 @@
+#include "scene/energy.h"
+
+double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at)
+{
+    double sum = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            sum += 0.5 * body_mass(v, i) * vec3_dot(at->velocity[i], at->velocity[i]);
+        }
+    }
+    return sum;
+}
+
+double energy_potential_of(const struct scene_values *v, const struct scene_instant *at)
+{
+    double sum = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const double centre = vec3_dot(gravity(v), body_center(v, i));
+            sum -= body_mass(v, i) * (centre + vec3_dot(gravity(v), at->displacement[i]));
+        }
+    }
+    return sum;
+}
+
+double energy_stored(const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at)
+{
+    double sum = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_law law = scene_contact_law(v, q, j);
+        sum += contact_stored_energy(&law, (enum contact_regime)q->contact[j].regime, at->geometry[j].gap);
+    }
+    return sum;
+}
+
+double energy_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_instant *at, int contact)
+{
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    return contact_dissipated_power(&law, (enum contact_regime)q->contact[contact].regime,
+                                    at->normal_force[contact], g->gap, g->gap_rate);
+}
+
+double energy_dissipated_power(const struct scene_values *v, const struct scene_state *q,
+                               const struct scene_instant *at)
+{
+    double sum = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        sum += energy_dissipated_power_of(v, q, at, j);
+    }
+    return sum;
+}

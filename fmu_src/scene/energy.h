@@ -1,0 +1,23 @@
+/* Energies of the scene [J]. kinetic + potential + contact + dissipated - external work stays constant. */
+#ifndef CONTACT_SCENE_ENERGY_H
+#define CONTACT_SCENE_ENERGY_H
+
+#include "scene/evaluate.h"
+
+/* Sum of m v^2 / 2 over the free bodies. */
+double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at);
+
+/* Minus the sum of m gravity.x over the free bodies; zero at the world's origin. */
+double energy_potential_of(const struct scene_values *v, const struct scene_instant *at);
+
+/* Sum of p_n g^2 / 2 over the contacts. */
+double energy_stored(const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at);
+
+/* -(F_n + p_n g) g' of a contact, and the sum over all [W]. */
+double energy_dissipated_power_of(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_instant *at, int contact);
+double energy_dissipated_power(const struct scene_values *v, const struct scene_state *q,
+                               const struct scene_instant *at);
+
+#endif

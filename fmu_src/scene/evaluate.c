@@ -1,0 +1,319 @@
+#include "scene/evaluate.h"
+
+#include <float.h>
+
+#include "scene/rounding.h"
+#include "scene/singularity.h"
+
+struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
+                                         int contact)
+{
+    const int destination = contact_destination(contact);
+    struct contact_shape shape = {.source_radius = body_radius(v, contact_source(contact)),
+                                  .other_radius = body_radius(v, destination),
+                                  .half_length = (double)INFINITY,
+                                  .side = q->contact[contact].side,
+                                  .destination = body_shape(destination)};
+    if (contact_location(v, contact) != LOCATION_AUTOMATIC) {
+        shape.side = contact_location(v, contact) == LOCATION_INSIDE ? -1 : 1;
+    }
+#if SCENE_ANY_CYLINDER
+    if (shape.destination == SHAPE_CYLINDER) {
+        shape.axis = q->contact[contact].axis;
+        if (body_finite_length(v, destination)) {
+            shape.half_length = 0.5 * body_length(v, destination);
+        }
+    }
+#endif
+    return shape;
+}
+
+struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    struct contact_law law = {.dashpot = (enum dashpot)contact_dashpot(v, contact)};
+    if (contact_penalty_control(v, contact) != PENALTY_CONTROL_VISCOUS_ONLY) {
+        law.stiffness = q->contact[contact].stiffness;
+    }
+    if (contact_method(v, contact) == METHOD_PENALTY_DYNAMIC) {
+        law.damping = q->contact[contact].damping;
+    }
+    /* Without a spring both let go when the bodies stop approaching; a separating contact is known to fly. */
+    if (law.dashpot == DASHPOT_APPROACH_ONLY && !(law.stiffness > 0.0)) {
+        law.dashpot = DASHPOT_NON_ADHESIVE;
+    }
+    return law;
+}
+
+static struct body_instant body_at(const struct scene_values *v, const struct scene_state *q, double clock,
+                                   const struct body_state *bodies, int body)
+{
+    struct body_instant at = {.origin = {0.0, 0.0, 0.0}};
+#if SCENE_ANY_FREE
+    if (body_is_free(v, body)) {
+        at.origin = q->origin[body].displacement;
+        at.moved = bodies[body].moved;
+        at.velocity = bodies[body].velocity;
+    }
+#else
+    (void)bodies;
+#endif
+    if (body_is_prescribed(v, body)) {
+        at.origin = q->path[body].displacement[0];
+        at.moved = vec3_scale(clock, path_at(q->path[body].displacement + 1, 3, clock));
+        at.velocity = path_at(q->path[body].velocity, 3, clock);
+    }
+    at.displacement = vec3_add(at.origin, at.moved);
+    return at;
+}
+
+struct body_instant scene_body_now(const struct scene_values *v, const struct scene_state *q, int body)
+{
+#if SCENE_ANY_FREE
+    return body_at(v, q, q->clock, q->body, body);
+#else
+    return body_at(v, q, q->clock, 0, body);
+#endif
+}
+
+void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
+                      const struct body_state *bodies, struct scene_instant *at)
+{
+    struct vec3 origin[SCENE_BODIES];
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        const struct body_instant body = body_at(v, q, clock, bodies, i);
+        origin[i] = body.origin;
+        at->moved[i] = body.moved;
+        at->displacement[i] = body.displacement;
+        at->velocity[i] = body.velocity;
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const int source = contact_source(j);
+        const int destination = contact_destination(j);
+        /* The undeformed locations are subtracted first, then the displacements at clock 0, then the
+         * displacements since: large common parts cancel before small ones are added. */
+        const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
+        const struct vec3 start = vec3_add(apart, vec3_sub(origin[destination], origin[source]));
+        const struct vec3 c = vec3_add(start, vec3_sub(at->moved[destination], at->moved[source]));
+        const struct contact_shape shape = scene_contact_shape(v, q, j);
+        at->rate[j] = vec3_sub(at->velocity[destination], at->velocity[source]);
+        at->separation[j] = c;
+        at->geometry[j] = contact_geometry_at(&shape, c, at->rate[j], q->contact[j].normal);
+    }
+}
+
+/* Gravity and the external force; contacts are added by scene_evaluate. */
+static struct vec3 free_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
+                                     int body)
+{
+    const struct vec3 force = path_at(q->path[body].force, 3, clock);
+    return vec3_axpy(gravity(v), 1.0 / body_mass(v, body), force);
+}
+
+/* d/dt of a prescribed velocity. */
+static struct vec3 path_rate(const struct scene_state *q, double clock, int body)
+{
+    return vec3_axpy(q->path[body].velocity[1], 2.0 * clock, q->path[body].velocity[2]);
+}
+
+void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
+                  struct scene_instant *at)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        at->acceleration[i] = body_is_free(v, i)         ? free_acceleration(v, q, clock, i)
+                              : body_is_prescribed(v, i) ? path_rate(q, clock, i)
+                                                         : vec3_make(0.0, 0.0, 0.0);
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_law law = scene_contact_law(v, q, j);
+        const struct contact_shape shape = scene_contact_shape(v, q, j);
+        const struct contact_geometry *g = &at->geometry[j];
+        const struct contact_coefficients coefficients =
+            contact_coefficients_of(&law, (enum contact_regime)q->contact[j].regime);
+        at->normal_force[j] = coefficients.k == 0.0 && coefficients.c == 0.0
+                                  ? 0.0
+                                  : -(coefficients.k * g->gap + coefficients.c * g->gap_rate);
+        at->source_force[j] = vec3_scale(-shape.side * at->normal_force[j], g->normal);
+        const int source = contact_source(j);
+        const int destination = contact_destination(j);
+        if (body_is_free(v, source)) {
+            at->acceleration[source] =
+                vec3_axpy(at->acceleration[source], 1.0 / body_mass(v, source), at->source_force[j]);
+        }
+        if (body_is_free(v, destination)) {
+            at->acceleration[destination] = vec3_axpy(at->acceleration[destination],
+                                                      -1.0 / body_mass(v, destination), at->source_force[j]);
+        }
+    }
+}
+
+void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
+                    const struct body_state *bodies, struct scene_instant *at)
+{
+    scene_kinematics(v, q, clock, bodies, at);
+    scene_forces(v, q, clock, at);
+}
+
+#if SCENE_ANY_FREE
+/* DBL_MAX or INFINITY where nothing is known. */
+static double accumulated_gap_of(const struct scene_state *q, int contact)
+{
+    const struct contact_state *state = &q->contact[contact];
+    if (contact_transmits(q, contact) || q->clock == 0.0) {
+        return state->accumulated_gap;
+    }
+    return q->clock == state->change_clock ? state->change_gap : (double)INFINITY;
+}
+
+/* Of a stiff contact the force that velocities would make by their rounding alone may exceed the load.
+ * Velocities that have been changed show it by a larger difference. */
+static void take_known_rate(const struct scene_state *q, int contact, struct contact_geometry *geometry)
+{
+    const struct contact_state *state = &q->contact[contact];
+    if (contact_transmits(q, contact) &&
+        fabs(state->carried_rate - geometry->gap_rate) < state->rate_rounding) {
+        geometry->gap_rate = state->carried_rate;
+    }
+}
+
+/* The penetration of a stiff contact at rest is less than the rounding of d, so the accumulated gap is used.
+ * It is not if it differs by more than rounding: positions have then been changed since. */
+static void take_accumulated_gaps(const struct scene_values *v, const struct scene_state *q,
+                                  struct scene_instant *at)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const double known = accumulated_gap_of(q, j);
+        if (known < DBL_MAX && fabs(known - at->geometry[j].gap) <= rounding_of_gap(v, at, j)) {
+            at->geometry[j].gap = known;
+        }
+        take_known_rate(q, j, &at->geometry[j]);
+    }
+}
+
+bool scene_gap_is_accumulated(const struct scene_state *q, const struct scene_instant *at, int contact)
+{
+    return at->geometry[contact].gap == accumulated_gap_of(q, contact);
+}
+
+bool system_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact)
+{
+    const struct contact_state *state = &q->contact[contact];
+    return state->rate_rounding > 0.0 && contact_transmits(q, contact) &&
+           at->geometry[contact].gap_rate == state->carried_rate;
+}
+#endif
+
+void scene_kinematics_now(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
+{
+#if SCENE_ANY_FREE
+    scene_kinematics(v, q, q->clock, q->body, at);
+    take_accumulated_gaps(v, q, at);
+#else
+    scene_kinematics(v, q, q->clock, 0, at);
+#endif
+}
+
+void scene_now(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
+{
+    scene_kinematics_now(v, q, at);
+    scene_forces(v, q, q->clock, at);
+}
+
+bool scene_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry)
+{
+    return !SCENE_ANY_CYLINDER || contact_within_extents(shape, geometry->axial);
+}
+
+enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
+                                 const struct scene_instant *at, int contact)
+{
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    double rate = g->gap_rate;
+    if (singularity_is_reached(v, at, contact, &shape)) {
+        const struct vec3 w = at->rate[contact];
+        rate = shape.side * vec3_dot(contact_escape_direction(&shape, w, vec3_make(0.0, 0.0, 0.0)), w);
+    }
+    return contact_regime_of(&law, g->gap, rate, scene_within_extents(&shape, g));
+}
+
+double body_inverse_mass(const struct scene_values *v, int body)
+{
+    return body_is_free(v, body) ? 1.0 / body_mass(v, body) : 0.0;
+}
+
+double scene_inverse_mass(const struct scene_values *v, int contact)
+{
+    return body_inverse_mass(v, contact_source(contact)) + body_inverse_mass(v, contact_destination(contact));
+}
+
+/* How much faster a prescribed displacement changes than its velocity says; zero where that is rounding. */
+static struct vec3 surplus_rate(const struct scene_values *v, const struct scene_state *q, double clock,
+                                int body)
+{
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    if (!body_is_prescribed(v, body)) {
+        return none;
+    }
+    const struct vec3 *u = q->path[body].displacement;
+    const struct vec3 velocity = path_at(q->path[body].velocity, 3, clock);
+    const struct vec3 rate = vec3_axpy(u[1], clock, vec3_axpy(vec3_scale(2.0, u[2]), 3.0 * clock, u[3]));
+    const struct vec3 surplus = vec3_sub(rate, velocity);
+    const double rounding = 16.0 * DBL_EPSILON * (vec3_norm(rate) + vec3_norm(velocity));
+    return vec3_norm(surplus) > rounding ? surplus : none;
+}
+
+double system_opening_rate(const struct scene_values *v, const struct scene_state *q, double clock,
+                           const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct vec3 surplus = vec3_sub(surplus_rate(v, q, clock, contact_destination(contact)),
+                                         surplus_rate(v, q, clock, contact_source(contact)));
+    return g->gap_rate + shape.side * vec3_dot(g->normal, surplus);
+}
+
+double scene_force_rate(const struct scene_values *v, const struct scene_state *q,
+                        const struct scene_instant *at, int contact)
+{
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_coefficients coefficients =
+        contact_coefficients_of(&law, (enum contact_regime)q->contact[contact].regime);
+    const struct vec3 across = contact_tangential(&shape, g->normal, at->rate[contact]);
+    const double centripetal = g->degenerate ? 0.0 : vec3_dot(across, across) / g->distance;
+    const struct vec3 relative_acceleration =
+        vec3_sub(at->acceleration[contact_destination(contact)], at->acceleration[contact_source(contact)]);
+    const double gap_acceleration = shape.side * (vec3_dot(g->normal, relative_acceleration) + centripetal);
+    return -(coefficients.k * g->gap_rate + coefficients.c * gap_acceleration);
+}
+
+double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact)
+{
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    double power = 0.0;
+    if (body_is_prescribed(v, source)) {
+        power -= vec3_dot(at->source_force[contact], at->velocity[source]);
+    }
+    if (body_is_prescribed(v, destination)) {
+        power += vec3_dot(at->source_force[contact], at->velocity[destination]);
+    }
+    return power;
+}
+
+double scene_external_power(const struct scene_values *v, const struct scene_state *q, double clock,
+                            const struct scene_instant *at)
+{
+    double power = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            power += vec3_dot(path_at(q->path[i].force, 3, clock), at->velocity[i]);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        power += scene_driving_power(v, at, j);
+    }
+    return power;
+}

@@ -1,0 +1,92 @@
+/*
+ * The scene's bodies and contacts at one instant: positions, geometry, forces, accelerations.
+ * Frame: world; SI units. Newton's law for each free body: m a = m gravity + external force + contact forces.
+ */
+#ifndef CONTACT_SCENE_EVALUATE_H
+#define CONTACT_SCENE_EVALUATE_H
+
+#include "contact/geometry.h"
+#include "scene/topology.h"
+
+struct scene_instant {
+    struct vec3 displacement[SCENE_BODIES]; /* u [m] */
+    struct vec3 moved[SCENE_BODIES];        /* the part of u since clock 0 [m] */
+    struct vec3 velocity[SCENE_BODIES];     /* v [m/s] */
+    struct vec3 acceleration[SCENE_BODIES]; /* zero for a fixed body [m/s^2] */
+    struct contact_geometry geometry[SCENE_CONTACTS];
+    struct vec3 separation[SCENE_CONTACTS]; /* c = x_dst - x_src [m] */
+    struct vec3 rate[SCENE_CONTACTS];       /* w = v_dst - v_src [m/s] */
+    double normal_force[SCENE_CONTACTS];    /* F_n of the smooth law of the regime [N] */
+    struct vec3 source_force[SCENE_CONTACTS];
+};
+
+/* One body of it. */
+struct body_instant {
+    struct vec3 origin;       /* u at clock 0 [m] */
+    struct vec3 moved;        /* the part of u since then [m] */
+    struct vec3 displacement; /* u [m] */
+    struct vec3 velocity;     /* v [m/s] */
+};
+
+struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
+                                         int contact);
+struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact);
+
+/* One body at the present state of q. */
+struct body_instant scene_body_now(const struct scene_values *v, const struct scene_state *q, int body);
+
+/* u and v of every body at a clock; `bodies` (SCENE_BODIES of them) holds the free ones' states and may be
+ * NULL where none is free. */
+void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
+                      const struct body_state *bodies, struct scene_instant *at);
+
+/* The rest of the instant, accelerations and forces, in the regimes of q. */
+void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
+                  struct scene_instant *at);
+
+/* Everything of the instant, in the regimes of q. */
+void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
+                    const struct body_state *bodies, struct scene_instant *at);
+
+/* The same at the present state of q; and without accelerations and forces. */
+void scene_kinematics_now(const struct scene_values *v, const struct scene_state *q,
+                          struct scene_instant *at);
+void scene_now(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
+
+/* contact_within_extents, true at compile time in scenes of spheres. */
+bool scene_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry);
+
+/* Whether the gap of scene_now is the accumulated one, more accurate than positions give it: in contact, as
+ * contact ends, and where a change of regime was foreseen. */
+bool scene_gap_is_accumulated(const struct scene_state *q, const struct scene_instant *at, int contact);
+
+/* Whether g' there is the carried one. */
+bool system_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact);
+
+/* The regime that the geometry of the instant asks for. */
+enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
+                                 const struct scene_instant *at, int contact);
+
+/* 1 / m of a free body, 0 of any other [1/kg]. */
+double body_inverse_mass(const struct scene_values *v, int body);
+
+/* Sum of the inverse masses of a contact's bodies: 1 / m_eff [1/kg]. */
+double scene_inverse_mass(const struct scene_values *v, int contact);
+
+/* d/dt of the gap itself: where a prescribed displacement has a derivative other than the prescribed velocity
+ * it is not the g' that the law sees [m/s]. */
+double system_opening_rate(const struct scene_values *v, const struct scene_state *q, double clock,
+                           const struct scene_instant *at, int contact);
+
+/* d/dt of F_n within the regime: -(k g' + c g'') [N/s]. */
+double scene_force_rate(const struct scene_values *v, const struct scene_state *q,
+                        const struct scene_instant *at, int contact);
+
+/* Power of whatever moves prescribed bodies against a contact [W]. */
+double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact);
+
+/* That of all contacts, and of the external forces on free bodies [W]. */
+double scene_external_power(const struct scene_values *v, const struct scene_state *q, double clock,
+                            const struct scene_instant *at);
+
+#endif

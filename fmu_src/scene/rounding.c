@@ -1,0 +1,66 @@
+#include "scene/rounding.h"
+
+#include <float.h>
+
+double rounding_of_gap(const struct scene_values *v, const struct scene_instant *at, int contact)
+{
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
+    return 8.0 * DBL_EPSILON *
+           (vec3_max_abs(apart) + vec3_max_abs(at->displacement[source]) +
+            vec3_max_abs(at->displacement[destination]) + at->geometry[contact].gap_terms);
+}
+
+static double size_along(struct vec3 axis, struct vec3 a)
+{
+    return fabs(axis.x * a.x) + fabs(axis.y * a.y) + fabs(axis.z * a.z);
+}
+
+double rounding_of_axial(const struct scene_values *v, const struct scene_instant *at, int contact,
+                         const struct contact_shape *shape)
+{
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
+    return 8.0 * DBL_EPSILON *
+           (size_along(shape->axis, apart) + size_along(shape->axis, at->displacement[source]) +
+            size_along(shape->axis, at->displacement[destination]) + shape->half_length);
+}
+
+double rounding_of_rate(const struct scene_instant *at, int contact)
+{
+    const double source = vec3_norm(at->velocity[contact_source(contact)]);
+    const double destination = vec3_norm(at->velocity[contact_destination(contact)]);
+    return 8.0 * DBL_EPSILON * fmax(vec3_norm(at->rate[contact]), fmax(source, destination));
+}
+
+/* Below this [m/s] the sign of g' means nothing: rounding of w; rounding of n, which has no meaning where d =
+ * 0; the speed of an oscillation as large as the gap's rounding bound; the integrator's tolerance. */
+static double rate_rounding(const struct scene_values *v, const struct contact_law *law,
+                            const struct scene_instant *at, int contact, double tolerated)
+{
+    const double gap_rounding = rounding_of_gap(v, at, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double angle = g->degenerate ? 0.0 : fmin(gap_rounding / g->distance, 1.0);
+    const double oscillation = sqrt(law->stiffness * scene_inverse_mass(v, contact));
+    return vec3_norm(at->rate[contact]) * angle + rounding_of_rate(at, contact) + oscillation * gap_rounding +
+           tolerated;
+}
+
+double rounding_margin_offset(const struct scene_values *v, const struct scene_state *q,
+                              const struct scene_instant *at, int contact, double tolerated)
+{
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const bool is_force = regime != REGIME_RESTITUTION && law.dashpot == DASHPOT_NON_ADHESIVE;
+    const double margin = regime == REGIME_SEPARATING
+                              ? law.stiffness * g->gap + law.damping * g->gap_rate
+                              : contact_regime_margin(&law, regime, g->gap, g->gap_rate);
+    double rounding = rate_rounding(v, &law, at, contact, tolerated);
+    if (is_force) {
+        rounding = law.stiffness * rounding_of_gap(v, at, contact) + law.damping * rounding;
+    }
+    return 2.0 * (fmax(-margin, 0.0) + rounding);
+}

@@ -1,0 +1,40 @@
+/*
+ * The jet of the scene along a path through the present instant, as contact/jet.h has it for one contact: in
+ * time, or in the direction of a change of the inputs. Rarely called, hence `cold`: inlining is left to other
+ * code.
+ */
+#ifndef CONTACT_SCENE_SCENE_JET_H
+#define CONTACT_SCENE_SCENE_JET_H
+
+#include "contact/jet.h"
+#include "scene/evaluate.h"
+
+struct scene_jet {
+    struct vec3 displacement[SCENE_BODIES][JET_TERMS];
+    struct vec3 velocity[SCENE_BODIES][JET_TERMS];
+    /* d/ds of the factors, where they are automatic */
+    struct contact_law law_slope[SCENE_CONTACTS];
+    struct contact_jet contact[SCENE_CONTACTS];
+#if SCENE_ANY_FREE
+    double dissipated[JET_TERMS], external_work[JET_TERMS]; /* without the first term */
+#endif
+};
+
+/* Contacts from what is there of the bodies and the factors. */
+__attribute__((cold)) void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
+                                           const struct scene_instant *at, struct scene_jet *along);
+
+/* All of it in time: free bodies by Newton's law, prescribed ones by their velocity, which counts as the
+ * derivative of their displacement. */
+__attribute__((cold)) void jet_in_time(const struct scene_values *v, const struct scene_state *q,
+                                       const struct scene_instant *at, struct scene_jet *along);
+
+#if SCENE_ANY_FREE
+/* Coefficients of the energies of energy.h. */
+double jet_of_kinetic(const struct scene_values *v, const struct scene_jet *along, int order);
+double jet_of_potential(const struct scene_values *v, const struct scene_jet *along, int order);
+double jet_of_stored(const struct scene_values *v, const struct scene_state *q, const struct scene_jet *along,
+                     int order);
+#endif
+
+#endif

@@ -1,0 +1,98 @@
+#include "scene/scene_state.h"
+
+#include <float.h>
+
+#include "scene/topology.h"
+
+void counter_add(int32_t *counter, long more)
+{
+    const long room = (long)INT32_MAX - *counter;
+    *counter += (int32_t)(more < room ? more : room);
+}
+
+double scene_time(const struct scene_state *q)
+{
+    return q->base + (q->base_tail + q->clock);
+}
+
+double scene_remaining(const struct scene_state *q, double end_time)
+{
+    return (end_time - q->base) - q->base_tail - q->clock;
+}
+
+/* base + base_tail += clock, by Knuth's two-sum, so that base_tail holds the rounding error exactly. */
+static void advance_base(struct scene_state *q)
+{
+    const double add = q->base_tail + q->clock;
+    const double sum = q->base + add;
+    const double shadow = sum - q->base;
+    q->base_tail = (q->base - (sum - shadow)) + (add - shadow);
+    q->base = sum;
+    q->clock = 0.0;
+}
+
+struct vec3 path_at(const struct vec3 *coefficients, int count, double clock)
+{
+    struct vec3 value = coefficients[count - 1];
+    for (int i = count - 2; i >= 0; --i) {
+        value = vec3_axpy(coefficients[i], clock, value);
+    }
+    return value;
+}
+
+void path_shift(struct vec3 *coefficients, int count, double clock)
+{
+    if (path_is_steady(coefficients, count)) {
+        return;
+    }
+    for (int done = 0; done < count - 1; ++done) {
+        for (int i = count - 2; i >= done; --i) {
+            coefficients[i] = vec3_axpy(coefficients[i], clock, coefficients[i + 1]);
+        }
+    }
+}
+
+/* The input paths of a body: those its motion follows. */
+static void shift_paths(const struct scene_values *v, struct scene_state *q, int body)
+{
+    struct body_path *path = &q->path[body];
+    if (body_is_prescribed(v, body)) {
+        path_shift(path->displacement, 4, q->clock);
+        path_shift(path->velocity, 3, q->clock);
+    } else if (body_is_free(v, body)) {
+        path_shift(path->force, 3, q->clock);
+    }
+}
+
+void scene_rebase(const struct scene_values *v, struct scene_state *q)
+{
+    q->integrator_fresh = 1;
+#if SCENE_ANY_FREE
+    q->deferrable_clock = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        q->origin[i].displacement = vec3_add(q->origin[i].displacement, q->body[i].moved);
+        q->origin[i].velocity = q->body[i].velocity;
+        q->body[i].moved = vec3_make(0.0, 0.0, 0.0);
+    }
+#endif
+    if (q->clock == 0.0) {
+        return;
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        shift_paths(v, q, i);
+    }
+#if SCENE_ANY_FREE
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        q->contact[j].touch_clock -= q->clock;
+        q->contact[j].change_clock -= q->clock;
+        q->contact[j].settled_clock -= q->clock;
+        if (q->contact[j].regime == REGIME_APART || q->contact[j].regime == REGIME_SEPARATING) {
+            /* Not known where it has flown on to, unless that was foreseen. */
+            q->contact[j].accumulated_gap =
+                q->contact[j].change_clock == 0.0 ? q->contact[j].change_gap : DBL_MAX;
+        }
+    }
+    q->horizon_clock -= q->clock;
+#endif
+    advance_base(q);
+}

@@ -1,0 +1,131 @@
+/*
+ * The state of motion of a scene: flat, without pointers, so that copying it saves it.
+ *
+ * Time is kept as base + base_tail + clock. The clock starts at zero whenever the motion is rebased (an
+ * event, a change of input), so that short contacts keep all their digits at late times; base_tail holds what
+ * base rounded away. Input paths are polynomials in the clock.
+ */
+#ifndef CONTACT_SCENE_SCENE_STATE_H
+#define CONTACT_SCENE_SCENE_STATE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "contact/law.h"
+#include "scene.h"
+
+/* Where a free body was at clock 0. */
+struct body_origin {
+    struct vec3 displacement; /* u [m] */
+    struct vec3 velocity;     /* v [m/s] */
+};
+
+/* Where it is now: u = origin.displacement + moved. Short motions far away keep all their digits in
+ * `moved`. */
+struct body_state {
+    struct vec3 moved;    /* since clock 0 [m] */
+    struct vec3 velocity; /* v [m/s] */
+};
+
+/* Inputs between communication points: sum of coefficient[i] clock^i. */
+struct body_path {
+    struct vec3 displacement[4]; /* of a prescribed body [m, m/s, ...] */
+    struct vec3 velocity[3];     /* of a prescribed body [m/s, ...] */
+    struct vec3 force[3];        /* external force on a free body [N, N/s, ...] */
+};
+
+struct contact_state {
+    struct vec3 normal;        /* the last valid n, for d = 0 */
+    double stiffness, damping; /* p_n and p_nv in force [N/m, N s/m] */
+    double diagonal;           /* of the bounding box of both bodies at the start [m] */
+#if SCENE_ANY_CYLINDER
+    struct vec3 axis; /* e_d, unit length; zero where the destination is a sphere */
+#endif
+#if SCENE_ANY_FREE
+    struct vec3 impulse;      /* on the source since initialization [N s] */
+    struct vec3 impulse_mark; /* the impulse at the start of the communication step */
+    double peak_force;        /* over the last communication step [N] */
+    double peak_penetration;  /* likewise, max(-g) >= 0 [m] */
+    double onset_time;        /* when the contact under way, or the last one, began [s] */
+    double last_duration;     /* of the last finished contact [s] */
+    /* accumulated gap g in contact and as contact ends: more accurate than positions give it [m] */
+    double accumulated_gap;
+    /* g' at the end of the last segment, where velocities tell it too coarsely [m/s] */
+    double carried_rate;
+    /* by how much less than this they differ from it then; 0: none is carried [m/s] */
+    double rate_rounding;
+    double change_gap; /* g at change_clock, likewise [m] */
+    /* the clock at that onset (negative once rebased), for exact durations [s] */
+    double touch_clock;
+    /* the regime changes at this clock in closed form; INFINITY: not before the horizon */
+    double change_clock;
+    /* until this clock a root finder cannot distinguish the regime from the one before */
+    double settled_clock;
+    int32_t change_regime; /* and becomes this */
+    /* whether d comes down to its own rounding before the horizon, so that n may be undefined */
+    int32_t passes_centre;
+    int32_t onsets;
+#endif
+    int32_t regime; /* enum contact_regime */
+    int32_t side;   /* +1 outside, -1 inside: the location in force */
+    int32_t warned; /* whether the warning of an undefined direction has been given */
+};
+
+struct solver_counters {
+    int32_t steps, force_evaluations, events, rejected_steps, fallbacks;
+};
+
+/* Counts on, as far as an FMI Integer reaches. */
+void counter_add(int32_t *counter, long more);
+
+struct scene_state {
+    double base, base_tail, clock; /* [s] */
+    struct contact_state contact[SCENE_CONTACTS];
+#if SCENE_ANY_FREE
+    /* clock up to which regime changes have been looked for; at or before `clock`: look again */
+    double horizon_clock;
+    double deferrable_clock; /* until it flight may be deferred, see flight_defer; 0: not known */
+    struct body_origin origin[SCENE_BODIES]; /* used where the body is free */
+    struct body_state body[SCENE_BODIES];
+    double phase_energy;              /* at clock 0 of the phase, see projection_balance [J] */
+    double dissipated, external_work; /* since initialization [J] */
+    double step_length;               /* length of the last communication step, as far as it got [s] */
+#endif
+    struct body_path path[SCENE_BODIES];
+    struct solver_counters counters;
+    /* 1: the integrator has no history that matters; it starts from this state */
+    int32_t integrator_fresh;
+#if SCENE_ANY_FREE
+    /* 1: the flight is deferred: body states are those of an earlier clock, see flight_catch_up */
+    int32_t deferred;
+#endif
+};
+
+/* The present time [s]. */
+double scene_time(const struct scene_state *q);
+
+/* How far `end_time` is away, without the rounding of base + clock [s]. */
+double scene_remaining(const struct scene_state *q, double end_time);
+
+/* Moves the origin of the clock to the present: paths are shifted, durations kept; nothing else changes. The
+ * integrator restarts. To be called after every change of body states; a deferred flight must have been
+ * caught up (flight.h). */
+void scene_rebase(const struct scene_values *v, struct scene_state *q);
+
+/* A path's value at a clock, of `count` coefficients. */
+struct vec3 path_at(const struct vec3 *coefficients, int count, double clock);
+
+/* Whether nothing but the first coefficient counts, as of most paths. */
+static inline bool path_is_steady(const struct vec3 *coefficients, int count)
+{
+    double sum = 0.0;
+    for (int i = 1; i < count; ++i) {
+        sum += fabs(coefficients[i].x) + fabs(coefficients[i].y) + fabs(coefficients[i].z);
+    }
+    return sum == 0.0;
+}
+
+/* The same path with its origin moved to `clock`. */
+void path_shift(struct vec3 *coefficients, int count, double clock);
+
+#endif

@@ -1,0 +1,32 @@
+/* Which bodies move by Newton's law and which contacts act on them, in the regimes of the moment. */
+#ifndef CONTACT_SCENE_TOPOLOGY_H
+#define CONTACT_SCENE_TOPOLOGY_H
+
+#include "scene/scene_state.h"
+
+/* Whether body i is free, prescribed; constants where the scene pins it. */
+bool body_is_free(const struct scene_values *v, int body);
+bool body_is_prescribed(const struct scene_values *v, int body);
+
+/* Whether neither body of the contact is free: its motion is given. */
+bool contact_is_driven(const struct scene_values *v, int contact);
+
+/* Whether no body is free: the scene is a force element and has no states. */
+bool scene_is_force_element(const struct scene_values *v);
+
+/* Whether any free body is in more than one contact, so that contacts may act on each other through it. */
+bool system_shares_free_body(const struct scene_values *v);
+
+/* Whether no bodies overlap. */
+bool scene_is_apart(const struct scene_state *q);
+
+/* Whether a contact transmits a force (it is in compression or restitution), whether any contact but `except`
+ * acts on a body. */
+bool contact_transmits(const struct scene_state *q, int contact);
+bool body_is_loaded(const struct scene_state *q, int body, int except);
+
+/* Whether another contact exerts a force on a free body of this contact, so that its motion is no polynomial
+ * even while this one is apart. Constant false in scenes of one contact. */
+bool contact_is_coupled(const struct scene_values *v, const struct scene_state *q, int contact);
+
+#endif

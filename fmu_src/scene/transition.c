@@ -1,0 +1,162 @@
+#include "scene/transition.h"
+
+#if SCENE_ANY_FREE
+
+#include <float.h>
+
+#include "scene/energy.h"
+#include "scene/projection.h"
+#include "scene/rounding.h"
+
+static void set_regime(struct scene_state *q, int contact, enum contact_regime regime)
+{
+    struct contact_state *state = &q->contact[contact];
+    const bool touched = state->regime != REGIME_APART;
+    const bool touches = regime != REGIME_APART;
+    if (touches && !touched) {
+        counter_add(&state->onsets, 1);
+        state->onset_time = scene_time(q);
+        state->touch_clock = q->clock;
+    } else if (touched && !touches) {
+        state->last_duration = q->clock - state->touch_clock;
+    }
+    state->regime = (int32_t)regime;
+}
+
+/* Rounding of the gap after contact, besides its rounding bound: that of the distance covered into and out of
+ * the contact [m]. */
+static double way_rounding(const struct scene_state *q, const struct scene_instant *at, int contact,
+                           double lasted)
+{
+    const double way = vec3_norm(at->rate[contact]) * lasted + q->contact[contact].peak_penetration;
+    return 32.0 * DBL_EPSILON * way;
+}
+
+/* The gap at a change of regime: where contact ends by the gap it is zero or more; where a touch was found by
+ * an integrator, not foreseen, it is zero. */
+static double gap_at_change(const struct scene_values *v, const struct scene_state *q,
+                            const struct scene_instant *at, int contact, enum contact_regime regime,
+                            double lasted)
+{
+    const double gap = at->geometry[contact].gap;
+    const double rounding = regime == REGIME_APART ? way_rounding(q, at, contact, lasted) : 0.0;
+    if (fabs(gap) > fmax(rounding_of_gap(v, at, contact), rounding)) {
+        return gap;
+    }
+    if (q->contact[contact].regime == (int32_t)REGIME_APART && !scene_gap_is_accumulated(q, at, contact)) {
+        return 0.0;
+    }
+    return regime == REGIME_APART ? fmax(gap, 0.0) : gap;
+}
+
+/* After a deep impact, which is long against the bodies' sizes, the gap is rounded more than positions are
+ * here, so that the bodies might touch again at once. They are moved to a gap of zero. A larger gap is a
+ * cylinder's end and stays. */
+static void close_rounded_gap(const struct scene_values *v, struct scene_state *q, struct scene_instant *at,
+                              int contact, double lasted)
+{
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const double gap = fabs(at->geometry[contact].distance - contact_reach(&shape));
+    if (!(scene_inverse_mass(v, contact) > 0.0) || gap > way_rounding(q, at, contact, lasted) ||
+        gap <= 0.25 * rounding_of_gap(v, at, contact)) {
+        return;
+    }
+    q->contact[contact].accumulated_gap = DBL_MAX; /* not known: as positions give it */
+    projection_close_gap(v, q, contact);
+    scene_rebase(v, q);
+    scene_kinematics_now(v, q, at);
+}
+
+/* Start of a phase: forget foreseen changes, note the energy balance. */
+static void begin_phase(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at)
+{
+    q->horizon_clock = -(double)INFINITY;
+    q->phase_energy = projection_balance(v, q, at);
+}
+
+static void note_peaks_of_touching(const struct scene_values *v, struct scene_state *q,
+                                   struct scene_instant *at)
+{
+    if (!scene_is_apart(q)) {
+        scene_forces(v, q, q->clock, at);
+        transition_note_peaks(q, at);
+    }
+}
+
+void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
+                              enum contact_regime regime, struct scene_instant *at)
+{
+    const double lasted = q->clock;
+    scene_rebase(v, q);
+    scene_kinematics_now(v, q, at);
+    note_peaks_of_touching(v, q, at);
+    if (regime == REGIME_APART && q->contact[contact].regime != (int32_t)REGIME_APART) {
+        close_rounded_gap(v, q, at, contact, lasted);
+    }
+    const double before = energy_stored(v, q, at);
+    at->geometry[contact].gap = gap_at_change(v, q, at, contact, regime, lasted);
+    q->contact[contact].accumulated_gap = at->geometry[contact].gap;
+    set_regime(q, contact, regime);
+    q->dissipated += before - energy_stored(v, q, at);
+    counter_add(&q->counters.events, 1);
+    begin_phase(v, q, at);
+    note_peaks_of_touching(v, q, at);
+}
+
+void transition_settle_regimes(const struct scene_values *v, struct scene_state *q, double stored_before,
+                               bool starting)
+{
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (starting || fabs(at.geometry[j].gap) > rounding_of_gap(v, &at, j)) {
+            set_regime(q, j, scene_regime(v, q, &at, j));
+        }
+    }
+    if (!starting) {
+        q->external_work += energy_stored(v, q, &at) - stored_before;
+    }
+    scene_rebase(v, q);
+    begin_phase(v, q, &at);
+}
+
+/* Peaks, and the normals for where there are none. */
+static void note_instant(struct scene_state *q, const struct scene_instant *at)
+{
+    transition_note_peaks(q, at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        q->contact[j].normal = at->geometry[j].normal;
+    }
+}
+
+void transition_begin_step(const struct scene_values *v, struct scene_state *q, struct scene_instant *at)
+{
+    scene_now(v, q, at);
+    q->step_length = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        q->contact[j].impulse_mark = q->contact[j].impulse;
+        q->contact[j].peak_force = 0.0;
+        q->contact[j].peak_penetration = 0.0;
+    }
+    note_instant(q, at);
+}
+
+void transition_end_step(const struct scene_values *v, struct scene_state *q)
+{
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    note_instant(q, &at);
+}
+
+void transition_note_peaks(struct scene_state *q, const struct scene_instant *at)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        struct contact_state *state = &q->contact[j];
+        if (state->regime != REGIME_APART) {
+            state->peak_force = fmax(state->peak_force, at->normal_force[j]);
+            state->peak_penetration = fmax(state->peak_penetration, -at->geometry[j].gap);
+        }
+    }
+}
+
+#endif

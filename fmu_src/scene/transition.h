@@ -1,0 +1,36 @@
+/* Transitions: a contact changes its regime, bodies begin or cease to touch; peaks and communication
+ * steps. */
+#ifndef CONTACT_SCENE_TRANSITION_H
+#define CONTACT_SCENE_TRANSITION_H
+
+#include "scene/evaluate.h"
+
+#if SCENE_ANY_FREE
+
+/*
+ * Puts a contact into a new regime at the present instant: counts an onset when bodies begin to overlap,
+ * closes the duration when they cease to, and books a jump of the stored energy (a finite cylinder's end
+ * switched the force) as dissipated. Counts an event. The clock is rebased. `at` becomes the instant as
+ * scene_kinematics_now sees it from then on.
+ */
+void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
+                              enum contact_regime regime, struct scene_instant *at);
+
+/*
+ * Sets the regimes by the geometry of the present: at the start, and after inputs have jumped.
+ * `stored_before` is the stored energy before the jump; the difference is external work of whatever moved the
+ * prescribed body. A gap within its rounding bound of zero leaves the regime as it is, unless `starting`.
+ */
+void transition_settle_regimes(const struct scene_values *v, struct scene_state *q, double stored_before,
+                               bool starting);
+
+/* Begins a communication step, from which peaks and mean force count; `at` becomes the present instant. And
+ * ends it. */
+void transition_begin_step(const struct scene_values *v, struct scene_state *q, struct scene_instant *at);
+void transition_end_step(const struct scene_values *v, struct scene_state *q);
+
+/* Takes the instant into account for the peaks of the communication step. */
+void transition_note_peaks(struct scene_state *q, const struct scene_instant *at);
+
+#endif
+#endif

@@ -1,0 +1,200 @@
+/* How a collocated step begins: its frame, what acts at the nodes, the first guess. */
+#include <float.h>
+#include <string.h>
+
+#include "segment/collocation.h"
+
+/* So much of a product with the frame's vectors is rounding. */
+static const double FRAME_ROUNDING = 4.0 * DBL_EPSILON;
+
+static struct vec3 in_frame(const struct collocation *p, struct vec3 a)
+{
+    return vec3_make(vec3_dot(p->frame[0], a), vec3_dot(p->frame[1], a), vec3_dot(p->frame[2], a));
+}
+
+/* The direction of the part of `a` perpendicular to n, if there is one. Projected twice, because the first
+ * projection of a long `a` leaves rounding. */
+static bool direction_across(struct vec3 n, struct vec3 a, struct vec3 *direction)
+{
+    struct vec3 across = vec3_axpy(a, -vec3_dot(n, a), n);
+    if (!(vec3_max_abs(across) > FRAME_ROUNDING * vec3_max_abs(a))) {
+        return false;
+    }
+    across = vec3_scale(1.0 / vec3_norm(across), across);
+    across = vec3_axpy(across, -vec3_dot(n, across), n);
+    *direction = vec3_scale(1.0 / vec3_norm(across), across);
+    return true;
+}
+
+static void set_frame(struct collocation *p)
+{
+    const struct collocation_problem *from = &p->from;
+    const struct vec3 n = from->normal;
+    struct vec3 along = {0.0, 0.0, 0.0};
+    bool found = direction_across(n, from->rate, &along);
+    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS && !found; ++i) {
+        found = direction_across(n, from->acceleration[i], &along);
+    }
+    p->frame[0] = n;
+    p->frame[1] = along;
+    p->frame[2] = vec3_cross(n, along);
+}
+
+/* Whether a vector is in the plane of the first two but for rounding, which is then taken away. */
+static bool flatten(struct vec3 *a)
+{
+    if (fabs(a->z) > FRAME_ROUNDING * (fabs(a->x) + fabs(a->y))) {
+        return false;
+    }
+    a->z = 0.0;
+    return true;
+}
+
+/* n and H stay: the motion is along the normal and so is the relative acceleration. */
+static bool is_head_on(const struct collocation_problem *from)
+{
+    double across = vec3_max_abs(vec3_cross(from->normal, from->rate));
+    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
+        across = fmax(across, vec3_max_abs(vec3_cross(from->normal, from->acceleration[i])));
+    }
+    return !(across > 0.0);
+}
+
+static void put_problem_in_frame(struct collocation *p)
+{
+    p->rate = in_frame(p, p->from.rate);
+    p->rate.x = p->from.radial;
+    p->planar = flatten(&p->rate);
+    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
+        p->acceleration[i] = in_frame(p, p->from.acceleration[i]);
+        p->planar = flatten(&p->acceleration[i]) && p->planar;
+    }
+    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && p->from.has_mismatch; ++i) {
+        p->mismatch[i] = in_frame(p, p->from.mismatch[i]);
+    }
+    p->momentum = vec3_scale(p->distance, vec3_make(0.0, -p->rate.z, p->rate.y));
+}
+
+static double load_at_start(const struct collocation *p)
+{
+    const double mismatch = p->from.has_mismatch ? p->from.damping_rate * p->mismatch[0].x : 0.0;
+    return vec3_dot(p->momentum, p->momentum) / (p->distance * p->distance * p->distance) +
+           p->acceleration[0].x - mismatch;
+}
+
+void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
+                       enum collocation_kind kind, const struct lobatto *nodes)
+{
+    p->from = *from;
+    p->nodes = nodes;
+    p->kind = kind;
+    p->half = 0.5 * step;
+    p->distance = from->reach + from->deviation;
+    p->head_on = is_head_on(from);
+    p->normal_correction = p->momentum_correction = vec3_make(0.0, 0.0, 0.0);
+    p->sweeps = 0;
+    set_frame(p);
+    put_problem_in_frame(p);
+    p->oscillator = (struct oscillator){from->omega2 * p->half * p->half, from->damping_rate * p->half};
+    memset(p->slow, 0, sizeof p->slow);
+    memset(p->normal_mismatch, 0, sizeof p->normal_mismatch);
+    p->terms = 1;
+    p->slow[0] = kind == COLLOCATION_OVERDAMPED ? from->deviation : load_at_start(p) / from->omega2;
+    p->y = from->deviation - p->slow[0];
+    p->y_rate = p->half * p->rate.x;
+}
+
+static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
+{
+    struct vec3 sum = a[terms - 1];
+    for (int i = terms - 2; i >= 0; --i) {
+        sum = vec3_axpy(a[i], t, sum);
+    }
+    return sum;
+}
+
+/* The first guess: x under the load as it begins, n and H to second and first order. */
+static void guess(struct collocation *p, double half)
+{
+    const struct vec3 n = {1.0, 0.0, 0.0};
+    const double per_distance_squared = 1.0 / (p->distance * p->distance);
+    const struct vec3 momentum_rate = vec3_scale(p->distance, vec3_cross(n, p->acceleration[0]));
+    const struct vec3 integrate_normal = vec3_scale(per_distance_squared, vec3_cross(p->momentum, n));
+    const struct vec3 bend =
+        vec3_scale(0.5 * per_distance_squared,
+                   vec3_add(vec3_cross(momentum_rate, n), vec3_cross(p->momentum, integrate_normal)));
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const double t = half * (1.0 + p->nodes->node[i]);
+        nodal_put_vec3(&p->h, i, vec3_scale(t, momentum_rate));
+        nodal_put_vec3(&p->n, i, vec3_scale(t, vec3_axpy(integrate_normal, t, bend)));
+        p->x[i] = p->slow[0];
+    }
+}
+
+/* y at the nodes into x, or out of it. */
+static void add_oscillation_at_nodes(struct collocation *p, double sign)
+{
+    for (int i = 0; i < p->nodes->points; ++i) {
+        p->x[i] += sign * (p->y * p->y_of_y[i] + p->y_rate * p->y_of_rate[i]);
+    }
+}
+
+/* Extrapolates to the nodes of a step that is longer by `part`; takes y out of x. */
+static void move_on(struct collocation *p, double part)
+{
+    add_oscillation_at_nodes(p, -1.0);
+    for (int i = 0; i < p->nodes->points && !p->head_on; ++i) {
+        const double later = part * (1.0 + p->nodes->node[i]);
+        p->h.z[i] += later * p->h_rate.z[i];
+        p->n.x[i] += later * p->n_rate.x[i];
+        p->n.y[i] += later * p->n_rate.y[i];
+        if (!p->planar) {
+            p->h.x[i] += later * p->h_rate.x[i];
+            p->h.y[i] += later * p->h_rate.y[i];
+            p->n.z[i] += later * p->n_rate.z[i];
+        }
+    }
+}
+
+static void fill_nodes(struct collocation *p)
+{
+    const bool steady =
+        !p->from.has_mismatch && vec3_is_zero(p->acceleration[1]) && vec3_is_zero(p->acceleration[2]);
+    for (int i = 0; i < p->nodes->points && steady; ++i) {
+        nodal_put_vec3(&p->acceleration_at, i, p->acceleration[0]);
+        nodal_put_vec3(&p->drive_at, i, p->acceleration[0]);
+    }
+    for (int i = 0; i < p->nodes->points && !steady; ++i) {
+        const double t = p->half * (1.0 + p->nodes->node[i]);
+        const struct vec3 acceleration =
+            polynomial_of_time(p->acceleration, COLLOCATION_ACCELERATION_TERMS, t);
+        struct vec3 drive = acceleration;
+        if (p->from.has_mismatch) {
+            const struct vec3 mismatch = polynomial_of_time(p->mismatch, COLLOCATION_MISMATCH_TERMS, t);
+            nodal_put_vec3(&p->mismatch_at, i, vec3_scale(p->half, mismatch));
+            drive = vec3_axpy(acceleration, -p->from.damping_rate, mismatch);
+        }
+        nodal_put_vec3(&p->acceleration_at, i, acceleration);
+        nodal_put_vec3(&p->drive_at, i, drive);
+    }
+}
+
+void collocation_size(struct collocation *p, double step)
+{
+    const bool resolved = p->kind == COLLOCATION_RESOLVED;
+    const double longer = 0.5 * step / p->half;
+    if (p->sweeps == 0) {
+        guess(p, 0.5 * step);
+    } else if (resolved) {
+        move_on(p, longer - 1.0);
+    }
+    p->y_rate *= longer;
+    p->half = 0.5 * step;
+    p->terms = p->nodes->points;
+    p->oscillator = (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
+    fill_nodes(p);
+    if (resolved) {
+        oscillator_basis_about_one(&p->oscillator, p->nodes->node, p->nodes->points, p->y_of_y, p->y_of_rate);
+        add_oscillation_at_nodes(p, 1.0);
+    }
+}

@@ -1,0 +1,164 @@
+#include "segment/contact_pair.h"
+
+#if SCENE_ANY_FREE
+
+#include <float.h>
+#include <string.h>
+
+#include "scene/rounding.h"
+#include "scene/singularity.h"
+#include "segment/flight.h"
+
+static struct pair_work work_on(const struct contact_pair *p, const struct scene_values *v,
+                                const struct scene_state *q, int body, double sign)
+{
+    struct pair_work work = {.order = 0};
+    const struct body_path *path = &q->path[body];
+    if (body_is_free(v, body)) {
+        memcpy(work.path, path->force, sizeof work.path);
+        work.factor = sign * p->reduced_mass / body_mass(v, body);
+        work.order = 1;
+    } else if (body_is_prescribed(v, body)) {
+        memcpy(work.path, path->velocity, sizeof work.path);
+        work.factor = -sign * p->reduced_mass;
+        work.order = 2;
+    }
+    path_shift(work.path, 3, q->clock);
+    return work;
+}
+
+/*
+ * At d = 0, n is undefined. It becomes the direction of motion, and c, which is rounding there, is set along
+ * it. At rest it keeps the direction at hand, unless the relative acceleration outweighs the contact force
+ * along it: then it takes that of the relative acceleration.
+ */
+static void leave_centre(struct contact_pair *p, const struct contact_geometry *geometry)
+{
+    const struct vec3 acceleration = pair_across(p, vec3_scale(2.0, p->flight.c[2]));
+    const double reach = contact_reach(&p->shape);
+    if (p->coefficients.k * reach / p->reduced_mass + vec3_dot(p->normal, acceleration) < 0.0) {
+        p->normal = contact_escape_direction(&p->shape, acceleration, p->normal);
+    }
+    p->normal = contact_escape_direction(&p->shape, p->flight.c[1], p->normal);
+    p->distance = fmax(reach + p->gap, 2.0 * DBL_EPSILON * reach);
+    p->gap = p->distance - reach;
+    p->rounded = vec3_axpy(vec3_scale(p->distance, p->normal), -1.0, geometry->offset);
+    p->flight.c[0] = p->flight.offset = vec3_scale(p->distance, p->normal);
+}
+
+/* g' = side n.w */
+static void take_carried_rate(struct contact_pair *p, double rate)
+{
+    const double missing = p->shape.side * rate - vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
+    p->carried_rate = rate;
+    p->rate_rounded = vec3_scale(missing, p->normal);
+    p->flight.c[1] = vec3_add(p->flight.c[1], p->rate_rounded);
+    p->flight.w[0] = vec3_add(p->flight.w[0], p->rate_rounded);
+}
+
+void pair_make(struct contact_pair *p, const struct scene_values *v, const struct scene_state *q,
+               const struct scene_instant *at, int contact)
+{
+    const struct contact_geometry *geometry = &at->geometry[contact];
+    p->shape = scene_contact_shape(v, q, contact);
+    p->law = scene_contact_law(v, q, contact);
+    p->coefficients = contact_coefficients_of(&p->law, (enum contact_regime)q->contact[contact].regime);
+    p->flight = separation_path_of(v, q, at, q->clock, contact);
+    p->normal = geometry->normal;
+    p->distance = geometry->distance;
+    p->gap = geometry->gap;
+    const double shorter = p->shape.side * p->gap - (geometry->distance - contact_reach(&p->shape));
+    p->rounded = vec3_scale(shorter, p->normal);
+    p->rate_rounding = rounding_of_rate(at, contact);
+    p->reduced_mass = 1.0 / scene_inverse_mass(v, contact);
+    p->rate_rounded = vec3_make(0.0, 0.0, 0.0);
+    p->carried_rate = (double)NAN;
+    if (singularity_is_reached(v, at, contact, &p->shape)) {
+        leave_centre(p, geometry);
+    } else if (system_rate_is_known(q, at, contact)) {
+        take_carried_rate(p, geometry->gap_rate);
+    }
+    p->work[0] = work_on(p, v, q, contact_source(contact), -1.0);
+    p->work[1] = work_on(p, v, q, contact_destination(contact), 1.0);
+}
+
+struct vec3 pair_across(const struct contact_pair *p, struct vec3 c)
+{
+    return contact_across(&p->shape, c);
+}
+
+struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across)
+{
+    return vec3_axpy(across, -vec3_dot(p->normal, across), p->normal);
+}
+
+double press_closing(const struct contact_pair *p)
+{
+    if (isnan(p->carried_rate)) {
+        return p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.c[1]));
+    }
+    const struct vec3 mismatch = vec3_sub(p->flight.w[0], p->flight.c[1]);
+    return p->carried_rate - p->shape.side * vec3_dot(p->normal, pair_across(p, mismatch));
+}
+
+double pair_load(const struct contact_pair *p)
+{
+    const struct vec3 across = pair_tangential(p, pair_across(p, p->flight.c[1]));
+    const double distance = fmax(p->distance, 0.5 * contact_reach(&p->shape));
+    return p->reduced_mass *
+           fabs(vec3_dot(across, across) / distance + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
+}
+
+/* Of the force. Peaks are right to it; where velocities are as good as that, they are all there is to
+ * know. */
+static const double COARSE = 1e-6;
+
+double press_rate_rounding(const struct contact_pair *p, const struct pair_change *change,
+                           const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    const struct vec3 source = scene_body_now(v, q, contact_source(contact)).velocity;
+    const struct vec3 destination = scene_body_now(v, q, contact_destination(contact)).velocity;
+    /* Flight and deviation from it nearly cancel in a contact that lasts. */
+    const double size = vec3_norm(source) + vec3_norm(destination) + vec3_norm(change->r_rate);
+    const double rounding = 16.0 * DBL_EPSILON * size;
+    const double force_per_rate = sqrt(p->coefficients.k * p->reduced_mass) + p->coefficients.c;
+    const double rate = fabs(vec3_dot(p->normal, pair_across(p, p->flight.w[0])));
+    const double force =
+        pair_load(p) + p->coefficients.k * fmax(fabs(p->gap), fabs(change->gap)) + force_per_rate * rate;
+    return force_per_rate * rounding > COARSE * force ? rounding : 0.0;
+}
+
+static void move_body(const struct scene_values *v, struct scene_state *q, int body, double time,
+                      struct vec3 r, struct vec3 r_rate)
+{
+    struct vec3 force[3];
+    flight_force(q, body, q->clock, force);
+    if (!vec3_is_zero(force[0]) || !vec3_is_zero(force[1]) || !vec3_is_zero(force[2])) {
+        q->external_work += flight_work(v, body, q->body[body], force, time);
+    }
+    const struct body_state flown = flight_from(v, body, q->body[body], force, time);
+    q->body[body].moved = vec3_add(flown.moved, r);
+    q->body[body].velocity = vec3_add(flown.velocity, r_rate);
+}
+
+void pair_apply(const struct contact_pair *p, const struct pair_change *change, const struct scene_values *v,
+                struct scene_state *q, int contact)
+{
+    struct contact_state *state = &q->contact[contact];
+    const int ends[PAIR_BODIES] = {contact_source(contact), contact_destination(contact)};
+    const struct vec3 rounded = vec3_axpy(p->rounded, change->time, p->rate_rounded);
+    const struct vec3 r = vec3_add(change->r, rounded);
+    const struct vec3 r_rate = vec3_add(change->r_rate, p->rate_rounded);
+    for (int end = 0; end < PAIR_BODIES; ++end) {
+        q->external_work += p->work[end].factor * change->work[end];
+        if (body_is_free(v, ends[end])) {
+            const double share = (end == 0 ? -1.0 : 1.0) * p->reduced_mass / body_mass(v, ends[end]);
+            move_body(v, q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
+        }
+    }
+    q->dissipated += change->dissipated;
+    state->impulse = vec3_axpy(state->impulse, -p->reduced_mass, change->r_rate);
+    state->accumulated_gap = change->gap;
+}
+
+#endif

@@ -1,0 +1,90 @@
+/*
+ * A contact pair: two bodies that exchange a contact force, from one instant on, within one regime.
+ *
+ * Without that force the separation would follow the polynomial C(t), its rate W(t) (relative_path.h). With
+ * it c = C + r, w = W + r' and m_red r'' = side F_n n, where 1/m_red is the sum of the free bodies' inverse
+ * masses. Momentum is conserved exactly: the bodies deviate from their flights by -r m_red/m_s and +r
+ * m_red/m_d, and the impulse on the source is -m_red r'. r is found by pair_oscillation.h, pair_collocation.h
+ * or pair_taylor.h.
+ */
+#ifndef CONTACT_SEGMENT_CONTACT_PAIR_H
+#define CONTACT_SEGMENT_CONTACT_PAIR_H
+
+#include "segment/relative_path.h"
+
+#if SCENE_ANY_FREE
+
+enum { PAIR_BODIES = 2 }; /* source, destination */
+
+/* External work on one body that is due to r: factor times the integral of path(t).d^order r/dt^order dt.
+ * Free: its external force (order 1). Prescribed: its velocity against the contact force (order 2). Fixed:
+ * none (order 0). */
+struct pair_work {
+    struct vec3 path[3]; /* coefficients of time from the instant */
+    double factor;
+    int order;
+};
+
+struct contact_pair {
+    struct contact_shape shape;
+    struct contact_law law;
+    struct contact_coefficients coefficients; /* F_n = -(k g + c g') */
+    /* C, W; of a cylinder the part along its axis too, but for C(0) at the axis */
+    struct separation_path flight;
+    struct vec3 normal;   /* n */
+    double distance, gap; /* d [m], accumulated gap g [m] */
+    /* rounding: added to c so that its length agrees with the accumulated gap, or with the direction taken at
+     * the centre [m] */
+    struct vec3 rounded;
+    struct vec3 rate_rounded; /* what w lacks for g' to be the carried one: rounding [m/s] */
+    double carried_rate;      /* g' as accumulated; NaN: as w tells [m/s] */
+    double reduced_mass;      /* m_red [kg] */
+    double rate_rounding;     /* of g', by rounding [m/s] */
+    struct pair_work work[PAIR_BODIES];
+};
+
+/* The quantities whose zeros are events, each with its first two derivatives with respect to the segment's
+ * variable s. */
+enum pair_quantity { PAIR_GAP, PAIR_GAP_RATE, PAIR_FORCE, PAIR_QUANTITIES };
+
+struct pair_sample {
+    double of[PAIR_QUANTITIES][3]; /* g [m], g' as the law sees it [m/s], F_n [N] */
+};
+
+/* What has happened since the instant. */
+struct pair_change {
+    double time;              /* [s] */
+    struct vec3 r, r_rate;    /* [m], [m/s] */
+    double gap;               /* g now [m] */
+    double dissipated;        /* by the dashpot [J] */
+    double work[PAIR_BODIES]; /* the integrals of pair_work [J] */
+};
+
+/* From the present instant `at`, taken at q->clock, for a contact in compression or restitution. */
+void pair_make(struct contact_pair *p, const struct scene_values *v, const struct scene_state *q,
+               const struct scene_instant *at, int contact);
+
+/* dg/dt at the start, which is not g' where bodies are led otherwise than they move [m/s] */
+double press_closing(const struct contact_pair *p);
+
+/* The force that would keep the bodies at their present distance, |m_red (|w_t|^2 / d + n.A)| [N]. Near the
+ * centre half the reach stands for d, since the bodies only pass there. */
+double pair_load(const struct contact_pair *p);
+
+/* The part of c perpendicular to a cylinder's axis. */
+struct vec3 pair_across(const struct contact_pair *p, struct vec3 c);
+
+/* The tangential part of such a vector: without its component along n. */
+struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
+
+/* How little the velocities after the change tell of g', by rounding [m/s]: 0 where that is enough, for it
+ * makes no force worth mentioning. */
+double press_rate_rounding(const struct contact_pair *p, const struct pair_change *change,
+                           const struct scene_values *v, const struct scene_state *q, int contact);
+
+/* Moves the bodies, books impulse, dissipated energy and external work; the clock is the caller's. */
+void pair_apply(const struct contact_pair *p, const struct pair_change *change, const struct scene_values *v,
+                struct scene_state *q, int contact);
+
+#endif
+#endif

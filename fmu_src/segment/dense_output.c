@@ -1,0 +1,231 @@
+#include "segment/dense_output.h"
+
+#if SCENE_ANY_FREE
+
+#include <float.h>
+
+#include "math/root.h"
+
+struct probe {
+    const struct dense_output *output;
+    const struct event_function *what;
+};
+
+void dense_output_add(struct dense_output *w, double s)
+{
+    w->sampler(w->segment, s, &w->at[w->count]);
+    w->s[w->count++] = s;
+}
+
+void dense_output_sample(struct dense_output *w)
+{
+    for (int i = 0; i < w->count; ++i) {
+        w->sampler(w->segment, w->s[i], &w->at[i]);
+    }
+}
+
+const struct pair_sample *dense_output_at(struct dense_output *w, double s)
+{
+    if (w->latest_s != s) {
+        w->sampler(w->segment, s, &w->latest);
+        w->latest_s = s;
+    }
+    return &w->latest;
+}
+
+static double value_of(const struct event_function *what, const struct pair_sample *at)
+{
+    return what->factor * at->of[what->quantity][0] + what->offset;
+}
+
+static double slope_of(const struct event_function *what, const struct pair_sample *at)
+{
+    return what->factor * at->of[what->quantity][1];
+}
+
+static void probe_value(const void *data, double s, double *value, double *slope)
+{
+    const struct probe *probe = data;
+    struct pair_sample at;
+    probe->output->sampler(probe->output->segment, s, &at);
+    *value = value_of(probe->what, &at);
+    *slope = slope_of(probe->what, &at);
+}
+
+static void probe_slope(const void *data, double s, double *value, double *slope)
+{
+    const struct probe *probe = data;
+    struct pair_sample at;
+    probe->output->sampler(probe->output->segment, s, &at);
+    *value = slope_of(probe->what, &at);
+    *slope = probe->what->factor * at.of[probe->what->quantity][2];
+}
+
+static double value_at(const struct probe *probe, double s)
+{
+    double value;
+    double slope;
+    probe_value(probe, s, &value, &slope);
+    return value;
+}
+
+/* The quantity at a place, or its slope: ends of a bracket of probe_value, probe_slope. */
+static struct root_bracket_end value_end(const struct probe *probe, int i)
+{
+    const struct pair_sample *at = &probe->output->at[i];
+    return (struct root_bracket_end){probe->output->s[i], value_of(probe->what, at),
+                                     slope_of(probe->what, at)};
+}
+
+static struct root_bracket_end slope_end(const struct probe *probe, int i)
+{
+    const struct pair_sample *at = &probe->output->at[i];
+    return (struct root_bracket_end){probe->output->s[i], slope_of(probe->what, at),
+                                     probe->what->factor * at->of[probe->what->quantity][2]};
+}
+
+/* Where the quantity has its extremum between two places. */
+static struct root_bracket_end extremum_between(const struct probe *probe, int i)
+{
+    struct root_bracket_end extremum = {
+        .s = root_between(probe_slope, probe, slope_end(probe, i), slope_end(probe, i + 1))};
+    probe_value(probe, extremum.s, &extremum.value, &extremum.slope);
+    return extremum;
+}
+
+/* The fall through zero between two samples: directly, by way of a minimum, or after a rise from below. */
+static double fall_between(const struct probe *probe, int i)
+{
+    const struct dense_output *w = probe->output;
+    const double at_low = value_of(probe->what, &w->at[i]);
+    const double at_high = value_of(probe->what, &w->at[i + 1]);
+    const double from_low = slope_of(probe->what, &w->at[i]);
+    const double to_high = slope_of(probe->what, &w->at[i + 1]);
+    if (at_low > 0.0 && at_high <= 0.0) {
+        return root_between(probe_value, probe, value_end(probe, i), value_end(probe, i + 1));
+    }
+    if (at_low > 0.0 && from_low < 0.0 && to_high > 0.0) {
+        const struct root_bracket_end dip = extremum_between(probe, i);
+        if (dip.value <= 0.0) {
+            return root_between(probe_value, probe, value_end(probe, i), dip);
+        }
+    }
+    if (at_low <= 0.0 && at_high <= 0.0 && from_low > 0.0 && to_high < 0.0) {
+        const struct root_bracket_end hump = extremum_between(probe, i);
+        if (hump.value > 0.0) {
+            return root_between(probe_value, probe, hump, value_end(probe, i + 1));
+        }
+    }
+    return (double)INFINITY;
+}
+
+/* Whether the first two samples are not above zero and one is below. A function that is zero and stays so, as
+ * the gap rate at rest, is not below. */
+static bool starts_below(const struct dense_output *w, const struct event_function *what)
+{
+    const double first = value_of(what, &w->at[0]);
+    const double second = value_of(what, &w->at[1]);
+    return fmax(first, second) <= 0.0 && fmin(first, second) < 0.0;
+}
+
+double dense_output_first_event(const struct dense_output *w, const struct event_function *what)
+{
+    const struct probe probe = {w, what};
+    double fall = (double)INFINITY;
+    for (int i = 0; i + 1 < w->count && !(fall < (double)INFINITY); ++i) {
+        fall = fall_between(&probe, i);
+        if (i == 0 && !(fall < (double)INFINITY) && starts_below(w, what)) {
+            return w->s[0];
+        }
+    }
+    return fall;
+}
+
+/* Where the maximum is higher than the present point by less than this part, a parabola gives it to
+ * rounding. */
+static const double NEAR_TOP = 1e-10;
+
+/* Whether a place is itself the top, to rounding. */
+static bool is_top(const struct event_function *what, const struct pair_sample *at)
+{
+    const double slope = slope_of(what, at);
+    return slope * slope <= DBL_EPSILON * fabs(at->of[what->quantity][2] * value_of(what, at));
+}
+
+/* The value at the top between two places and where it is. */
+static double top_between(const struct probe *probe, struct root_bracket_end low,
+                          struct root_bracket_end high, double *top)
+{
+    const struct dense_output *w = probe->output;
+    double s = root_guess(low, high);
+    for (int k = 0; k < 4; ++k) {
+        struct pair_sample at;
+        w->sampler(w->segment, s, &at);
+        const double slope = slope_of(probe->what, &at);
+        const double step = -slope / (probe->what->factor * at.of[probe->what->quantity][2]);
+        const double value = value_of(probe->what, &at);
+        if (!(s + step >= low.s && s + step <= high.s)) {
+            break;
+        }
+        s += step;
+        if (fabs(slope * step) <= NEAR_TOP * fabs(value)) {
+            *top = s;
+            return value + 0.5 * slope * step;
+        }
+    }
+    *top = root_in_bracket(probe_slope, probe, low.s, high.s);
+    return value_at(probe, *top);
+}
+
+/* The bend of a quantity; root_in_bracket then bisects. */
+static void probe_bend(const void *data, double s, double *value, double *slope)
+{
+    const struct probe *probe = data;
+    double ignored;
+    probe_slope(probe, s, &ignored, value);
+    *slope = 0.0;
+}
+
+/* Whether there is a top between two places, and between which ends its slope falls through zero: the places
+ * themselves, or, where the quantity goes the same way at both, one of them and the place at which its slope
+ * turns. */
+static bool brackets_top(const struct probe *probe, int i, struct root_bracket_end *low,
+                         struct root_bracket_end *high)
+{
+    *low = slope_end(probe, i);
+    *high = slope_end(probe, i + 1);
+    if (low->value > 0.0 && high->value < 0.0) {
+        return !is_top(probe->what, &probe->output->at[i]) && !is_top(probe->what, &probe->output->at[i + 1]);
+    }
+    const bool falls = low->value < 0.0 && high->value < 0.0 && low->slope > 0.0 && high->slope < 0.0;
+    const bool rises = low->value > 0.0 && high->value > 0.0 && low->slope < 0.0 && high->slope > 0.0;
+    if (!falls && !rises) {
+        return false;
+    }
+    struct root_bracket_end extremum = {.s = root_in_bracket(probe_bend, probe, low->s, high->s)};
+    probe_slope(probe, extremum.s, &extremum.value, &extremum.slope);
+    *(falls ? low : high) = extremum;
+    return low->value > 0.0 && high->value < 0.0;
+}
+
+double dense_output_largest(const struct dense_output *w, const struct event_function *what, double end,
+                            const struct pair_sample *then)
+{
+    const struct probe probe = {w, what};
+    double largest = fmax(value_of(what, &w->at[0]), value_of(what, then));
+    for (int i = 0; i + 1 < w->count && w->s[i] < end; ++i) {
+        struct root_bracket_end low;
+        struct root_bracket_end high;
+        if (brackets_top(&probe, i, &low, &high)) {
+            double top;
+            const double value = top_between(&probe, low, high, &top);
+            largest = top <= end ? fmax(largest, value) : largest;
+        }
+        if (w->s[i + 1] <= end) {
+            largest = fmax(largest, value_of(what, &w->at[i + 1]));
+        }
+    }
+    return largest;
+}
+
+#endif

@@ -1,0 +1,123 @@
+#include "segment/flight_candidates.h"
+
+#if SCENE_ANY_FREE
+
+/* k (d - reach) + c d' = 0, times d, with the root squared: (k d^2 + c d d')^2 = k^2 reach^2 d^2. */
+static struct polynomial law_condition(const struct relative_path *path, const struct contact_law *law)
+{
+    const double scaled_damping = law->damping / path->horizon;
+    const double unit = fmax(law->stiffness, scaled_damping);
+    const double k = law->stiffness / unit;
+    struct polynomial sum = {{0.0}, 0};
+    const struct polynomial offset2 = relative_path_distance_squared(path);
+    sum = polynomial_add(&sum, k, &offset2);
+    sum = polynomial_add(&sum, scaled_damping / unit, &path->half_rate);
+    const struct polynomial square = polynomial_multiply(&sum, &sum);
+    const double reach_term = k * path->reach;
+    return polynomial_add(&square, -reach_term * reach_term, &offset2);
+}
+
+/* k (d - reach) + c d' = 0 times d + reach, with reach / d for 1 where the gap is small: exact the closer the
+ * bodies are, where the squares above have lost the gap to rounding. */
+static struct polynomial law_condition_nearby(const struct relative_path *path, const struct contact_law *law)
+{
+    const double scaled_damping = law->damping / path->horizon;
+    const double unit = fmax(law->stiffness, scaled_damping);
+    const struct polynomial squared_deviation = relative_path_squared_deviation(path);
+    struct polynomial sum = {{0.0}, 0};
+    sum = polynomial_add(&sum, law->stiffness / unit, &squared_deviation);
+    return polynomial_add(&sum, 2.0 * scaled_damping / unit, &path->half_rate);
+}
+
+static int insert_candidate(double root, double *candidates, int count)
+{
+    int at = count;
+    for (; at > 0 && candidates[at - 1] > root; --at) {
+        candidates[at] = candidates[at - 1];
+    }
+    candidates[at] = root;
+    return count + 1;
+}
+
+static int add_candidates(const struct polynomial *p, double *candidates, int count)
+{
+    double roots[POLYNOMIAL_MAX_DEGREE];
+    const int found = polynomial_sign_changes(p, roots);
+    for (int i = 0; i < found; ++i) {
+        count = insert_candidate(roots[i], candidates, count);
+    }
+    return count;
+}
+
+struct extremes extremes_of(const struct relative_path *path)
+{
+    struct extremes found;
+    found.count = polynomial_sign_changes(&path->closing, found.at);
+    return found;
+}
+
+struct root_bracket_end flight_gap_bracket_end(const struct relative_path *path, double s)
+{
+    struct root_bracket_end end = {.s = s};
+    relative_path_gap(path, s, &end.value, &end.slope);
+    return end;
+}
+
+double cuts_least_gap(const struct relative_path *path)
+{
+    const struct extremes extremes = extremes_of(path);
+    double least = fmin(path->gap, flight_gap_bracket_end(path, 1.0).value);
+    for (int i = 0; i < extremes.count; ++i) {
+        least = fmin(least, flight_gap_bracket_end(path, extremes.at[i]).value);
+    }
+    return path->scale * least;
+}
+
+/* Where the gap passes zero. */
+static int touching_candidates(const struct relative_path *path, const struct extremes *extremes,
+                               double *candidates, int count)
+{
+    const int intervals = extremes->count + 1;
+    struct root_bracket_end low = flight_gap_bracket_end(path, 0.0);
+    for (int i = 0; i < intervals; ++i) {
+        const struct root_bracket_end high =
+            flight_gap_bracket_end(path, i < intervals - 1 ? extremes->at[i] : 1.0);
+        if ((low.value < 0.0 && high.value > 0.0) || (low.value > 0.0 && high.value < 0.0)) {
+            count = insert_candidate(root_between(relative_path_gap, path, low, high), candidates, count);
+        }
+        low = high;
+    }
+    return count;
+}
+
+int candidates_of_ends(const struct relative_path *path, double *candidates, int count)
+{
+    for (int end = -1; end <= 1; end += 2) {
+        struct polynomial plane = path->axial;
+        plane.a[0] += end * path->half_length;
+        count = add_candidates(&plane, candidates, count);
+    }
+    return count;
+}
+
+/* All instants at which the regime may change: a superset, sorted. */
+int candidates_of_all(const struct relative_path *path, const struct extremes *extremes,
+                      const struct contact_shape *shape, const struct contact_law *law, double *candidates)
+{
+    int count = touching_candidates(path, extremes, candidates, 0);
+    if (relative_path_has_ends(shape)) {
+        count = candidates_of_ends(path, candidates, count);
+    }
+    if (law->damping > 0.0 && law->dashpot != DASHPOT_UNCLAMPED) {
+        count = add_candidates(&path->half_rate, candidates, count);
+        if (law->dashpot == DASHPOT_NON_ADHESIVE && law->stiffness > 0.0) {
+            const struct polynomial condition = law_condition(path, law);
+            const struct polynomial nearby = law_condition_nearby(path, law);
+            count = add_candidates(&condition, candidates, count);
+            count = add_candidates(&nearby, candidates, count);
+        }
+    }
+    return count;
+}
+
+#endif

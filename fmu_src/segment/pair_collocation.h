@@ -1,0 +1,74 @@
+/* A contact pair by collocation in local coordinates (segment/collocation.h): steps as long as the tangential
+ * motion allows, whatever the penalty factor. Variable s in [0, 2], time = half s. */
+#ifndef CONTACT_SEGMENT_PAIR_COLLOCATION_H
+#define CONTACT_SEGMENT_PAIR_COLLOCATION_H
+
+#include "segment/collocation.h"
+#include "segment/contact_pair.h"
+
+#if SCENE_ANY_FREE
+
+/* Rates and sizes of the motion at the start of a step. */
+struct pair_timescales {
+    struct collocation_problem problem;
+    double distance;        /* d [m] */
+    double rate_along;      /* |c' along the contact| / d [1/s] */
+    double tangential_rate; /* the rate at which the motion along the contact turns now [1/s] */
+    /* of the radial oscillator; sqrt(p_n / m_red) below critical damping [1/s] */
+    struct oscillator_rates rates;
+    double oscillation;       /* amplitude of the oscillation of x about its particular solution [m] */
+    bool underdamped;         /* below critical damping */
+    double equilibrium_depth; /* penetration at equilibrium with the load, -side f / omega2 [m] */
+};
+
+struct pair_timescales pair_timescales_of(const struct contact_pair *p);
+
+/* The largest `tangential_rate` within a step of so many seconds: a pull that grows with time, perhaps from
+ * nothing, makes it faster than it is at the start. Equal to `tangential_rate` where the pull is constant or
+ * fades. */
+double press_turning_within(const struct pair_timescales *scales, double step);
+
+/* The longest step, up to `longest`, in which the motion along the contact turns by about `radians`. */
+double press_step_within(const struct pair_timescales *scales, double longest, double radians);
+
+struct pair_collocation {
+    const struct contact_pair *from;
+    struct collocation step;
+};
+
+/* False where the iteration does not converge. */
+bool pair_collocation_make(struct pair_collocation *p, const struct contact_pair *from,
+                           const struct pair_timescales *scales, double step, enum collocation_kind kind,
+                           const struct lobatto *nodes, double tolerance);
+
+void pair_collocation_sample(const void *pair_collocation, double s, struct pair_sample *sample);
+
+/* The same at a Lobatto node, cheaper. */
+void pair_collocation_sample_node(const struct pair_collocation *p, int node, struct pair_sample *sample);
+
+/* Of the averaged motion, the oscillation left out. */
+void pair_collocation_sample_averaged(const struct pair_collocation *p, double s, struct pair_sample *sample);
+
+/* Lower bound of factor quantity + offset in an averaged step: the averaged quantity less the envelope of the
+ * oscillation. */
+struct pair_lower_bound {
+    const struct pair_collocation *of;
+    enum pair_quantity quantity;
+    double factor, offset;
+};
+
+/* Value and slope at s of factor quantity + offset - envelope; a root_function of a struct
+ * pair_lower_bound. */
+void pair_lower_bound_at(const void *pair_lower_bound, double s, double *value, double *slope);
+
+/* The same from what pair_collocation_sample_averaged says there; the envelope is pair_envelope_of. */
+void pair_lower_bound_from(const struct pair_lower_bound *bound, const struct oscillator_envelope *envelope,
+                           double s, const struct pair_sample *slow, double *value, double *slope);
+
+/* What the oscillation alone brings to a quantity. */
+struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, enum pair_quantity quantity);
+
+struct pair_change pair_collocation_change(const struct pair_collocation *p, double s);
+
+#endif
+#endif

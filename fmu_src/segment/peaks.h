@@ -1,0 +1,13 @@
+/* Largest force and penetration within a segment. */
+#ifndef CONTACT_SEGMENT_PEAKS_H
+#define CONTACT_SEGMENT_PEAKS_H
+
+#include "segment/segment.h"
+
+#if SCENE_ANY_FREE
+
+/* Takes the segment up to `end` into account for the peaks of the communication step. */
+void peaks_note(struct segment *p, struct contact_state *state, double end);
+
+#endif
+#endif

@@ -1,0 +1,265 @@
+#include "segment/regime_change.h"
+
+#if SCENE_ANY_FREE
+
+#include <float.h>
+
+#include "math/root.h"
+#include "scene/rounding.h"
+#include "scene/singularity.h"
+#include "segment/driven_change.h"
+#include "segment/flight_candidates.h"
+#include "segment/flight_head_on.h"
+#include "segment/settling.h"
+
+static enum contact_regime regime_at(const struct relative_path *path, const struct contact_law *law,
+                                     double s)
+{
+    double gap;
+    double slope;
+    relative_path_gap(path, s, &gap, &slope);
+    const double distance = path->side * gap + path->reach;
+    const double rate = distance > 0.0 ? path->side * polynomial_at(&path->half_rate, s) / distance : 0.0;
+    return contact_regime_of(law, path->scale * gap, rate * path->scale / path->horizon,
+                             relative_path_within(path, s));
+}
+
+static struct regime_change first_change(const struct relative_path *path, const double *events, int count,
+                                         const struct contact_law *law, enum contact_regime present,
+                                         bool ends_only, double settle)
+{
+    double from = 0.0;
+    for (int i = 0; i <= count; ++i) {
+        const double to = i < count ? events[i] : 1.0;
+        if (to > settle && to > from) {
+            from = fmax(from, settle);
+            const double middle = 0.5 * (from + to);
+            const enum contact_regime next = !ends_only ? regime_at(path, law, middle)
+                                             : relative_path_within(path, middle) ? present
+                                                                                  : REGIME_APART;
+            if (next != present) {
+                double gap;
+                double slope;
+                relative_path_gap(path, from, &gap, &slope);
+                return (struct regime_change){from * path->horizon, next, path->scale * gap, false};
+            }
+        }
+        from = to;
+    }
+    return (struct regime_change){(double)INFINITY, present, 0.0, false};
+}
+
+/* A distance so small [scale] has lost its direction to rounding. */
+static const double NO_DISTANCE = 1e-9;
+
+static bool is_at_centre(const struct relative_path *path, double s)
+{
+    double gap;
+    double slope;
+    relative_path_gap(path, s, &gap, &slope);
+    return path->side * gap + path->reach <= NO_DISTANCE;
+}
+
+/* Whether the distance vanishes before `until`, as far as rounding can tell. A source that stays where it is,
+ * on the axis say, passes nothing: it keeps the direction it has. */
+static bool passes_centre(const struct relative_path *path, const struct extremes *extremes, double until)
+{
+    if (path->degree == 0) {
+        return false;
+    }
+    bool passes = is_at_centre(path, 0.0) || is_at_centre(path, fmin(until, 1.0));
+    for (int i = 0; i < extremes->count && extremes->at[i] < until; ++i) {
+        passes = passes || is_at_centre(path, extremes->at[i]);
+    }
+    return passes;
+}
+
+/* Whether the length of the path alone tells that the bodies neither touch nor meet their centres. */
+static bool keeps_away(const struct relative_path *path)
+{
+    const double start = vec3_norm(path->c[0]);
+    double length = 0.0;
+    for (int i = 1; i <= path->degree; ++i) {
+        length += vec3_norm(path->c[i]);
+    }
+    if (path->side > 0) {
+        return start - length > path->reach + NO_DISTANCE;
+    }
+    return start + length < path->reach - NO_DISTANCE && start - length > NO_DISTANCE;
+}
+
+/* The first touch of bodies that are apart at `settle`, INFINITY if there is none; compression follows. False
+ * where more is to be found out: the bodies are not apart, or do not approach when they touch. */
+static bool first_touch(const struct relative_path *path, const struct extremes *extremes, double settle,
+                        double *touch)
+{
+    struct root_bracket_end low = flight_gap_bracket_end(path, settle);
+    if (low.value == 0.0 && low.slope > 0.0) {
+        low.value = DBL_MIN; /* they have just parted */
+    }
+    for (int i = 0; i <= extremes->count && low.value > 0.0; ++i) {
+        const double s = i < extremes->count ? extremes->at[i] : 1.0;
+        if (s > low.s) {
+            const struct root_bracket_end high = flight_gap_bracket_end(path, s);
+            if (high.value < 0.0) {
+                *touch = root_between(relative_path_gap, path, low, high);
+                return path->side * polynomial_at(&path->half_rate, *touch) < 0.0;
+            }
+            low = high;
+        }
+    }
+    *touch = (double)INFINITY;
+    return low.value > 0.0;
+}
+
+/* Of bodies that are apart and approach when they touch, if they do. */
+static struct regime_change first_touch_at(double after)
+{
+    return (struct regime_change){after, isfinite(after) ? REGIME_COMPRESSION : REGIME_APART, 0.0, false};
+}
+
+/* Where formulas tell; false where they do not. */
+static bool head_on_change(const struct contact_shape *shape, const struct contact_law *law,
+                           const struct separation_path *separation, const struct contact_geometry *now,
+                           enum contact_regime present, double gap_rounding, double by_positions,
+                           double horizon, struct regime_change *next)
+{
+    if (!flight_is_head_on(shape, separation, now->normal)) {
+        return false;
+    }
+    if (present == REGIME_APART) {
+        double touch;
+        if (!flight_head_on_touch(shape, separation, now, gap_rounding, horizon, &touch)) {
+            return false;
+        }
+        *next = first_touch_at(touch);
+        return true;
+    }
+    struct flight_regime_end end;
+    const double noise = settling_margin_rounding(law, now, gap_rounding, by_positions, separation);
+    if (!flight_head_on_regime_end(shape, law, separation, now, gap_rounding, noise, &end)) {
+        return false;
+    }
+    *next = end.after <= horizon ? (struct regime_change){end.after, end.regime, end.gap, false}
+                                 : (struct regime_change){(double)INFINITY, present, 0.0, false};
+    return true;
+}
+
+/* At d = 0 the bodies leave in their direction of motion: c, which is rounding there, is set along it. */
+static void leave_centre_in_flight(const struct contact_shape *shape, struct separation_path *separation,
+                                   struct contact_geometry *now)
+{
+    now->normal = contact_escape_direction(shape, separation->w[0], now->normal);
+    now->gap_rate = shape->side * vec3_dot(now->normal, separation->w[0]);
+    now->degenerate = true;
+    if (shape->side > 0) {
+        const double least = 2.0 * DBL_EPSILON * contact_reach(shape);
+        const struct vec3 along_axis = vec3_sub(separation->c[0], separation->offset);
+        separation->c[0] = vec3_axpy(along_axis, least, now->normal);
+        separation->offset = vec3_scale(least, now->normal);
+    }
+}
+
+/* |w| within the horizon, at most. */
+static double speed_at_most(const struct separation_path *separation, double horizon)
+{
+    double speed = vec3_norm(separation->w[SEPARATION_DEGREE - 1]);
+    for (int i = SEPARATION_DEGREE - 2; i >= 0; --i) {
+        speed = speed * horizon + vec3_norm(separation->w[i]);
+    }
+    return speed;
+}
+
+/* Where neither body is free. */
+static struct regime_change driven_regime_change(const struct relative_path *path,
+                                                 const struct contact_shape *shape,
+                                                 const struct contact_law *law,
+                                                 const struct driven_rounding *rounding,
+                                                 enum contact_regime present)
+{
+    double events[MAX_CANDIDATES];
+    const struct extremes extremes = extremes_of(path);
+    const int count = candidates_of_all(path, &extremes, shape, law, events);
+    const struct driven_change change = driven_first_change(path, law, rounding, events, count, present);
+    const bool touches = present == REGIME_APART && fabs(change.gap) <= rounding->gap;
+    return (struct regime_change){change.s * path->horizon, change.regime, touches ? 0.0 : change.gap,
+                                  passes_centre(path, &extremes, change.s)};
+}
+
+struct regime_change next_regime_change(const struct scene_values *v, const struct scene_state *q,
+                                        const struct scene_instant *at, double clock, int contact,
+                                        double horizon)
+{
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
+    const bool has_ends = relative_path_has_ends(&shape);
+    const bool ends_only =
+        present != REGIME_APART && present != REGIME_SEPARATING && !contact_is_driven(v, contact);
+    if ((ends_only && !has_ends) || contact_is_coupled(v, q, contact)) {
+        return (struct regime_change){(double)INFINITY, present, 0.0, true};
+    }
+    struct separation_path separation = separation_path_of(v, q, at, clock, contact);
+    struct contact_geometry now = at->geometry[contact];
+    if (singularity_is_reached(v, at, contact, &shape)) {
+        leave_centre_in_flight(&shape, &separation, &now);
+    }
+    const double by_positions = rounding_of_gap(v, at, contact);
+    const double gap_rounding = scene_gap_is_accumulated(q, at, contact)
+                                    ? 8.0 * DBL_EPSILON * fabs(at->geometry[contact].gap)
+                                    : by_positions;
+    struct regime_change next;
+    if (!has_ends && (present == REGIME_APART || present == REGIME_SEPARATING) &&
+        !(q->contact[contact].settled_clock > clock) &&
+        head_on_change(&shape, &law, &separation, &now, present, gap_rounding, by_positions, horizon,
+                       &next)) {
+        return next;
+    }
+    const bool simple = present == REGIME_APART && !has_ends;
+    const struct relative_path path =
+        relative_path_make(&shape, &separation, at->geometry[contact].gap, horizon);
+    if (simple && keeps_away(&path)) {
+        return first_touch_at((double)INFINITY);
+    }
+    const double axially = has_ends ? rounding_of_axial(v, at, contact, &shape) : 0.0;
+    if (contact_is_driven(v, contact)) {
+        const struct driven_rounding rounding = {by_positions, axially, speed_at_most(&separation, horizon)};
+        return driven_regime_change(&path, &shape, &law, &rounding, present);
+    }
+    const double found = (q->contact[contact].settled_clock - clock) / horizon;
+    /* Bodies that approach touch where g = 0; waiting for more than rounding would add penetration. */
+    const bool approaches = present == REGIME_APART && now.gap_rate < -rounding_of_rate(at, contact);
+    const double unclear = approaches ? 0.0 : gap_rounding;
+    const double settle = fmax(found, settling_time(&path, &shape, &law, &now, unclear, by_positions, axially,
+                                                    &separation, present, clock == 0.0));
+    double events[MAX_CANDIDATES];
+    if (ends_only) {
+        return first_change(&path, events, candidates_of_ends(&path, events, 0), &law, present, true, settle);
+    }
+    const struct extremes extremes = extremes_of(&path);
+    double touch;
+    if (simple && settle < 1.0 && first_touch(&path, &extremes, settle, &touch)) {
+        next = first_touch_at(touch * horizon);
+    } else {
+        const int count = candidates_of_all(&path, &extremes, &shape, &law, events);
+        next = first_change(&path, events, count, &law, present, false, settle);
+        const double rounding = fmax(by_positions, 8.0 * DBL_EPSILON * path.scale);
+        if (present == REGIME_APART && fabs(next.gap) <= rounding) {
+            next.gap = 0.0; /* they touch there; otherwise one has come in by an end */
+        }
+    }
+    next.passes_centre = passes_centre(&path, &extremes, next.after / horizon);
+    return next;
+}
+
+double regime_change_least_gap(const struct scene_values *v, const struct scene_state *q,
+                               const struct scene_instant *at, double clock, int contact, double until)
+{
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct separation_path separation = separation_path_of(v, q, at, clock, contact);
+    const struct relative_path path =
+        relative_path_make(&shape, &separation, at->geometry[contact].gap, until - clock);
+    return cuts_least_gap(&path);
+}
+
+#endif

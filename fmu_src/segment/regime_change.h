@@ -1,0 +1,43 @@
+/*
+ * When a contact's regime changes, in closed form.
+ *
+ * Without a contact force the separation is a polynomial c(t) of degree four or less (two for constant
+ * force), so the conditions "bodies touch" (|rho|^2 = reach^2), "passes a cylinder's end" (c.e_d = +-L/2),
+ * "gap rate changes sign" (rho.rho' = 0) and "law is zero" (p_n g + p_nv g' = 0, squared) are polynomials
+ * too. All their roots are isolated, so no change is missed however long the interval is. The same holds in
+ * every regime when no body is free.
+ *
+ * With a contact force between free bodies only the passage of an end is known in advance: the force is
+ * perpendicular to the axis. Where another contact acts on one of the bodies nothing is; the integrator then
+ * finds the change as a root.
+ */
+#ifndef CONTACT_SEGMENT_REGIME_CHANGE_H
+#define CONTACT_SEGMENT_REGIME_CHANGE_H
+
+#include "scene/evaluate.h"
+
+#if SCENE_ANY_FREE
+
+struct regime_change {
+    double after; /* seconds from the present; INFINITY when nothing changes within the horizon */
+    enum contact_regime regime; /* the regime from then on */
+    double gap;                 /* g then, as fine as it is known at present [m] */
+    bool passes_centre;         /* within the horizon d comes down to its own rounding */
+};
+
+/*
+ * The first change of the regime of `contact` within `horizon` seconds of the instant `at`, taken at `clock`.
+ * Exact to the rounding of the gap, which after contact is much less than that of positions. A change so soon
+ * that gap or end plane are still within rounding belongs to the transition just made, and is ignored.
+ */
+struct regime_change next_regime_change(const struct scene_values *v, const struct scene_state *q,
+                                        const struct scene_instant *at, double clock, int contact,
+                                        double horizon);
+
+/* The least gap between `clock`, the present, and `until` of a contact that transmits no force or whose
+ * motion is given [m]. */
+double regime_change_least_gap(const struct scene_values *v, const struct scene_state *q,
+                               const struct scene_instant *at, double clock, int contact, double until);
+
+#endif
+#endif

@@ -1,0 +1,64 @@
+#include "segment/settling.h"
+
+#if SCENE_ANY_FREE
+
+#include <float.h>
+
+/* Seconds in which a quantity moving with `speed` and half acceleration `bend` leaves the rounding `noise`
+ * around zero; 0 when it is not within it. On a shorter scale its sign means nothing. */
+static double leaving_time(double value, double noise, double speed, double bend)
+{
+    if (fabs(value) > noise) {
+        return 0.0;
+    }
+    const double soonest = fmin(noise / fabs(speed), sqrt(noise / fabs(bend)));
+    return isfinite(soonest) ? soonest : 0.0;
+}
+
+/* d/dt of p_n g + p_nv g' in flight: g changes with c', g' = side n.w with w and as n turns, by c' across n /
+ * d. */
+static double margin_slope(const struct contact_shape *shape, const struct contact_law *law,
+                           const struct contact_geometry *now, const struct separation_path *separation)
+{
+    const struct vec3 across = contact_tangential(shape, now->normal, separation->w[0]);
+    const struct vec3 moving = contact_tangential(shape, now->normal, separation->c[1]);
+    const double turning = now->degenerate ? 0.0 : vec3_dot(across, moving) / now->distance;
+    const double bend = shape->side * (vec3_dot(now->normal, separation->w[1]) + turning);
+    const double opening = shape->side * vec3_dot(now->normal, separation->c[1]);
+    return law->stiffness * opening + law->damping * bend;
+}
+
+double settling_margin_rounding(const struct contact_law *law, const struct contact_geometry *now,
+                                double gap_rounding, double by_positions,
+                                const struct separation_path *separation)
+{
+    const double turn = 8.0 * DBL_EPSILON + (now->degenerate ? 0.0 : by_positions / now->distance);
+    return law->stiffness * gap_rounding + fmin(turn, 1.0) * law->damping * vec3_norm(separation->w[0]);
+}
+
+double settling_time(const struct relative_path *path, const struct contact_shape *shape,
+                     const struct contact_law *law, const struct contact_geometry *now, double gap_rounding,
+                     double by_positions, double axially, const struct separation_path *separation,
+                     enum contact_regime present, bool just_begun)
+{
+    const double closing = vec3_dot(now->normal, separation->c[1]);
+    double settle = leaving_time(now->gap, gap_rounding, closing, vec3_norm(separation->c[2]));
+    if (relative_path_has_ends(shape)) {
+        const double beyond = fabs(now->axial) - shape->half_length;
+        settle = fmax(settle, leaving_time(beyond, axially, vec3_dot(separation->c[1], shape->axis),
+                                           vec3_dot(separation->c[2], shape->axis)));
+    }
+    if (present == REGIME_SEPARATING) {
+        const double margin = law->stiffness * now->gap + law->damping * now->gap_rate;
+        const double slope = margin_slope(shape, law, now, separation);
+        double noise = settling_margin_rounding(law, now, gap_rounding, by_positions, separation);
+        if (just_begun && margin < 0.0 && slope > 0.0) {
+            /* what the integrator left of the force that is now zero */
+            noise = fmax(noise, -2.0 * margin);
+        }
+        settle = fmax(settle, leaving_time(margin, noise, slope, 0.0));
+    }
+    return settle / path->horizon;
+}
+
+#endif

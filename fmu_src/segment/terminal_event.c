@@ -1,0 +1,138 @@
+#include "segment/terminal_event.h"
+
+#if SCENE_ANY_FREE
+
+#include <float.h>
+
+/* A regime ends only when the law's margin is negative by more than this part of the load, besides rounding:
+ * truncation errors do not change the regime of a contact at rest. */
+static const double HYSTERESIS = 1e-8;
+
+/* Separation slower than this part of the largest speed in the segment is not accepted at g = 0. Contact then
+ * lasts until the gap exceeds its rounding bound, or 1e-6 of the penetration where a stiff contact is
+ * compressed by less than rounding. Otherwise a ball that oscillates about g = 0 would bounce on rounding. */
+static const double CLEAR_SEPARATION = 1e-3;
+static const double GAP_HYSTERESIS = 1e-6;
+
+/* Lower bound of that gap [m]: below it products of the penetration underflow. */
+static const double DIED_AWAY = 1e-100;
+
+/* Approach-only dashpot: at rest, and where a load fades slowly, the gap rate touches zero in every
+ * oscillation. Switching the dashpot makes no difference while its force deforms the contact by less than the
+ * tolerance; this is the largest part of the load for which that is assumed. */
+static const double IDLE_DASHPOT = 1e-3;
+
+/* Under a load that falls slowly the full law lets the bodies separate at the load's pace, r0 at most.
+ * The dashpot's pull p_nv r0 then holds the contact deeper by p_nv r0 / p_n than the spring alone would.
+ * Left to the spring alone it oscillates about the falling load with speeds up to swing r0, where
+ * swing = p_nv / sqrt(p_n m_red), and approaches again at up to (swing - 1) r0.
+ * From critical damping on, swing >= 2, that is r0 or more.
+ * If it switched the full law on, a cycle without end would begin.
+ * So the spring alone lasts up to this many times swing r0. The error stays bounded:
+ * the force left out at that speed is the idle one, or more only where rounding asks for it. */
+static const double REBOUND = 2.0;
+static const double CRITICAL_SWING = 2.0;
+
+/* Of the gap or its rate. */
+static double largest_size(const struct segment *p, enum pair_quantity quantity)
+{
+    double largest = 0.0;
+    if (p->kind == SEGMENT_CLOSED_FORM &&
+        p->as.oscillation.omega_d > 0.0) { /* its samples are extrema of the gap, where the rate is zero */
+        const struct pair_oscillation *made = &p->as.oscillation;
+        return quantity == PAIR_GAP_RATE ? made->rate * made->amplitude
+                                         : fabs(made->equilibrium) + made->amplitude;
+    }
+    for (int i = 0; i < p->output.count; ++i) {
+        largest = fmax(largest, fabs(p->output.at[i].of[quantity][0]));
+    }
+    return largest;
+}
+
+double ending_gap_noise(const struct contact_pair *from)
+{
+    const double spring = sqrt(from->coefficients.k / from->reduced_mass);
+    const double dashpot = from->coefficients.c / from->reduced_mass;
+    return from->rate_rounding / fmax(spring, dashpot);
+}
+
+double terminal_event_gap_tolerance(const struct segment *p)
+{
+    const double noise = fmax(ending_gap_noise(&p->pair), DIED_AWAY);
+    return fmin(2.0 * p->gap_rounding, fmax(GAP_HYSTERESIS * largest_size(p, PAIR_GAP), noise));
+}
+
+bool terminal_event_by_law(const struct segment *p)
+{
+    return p->pair.law.damping > 0.0 && p->pair.law.dashpot != DASHPOT_UNCLAMPED;
+}
+
+/* The speed of approach at which the spring alone ends over the speed of separation r0 at which it begins. */
+static double rebound_of(const struct contact_pair *from)
+{
+    const double swing = from->law.damping / sqrt(from->law.stiffness * from->reduced_mass);
+    return from->law.stiffness > 0.0 && swing >= CRITICAL_SWING ? REBOUND * swing : 1.0;
+}
+
+struct event_function terminal_event_margin(const struct segment *p)
+{
+    const struct contact_law *law = &p->pair.law;
+    const double rate = p->pair.rate_rounding;
+    const double open =
+        HYSTERESIS * pair_load(&p->pair) + law->stiffness * 8.0 * DBL_EPSILON * largest_size(p, PAIR_GAP);
+    if (law->dashpot == DASHPOT_NON_ADHESIVE) {
+        return (struct event_function){PAIR_FORCE, 1.0, open + law->damping * rate};
+    }
+    const double load = pair_load(&p->pair);
+    const double idle = fmin(law->stiffness * p->tolerance, IDLE_DASHPOT * load);
+    const double rebound = rebound_of(&p->pair);
+    const double separating = fmax(open, idle / rebound) / law->damping + rate;
+    return p->regime == REGIME_RESTITUTION ? (struct event_function){PAIR_GAP_RATE, 1.0, rebound * separating}
+                                           : (struct event_function){PAIR_GAP_RATE, -1.0, separating};
+}
+
+static struct terminal_event parting(struct segment *p)
+{
+    struct terminal_event terminal = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
+    terminal.s = dense_output_first_event(&p->output, &terminal.function);
+    if (terminal.s < (double)INFINITY) {
+        const struct pair_sample *then = dense_output_at(&p->output, terminal.s);
+        const double clean = fmax(CLEAR_SEPARATION * largest_size(p, PAIR_GAP_RATE), p->pair.rate_rounding);
+        if (!(then->of[PAIR_GAP_RATE][0] > clean)) {
+            terminal.function.offset = terminal_event_gap_tolerance(p);
+            terminal.s = dense_output_first_event(&p->output, &terminal.function);
+        }
+    }
+    return terminal;
+}
+
+struct terminal_event terminal_event_first(struct segment *p)
+{
+    struct terminal_event first = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
+    if (p->event_free) {
+        return first;
+    }
+    first = parting(p);
+    if (terminal_event_by_law(p)) {
+        const struct event_function margin = terminal_event_margin(p);
+        const double s = dense_output_first_event(&p->output, &margin);
+        if (s < first.s) {
+            first = (struct terminal_event){s, margin, contact_regime_after(&p->pair.law, p->regime)};
+        }
+    }
+    return first;
+}
+
+void terminal_event_at_centre(struct segment *p)
+{
+    const double s = segment_meets_centre(p);
+    if (s <= p->end && s < p->terminal.s) {
+        /* Beyond the centre the gap rate has the opposite sign. */
+        const struct pair_sample *then = dense_output_at(&p->output, s);
+        const double gap = then->of[PAIR_GAP][0];
+        p->terminal.s = s;
+        p->terminal.regime = contact_regime_of(&p->pair.law, gap, -then->of[PAIR_GAP_RATE][0], true);
+    }
+}
+
+#endif

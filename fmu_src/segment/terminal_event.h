@@ -1,0 +1,29 @@
+/* The terminal event of a segment: which event function ends the regime, and with which hysteresis. The
+ * passage of the centre ends a segment too. */
+#ifndef CONTACT_SEGMENT_TERMINAL_EVENT_H
+#define CONTACT_SEGMENT_TERMINAL_EVENT_H
+
+#include "segment/segment.h"
+
+#if SCENE_ANY_FREE
+
+/* How far the rounding of g' moves the gap at most [m].
+ * Each segment takes g' anew from the velocities, rounded as they are. */
+double ending_gap_noise(const struct contact_pair *from);
+
+/* Gap up to which contact lasts where the separation is slow [m]. */
+double terminal_event_gap_tolerance(const struct segment *p);
+
+/* Whether the law can end the regime before the gap opens, and its event function (contact_regime_margin):
+ * the regime lasts while factor quantity + offset > 0. */
+bool terminal_event_by_law(const struct segment *p);
+struct event_function terminal_event_margin(const struct segment *p);
+
+struct terminal_event terminal_event_first(struct segment *p);
+
+/* Ends the segment at d = 0, if that is before p->terminal: n reverses there, whether or not the regime
+ * changes. */
+void terminal_event_at_centre(struct segment *p);
+
+#endif
+#endif

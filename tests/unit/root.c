@@ -1,0 +1,122 @@
+/* The root inside a bracket, of functions that mislead Newton's method: flat, steep, tiny roots, useless
+ * slopes. */
+#include "math/root.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "check.h"
+#include "random.h"
+
+/* One of the shapes below, through zero at `root`. */
+struct curve {
+    double root, sign, steepness;
+    int power;
+};
+
+static void line(const void *data, double s, double *value, double *slope)
+{
+    const struct curve *c = data;
+    *value = c->sign * c->steepness * (s - c->root);
+    *slope = c->sign * c->steepness;
+}
+
+/* Flat away from the root: a Newton step from there leaves the bracket. */
+static void arctangent(const void *data, double s, double *value, double *slope)
+{
+    const struct curve *c = data;
+    const double x = c->steepness * (s - c->root);
+    *value = c->sign * atan(x);
+    *slope = c->sign * c->steepness / (1.0 + x * x);
+}
+
+/* Steeper and steeper: Newton comes down from above by a small part of the way each time. */
+static void power(const void *data, double s, double *value, double *slope)
+{
+    const struct curve *c = data;
+    *value = c->sign * (pow(s, c->power) - pow(c->root, c->power));
+    *slope = c->sign * c->power * pow(s, c->power - 1);
+}
+
+/* Infinite slope at the root: Newton steps to the other side, twice as far. */
+static void square_root(const void *data, double s, double *value, double *slope)
+{
+    const struct curve *c = data;
+    const double x = s - c->root;
+    *value = c->sign * copysign(sqrt(fabs(x)), x);
+    *slope = c->sign * 0.5 / sqrt(fabs(x));
+}
+
+/* Slopes that are zero or not a number leave bisection. */
+static void without_slope(const void *data, double s, double *value, double *slope)
+{
+    line(data, s, value, slope);
+    *slope = s > 0.5 ? 0.0 : (double)NAN;
+}
+
+static struct curve random_curve(struct random *r, double root)
+{
+    return (struct curve){root, random_sign(r), random_power(r, -3.0, 9.0), 2 + random_index(r, 15)};
+}
+
+static void the_root_is_found_to_rounding_whatever_the_slope(void)
+{
+    root_function *const functions[] = {line, arctangent, square_root, without_slope};
+    struct random r = {51};
+    for (int i = 0; i < 20000; ++i) {
+        const double low = random_index(&r, 2) == 0 ? 0.0 : random_between(&r, 0.0, 0.3);
+        const double high = random_between(&r, 0.6, 1.0);
+        const struct curve curve = random_curve(&r, random_between(&r, low, high));
+        if (curve.root > low) {
+            const double got = root_in_bracket(functions[i % 4], &curve, low, high);
+            CHECK_CLOSE("root", got, curve.root, 2.0 * DBL_EPSILON * curve.root);
+        }
+    }
+}
+
+static void powers_are_solved_to_the_rounding_of_their_value(void)
+{
+    struct random r = {52};
+    for (int i = 0; i < 20000; ++i) {
+        const struct curve curve = random_curve(&r, random_between(&r, 0.05, 0.99));
+        /* One rounding of the value is 1 / power roundings of the root; pow itself adds about one. */
+        CHECK_CLOSE("root", root_in_bracket(power, &curve, 0.0, 1.0), curve.root,
+                    4.0 * DBL_EPSILON * curve.root);
+    }
+}
+
+static void tiny_roots_keep_their_relative_accuracy(void)
+{
+    root_function *const functions[] = {line, arctangent, square_root, without_slope};
+    struct random r = {53};
+    for (int i = 0; i < 2000; ++i) {
+        const struct curve curve = random_curve(&r, random_power(&r, -290.0, -3.0));
+        const double got = root_in_bracket(functions[i % 4], &curve, 0.0, 1.0);
+        CHECK_CLOSE("root / its value", got / curve.root, 1.0, 4.0 * DBL_EPSILON);
+    }
+    /* The power of a root near the smallest double. */
+    const struct curve sixteenth = {1e-18, 1.0, 1.0, 16};
+    CHECK_CLOSE("root", root_in_bracket(power, &sixteenth, 0.0, 1.0) / 1e-18, 1.0, 4.0 * DBL_EPSILON);
+}
+
+static void the_root_lies_inside_even_the_smallest_bracket(void)
+{
+    struct random r = {54};
+    for (int i = 0; i < 20000; ++i) {
+        const double low = random_power(&r, -300.0, 0.0);
+        const double high = low * (1.0 + DBL_EPSILON * (1.0 + random_index(&r, 5)));
+        const struct curve curve = random_curve(&r, nextafter(low, 2.0));
+        const double got = root_in_bracket(arctangent, &curve, low, high);
+        CHECK(got >= low && got <= high);
+        CHECK_CLOSE("root", got, curve.root, DBL_EPSILON * curve.root);
+    }
+}
+
+int main(void)
+{
+    CHECK_TEST(the_root_is_found_to_rounding_whatever_the_slope);
+    CHECK_TEST(powers_are_solved_to_the_rounding_of_their_value);
+    CHECK_TEST(tiny_roots_keep_their_relative_accuracy);
+    CHECK_TEST(the_root_lies_inside_even_the_smallest_bracket);
+    return check_summary("bracket");
+}
