@@ -1,7 +1,5 @@
 #include "integrator/cvode.h"
 
-#if SCENE_ANY_FREE
-
 #include <cvode/cvode.h>
 #include <float.h>
 
@@ -169,5 +167,3 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
         }
     }
 }
-
-#endif

@@ -5,8 +5,6 @@
 
 #include "integrator/phases.h"
 
-#if SCENE_ANY_FREE
-
 struct cvode;
 
 /* Makes, or makes anew when the method or the number of free bodies differs, the integrator's memory. On
@@ -19,5 +17,4 @@ void cvode_close(struct cvode **slot);
 enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v, struct scene_state *q,
                                   struct advance *step);
 
-#endif
 #endif

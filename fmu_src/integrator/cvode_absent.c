@@ -2,8 +2,6 @@
  * contacts. */
 #include "integrator/cvode.h"
 
-#if SCENE_ANY_FREE
-
 #include <stdio.h>
 
 bool cvode_open(struct cvode **slot, const struct scene_values *v, const struct integrator_memory *memory,
@@ -25,5 +23,3 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
     (void)c, (void)v, (void)q, (void)step;
     return ADVANCE_FAILED;
 }
-
-#endif

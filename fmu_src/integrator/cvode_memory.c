@@ -1,7 +1,5 @@
 #include "integrator/cvode_memory.h"
 
-#if SCENE_ANY_FREE
-
 #include <cvode/cvode.h>
 #include <stdio.h>
 #include <sundials/sundials_version.h>
@@ -151,5 +149,3 @@ void cvode_close(struct cvode **slot)
     c->release(c);
     *slot = NULL;
 }
-
-#endif

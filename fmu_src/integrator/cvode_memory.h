@@ -4,8 +4,6 @@
 
 #include "integrator/cvode.h"
 
-#if SCENE_ANY_FREE
-
 #include <sundials/sundials_linearsolver.h>
 #include <sundials/sundials_nonlinearsolver.h>
 
@@ -27,5 +25,4 @@ struct cvode {
     char *message;                     /* the solver's, INTEGRATOR_MESSAGE_SIZE bytes */
 };
 
-#endif
 #endif

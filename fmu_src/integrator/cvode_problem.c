@@ -1,7 +1,5 @@
 #include "integrator/cvode_problem.h"
 
-#if SCENE_ANY_FREE
-
 #include <sunmatrix/sunmatrix_dense.h>
 
 #include "contact/jacobian.h"
@@ -290,5 +288,3 @@ int cvode_weights(N_Vector y, N_Vector weights, void *problem)
     }
     return 0;
 }
-
-#endif

@@ -21,8 +21,6 @@
 
 #include "scene/transition.h"
 
-#if SCENE_ANY_FREE
-
 enum { CVODE_ROOTS_EACH = 4, CVODE_ROOTS = CVODE_ROOTS_EACH * SCENE_CONTACTS };
 
 struct cvode_problem {
@@ -51,5 +49,4 @@ int cvode_roots(double clock, N_Vector y, double *roots, void *problem);
  * not depend on the place; energies and impulses are compared with those of the free bodies. */
 int cvode_weights(N_Vector y, N_Vector weights, void *problem);
 
-#endif
 #endif

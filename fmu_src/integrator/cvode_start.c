@@ -1,7 +1,5 @@
 #include "integrator/cvode_start.h"
 
-#if SCENE_ANY_FREE
-
 #include <cvode/cvode.h>
 
 #include "integrator/cvode_memory.h"
@@ -123,5 +121,3 @@ bool cvode_start(struct cvode *c, const struct scene_values *v, struct scene_sta
     return CVodeReInit(c->memory, q->clock, c->y) == CV_SUCCESS &&
            CVodeSetMaxStep(c->memory, c->longest_step) == CV_SUCCESS;
 }
-
-#endif

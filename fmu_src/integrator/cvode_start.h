@@ -4,10 +4,7 @@
 
 #include "integrator/cvode.h"
 
-#if SCENE_ANY_FREE
-
 /* Starts from the motion; false where CVODE refuses. c->problem knows values and motion. */
 bool cvode_start(struct cvode *c, const struct scene_values *v, struct scene_state *q);
 
-#endif
 #endif

@@ -1,7 +1,5 @@
 #include "integrator/event_driven.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 
 #include "integrator/prescribed.h"
@@ -204,5 +202,3 @@ enum advance_result event_driven_advance(const struct scene_values *v, struct sc
     }
     return ADVANCE_REACHED;
 }
-
-#endif

@@ -4,8 +4,6 @@
 
 #include "integrator/phases.h"
 
-#if SCENE_ANY_FREE
-
 /*
  * Advances the contact pairs, and the kinematically driven contacts with them. ADVANCE_FAILED where contacts
  * share a free body; phases.c then lets CVODE take over and counts it.
@@ -13,5 +11,4 @@
 enum advance_result event_driven_advance(const struct scene_values *v, struct scene_state *q,
                                          struct advance *step);
 
-#endif
 #endif

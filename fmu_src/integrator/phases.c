@@ -1,7 +1,5 @@
 #include "integrator/phases.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 #include <stdio.h>
 
@@ -194,5 +192,3 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
         status == INTEGRATOR_DONE && !scene_is_force_element(v) ? flight_deferrable_until(v, q) : 0.0;
     return status;
 }
-
-#endif

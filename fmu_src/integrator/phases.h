@@ -16,8 +16,6 @@
 
 #include "scene/transition.h"
 
-#if SCENE_ANY_FREE
-
 enum integrator_status {
     INTEGRATOR_DONE,       /* arrived at the end time */
     INTEGRATOR_STEP_LIMIT, /* solver.max_internal_steps reached; q holds the time and state so far */
@@ -67,5 +65,4 @@ void integrator_close(struct integrator *s);
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
                                       struct scene_state *q, double end_time);
 
-#endif
 #endif

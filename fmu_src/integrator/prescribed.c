@@ -1,7 +1,5 @@
 #include "integrator/prescribed.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 
 #include "scene/energy.h"
@@ -262,5 +260,3 @@ enum advance_result prescribed_advance(const struct scene_values *v, struct scen
     q->clock = prescribed_integrate(v, q, step->clock_end, &step->budget);
     return q->clock < step->clock_end ? ADVANCE_STEP_LIMIT : ADVANCE_REACHED;
 }
-
-#endif

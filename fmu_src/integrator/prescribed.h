@@ -5,8 +5,6 @@
 
 #include "integrator/phases.h"
 
-#if SCENE_ANY_FREE
-
 /* Integrates such contacts over [q->clock, end], on which no regime changes, by adaptive Gauss-Legendre
  * quadrature to solver.relative_tolerance. Each panel takes one step of the budget, but does not count in
  * solver.steps. Returns the clock reached, before `end` where the budget ran out; does not change
@@ -17,5 +15,4 @@ double prescribed_integrate(const struct scene_values *v, struct scene_state *q,
 enum advance_result prescribed_advance(const struct scene_values *v, struct scene_state *q,
                                        struct advance *step);
 
-#endif
 #endif

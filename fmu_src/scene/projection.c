@@ -1,7 +1,5 @@
 #include "scene/projection.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 
 static bool path_rests(const struct vec3 *coefficients, int count)
@@ -136,5 +134,3 @@ void projection_restore_energy(const struct scene_values *v, struct scene_state 
         vec3_axpy(q->body[destination].velocity, j * body_inverse_mass(v, destination), n);
     q->contact[contact].impulse = vec3_axpy(q->contact[contact].impulse, -j, n);
 }
-
-#endif

@@ -19,8 +19,6 @@
 
 #include "scene/evaluate.h"
 
-#if SCENE_ANY_FREE
-
 /* That energy, with the potential of the displacement alone: its constant part would only cost digits [J]. Of
  * the present instant, in the regimes of q; zero where no contact keeps it. */
 double projection_balance(const struct scene_values *v, const struct scene_state *q,
@@ -36,5 +34,4 @@ void projection_close_gap(const struct scene_values *v, struct scene_state *q, i
 void projection_restore_energy(const struct scene_values *v, struct scene_state *q, int contact,
                                double tolerated);
 
-#endif
 #endif

@@ -1,7 +1,5 @@
 #include "scene/transition.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 
 #include "scene/energy.h"
@@ -158,5 +156,3 @@ void transition_note_peaks(struct scene_state *q, const struct scene_instant *at
         }
     }
 }
-
-#endif

@@ -5,8 +5,6 @@
 
 #include "scene/evaluate.h"
 
-#if SCENE_ANY_FREE
-
 /*
  * Puts a contact into a new regime at the present instant: counts an onset when bodies begin to overlap,
  * closes the duration when they cease to, and books a jump of the stored energy (a finite cylinder's end
@@ -32,5 +30,4 @@ void transition_end_step(const struct scene_values *v, struct scene_state *q);
 /* Takes the instant into account for the peaks of the communication step. */
 void transition_note_peaks(struct scene_state *q, const struct scene_instant *at);
 
-#endif
 #endif

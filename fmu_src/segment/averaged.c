@@ -1,7 +1,5 @@
 #include "segment/averaged.h"
 
-#if SCENE_ANY_FREE
-
 #include "math/root.h"
 #include "segment/terminal_event.h"
 
@@ -140,5 +138,3 @@ bool averaged_segment(struct segment *p, const struct pair_timescales *scales, d
     }
     return false;
 }
-
-#endif

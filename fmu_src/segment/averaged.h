@@ -4,8 +4,6 @@
 
 #include "segment/segment.h"
 
-#if SCENE_ANY_FREE
-
 /* False where the oscillation is too large. p->pair, regime, gap_rounding and tolerance are set. */
 bool averaged_segment(struct segment *p, const struct pair_timescales *scales, double longest);
 
@@ -14,5 +12,4 @@ bool averaged_segment(struct segment *p, const struct pair_timescales *scales, d
  * (a/d)^2 in n', which acts over `radians` of the tangential motion, 3 a^2 radians / d [m]. */
 double averaged_error(double a, double ratio, double distance, double radians);
 
-#endif
 #endif

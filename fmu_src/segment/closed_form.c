@@ -1,7 +1,5 @@
 #include "segment/closed_form.h"
 
-#if SCENE_ANY_FREE
-
 #include "math/pi.h"
 #include "segment/terminal_event.h"
 
@@ -74,5 +72,3 @@ bool closed_form_make(struct segment *p, double longest)
     p->end = p->event_free ? end : p->output.s[p->output.count - 1];
     return true;
 }
-
-#endif

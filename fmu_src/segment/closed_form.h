@@ -4,11 +4,8 @@
 
 #include "segment/segment.h"
 
-#if SCENE_ANY_FREE
-
 /* Over all of `longest` [s] where no event follows; else over a period of the oscillation at most, or over
  * the decay. False where the motion is not head-on. p->pair, regime, gap_rounding and tolerance are set. */
 bool closed_form_make(struct segment *p, double longest);
 
-#endif
 #endif

@@ -1,7 +1,5 @@
 #include "segment/contact_pair.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 #include <string.h>
 
@@ -160,5 +158,3 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change, 
     state->impulse = vec3_axpy(state->impulse, -p->reduced_mass, change->r_rate);
     state->accumulated_gap = change->gap;
 }
-
-#endif

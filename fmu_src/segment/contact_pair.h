@@ -12,8 +12,6 @@
 
 #include "segment/relative_path.h"
 
-#if SCENE_ANY_FREE
-
 enum { PAIR_BODIES = 2 }; /* source, destination */
 
 /* External work on one body that is due to r: factor times the integral of path(t).d^order r/dt^order dt.
@@ -86,5 +84,4 @@ double press_rate_rounding(const struct contact_pair *p, const struct pair_chang
 void pair_apply(const struct contact_pair *p, const struct pair_change *change, const struct scene_values *v,
                 struct scene_state *q, int contact);
 
-#endif
 #endif

@@ -1,7 +1,5 @@
 #include "segment/dense_output.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 
 #include "math/root.h"
@@ -227,5 +225,3 @@ double dense_output_largest(const struct dense_output *w, const struct event_fun
     }
     return largest;
 }
-
-#endif

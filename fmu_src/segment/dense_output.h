@@ -4,8 +4,6 @@
 
 #include "segment/contact_pair.h"
 
-#if SCENE_ANY_FREE
-
 typedef void dense_output_sampler(const void *segment, double s, struct pair_sample *sample);
 
 enum { DENSE_OUTPUT_POINTS = 24 };
@@ -45,5 +43,4 @@ double dense_output_first_event(const struct dense_output *w, const struct event
 double dense_output_largest(const struct dense_output *w, const struct event_function *what, double end,
                             const struct pair_sample *then);
 
-#endif
 #endif

@@ -1,7 +1,5 @@
 #include "segment/driven_change.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 
 /* Roundings of a sum of products of vectors, as g and g' are: as many as rounding_of_gap grants. */
@@ -126,5 +124,3 @@ struct driven_change driven_first_change(const struct relative_path *path, const
     }
     return (struct driven_change){(double)INFINITY, present, 0.0};
 }
-
-#endif

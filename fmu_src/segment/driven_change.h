@@ -11,8 +11,6 @@
 
 #include "segment/relative_path.h"
 
-#if SCENE_ANY_FREE
-
 /* Of the positions that the path starts from, and the speed at which they change. */
 struct driven_rounding {
     double gap;   /* what rounding makes of the gap [m] */
@@ -31,5 +29,4 @@ struct driven_change driven_first_change(const struct relative_path *path, const
                                          const struct driven_rounding *rounding, const double *events,
                                          int count, enum contact_regime present);
 
-#endif
 #endif

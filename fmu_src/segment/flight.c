@@ -1,7 +1,5 @@
 #include "segment/flight.h"
 
-#if SCENE_ANY_FREE
-
 #include <string.h>
 
 #include "scene/energy.h"
@@ -196,5 +194,3 @@ void flight_restore(const struct scene_values *v, struct scene_state *q)
         }
     }
 }
-
-#endif

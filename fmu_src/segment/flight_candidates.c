@@ -1,7 +1,5 @@
 #include "segment/flight_candidates.h"
 
-#if SCENE_ANY_FREE
-
 /* k (d - reach) + c d' = 0, times d, with the root squared: (k d^2 + c d d')^2 = k^2 reach^2 d^2. */
 static struct polynomial law_condition(const struct relative_path *path, const struct contact_law *law)
 {
@@ -119,5 +117,3 @@ int candidates_of_all(const struct relative_path *path, const struct extremes *e
     }
     return count;
 }
-
-#endif

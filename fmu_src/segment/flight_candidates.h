@@ -5,8 +5,6 @@
 #include "math/root.h"
 #include "segment/relative_path.h"
 
-#if SCENE_ANY_FREE
-
 /* Touching, two ends, gap rate, law twice: at most so many roots together. */
 enum { MAX_CANDIDATES = 6 * POLYNOMIAL_MAX_DEGREE };
 
@@ -32,5 +30,4 @@ int candidates_of_ends(const struct relative_path *path, double *candidates, int
 int candidates_of_all(const struct relative_path *path, const struct extremes *extremes,
                       const struct contact_shape *shape, const struct contact_law *law, double *candidates);
 
-#endif
 #endif

@@ -1,7 +1,5 @@
 #include "segment/flight_head_on.h"
 
-#if SCENE_ANY_FREE
-
 /* Part of the terms of the discriminant below which the parabola may only touch zero, and its root has less
  * than half of its digits. */
 static const double LEAST_DISCRIMINANT = 1e-8;
@@ -127,5 +125,3 @@ bool flight_head_on_regime_end(const struct contact_shape *shape, const struct c
         opening <= recompression ? 0.0 : gap.value + recompression * (gap.rate + recompression * gap.bend);
     return true;
 }
-
-#endif

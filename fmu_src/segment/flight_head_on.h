@@ -7,8 +7,6 @@
 
 #include "segment/relative_path.h"
 
-#if SCENE_ANY_FREE
-
 /* Whether the separation, without a cylinder's axial part, moves so. Exactly so, not nearly: any other motion
  * leaves the normal. */
 bool flight_is_head_on(const struct contact_shape *shape, const struct separation_path *separation,
@@ -34,5 +32,4 @@ bool flight_head_on_regime_end(const struct contact_shape *shape, const struct c
                                const struct separation_path *separation, const struct contact_geometry *now,
                                double rounding, double margin_rounding, struct flight_regime_end *end);
 
-#endif
 #endif

@@ -1,7 +1,5 @@
 #include "segment/pair_collocation.h"
 
-#if SCENE_ANY_FREE
-
 /* A: second derivative of C. E = W - C'. Both across a cylinder's axis. */
 static void set_paths(const struct contact_pair *p, struct collocation_problem *problem)
 {
@@ -254,5 +252,3 @@ struct pair_change pair_collocation_change(const struct pair_collocation *p, dou
     }
     return change;
 }
-
-#endif

@@ -6,8 +6,6 @@
 #include "segment/collocation.h"
 #include "segment/contact_pair.h"
 
-#if SCENE_ANY_FREE
-
 /* Rates and sizes of the motion at the start of a step. */
 struct pair_timescales {
     struct collocation_problem problem;
@@ -70,5 +68,4 @@ struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, en
 
 struct pair_change pair_collocation_change(const struct pair_collocation *p, double s);
 
-#endif
 #endif

@@ -1,7 +1,5 @@
 #include "segment/pair_oscillation.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 
 #include "math/pi.h"
@@ -272,5 +270,3 @@ struct pair_change pair_oscillation_change(const struct pair_oscillation *p, dou
     }
     return change;
 }
-
-#endif

@@ -15,8 +15,6 @@
 #include "math/overdamped.h"
 #include "segment/contact_pair.h"
 
-#if SCENE_ANY_FREE
-
 struct pair_oscillation {
     const struct contact_pair *from;
     double rate;                  /* sqrt(p_n / m_red), or p_nv / m_red [1/s] */
@@ -59,5 +57,4 @@ void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair
 
 struct pair_change pair_oscillation_change(const struct pair_oscillation *p, double s);
 
-#endif
 #endif

@@ -1,7 +1,5 @@
 #include "segment/pair_taylor.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 
 /* Everything that the recurrence needs besides the results. */
@@ -190,5 +188,3 @@ struct pair_change pair_taylor_change(const struct pair_taylor *p, double s)
         .dissipated = dissipated(p, s),
         .work = {work_along_series(p, &p->from->work[0], s), work_along_series(p, &p->from->work[1], s)}};
 }
-
-#endif

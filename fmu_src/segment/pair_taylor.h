@@ -12,8 +12,6 @@
 #include "math/taylor.h"
 #include "segment/contact_pair.h"
 
-#if SCENE_ANY_FREE
-
 struct pair_taylor {
     const struct contact_pair *from;
     struct taylor_vec3 r;       /* deviation of the separation from flight [m] */
@@ -30,5 +28,4 @@ void pair_taylor_sample(const void *pair_taylor, double s, struct pair_sample *s
 
 struct pair_change pair_taylor_change(const struct pair_taylor *p, double s);
 
-#endif
 #endif

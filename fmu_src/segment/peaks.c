@@ -1,7 +1,5 @@
 #include "segment/peaks.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 
 #include "math/pi.h"
@@ -217,5 +215,3 @@ void peaks_note(struct segment *p, struct contact_state *state, double end)
     state->peak_force = fmax(state->peak_force, peaks.strongest);
     state->peak_penetration = fmax(state->peak_penetration, peaks.deepest);
 }
-
-#endif

@@ -4,10 +4,7 @@
 
 #include "segment/segment.h"
 
-#if SCENE_ANY_FREE
-
 /* Takes the segment up to `end` into account for the peaks of the communication step. */
 void peaks_note(struct segment *p, struct contact_state *state, double end);
 
-#endif
 #endif

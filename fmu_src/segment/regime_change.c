@@ -1,7 +1,5 @@
 #include "segment/regime_change.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 
 #include "math/root.h"
@@ -261,5 +259,3 @@ double regime_change_least_gap(const struct scene_values *v, const struct scene_
         relative_path_make(&shape, &separation, at->geometry[contact].gap, until - clock);
     return cuts_least_gap(&path);
 }
-
-#endif

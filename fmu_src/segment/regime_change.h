@@ -16,8 +16,6 @@
 
 #include "scene/evaluate.h"
 
-#if SCENE_ANY_FREE
-
 struct regime_change {
     double after; /* seconds from the present; INFINITY when nothing changes within the horizon */
     enum contact_regime regime; /* the regime from then on */
@@ -39,5 +37,4 @@ struct regime_change next_regime_change(const struct scene_values *v, const stru
 double regime_change_least_gap(const struct scene_values *v, const struct scene_state *q,
                                const struct scene_instant *at, double clock, int contact, double until);
 
-#endif
 #endif

@@ -1,7 +1,5 @@
 #include "segment/relative_path.h"
 
-#if SCENE_ANY_FREE
-
 #include "segment/flight.h"
 
 static void add_free(const struct scene_values *v, const struct scene_state *q,
@@ -155,5 +153,3 @@ bool relative_path_within(const struct relative_path *path, double s)
     return !SCENE_ANY_CYLINDER || !path->has_ends ||
            fabs(polynomial_at(&path->axial, s)) <= path->half_length;
 }
-
-#endif

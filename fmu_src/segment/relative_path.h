@@ -8,8 +8,6 @@
 #include "math/polynomial.h"
 #include "scene/evaluate.h"
 
-#if SCENE_ANY_FREE
-
 /* Constant, linear or quadratic force and prescribed velocity: displacements of degree four at most. */
 enum { SEPARATION_DEGREE = 4 };
 
@@ -63,5 +61,4 @@ void relative_path_gap(const void *data, double s, double *gap, double *slope);
 /* Whether the source is between the end planes. */
 bool relative_path_within(const struct relative_path *path, double s);
 
-#endif
 #endif

@@ -1,7 +1,5 @@
 #include "segment/resolved.h"
 
-#if SCENE_ANY_FREE
-
 #include "segment/terminal_event.h"
 
 /* Places at which the first guess of a step of SEGMENT_RESOLVED is looked at: no quantity has two extrema in
@@ -103,5 +101,3 @@ bool resolved_segment(struct segment *p, const struct pair_timescales *scales, d
            (segment_controlled(p, scales, step, COLLOCATION_RESOLVED) ||
             segment_controlled(p, scales, SEGMENT_SHORTEST / rate, COLLOCATION_RESOLVED));
 }
-
-#endif

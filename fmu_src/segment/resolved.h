@@ -4,11 +4,8 @@
 
 #include "segment/segment.h"
 
-#if SCENE_ANY_FREE
-
 /* Below critical damping; up to the end of contact where that is near. p->pair, regime, gap_rounding and
  * tolerance are set. */
 bool resolved_segment(struct segment *p, const struct pair_timescales *scales, double longest);
 
-#endif
 #endif

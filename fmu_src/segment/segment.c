@@ -1,7 +1,5 @@
 #include "segment/segment.h"
 
-#if SCENE_ANY_FREE
-
 #include "scene/rounding.h"
 #include "segment/averaged.h"
 #include "segment/closed_form.h"
@@ -223,5 +221,3 @@ struct pair_change segment_change(const struct segment *p, double s)
         return pair_taylor_change(&p->as.taylor, s);
     }
 }
-
-#endif

@@ -15,8 +15,6 @@
 #include "segment/pair_oscillation.h"
 #include "segment/pair_taylor.h"
 
-#if SCENE_ANY_FREE
-
 enum segment_kind { SEGMENT_CLOSED_FORM, SEGMENT_COLLOCATED, SEGMENT_TAYLOR };
 
 /* The event that ends the regime: at s (INFINITY: not within the segment), where `function` falls through
@@ -77,5 +75,4 @@ double segment_meets_centre(const struct segment *p);
 
 struct pair_change segment_change(const struct segment *p, double s);
 
-#endif
 #endif

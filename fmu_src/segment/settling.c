@@ -1,7 +1,5 @@
 #include "segment/settling.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 
 /* Seconds in which a quantity moving with `speed` and half acceleration `bend` leaves the rounding `noise`
@@ -60,5 +58,3 @@ double settling_time(const struct relative_path *path, const struct contact_shap
     }
     return settle / path->horizon;
 }
-
-#endif

@@ -4,8 +4,6 @@
 
 #include "segment/relative_path.h"
 
-#if SCENE_ANY_FREE
-
 /* Rounding of p_n g + p_nv g'. Of the rate: what it makes of n, from positions, and of n.w. */
 double settling_margin_rounding(const struct contact_law *law, const struct contact_geometry *now,
                                 double gap_rounding, double by_positions,
@@ -20,5 +18,4 @@ double settling_time(const struct relative_path *path, const struct contact_shap
                      double by_positions, double axially, const struct separation_path *separation,
                      enum contact_regime present, bool just_begun);
 
-#endif
 #endif

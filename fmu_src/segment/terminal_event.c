@@ -1,7 +1,5 @@
 #include "segment/terminal_event.h"
 
-#if SCENE_ANY_FREE
-
 #include <float.h>
 
 /* A regime ends only when the law's margin is negative by more than this part of the load, besides rounding:
@@ -134,5 +132,3 @@ void terminal_event_at_centre(struct segment *p)
         p->terminal.regime = contact_regime_of(&p->pair.law, gap, -then->of[PAIR_GAP_RATE][0], true);
     }
 }
-
-#endif

@@ -5,8 +5,6 @@
 
 #include "segment/segment.h"
 
-#if SCENE_ANY_FREE
-
 /* How far the rounding of g' moves the gap at most [m].
  * Each segment takes g' anew from the velocities, rounded as they are. */
 double ending_gap_noise(const struct contact_pair *from);
@@ -25,5 +23,4 @@ struct terminal_event terminal_event_first(struct segment *p);
  * changes. */
 void terminal_event_at_centre(struct segment *p);
 
-#endif
 #endif
