@@ -187,5 +187,5 @@ int main(void)
     CHECK_TEST(a_saved_deferred_flight_goes_on_with_the_same_bits);
     CHECK_TEST(a_refused_step_leaves_a_deferred_flight_where_it_is);
     CHECK_TEST(the_last_direction_is_that_of_the_step_before_the_axis);
-    return check_summary("glide");
+    return check_summary("deferred_flight");
 }

@@ -114,5 +114,5 @@ int main(void)
     CHECK_TEST(a_small_body_is_met_from_a_thousand_kilometres);
     CHECK_TEST(a_finite_cylinder_is_entered_and_left_at_its_ends);
     CHECK_TEST(a_separating_contact_is_compressed_again_where_the_law_is_zero);
-    return check_summary("encounter");
+    return check_summary("regime_change");
 }

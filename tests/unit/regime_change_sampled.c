@@ -165,5 +165,5 @@ static void no_change_is_missed_and_none_is_invented(void)
 int main(void)
 {
     CHECK_TEST(no_change_is_missed_and_none_is_invented);
-    return check_summary("encounter_sampled");
+    return check_summary("regime_change_sampled");
 }
