@@ -4,7 +4,7 @@
 
 #include "integrator/prescribed.h"
 #include "segment/flight.h"
-#include "segment/peaks.h"
+#include "segment/segment.h"
 
 /* The error allowed in a segment [m]: a thousandth of the tolerances, because impacts amplify errors. Near
  * the centre it is cut in proportion to d, because an error e across n turns n by e / d. It is never below
@@ -120,16 +120,6 @@ static void book_flights(const struct scene_values *v, struct scene_state *q, do
     }
 }
 
-static void carry_rate(struct segment *p, double s, const struct pair_change *change,
-                       const struct scene_values *v, struct scene_state *q, int contact)
-{
-    struct contact_state *state = &q->contact[contact];
-    state->rate_rounding = press_rate_rounding(&p->pair, change, v, q, contact);
-    if (state->rate_rounding > 0.0) {
-        state->carried_rate = dense_output_at(&p->output, s)->of[PAIR_GAP_RATE][0];
-    }
-}
-
 static void synchronized_step_apply(struct synchronized_step *all, const struct scene_values *v,
                                     struct scene_state *q)
 {
@@ -138,10 +128,7 @@ static void synchronized_step_apply(struct synchronized_step *all, const struct 
             struct segment *p = &all->segment[j];
             const double s =
                 j == all->terminal || all->time < p->end * p->unit ? all->time / p->unit : p->end;
-            const struct pair_change change = segment_change(p, s);
-            peaks_note(p, &q->contact[j], s);
-            pair_apply(&p->pair, &change, v, q, j);
-            carry_rate(p, s, &change, v, q, j);
+            segment_advance(p, s, v, q, j);
             counter_add(&q->counters.steps, 1);
             counter_add(&q->counters.force_evaluations, 1);
         }

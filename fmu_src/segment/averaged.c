@@ -1,6 +1,5 @@
-#include "segment/averaged.h"
-
 #include "math/root.h"
+#include "segment/kinds.h"
 #include "segment/terminal_event.h"
 
 /* Longest averaged step [radians of the tangential motion]: twelve nodes then have full accuracy, with about
@@ -81,36 +80,43 @@ static enum lobatto_size nodes_for(double radians)
     return radians <= EIGHT_NODES ? LOBATTO_EIGHT : LOBATTO_TWELVE;
 }
 
-/* Whether a step may leave out what it does of the oscillation. */
-static bool may_span(const struct segment *p, const struct pair_timescales *scales, double step)
+/* Whether a step is accurate although the oscillation enters n and H to first order only. */
+static bool averaged_is_accurate(const struct segment *p, double step)
 {
-    const double tangential_rate = press_turning_within(scales, step);
+    const struct pair_timescales *scales = &p->scales;
+    const double tangential_rate = pair_tangential_rate_within(scales, step);
     const double slower = scales->rates.slower;
     const double left_out = averaged_error(scales->oscillation, tangential_rate / slower,
                                            scales->problem.reach, tangential_rate * step);
     return slower >= SEPARATION_OF_RATES * tangential_rate && left_out <= p->tolerance;
 }
 
-/* The longest step to try; too short: none. A shorter one helps only where the pull grows. */
-static double spanning_step(const struct segment *p, const struct pair_timescales *scales, double longest)
+/* The longest step to try [s]; 0: none. A shorter one helps only where the relative acceleration grows. */
+static double longest_step(const struct segment *p)
 {
-    double step = press_step_within(scales, longest, LONG_STEP);
-    while (step * scales->rates.slower >= SEGMENT_SHORTEST && !may_span(p, scales, step)) {
-        step *= press_turning_within(scales, step) > scales->tangential_rate ? 0.5 : 0.0;
+    const struct pair_timescales *scales = &p->scales;
+    double step = pair_step_within(scales, p->longest, LONG_STEP);
+    while (step * scales->rates.slower >= COLLOCATED_SHORTEST && !averaged_is_accurate(p, step)) {
+        step *= pair_tangential_rate_within(scales, step) > scales->tangential_rate ? 0.5 : 0.0;
     }
     return step;
 }
 
-bool averaged_segment(struct segment *p, const struct pair_timescales *scales, double longest)
+bool averaged_applies(const struct segment *p)
 {
+    const struct pair_timescales *scales = &p->scales;
+    /* Where the load has faded, so may have the oscillation, to less than rounding. */
+    return collocated_applies(p) && scales->rates.slower >= SEPARATION_OF_RATES * scales->tangential_rate &&
+           scales->oscillation < fmax(scales->equilibrium_depth, terminal_event_gap_noise(&p->pair));
+}
+
+bool averaged_make(struct segment *p)
+{
+    const struct pair_timescales *scales = &p->scales;
     const double d = scales->problem.reach;
-    /* What the load presses in by may have died away to less than rounding: so has the oscillation then. */
-    if (!(scales->oscillation < fmax(scales->equilibrium_depth, ending_gap_noise(&p->pair)))) {
-        return false;
-    }
-    double step = spanning_step(p, scales, longest);
+    double step = longest_step(p);
     enum lobatto_size size = LOBATTO_FOUR;
-    for (int i = 0; i < AVERAGED_ATTEMPTS && step * scales->rates.slower >= SEGMENT_SHORTEST; ++i) {
+    for (int i = 0; i < AVERAGED_ATTEMPTS && step * scales->rates.slower >= COLLOCATED_SHORTEST; ++i) {
         struct pair_collocation *made = &p->as.collocation;
         const enum lobatto_size enough = nodes_for(scales->tangential_rate * step);
         size = enough > size ? enough : size;
@@ -128,13 +134,14 @@ bool averaged_segment(struct segment *p, const struct pair_timescales *scales, d
             size += size == LOBATTO_TWELVE ? 0 : 1;
             continue;
         }
-        segment_collocated(p);
+        collocated_sample(p);
         const double until = event_free_until(p);
-        if (until >= 2.0) {
+        p->event_free = until >= 2.0;
+        if (p->event_free) {
             return true;
         }
         /* End before it by some periods of the oscillation. */
-        step = until * made->step.half - 2.0 * SEGMENT_RESOLVED / scales->rates.slower;
+        step = until * made->step.half - 2.0 * RESOLVED_LENGTH / scales->rates.slower;
     }
     return false;
 }

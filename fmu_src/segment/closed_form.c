@@ -1,6 +1,5 @@
-#include "segment/closed_form.h"
-
 #include "math/pi.h"
+#include "segment/kinds.h"
 #include "segment/terminal_event.h"
 
 /* Samples at the extrema of gap, rate and force, of which each has one at most. */
@@ -46,24 +45,29 @@ static bool is_event_free(const struct segment *p)
            pair_oscillation_stays_above(made, margin.quantity, margin.factor, margin.offset);
 }
 
-bool closed_form_make(struct segment *p, double longest)
+bool closed_form_applies(const struct segment *p)
+{
+    return pair_oscillation_applies(&p->pair);
+}
+
+bool closed_form_make(struct segment *p)
 {
     struct pair_oscillation *made = &p->as.oscillation;
     if (!pair_oscillation_make(made, &p->pair)) {
         return false;
     }
-    p->kind = SEGMENT_CLOSED_FORM;
+    p->clear_of_centre = true;
     p->unit = 1.0 / made->rate;
-    double end = longest / p->unit;
-    if (end * p->unit < longest) {
+    double end = p->longest / p->unit;
+    if (end * p->unit < p->longest) {
         end = nextafter(end, (double)INFINITY);
     }
     p->end = fmin(end, pair_oscillation_longest(made, p->gap_rounding));
-    p->output.sampler = pair_oscillation_sample;
-    p->output.segment = made;
-    p->output.count = 0;
     dense_output_add(&p->output, 0.0);
     if (made->omega_d > 0.0) {
+        /* the samples are extrema of the gap, where the rate is zero */
+        p->largest_gap = fabs(made->equilibrium) + made->amplitude;
+        p->largest_rate = made->rate * made->amplitude;
         add_extrema_of_oscillation(p);
     } else {
         add_extrema_of_decay(p);

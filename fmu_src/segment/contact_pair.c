@@ -90,7 +90,7 @@ struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across)
     return vec3_axpy(across, -vec3_dot(p->normal, across), p->normal);
 }
 
-double press_closing(const struct contact_pair *p)
+double pair_gap_derivative(const struct contact_pair *p)
 {
     if (isnan(p->carried_rate)) {
         return p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.c[1]));
@@ -111,8 +111,8 @@ double pair_load(const struct contact_pair *p)
  * know. */
 static const double COARSE = 1e-6;
 
-double press_rate_rounding(const struct contact_pair *p, const struct pair_change *change,
-                           const struct scene_values *v, const struct scene_state *q, int contact)
+double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
+                                const struct scene_values *v, const struct scene_state *q, int contact)
 {
     const struct vec3 source = scene_body_now(v, q, contact_source(contact)).velocity;
     const struct vec3 destination = scene_body_now(v, q, contact_destination(contact)).velocity;

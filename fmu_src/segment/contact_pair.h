@@ -63,7 +63,7 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
                const struct scene_instant *at, int contact);
 
 /* dg/dt at the start, which is not g' where bodies are led otherwise than they move [m/s] */
-double press_closing(const struct contact_pair *p);
+double pair_gap_derivative(const struct contact_pair *p);
 
 /* The force that would keep the bodies at their present distance, |m_red (|w_t|^2 / d + n.A)| [N]. Near the
  * centre half the reach stands for d, since the bodies only pass there. */
@@ -77,8 +77,8 @@ struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
 
 /* How little the velocities after the change tell of g', by rounding [m/s]: 0 where that is enough, for it
  * makes no force worth mentioning. */
-double press_rate_rounding(const struct contact_pair *p, const struct pair_change *change,
-                           const struct scene_values *v, const struct scene_state *q, int contact);
+double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
+                                const struct scene_values *v, const struct scene_state *q, int contact);
 
 /* Moves the bodies, books impulse, dissipated energy and external work; the clock is the caller's. */
 void pair_apply(const struct contact_pair *p, const struct pair_change *change, const struct scene_values *v,

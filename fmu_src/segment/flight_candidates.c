@@ -61,7 +61,7 @@ struct root_bracket_end flight_gap_bracket_end(const struct relative_path *path,
     return end;
 }
 
-double cuts_least_gap(const struct relative_path *path)
+double candidates_least_gap(const struct relative_path *path)
 {
     const struct extremes extremes = extremes_of(path);
     double least = fmin(path->gap, flight_gap_bracket_end(path, 1.0).value);

@@ -17,7 +17,7 @@ struct extremes {
 struct extremes extremes_of(const struct relative_path *path);
 
 /* The least gap from now to the end of the path [m]. */
-double cuts_least_gap(const struct relative_path *path);
+double candidates_least_gap(const struct relative_path *path);
 
 /* The gap and its slope at s. */
 struct root_bracket_end flight_gap_bracket_end(const struct relative_path *path, double s);

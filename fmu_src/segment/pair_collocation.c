@@ -26,7 +26,7 @@ struct pair_timescales pair_timescales_of(const struct contact_pair *p)
     set_paths(p, problem);
     const double d = problem->reach + problem->deviation;
     const struct vec3 along = pair_tangential(p, problem->rate);
-    const double radial = p->shape.side * press_closing(p);
+    const double radial = p->shape.side * pair_gap_derivative(p);
     problem->radial = radial;
     const double load = vec3_dot(along, along) / d + vec3_dot(p->normal, problem->acceleration[0]) -
                         problem->damping_rate * vec3_dot(p->normal, problem->mismatch[0]);
@@ -53,7 +53,7 @@ static double largest_pull(const struct vec3 acceleration[COLLOCATION_ACCELERATI
     return largest;
 }
 
-double press_turning_within(const struct pair_timescales *scales, double step)
+double pair_tangential_rate_within(const struct pair_timescales *scales, double step)
 {
     const struct vec3 *acceleration = scales->problem.acceleration;
     if (vec3_is_zero(acceleration[1]) && vec3_is_zero(acceleration[2])) {
@@ -69,11 +69,11 @@ static const double RADIANS_MORE = 1.1;
  * eight. */
 enum { STEP_TRIALS = 12 };
 
-double press_step_within(const struct pair_timescales *scales, double longest, double radians)
+double pair_step_within(const struct pair_timescales *scales, double longest, double radians)
 {
     double step = fmin(longest, radians / scales->tangential_rate);
     for (int i = 0; i < STEP_TRIALS; ++i) {
-        const double tangential_rate = press_turning_within(scales, step);
+        const double tangential_rate = pair_tangential_rate_within(scales, step);
         if (step * tangential_rate <= RADIANS_MORE * radians) {
             break;
         }
@@ -229,8 +229,9 @@ static double work_by_parts(const struct pair_collocation *p, const struct pair_
     return boundary + sign * (collocation_moment(&p->step, weight, s) - flown);
 }
 
-struct pair_change pair_collocation_change(const struct pair_collocation *p, double s)
+struct pair_change pair_collocation_change(const void *pair_collocation, double s)
 {
+    const struct pair_collocation *p = pair_collocation;
     const struct contact_pair *from = p->from;
     const struct collocation_change step = collocation_change_at(&p->step, s);
     struct pair_change change = {.time = p->step.half * s, .r = step.moved, .r_rate = step.gained};

@@ -24,10 +24,10 @@ struct pair_timescales pair_timescales_of(const struct contact_pair *p);
 /* The largest `tangential_rate` within a step of so many seconds: a pull that grows with time, perhaps from
  * nothing, makes it faster than it is at the start. Equal to `tangential_rate` where the pull is constant or
  * fades. */
-double press_turning_within(const struct pair_timescales *scales, double step);
+double pair_tangential_rate_within(const struct pair_timescales *scales, double step);
 
 /* The longest step, up to `longest`, in which the motion along the contact turns by about `radians`. */
-double press_step_within(const struct pair_timescales *scales, double longest, double radians);
+double pair_step_within(const struct pair_timescales *scales, double longest, double radians);
 
 struct pair_collocation {
     const struct contact_pair *from;
@@ -66,6 +66,6 @@ void pair_lower_bound_from(const struct pair_lower_bound *bound, const struct os
 /* What the oscillation alone brings to a quantity. */
 struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, enum pair_quantity quantity);
 
-struct pair_change pair_collocation_change(const struct pair_collocation *p, double s);
+struct pair_change pair_collocation_change(const void *pair_collocation, double s);
 
 #endif

@@ -23,7 +23,7 @@ static bool is_constant(const struct pair_work *work)
     return work->order == 0 || (vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
 }
 
-static bool is_steady_head_on(const struct contact_pair *from)
+bool pair_oscillation_applies(const struct contact_pair *from)
 {
     return is_constant(&from->work[0]) && is_constant(&from->work[1]) &&
            flight_is_head_on(&from->shape, &from->flight, from->normal);
@@ -72,12 +72,12 @@ bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair
     const bool has_spring = from->coefficients.k > 0.0;
     p->rate = has_spring ? sqrt(from->coefficients.k / from->reduced_mass)
                          : from->coefficients.c / from->reduced_mass;
-    if (!(p->rate > 0.0) || !is_steady_head_on(from)) {
+    if (!(p->rate > 0.0)) {
         return false;
     }
     p->from = from;
     p->load = 2.0 * along_normal(from, 2) / (p->rate * p->rate);
-    p->y_rate = press_closing(from) / p->rate;
+    p->y_rate = pair_gap_derivative(from) / p->rate;
     return has_spring ? make_of_spring(p) : make_of_dashpot(p);
 }
 
@@ -248,8 +248,9 @@ static double gap_grown(const struct pair_oscillation *p, double s, double grown
     return gap_after_decay(p, y[0], since.y);
 }
 
-struct pair_change pair_oscillation_change(const struct pair_oscillation *p, double s)
+struct pair_change pair_oscillation_change(const void *pair_oscillation, double s)
 {
+    const struct pair_oscillation *p = pair_oscillation;
     const struct contact_pair *from = p->from;
     const double time = s / p->rate;
     const double side = from->shape.side;

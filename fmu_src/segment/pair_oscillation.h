@@ -28,8 +28,10 @@ struct pair_oscillation {
     double amplitude;             /* |y| stays below it, the drift left out [m] */
 };
 
-/* False where the motion is not head-on under constant acceleration, or might reach the centre of solid
- * bodies (inside a hollow body contact ends before). */
+/* Whether the motion is head-on under constant acceleration. */
+bool pair_oscillation_applies(const struct contact_pair *from);
+
+/* False where it might reach the centre of solid bodies (inside a hollow body contact ends before). */
 bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from);
 
 /* Whether factor quantity + offset stays positive for all s >= 0. */
@@ -55,6 +57,6 @@ void pair_oscillation_sample_extremum(const struct pair_oscillation *p, double s
 
 void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample);
 
-struct pair_change pair_oscillation_change(const struct pair_oscillation *p, double s);
+struct pair_change pair_oscillation_change(const void *pair_oscillation, double s);
 
 #endif

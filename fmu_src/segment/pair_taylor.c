@@ -174,8 +174,9 @@ static double dissipated(const struct pair_taylor *p, double s)
     return p->from->coefficients.c * p->unit * taylor_integral(square, TAYLOR_TERMS, s);
 }
 
-struct pair_change pair_taylor_change(const struct pair_taylor *p, double s)
+struct pair_change pair_taylor_change(const void *pair_taylor, double s)
 {
+    const struct pair_taylor *p = pair_taylor;
     struct taylor_vec3 slope;
     for (int i = 1; i < TAYLOR_TERMS; ++i) {
         slope.at[i - 1] = vec3_scale(i / p->unit, p->r.at[i]);

@@ -26,6 +26,6 @@ void pair_taylor_make(struct pair_taylor *p, const struct contact_pair *from);
 
 void pair_taylor_sample(const void *pair_taylor, double s, struct pair_sample *sample);
 
-struct pair_change pair_taylor_change(const struct pair_taylor *p, double s);
+struct pair_change pair_taylor_change(const void *pair_taylor, double s);
 
 #endif

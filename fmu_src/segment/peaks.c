@@ -207,7 +207,7 @@ static void peaks_of_averaged(struct peaks *peaks, const struct segment *p)
 void peaks_note(struct segment *p, struct contact_state *state, double end)
 {
     struct peaks peaks = {-(double)INFINITY, -(double)INFINITY};
-    if (p->event_free && p->kind == SEGMENT_COLLOCATED) {
+    if (p->kind == SEGMENT_AVERAGED) {
         peaks_of_averaged(&peaks, p);
     } else {
         peaks_add(&peaks, p, &p->output, end, dense_output_at(&p->output, end));

@@ -257,5 +257,5 @@ double regime_change_least_gap(const struct scene_values *v, const struct scene_
     const struct separation_path separation = separation_path_of(v, q, at, clock, contact);
     const struct relative_path path =
         relative_path_make(&shape, &separation, at->geometry[contact].gap, until - clock);
-    return cuts_least_gap(&path);
+    return candidates_least_gap(&path);
 }

@@ -1,8 +1,7 @@
-#include "segment/resolved.h"
-
+#include "segment/kinds.h"
 #include "segment/terminal_event.h"
 
-/* Places at which the first guess of a step of SEGMENT_RESOLVED is looked at: no quantity has two extrema in
+/* Places at which the first guess of a step of RESOLVED_LENGTH is looked at: no quantity has two extrema in
  * a radian. */
 enum { GUESS_PLACES = 5 };
 
@@ -13,24 +12,17 @@ static const double BEYOND = 1e-6;
 static const double BEYOND_SHIFT = 0.02;
 
 /* Smallest length of a step with eight nodes [radians]: oscillator_particular then loses as few digits as
- * with twelve nodes at SEGMENT_SHORTEST. */
+ * with twelve nodes at COLLOCATED_SHORTEST. */
 static const double SHORTEST_OF_EIGHT = 1.0;
 
 /* The terminal event under a constant load. */
-static struct terminal_event guess_terminal_event(struct segment *p, const struct pair_timescales *scales,
-                                                  double longest)
+static struct terminal_event guess_terminal_event(struct segment *p, double longest)
 {
     struct pair_collocation *made = &p->as.collocation;
     made->from = &p->pair;
-    collocation_begin(&made->step, &scales->problem, longest, COLLOCATION_RESOLVED, &lobatto[LOBATTO_EIGHT]);
-    p->kind = SEGMENT_COLLOCATED;
-    p->event_free = false;
-    p->unit = made->step.half;
-    p->end = 2.0;
-    p->output.sampler = pair_collocation_sample;
-    p->output.segment = made;
-    p->output.latest_s = -1.0;
-    p->output.count = 0;
+    collocation_begin(&made->step, &p->scales.problem, longest, COLLOCATION_RESOLVED,
+                      &lobatto[LOBATTO_EIGHT]);
+    collocated_begin(p);
     for (int i = 0; i < GUESS_PLACES; ++i) {
         dense_output_add(&p->output, p->end * i / (GUESS_PLACES - 1));
     }
@@ -48,7 +40,7 @@ static double shift_of(const struct segment *p, const struct event_function *fun
 
 /* Sizes a step to end with the contact, expected at `time`. Collocation is most accurate at its end, so fewer
  * nodes suffice. */
-static bool until_terminal_event(struct segment *p, const struct event_function *function, double time)
+static bool fit_to_terminal_event(struct segment *p, const struct event_function *function, double time)
 {
     struct collocation *step = &p->as.collocation.step;
     collocation_size(step, time * (1.0 + BEYOND_GUESS));
@@ -62,42 +54,44 @@ static bool until_terminal_event(struct segment *p, const struct event_function 
     if (!collocation_finish(step, change, 0.1 * p->tolerance)) {
         return false;
     }
-    segment_collocated(p);
+    collocated_sample(p);
     p->terminal = terminal_event_first(p);
     return collocation_error_near_end(step, p->terminal.s) <= p->tolerance;
 }
 
-static bool to_the_regime_end(struct segment *p, const struct pair_timescales *scales, double longest)
+static bool make_to_terminal_event(struct segment *p, double longest)
 {
     struct collocation *step = &p->as.collocation.step;
-    const double rate = scales->rates.slower;
-    const struct terminal_event guess = guess_terminal_event(p, scales, longest);
+    const double rate = p->scales.rates.slower;
+    const struct terminal_event guess = guess_terminal_event(p, longest);
     const double time = guess.s * step->half;
     if (time * (1.0 + BEYOND_GUESS) > longest || !(time * rate >= SHORTEST_OF_EIGHT)) {
         return false;
     }
-    if (until_terminal_event(p, &guess.function, time)) {
+    if (fit_to_terminal_event(p, &guess.function, time)) {
         return true;
     }
-    if (!(time * rate >= SEGMENT_SHORTEST)) {
+    if (!(time * rate >= COLLOCATED_SHORTEST)) {
         return false;
     }
-    collocation_begin(step, &scales->problem, time, COLLOCATION_RESOLVED, &lobatto[LOBATTO_TWELVE]);
-    return until_terminal_event(p, &guess.function, time);
+    collocation_begin(step, &p->scales.problem, time, COLLOCATION_RESOLVED, &lobatto[LOBATTO_TWELVE]);
+    return fit_to_terminal_event(p, &guess.function, time);
 }
 
-bool resolved_segment(struct segment *p, const struct pair_timescales *scales, double longest)
+bool resolved_applies(const struct segment *p)
 {
-    const double rate = scales->rates.slower;
-    const double step = fmin(longest, SEGMENT_RESOLVED / rate);
-    if (!scales->underdamped) {
-        return false;
-    }
-    if (to_the_regime_end(p, scales, step)) {
+    return collocated_applies(p) && p->scales.underdamped;
+}
+
+bool resolved_make(struct segment *p)
+{
+    const double rate = p->scales.rates.slower;
+    const double step = fmin(p->longest, RESOLVED_LENGTH / rate);
+    if (make_to_terminal_event(p, step)) {
         return true;
     }
     p->terminal.s = (double)NAN;
-    return rate * step >= SEGMENT_SHORTEST &&
-           (segment_controlled(p, scales, step, COLLOCATION_RESOLVED) ||
-            segment_controlled(p, scales, SEGMENT_SHORTEST / rate, COLLOCATION_RESOLVED));
+    return rate * step >= COLLOCATED_SHORTEST &&
+           (collocated_make(p, step, COLLOCATION_RESOLVED) ||
+            collocated_make(p, COLLOCATED_SHORTEST / rate, COLLOCATION_RESOLVED));
 }

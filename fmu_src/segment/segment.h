@@ -1,11 +1,7 @@
 /*
- * A segment: one stretch of smooth motion in contact, by the method that covers most time for its cost:
- *
- *   closed form   head-on motion under constant acceleration: without limit, or most of an impact
- *   averaged      small oscillations, clear of g = 0: as far as the tangential motion allows
- *   resolved      most of an impact: half a period of the oscillation and more
- *   overdamped    far beyond critical damping, or without a spring: a radian of the tangential motion
- *   Taylor        soft contacts, short remainders: two radians of the contact or of its passage
+ * A segment: smooth motion of one contact pair. Its users make it, sample it, advance the bodies along it and
+ * stop at its terminal event; by which kind of segment it is computed is known in this folder only
+ * (kinds.h).
  */
 #ifndef CONTACT_SEGMENT_SEGMENT_H
 #define CONTACT_SEGMENT_SEGMENT_H
@@ -15,7 +11,14 @@
 #include "segment/pair_oscillation.h"
 #include "segment/pair_taylor.h"
 
-enum segment_kind { SEGMENT_CLOSED_FORM, SEGMENT_COLLOCATED, SEGMENT_TAYLOR };
+/* In order of preference; the table in segment.c says why. */
+enum segment_kind {
+    SEGMENT_CLOSED_FORM,
+    SEGMENT_AVERAGED,
+    SEGMENT_RESOLVED,
+    SEGMENT_OVERDAMPED,
+    SEGMENT_TAYLOR
+};
 
 /* The event that ends the regime: at s (INFINITY: not within the segment), where `function` falls through
  * zero; the regime that follows. */
@@ -30,49 +33,33 @@ struct segment {
     enum contact_regime regime;
     double gap_rounding; /* of the gap, as positions give it [m] */
     double tolerance;    /* the error allowed in the segment [m] */
+    double longest;      /* the segment need not be longer [s] */
+    double unit, end;    /* time per s [s]; the segment covers s from 0 to `end` */
+    struct dense_output output;
+    struct terminal_event terminal;
+    /* Below: for the kinds and the search for peaks. */
+    enum segment_kind kind;
     union {
         struct pair_oscillation oscillation;
         struct pair_taylor taylor;
         struct pair_collocation collocation;
     } as;
-    enum segment_kind kind;
-    bool event_free; /* known to have no event */
-    double unit;     /* time per s [s] */
-    double end;      /* s */
-    /* samples up to `end`; of an event-free closed form over the first period; of an averaged segment without
-     * the oscillation */
-    struct dense_output output;
-    struct terminal_event terminal;
+    struct pair_timescales scales;    /* of all kinds but the closed form */
+    bool event_free;                  /* known to have no event */
+    bool clear_of_centre;             /* known not to meet d = 0 */
+    double largest_gap, largest_rate; /* |g| [m] and |g'| [m/s] at most; 0: as the samples say */
 };
-
-/* Smallest length of a collocated segment [radians of the oscillator]. Below it one Taylor step is exact, and
- * oscillator_particular loses digits. */
-static const double SEGMENT_SHORTEST = 3.0;
-
-/* The oscillator must be faster than the motion along the contact by so much for the two to be told apart. */
-static const double SEPARATION_OF_RATES = 20.0;
-
-/* Length of a resolved step [radians of the oscillator]: an impact takes a little more than half a period. At
- * the nodes the oscillation, whose effect on the load is of relative size (tangential_rate / oscillator's
- * rate)^2, is then accurate to 3e-7. */
-static const double SEGMENT_RESOLVED = 4.0;
-
-/* p->as.collocation has been made: sets up the rest. */
-void segment_collocated(struct segment *p);
-
-/* A collocated step within tolerance everywhere, not only at its end, since an event may end it. */
-bool segment_controlled(struct segment *p, const struct pair_timescales *scales, double step,
-                        enum collocation_kind kind);
 
 /* A segment from the present instant over at most `longest` > 0 seconds. `tolerance` is the error allowed in
  * it [m]. False where there is none. */
 bool segment_make(struct segment *p, const struct scene_values *v, const struct scene_state *q,
                   const struct scene_instant *at, int contact, double longest, double tolerance);
 
-/* The s at which d = 0 and n reverses; INFINITY: not within the segment, or never, as in a hollow body or a
- * closed form. */
-double segment_meets_centre(const struct segment *p);
+/* Gap, gap rate and force with two derivatives at s in [0, end]. */
+const struct pair_sample *segment_sample(struct segment *p, double s);
 
-struct pair_change segment_change(const struct segment *p, double s);
+/* Moves the bodies to s, books impulse, energies, work and peaks of the contact; the clock is the caller's. */
+void segment_advance(struct segment *p, double s, const struct scene_values *v, struct scene_state *q,
+                     int contact);
 
 #endif

@@ -34,20 +34,15 @@ static const double CRITICAL_SWING = 2.0;
 /* Of the gap or its rate. */
 static double largest_size(const struct segment *p, enum pair_quantity quantity)
 {
-    double largest = 0.0;
-    if (p->kind == SEGMENT_CLOSED_FORM &&
-        p->as.oscillation.omega_d > 0.0) { /* its samples are extrema of the gap, where the rate is zero */
-        const struct pair_oscillation *made = &p->as.oscillation;
-        return quantity == PAIR_GAP_RATE ? made->rate * made->amplitude
-                                         : fabs(made->equilibrium) + made->amplitude;
-    }
-    for (int i = 0; i < p->output.count; ++i) {
+    double largest = quantity == PAIR_GAP ? p->largest_gap : p->largest_rate;
+    const bool known = largest > 0.0;
+    for (int i = 0; i < p->output.count && !known; ++i) {
         largest = fmax(largest, fabs(p->output.at[i].of[quantity][0]));
     }
     return largest;
 }
 
-double ending_gap_noise(const struct contact_pair *from)
+double terminal_event_gap_noise(const struct contact_pair *from)
 {
     const double spring = sqrt(from->coefficients.k / from->reduced_mass);
     const double dashpot = from->coefficients.c / from->reduced_mass;
@@ -56,7 +51,7 @@ double ending_gap_noise(const struct contact_pair *from)
 
 double terminal_event_gap_tolerance(const struct segment *p)
 {
-    const double noise = fmax(ending_gap_noise(&p->pair), DIED_AWAY);
+    const double noise = fmax(terminal_event_gap_noise(&p->pair), DIED_AWAY);
     return fmin(2.0 * p->gap_rounding, fmax(GAP_HYSTERESIS * largest_size(p, PAIR_GAP), noise));
 }
 
@@ -121,9 +116,29 @@ struct terminal_event terminal_event_first(struct segment *p)
     return first;
 }
 
+/* Between two samples a quantity may have one extremum larger than both, but less than four times as
+ * large. */
+static bool stays_clear_of_centre(const struct segment *p)
+{
+    double deepest = 0.0;
+    for (int i = 0; i < p->output.count; ++i) {
+        deepest = fmax(deepest, fabs(p->output.at[i].of[PAIR_GAP][0]));
+    }
+    return 4.0 * deepest < contact_reach(&p->pair.shape);
+}
+
+double terminal_event_centre(const struct segment *p)
+{
+    if (p->clear_of_centre || stays_clear_of_centre(p)) {
+        return (double)INFINITY;
+    }
+    const struct event_function distance = {PAIR_GAP, p->pair.shape.side, contact_reach(&p->pair.shape)};
+    return dense_output_first_event(&p->output, &distance);
+}
+
 void terminal_event_at_centre(struct segment *p)
 {
-    const double s = segment_meets_centre(p);
+    const double s = terminal_event_centre(p);
     if (s <= p->end && s < p->terminal.s) {
         /* Beyond the centre the gap rate has the opposite sign. */
         const struct pair_sample *then = dense_output_at(&p->output, s);

@@ -7,7 +7,7 @@
 
 /* How far the rounding of g' moves the gap at most [m].
  * Each segment takes g' anew from the velocities, rounded as they are. */
-double ending_gap_noise(const struct contact_pair *from);
+double terminal_event_gap_noise(const struct contact_pair *from);
 
 /* Gap up to which contact lasts where the separation is slow [m]. */
 double terminal_event_gap_tolerance(const struct segment *p);
@@ -18,6 +18,9 @@ bool terminal_event_by_law(const struct segment *p);
 struct event_function terminal_event_margin(const struct segment *p);
 
 struct terminal_event terminal_event_first(struct segment *p);
+
+/* The s at which d = 0 and n reverses; INFINITY: not within the segment. */
+double terminal_event_centre(const struct segment *p);
 
 /* Ends the segment at d = 0, if that is before p->terminal: n reverses there, whether or not the regime
  * changes. */
