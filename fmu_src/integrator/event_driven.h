@@ -2,7 +2,7 @@
 #ifndef CONTACT_INTEGRATOR_EVENT_DRIVEN_H
 #define CONTACT_INTEGRATOR_EVENT_DRIVEN_H
 
-#include "integrator/phases.h"
+#include "integrator/advance.h"
 
 /*
  * Advances the contact pairs, and the kinematically driven contacts with them. ADVANCE_FAILED where contacts

@@ -28,16 +28,6 @@ void integrator_close(struct integrator *s)
     cvode_close(&s->cvode);
 }
 
-const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
-                                        const struct scene_state *q)
-{
-    if (!step->is_now) {
-        scene_kinematics_now(v, q, &step->now);
-        step->is_now = true;
-    }
-    return &step->now;
-}
-
 /* Horizon of a separating contact, as a multiple of the time in which it opens at its present rate. */
 static const double SEPARATION_TIMES = 4.0;
 

@@ -14,7 +14,7 @@
 
 #include <stddef.h>
 
-#include "scene/transition.h"
+#include "integrator/advance.h"
 
 enum integrator_status {
     INTEGRATOR_DONE,       /* arrived at the end time */
@@ -36,22 +36,6 @@ struct integrator {
     struct cvode *cvode;
     char message[INTEGRATOR_MESSAGE_SIZE];
 };
-
-/* What one advance of a method ended with. */
-enum advance_result { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_STEP_LIMIT, ADVANCE_FAILED };
-
-struct advance {
-    double clock_end;           /* in: not beyond this clock */
-    long budget;                /* in: at most so many internal steps; out: what is left of it */
-    struct scene_instant now;   /* what advance_now knows; */
-    bool is_now;                /* to be cleared by whoever moves the bodies */
-    int contact;                /* out, ADVANCE_EVENT: which contact changes its regime at q->clock */
-    enum contact_regime regime; /* out, ADVANCE_EVENT: and into which */
-};
-
-/* The present instant, without accelerations and forces: computed once, however many ask for it. */
-const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
-                                        const struct scene_state *q);
 
 /* Prepares the memory for the scene's method; false when out of memory. Called again it adapts to changed
  * values. */

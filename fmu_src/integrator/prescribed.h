@@ -3,7 +3,7 @@
 #ifndef CONTACT_INTEGRATOR_PRESCRIBED_H
 #define CONTACT_INTEGRATOR_PRESCRIBED_H
 
-#include "integrator/phases.h"
+#include "integrator/advance.h"
 
 /* Integrates such contacts over [q->clock, end], on which no regime changes, by adaptive Gauss-Legendre
  * quadrature to solver.relative_tolerance. Each panel takes one step of the budget, but does not count in

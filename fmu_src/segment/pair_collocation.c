@@ -13,10 +13,10 @@ static void set_paths(const struct contact_pair *p, struct collocation_problem *
     }
 }
 
-struct pair_timescales pair_timescales_of(const struct contact_pair *p)
+void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p)
 {
-    struct pair_timescales out = {.tangential_rate = 0.0};
-    struct collocation_problem *problem = &out.problem;
+    struct collocation_problem *problem = &out->problem;
+    problem->has_mismatch = false;
     problem->normal = p->normal;
     problem->rate = pair_across(p, p->flight.c[1]);
     problem->reach = contact_reach(&p->shape);
@@ -31,15 +31,14 @@ struct pair_timescales pair_timescales_of(const struct contact_pair *p)
     const double load = vec3_dot(along, along) / d + vec3_dot(p->normal, problem->acceleration[0]) -
                         problem->damping_rate * vec3_dot(p->normal, problem->mismatch[0]);
     const struct oscillator oscillator = {problem->omega2, problem->damping_rate};
-    out.distance = d;
-    out.rate_along = vec3_norm(along) / d;
-    out.tangential_rate = out.rate_along + sqrt(vec3_norm(problem->acceleration[0]) / d);
-    out.rates = oscillator_rates_of(&oscillator);
-    out.equilibrium_depth = -p->shape.side * load / problem->omega2;
-    out.underdamped = 4.0 * problem->omega2 > problem->damping_rate * problem->damping_rate;
-    out.oscillation =
+    out->distance = d;
+    out->rate_along = vec3_norm(along) / d;
+    out->tangential_rate = out->rate_along + sqrt(vec3_norm(problem->acceleration[0]) / d);
+    out->rates = oscillator_rates_of(&oscillator);
+    out->equilibrium_depth = -p->shape.side * load / problem->omega2;
+    out->underdamped = 4.0 * problem->omega2 > problem->damping_rate * problem->damping_rate;
+    out->oscillation =
         oscillator_envelope_of(&oscillator, problem->deviation - load / problem->omega2, radial).amplitude;
-    return out;
 }
 
 /* |A| at its largest, seen at the start, the middle and the end of the step [m/s^2]. */

@@ -19,7 +19,7 @@ struct pair_timescales {
     double equilibrium_depth; /* penetration at equilibrium with the load, -side f / omega2 [m] */
 };
 
-struct pair_timescales pair_timescales_of(const struct contact_pair *p);
+void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p);
 
 /* The largest `tangential_rate` within a step of so many seconds: a pull that grows with time, perhaps from
  * nothing, makes it faster than it is at the start. Equal to `tangential_rate` where the pull is constant or

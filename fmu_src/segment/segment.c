@@ -70,7 +70,7 @@ static void make_up_to(struct segment *p, double longest)
     p->longest = longest;
     if (!make_kind(p, SEGMENT_CLOSED_FORM)) {
         enum segment_kind kind = SEGMENT_AVERAGED;
-        p->scales = pair_timescales_of(&p->pair);
+        pair_timescales_make(&p->scales, &p->pair);
         while (!make_kind(p, kind)) {
             kind += 1;
         }

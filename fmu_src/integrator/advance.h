@@ -1,0 +1,23 @@
+/* One advance of a method: within fixed regimes of the contacts, up to a clock or the first change of regime. */
+#ifndef CONTACT_INTEGRATOR_ADVANCE_H
+#define CONTACT_INTEGRATOR_ADVANCE_H
+
+#include "scene/transition.h"
+
+/* What it ended with. */
+enum advance_result { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_STEP_LIMIT, ADVANCE_FAILED };
+
+struct advance {
+    double clock_end;           /* in: not beyond this clock */
+    long budget;                /* in: at most so many internal steps; out: what is left of it */
+    struct scene_instant now;   /* the present instant, if `is_now`; see advance_now */
+    bool is_now;                /* to be cleared by whoever moves the bodies */
+    int contact;                /* out, ADVANCE_EVENT: which contact changes its regime at q->clock */
+    enum contact_regime regime; /* out, ADVANCE_EVENT: and into which */
+};
+
+/* The present instant, without accelerations and forces: computed once, however many ask for it. */
+const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
+                                        const struct scene_state *q);
+
+#endif
