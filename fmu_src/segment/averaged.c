@@ -127,7 +127,7 @@ bool averaged_make(struct segment *p)
         }
         /* The error at the end of a step is about the square of that in between. Ten times the square of the
          * tails, times the number of points squared, is above all measured errors. */
-        const double tail = made->step.nodes->points * made->step.interior_error;
+        const double tail = made->step.nodes->points * made->step.result.interior_error;
         const double error = tail * (10.0 * tail / d);
         if (!(error <= p->tolerance)) {
             step *= size == LOBATTO_TWELVE ? 0.5 : 1.0;

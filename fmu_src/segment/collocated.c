@@ -21,7 +21,7 @@ void collocated_begin(struct segment *p)
 static void add_decay_samples(struct segment *p)
 {
     const struct lobatto *nodes = p->as.collocation.step.nodes;
-    const double first = 0.5 / oscillator_rates_of(&p->as.collocation.step.oscillator).faster;
+    const double first = 0.5 / oscillator_rates_of(&p->as.collocation.step.result.oscillator).faster;
     double s = 0.0;
     while (s < 1.0 + nodes->node[2] && p->output.count < DENSE_OUTPUT_POINTS - LOBATTO_MAX) {
         dense_output_add(&p->output, s);
@@ -55,7 +55,7 @@ bool collocated_make(struct segment *p, double step, enum collocation_kind kind)
 {
     if (!pair_collocation_make(&p->as.collocation, &p->pair, &p->scales, step, kind, &lobatto[LOBATTO_TWELVE],
                                0.1 * p->tolerance) ||
-        !(p->as.collocation.step.interior_error <= p->tolerance)) {
+        !(p->as.collocation.step.result.interior_error <= p->tolerance)) {
         return false;
     }
     collocated_sample(p);
@@ -71,9 +71,9 @@ bool collocated_stays_off_centre(const struct segment *p)
     const struct collocation *step = &p->as.collocation.step;
     double nearest = step->from.reach;
     for (int i = 0; i < step->nodes->points; ++i) {
-        nearest = fmin(nearest, step->from.reach + step->x[i]);
+        nearest = fmin(nearest, step->from.reach + step->result.x[i]);
     }
-    if (step->head_on || nearest > NEAR_CENTRE * step->from.reach) {
+    if (step->local.head_on || nearest > NEAR_CENTRE * step->from.reach) {
         return true;
     }
     return step->kind == COLLOCATION_OVERDAMPED && !(terminal_event_centre(p) < (double)INFINITY);

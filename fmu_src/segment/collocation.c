@@ -20,14 +20,15 @@ static double larger(double a, double b)
 static void oscillator_response(struct collocation *p, double softening)
 {
     const int points = p->nodes->points;
-    oscillator_particular(&p->oscillator, p->load, p->slow, points);
-    nodal_values_of(p->nodes, p->slow, p->x);
-    p->oscillator.omega2 += softening;
-    p->y = p->from.deviation - p->x[0];
-    p->y_rate = p->half * p->rate.x - nodal_slope(p->slow, points, 0.0);
+    oscillator_particular(&p->result.oscillator, p->result.load, p->result.slow, points);
+    nodal_values_of(p->nodes, p->result.slow, p->result.x);
+    p->result.oscillator.omega2 += softening;
+    p->result.y = p->from.deviation - p->result.x[0];
+    p->result.y_rate = p->half * p->local.rate.x - nodal_slope(p->result.slow, points, 0.0);
     for (int i = 0; i < points && p->kind == COLLOCATION_RESOLVED; i += 2) {
-        const double2 y = p->y * double2_at(p->y_of_y, i) + p->y_rate * double2_at(p->y_of_rate, i);
-        double2_put(p->x, i, double2_at(p->x, i) + y);
+        const double2 y = p->result.y * double2_at(p->result.y_of_y, i) +
+                          p->result.y_rate * double2_at(p->result.y_of_rate, i);
+        double2_put(p->result.x, i, double2_at(p->result.x, i) + y);
     }
 }
 
@@ -36,31 +37,31 @@ static void oscillator_response(struct collocation *p, double softening)
 static void overdamped_response(struct collocation *p)
 {
     const int points = p->nodes->points;
-    const struct oscillator_rates rates = oscillator_rates_of(&p->oscillator);
+    const struct oscillator_rates rates = oscillator_rates_of(&p->result.oscillator);
     nodal_values u;
     nodal_values u_at_nodes;
     nodal_values rate = {0.0};
-    relaxation_particular(rates.faster, p->load, u, points);
+    relaxation_particular(rates.faster, p->result.load, u, points);
     nodal_values_of(p->nodes, u, u_at_nodes);
-    const double fast = p->half * p->rate.x + rates.slower * p->from.deviation - u_at_nodes[0];
-    p->y = -fast / (rates.faster - rates.slower);
-    p->y_rate = -rates.faster * p->y;
+    const double fast = p->half * p->local.rate.x + rates.slower * p->from.deviation - u_at_nodes[0];
+    p->result.y = -fast / (rates.faster - rates.slower);
+    p->result.y_rate = -rates.faster * p->result.y;
     for (int i = 0; i < points; ++i) {
-        rate[i] = u_at_nodes[i] - rates.slower * p->x[i];
+        rate[i] = u_at_nodes[i] - rates.slower * p->result.x[i];
     }
-    (void)nodal_integrate(p->nodes, rate, p->x);
+    (void)nodal_integrate(p->nodes, rate, p->result.x);
     for (int i = 0; i < points; ++i) {
-        p->x[i] += p->from.deviation - p->y;
+        p->result.x[i] += p->from.deviation - p->result.y;
     }
-    nodal_coefficients(p->nodes, p->x, p->slow);
+    nodal_coefficients(p->nodes, p->result.x, p->result.slow);
 }
 
 /* The largest that x comes to in the step, roughly [m]. */
 static double size_of_deviation(const struct collocation *p)
 {
-    double largest = fabs(p->y) + fabs(p->y_rate);
+    double largest = fabs(p->result.y) + fabs(p->result.y_rate);
     for (int k = 0; k < p->nodes->points; ++k) {
-        largest = larger(fabs(p->slow[k]), largest);
+        largest = larger(fabs(p->result.slow[k]), largest);
     }
     return largest;
 }
@@ -71,19 +72,20 @@ static double apply_load(struct collocation *p, const double *values, double sof
 {
     nodal_values before;
     double change = 0.0;
-    memcpy(before, p->slow, sizeof before);
-    p->oscillator = (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
-    nodal_coefficients(p->nodes, values, p->load);
+    memcpy(before, p->result.slow, sizeof before);
+    p->result.oscillator =
+        (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
+    nodal_coefficients(p->nodes, values, p->result.load);
     if (p->kind == COLLOCATION_OVERDAMPED) {
         overdamped_response(p);
     } else {
         oscillator_response(p, p->kind == COLLOCATION_AVERAGED ? softening : 0.0);
     }
     for (int i = 0; i < p->nodes->points; ++i) {
-        change = larger(fabs(p->slow[i] - before[i]), change);
+        change = larger(fabs(p->result.slow[i] - before[i]), change);
     }
     const double size = size_of_deviation(p);
-    return change > COEFFICIENT_ROUNDING * size ? change * fmax(1.0, p->distance / size) : 0.0;
+    return change > COEFFICIENT_ROUNDING * size ? change * fmax(1.0, p->local.distance / size) : 0.0;
 }
 
 /* The load f at the nodes, then x under it. */
@@ -92,23 +94,23 @@ static double update_load(struct collocation *p)
     const int points = p->nodes->points;
     const double half2 = p->half * p->half;
     const double *weight = p->nodes->integral + points - 1;
-    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->normal_correction);
-    const struct vec3 h = vec3_sub(p->momentum, p->momentum_correction);
+    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
+    const struct vec3 h = vec3_sub(p->local.momentum, p->result.momentum_correction);
     nodal_values values;
     nodal_values softening;
     double mean = 0.0;
     for (int i = 0; i < points; i += 2) {
-        const double2 hz = h.z + double2_at(p->h.z, i);
+        const double2 hz = h.z + double2_at(p->result.h.z, i);
         double2 h_squared = hz * hz;
-        double2 drive = (n.x + double2_at(p->n.x, i)) * double2_at(p->drive_at.x, i) +
-                        (n.y + double2_at(p->n.y, i)) * double2_at(p->drive_at.y, i);
-        if (!p->planar) {
-            const double2 hx = h.x + double2_at(p->h.x, i);
-            const double2 hy = h.y + double2_at(p->h.y, i);
+        double2 drive = (n.x + double2_at(p->result.n.x, i)) * double2_at(p->work.drive_at.x, i) +
+                        (n.y + double2_at(p->result.n.y, i)) * double2_at(p->work.drive_at.y, i);
+        if (!p->local.planar) {
+            const double2 hx = h.x + double2_at(p->result.h.x, i);
+            const double2 hy = h.y + double2_at(p->result.h.y, i);
             h_squared += hx * hx + hy * hy;
-            drive += (n.z + double2_at(p->n.z, i)) * double2_at(p->drive_at.z, i);
+            drive += (n.z + double2_at(p->result.n.z, i)) * double2_at(p->work.drive_at.z, i);
         }
-        const double2 inverse = 1.0 / (p->from.reach + double2_at(p->x, i));
+        const double2 inverse = 1.0 / (p->from.reach + double2_at(p->result.x, i));
         const double2 centrifugal = half2 * h_squared * inverse * inverse * inverse;
         double2_put(values, i, centrifugal + half2 * drive);
         double2_put(softening, i, 1.5 * centrifugal * inverse);
@@ -123,73 +125,74 @@ static double update_load(struct collocation *p)
 /* H' = d n x A */
 static double integrate_momentum(struct collocation *p)
 {
-    const struct nodal_vec3 *a = &p->acceleration_at;
-    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->normal_correction);
+    const struct nodal_vec3 *a = &p->work.acceleration_at;
+    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
     for (int i = 0; i < p->nodes->points; i += 2) {
-        const double2 arm = p->half * (p->from.reach + double2_at(p->x, i));
-        const double2 nx = n.x + double2_at(p->n.x, i);
-        const double2 ny = n.y + double2_at(p->n.y, i);
-        double2_put(p->h_rate.z, i, arm * (nx * double2_at(a->y, i) - ny * double2_at(a->x, i)));
-        if (!p->planar) {
-            const double2 nz = n.z + double2_at(p->n.z, i);
-            double2_put(p->h_rate.x, i, arm * (ny * double2_at(a->z, i) - nz * double2_at(a->y, i)));
-            double2_put(p->h_rate.y, i, arm * (nz * double2_at(a->x, i) - nx * double2_at(a->z, i)));
+        const double2 arm = p->half * (p->from.reach + double2_at(p->result.x, i));
+        const double2 nx = n.x + double2_at(p->result.n.x, i);
+        const double2 ny = n.y + double2_at(p->result.n.y, i);
+        double2_put(p->result.h_rate.z, i, arm * (nx * double2_at(a->y, i) - ny * double2_at(a->x, i)));
+        if (!p->local.planar) {
+            const double2 nz = n.z + double2_at(p->result.n.z, i);
+            double2_put(p->result.h_rate.x, i, arm * (ny * double2_at(a->z, i) - nz * double2_at(a->y, i)));
+            double2_put(p->result.h_rate.y, i, arm * (nz * double2_at(a->x, i) - nx * double2_at(a->z, i)));
         }
     }
-    double change = nodal_integrate(p->nodes, p->h_rate.z, p->h.z);
-    if (!p->planar) {
-        change = larger(nodal_integrate(p->nodes, p->h_rate.x, p->h.x), change);
-        change = larger(nodal_integrate(p->nodes, p->h_rate.y, p->h.y), change);
+    double change = nodal_integrate(p->nodes, p->result.h_rate.z, p->result.h.z);
+    if (!p->local.planar) {
+        change = larger(nodal_integrate(p->nodes, p->result.h_rate.x, p->result.h.x), change);
+        change = larger(nodal_integrate(p->nodes, p->result.h_rate.y, p->result.h.y), change);
     }
-    return 2.0 * p->half / p->distance * change;
+    return 2.0 * p->half / p->local.distance * change;
 }
 
 /* n' = H x n / d^2 */
 static double integrate_normal(struct collocation *p)
 {
-    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->normal_correction);
-    const struct vec3 h = vec3_sub(p->momentum, p->momentum_correction);
+    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
+    const struct vec3 h = vec3_sub(p->local.momentum, p->result.momentum_correction);
     for (int i = 0; i < p->nodes->points; i += 2) {
-        const double2 d = p->from.reach + double2_at(p->x, i);
+        const double2 d = p->from.reach + double2_at(p->result.x, i);
         const double2 by = p->half / (d * d);
-        const double2 nx = n.x + double2_at(p->n.x, i);
-        const double2 ny = n.y + double2_at(p->n.y, i);
-        const double2 hz = h.z + double2_at(p->h.z, i);
+        const double2 nx = n.x + double2_at(p->result.n.x, i);
+        const double2 ny = n.y + double2_at(p->result.n.y, i);
+        const double2 hz = h.z + double2_at(p->result.h.z, i);
         double2 to_x = -hz * ny;
         double2 to_y = hz * nx;
-        if (!p->planar) {
-            const double2 nz = n.z + double2_at(p->n.z, i);
-            const double2 hx = h.x + double2_at(p->h.x, i);
-            const double2 hy = h.y + double2_at(p->h.y, i);
+        if (!p->local.planar) {
+            const double2 nz = n.z + double2_at(p->result.n.z, i);
+            const double2 hx = h.x + double2_at(p->result.h.x, i);
+            const double2 hy = h.y + double2_at(p->result.h.y, i);
             to_x += hy * nz;
             to_y -= hx * nz;
-            double2_put(p->n_rate.z, i, by * (hx * ny - hy * nx));
+            double2_put(p->result.n_rate.z, i, by * (hx * ny - hy * nx));
         }
-        double2_put(p->n_rate.x, i, by * to_x);
-        double2_put(p->n_rate.y, i, by * to_y);
+        double2_put(p->result.n_rate.x, i, by * to_x);
+        double2_put(p->result.n_rate.y, i, by * to_y);
     }
-    double change = larger(nodal_integrate(p->nodes, p->n_rate.x, p->n.x),
-                           nodal_integrate(p->nodes, p->n_rate.y, p->n.y));
-    if (!p->planar) {
-        change = larger(nodal_integrate(p->nodes, p->n_rate.z, p->n.z), change);
+    double change = larger(nodal_integrate(p->nodes, p->result.n_rate.x, p->result.n.x),
+                           nodal_integrate(p->nodes, p->result.n_rate.y, p->result.n.y));
+    if (!p->local.planar) {
+        change = larger(nodal_integrate(p->nodes, p->result.n_rate.z, p->result.n.z), change);
     }
-    return p->distance * change;
+    return p->local.distance * change;
 }
 
 /* One Gauss-Seidel sweep: the load f, x, H, n. */
 double collocation_sweep(struct collocation *p)
 {
     const double by_load = update_load(p);
-    p->sweeps += 1;
-    if (p->head_on) {
+    p->work.sweeps += 1;
+    if (p->local.head_on) {
         /* otherwise the load does not depend on x */
         return p->kind == COLLOCATION_OVERDAMPED ? by_load : 0.0;
     }
     if (p->kind != COLLOCATION_RESOLVED) {
-        const struct collocation_correction correction = collocation_correction_of(
-            p, p->y, p->y_rate, vec3_make(1.0, 0.0, 0.0), p->momentum, p->acceleration[0], p->distance);
-        p->normal_correction = correction.normal;
-        p->momentum_correction = correction.momentum;
+        const struct collocation_correction correction =
+            collocation_correction_of(p, p->result.y, p->result.y_rate, vec3_make(1.0, 0.0, 0.0),
+                                      p->local.momentum, p->local.acceleration[0], p->local.distance);
+        p->result.normal_correction = correction.normal;
+        p->result.momentum_correction = correction.momentum;
     }
     const double by_momentum = integrate_momentum(p);
     return larger(by_load, larger(by_momentum, integrate_normal(p)));
@@ -199,10 +202,10 @@ static double tail_of(const struct collocation *p, const struct nodal_vec3 *valu
                       bool across)
 {
     double tail = 0.0;
-    if (in_plane || !p->planar) {
+    if (in_plane || !p->local.planar) {
         tail = larger(nodal_tail(p->nodes, values->x), nodal_tail(p->nodes, values->y));
     }
-    return across || !p->planar ? larger(nodal_tail(p->nodes, values->z), tail) : tail;
+    return across || !p->local.planar ? larger(nodal_tail(p->nodes, values->z), tail) : tail;
 }
 
 /* The last coefficients of what is integrated; integrals of Chebyshev polynomials are smaller by the
@@ -210,39 +213,41 @@ static double tail_of(const struct collocation *p, const struct nodal_vec3 *valu
 static double tail_of_all(const struct collocation *p)
 {
     const int points = p->nodes->points;
-    const double of_deviation = larger(fabs(p->slow[points - 1]), fabs(p->slow[points - 2]));
+    const double of_deviation = larger(fabs(p->result.slow[points - 1]), fabs(p->result.slow[points - 2]));
     const double size = size_of_deviation(p);
     /* Ratio of the first omitted coefficient to the last: half the step's radians, two at most, over its
      * index, less than a quarter. */
     const double left_out = 0.25 * ldexp(of_deviation, 2 - points);
     const bool is_overdamped = p->kind == COLLOCATION_OVERDAMPED;
     const double by_deviation =
-        is_overdamped && size > 0.0 ? left_out * larger(1.0, p->distance / size) : left_out;
-    if (p->head_on) {
+        is_overdamped && size > 0.0 ? left_out * larger(1.0, p->local.distance / size) : left_out;
+    if (p->local.head_on) {
         return by_deviation;
     }
-    const double by_normal = p->distance * tail_of(p, &p->n_rate, true, false);
-    const double by_momentum = 2.0 * p->half / p->distance * tail_of(p, &p->h_rate, false, true);
+    const double by_normal = p->local.distance * tail_of(p, &p->result.n_rate, true, false);
+    const double by_momentum = 2.0 * p->half / p->local.distance * tail_of(p, &p->result.h_rate, false, true);
     return larger(by_deviation, larger(by_normal, by_momentum) / points);
 }
 
 static void keep_mismatch(struct collocation *p)
 {
-    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->normal_correction);
+    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
     nodal_values values;
     for (int i = 0; i < p->nodes->points; ++i) {
-        values[i] = (n.x + p->n.x[i]) * p->mismatch_at.x[i] + (n.y + p->n.y[i]) * p->mismatch_at.y[i] +
-                    (n.z + p->n.z[i]) * p->mismatch_at.z[i];
+        values[i] = (n.x + p->result.n.x[i]) * p->work.mismatch_at.x[i] +
+                    (n.y + p->result.n.y[i]) * p->work.mismatch_at.y[i] +
+                    (n.z + p->result.n.z[i]) * p->work.mismatch_at.z[i];
     }
-    nodal_coefficients(p->nodes, values, p->normal_mismatch);
+    nodal_coefficients(p->nodes, values, p->result.normal_mismatch);
 }
 
 /* Whether all values are finite and d > 0: local coordinates end at the centre. */
 static bool is_sound(const struct collocation *p)
 {
     for (int i = 0; i < p->nodes->points; ++i) {
-        const double sum = p->n.x[i] + p->n.y[i] + p->n.z[i] + p->h.x[i] + p->h.y[i] + p->h.z[i];
-        if (!(p->from.reach + p->x[i] > 0.0) || !isfinite(sum)) {
+        const double sum = p->result.n.x[i] + p->result.n.y[i] + p->result.n.z[i] + p->result.h.x[i] +
+                           p->result.h.y[i] + p->result.h.z[i];
+        if (!(p->from.reach + p->result.x[i] > 0.0) || !isfinite(sum)) {
             return false;
         }
     }
@@ -252,11 +257,12 @@ static bool is_sound(const struct collocation *p)
 static void sum_up(struct collocation *p)
 {
     const double largest = size_of_deviation(p);
-    p->terms = p->nodes->points;
-    while (p->terms > 1 && fabs(p->slow[p->terms - 1]) <= DBL_EPSILON * DBL_EPSILON * largest) {
-        p->terms -= 1;
+    p->result.terms = p->nodes->points;
+    while (p->result.terms > 1 &&
+           fabs(p->result.slow[p->result.terms - 1]) <= DBL_EPSILON * DBL_EPSILON * largest) {
+        p->result.terms -= 1;
     }
-    p->interior_error = tail_of_all(p);
+    p->result.interior_error = tail_of_all(p);
     if (p->from.has_mismatch) {
         keep_mismatch(p);
     }
@@ -265,7 +271,7 @@ static void sum_up(struct collocation *p)
 bool collocation_finish(struct collocation *p, double before, double tolerance)
 {
     double gain = 1.0;
-    for (int i = p->sweeps; i < MAX_SWEEPS; ++i) {
+    for (int i = p->work.sweeps; i < MAX_SWEEPS; ++i) {
         const double change = collocation_sweep(p);
         /* The error left is about change * gain, where gain is the factor by which the last sweep converged.
          * H and n converge in turn, so the larger of two successive factors counts. In overdamped steps no

@@ -49,37 +49,51 @@ struct collocation_problem {
     bool has_mismatch;                                        /* whether E is other than zero */
 };
 
-/* Vectors are in the frame of the start: n, the direction of the tangential motion, and their cross product.
+/* The problem in the frame of the start: n, the direction of the tangential motion, and their cross product.
  * In a plane motion, as most are, n has the first two components and H the third. */
-struct collocation {
-    struct collocation_problem from;
-    const struct lobatto *nodes;
-    enum collocation_kind kind;
-    double half;                                              /* half the step [s] */
+struct collocation_local {
     double distance;                                          /* d at the start [m] */
-    struct vec3 frame[3];                                     /* in the world; of a straight motion n alone */
+    struct vec3 frame[3];                                     /* in the world; of a head-on motion n alone */
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E */
     struct vec3 rate, momentum;                               /* c' [m/s] and H at the start [m^2/s] */
     bool planar;                                              /* but for rounding */
     bool head_on;                                             /* n is constant: c', A and n are parallel */
-    struct nodal_vec3 acceleration_at, drive_at;              /* at the nodes: A, A - damping_rate E */
-    struct nodal_vec3 mismatch_at;                            /* half E, if there is any */
+};
+
+/* What the iteration works with. */
+struct collocation_work {
+    struct nodal_vec3 acceleration_at, drive_at; /* at the nodes: A, A - damping_rate E */
+    struct nodal_vec3 mismatch_at;               /* half E, if there is any */
+    int sweeps;                                  /* so far */
+};
+
+/* What it finds; vectors in the frame of the start. */
+struct collocation_result {
     /* the part of n and H at the start due to y; zero if resolved */
     struct vec3 normal_correction, momentum_correction;
     struct nodal_vec3 n, h;           /* at the nodes: change of n and H since the start, y left out */
     struct nodal_vec3 n_rate, h_rate; /* d/ds of these */
     nodal_values x;                   /* at the nodes; with y only if resolved */
     nodal_values load;                /* half^2 f, coefficients of s - 1 [m] */
-    nodal_values slow;                /* particular solution of x for the load, likewise [m] */
+    nodal_values slow;                /* x without y, likewise [m] */
     nodal_values normal_mismatch;     /* half n.E, likewise [m] */
-    nodal_values y_of_y, y_of_rate;   /* the oscillation's basis at the nodes, if resolved */
+    nodal_values y_of_y, y_of_rate;   /* the free oscillation's basis at the nodes, if resolved */
     int terms;                        /* coefficients of `slow` that matter */
     /* of y, per s; averaged: omega2 corrected by the mean of -df/dx */
     struct oscillator oscillator;
     double y, y_rate;      /* at the start [m] */
     double interior_error; /* estimated truncation error between the ends [m] */
-    int sweeps;            /* of the iteration so far */
+};
+
+struct collocation {
+    struct collocation_problem from;
+    const struct lobatto *nodes;
+    enum collocation_kind kind;
+    double half; /* half the step [s] */
+    struct collocation_local local;
+    struct collocation_work work;
+    struct collocation_result result;
 };
 
 /* Whether the iteration converged to `tolerance` [m]. Of the step > 0 [s] times the oscillator's rates

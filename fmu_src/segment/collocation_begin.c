@@ -9,7 +9,8 @@ static const double FRAME_ROUNDING = 4.0 * DBL_EPSILON;
 
 static struct vec3 in_frame(const struct collocation *p, struct vec3 a)
 {
-    return vec3_make(vec3_dot(p->frame[0], a), vec3_dot(p->frame[1], a), vec3_dot(p->frame[2], a));
+    return vec3_make(vec3_dot(p->local.frame[0], a), vec3_dot(p->local.frame[1], a),
+                     vec3_dot(p->local.frame[2], a));
 }
 
 /* The direction of the part of `a` perpendicular to n, if there is one. Projected twice, because the first
@@ -35,9 +36,9 @@ static void set_frame(struct collocation *p)
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS && !found; ++i) {
         found = direction_across(n, from->acceleration[i], &along);
     }
-    p->frame[0] = n;
-    p->frame[1] = along;
-    p->frame[2] = vec3_cross(n, along);
+    p->local.frame[0] = n;
+    p->local.frame[1] = along;
+    p->local.frame[2] = vec3_cross(n, along);
 }
 
 /* Whether a vector is in the plane of the first two but for rounding, which is then taken away. */
@@ -62,24 +63,25 @@ static bool is_head_on(const struct collocation_problem *from)
 
 static void put_problem_in_frame(struct collocation *p)
 {
-    p->rate = in_frame(p, p->from.rate);
-    p->rate.x = p->from.radial;
-    p->planar = flatten(&p->rate);
+    p->local.rate = in_frame(p, p->from.rate);
+    p->local.rate.x = p->from.radial;
+    p->local.planar = flatten(&p->local.rate);
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        p->acceleration[i] = in_frame(p, p->from.acceleration[i]);
-        p->planar = flatten(&p->acceleration[i]) && p->planar;
+        p->local.acceleration[i] = in_frame(p, p->from.acceleration[i]);
+        p->local.planar = flatten(&p->local.acceleration[i]) && p->local.planar;
     }
     for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && p->from.has_mismatch; ++i) {
-        p->mismatch[i] = in_frame(p, p->from.mismatch[i]);
+        p->local.mismatch[i] = in_frame(p, p->from.mismatch[i]);
     }
-    p->momentum = vec3_scale(p->distance, vec3_make(0.0, -p->rate.z, p->rate.y));
+    p->local.momentum = vec3_scale(p->local.distance, vec3_make(0.0, -p->local.rate.z, p->local.rate.y));
 }
 
 static double load_at_start(const struct collocation *p)
 {
-    const double mismatch = p->from.has_mismatch ? p->from.damping_rate * p->mismatch[0].x : 0.0;
-    return vec3_dot(p->momentum, p->momentum) / (p->distance * p->distance * p->distance) +
-           p->acceleration[0].x - mismatch;
+    const double mismatch = p->from.has_mismatch ? p->from.damping_rate * p->local.mismatch[0].x : 0.0;
+    return vec3_dot(p->local.momentum, p->local.momentum) /
+               (p->local.distance * p->local.distance * p->local.distance) +
+           p->local.acceleration[0].x - mismatch;
 }
 
 void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
@@ -89,19 +91,20 @@ void collocation_begin(struct collocation *p, const struct collocation_problem *
     p->nodes = nodes;
     p->kind = kind;
     p->half = 0.5 * step;
-    p->distance = from->reach + from->deviation;
-    p->head_on = is_head_on(from);
-    p->normal_correction = p->momentum_correction = vec3_make(0.0, 0.0, 0.0);
-    p->sweeps = 0;
+    p->local.distance = from->reach + from->deviation;
+    p->local.head_on = is_head_on(from);
+    p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
+    p->work.sweeps = 0;
     set_frame(p);
     put_problem_in_frame(p);
-    p->oscillator = (struct oscillator){from->omega2 * p->half * p->half, from->damping_rate * p->half};
-    memset(p->slow, 0, sizeof p->slow);
-    memset(p->normal_mismatch, 0, sizeof p->normal_mismatch);
-    p->terms = 1;
-    p->slow[0] = kind == COLLOCATION_OVERDAMPED ? from->deviation : load_at_start(p) / from->omega2;
-    p->y = from->deviation - p->slow[0];
-    p->y_rate = p->half * p->rate.x;
+    p->result.oscillator =
+        (struct oscillator){from->omega2 * p->half * p->half, from->damping_rate * p->half};
+    memset(p->result.slow, 0, sizeof p->result.slow);
+    memset(p->result.normal_mismatch, 0, sizeof p->result.normal_mismatch);
+    p->result.terms = 1;
+    p->result.slow[0] = kind == COLLOCATION_OVERDAMPED ? from->deviation : load_at_start(p) / from->omega2;
+    p->result.y = from->deviation - p->result.slow[0];
+    p->result.y_rate = p->half * p->local.rate.x;
 }
 
 static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
@@ -117,17 +120,17 @@ static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
 static void guess(struct collocation *p, double half)
 {
     const struct vec3 n = {1.0, 0.0, 0.0};
-    const double per_distance_squared = 1.0 / (p->distance * p->distance);
-    const struct vec3 momentum_rate = vec3_scale(p->distance, vec3_cross(n, p->acceleration[0]));
-    const struct vec3 integrate_normal = vec3_scale(per_distance_squared, vec3_cross(p->momentum, n));
+    const double per_distance_squared = 1.0 / (p->local.distance * p->local.distance);
+    const struct vec3 momentum_rate = vec3_scale(p->local.distance, vec3_cross(n, p->local.acceleration[0]));
+    const struct vec3 integrate_normal = vec3_scale(per_distance_squared, vec3_cross(p->local.momentum, n));
     const struct vec3 bend =
         vec3_scale(0.5 * per_distance_squared,
-                   vec3_add(vec3_cross(momentum_rate, n), vec3_cross(p->momentum, integrate_normal)));
+                   vec3_add(vec3_cross(momentum_rate, n), vec3_cross(p->local.momentum, integrate_normal)));
     for (int i = 0; i < p->nodes->points; ++i) {
         const double t = half * (1.0 + p->nodes->node[i]);
-        nodal_put_vec3(&p->h, i, vec3_scale(t, momentum_rate));
-        nodal_put_vec3(&p->n, i, vec3_scale(t, vec3_axpy(integrate_normal, t, bend)));
-        p->x[i] = p->slow[0];
+        nodal_put_vec3(&p->result.h, i, vec3_scale(t, momentum_rate));
+        nodal_put_vec3(&p->result.n, i, vec3_scale(t, vec3_axpy(integrate_normal, t, bend)));
+        p->result.x[i] = p->result.slow[0];
     }
 }
 
@@ -135,7 +138,8 @@ static void guess(struct collocation *p, double half)
 static void add_oscillation_at_nodes(struct collocation *p, double sign)
 {
     for (int i = 0; i < p->nodes->points; ++i) {
-        p->x[i] += sign * (p->y * p->y_of_y[i] + p->y_rate * p->y_of_rate[i]);
+        p->result.x[i] +=
+            sign * (p->result.y * p->result.y_of_y[i] + p->result.y_rate * p->result.y_of_rate[i]);
     }
 }
 
@@ -143,39 +147,39 @@ static void add_oscillation_at_nodes(struct collocation *p, double sign)
 static void move_on(struct collocation *p, double part)
 {
     add_oscillation_at_nodes(p, -1.0);
-    for (int i = 0; i < p->nodes->points && !p->head_on; ++i) {
+    for (int i = 0; i < p->nodes->points && !p->local.head_on; ++i) {
         const double later = part * (1.0 + p->nodes->node[i]);
-        p->h.z[i] += later * p->h_rate.z[i];
-        p->n.x[i] += later * p->n_rate.x[i];
-        p->n.y[i] += later * p->n_rate.y[i];
-        if (!p->planar) {
-            p->h.x[i] += later * p->h_rate.x[i];
-            p->h.y[i] += later * p->h_rate.y[i];
-            p->n.z[i] += later * p->n_rate.z[i];
+        p->result.h.z[i] += later * p->result.h_rate.z[i];
+        p->result.n.x[i] += later * p->result.n_rate.x[i];
+        p->result.n.y[i] += later * p->result.n_rate.y[i];
+        if (!p->local.planar) {
+            p->result.h.x[i] += later * p->result.h_rate.x[i];
+            p->result.h.y[i] += later * p->result.h_rate.y[i];
+            p->result.n.z[i] += later * p->result.n_rate.z[i];
         }
     }
 }
 
 static void fill_nodes(struct collocation *p)
 {
-    const bool steady =
-        !p->from.has_mismatch && vec3_is_zero(p->acceleration[1]) && vec3_is_zero(p->acceleration[2]);
+    const bool steady = !p->from.has_mismatch && vec3_is_zero(p->local.acceleration[1]) &&
+                        vec3_is_zero(p->local.acceleration[2]);
     for (int i = 0; i < p->nodes->points && steady; ++i) {
-        nodal_put_vec3(&p->acceleration_at, i, p->acceleration[0]);
-        nodal_put_vec3(&p->drive_at, i, p->acceleration[0]);
+        nodal_put_vec3(&p->work.acceleration_at, i, p->local.acceleration[0]);
+        nodal_put_vec3(&p->work.drive_at, i, p->local.acceleration[0]);
     }
     for (int i = 0; i < p->nodes->points && !steady; ++i) {
         const double t = p->half * (1.0 + p->nodes->node[i]);
         const struct vec3 acceleration =
-            polynomial_of_time(p->acceleration, COLLOCATION_ACCELERATION_TERMS, t);
+            polynomial_of_time(p->local.acceleration, COLLOCATION_ACCELERATION_TERMS, t);
         struct vec3 drive = acceleration;
         if (p->from.has_mismatch) {
-            const struct vec3 mismatch = polynomial_of_time(p->mismatch, COLLOCATION_MISMATCH_TERMS, t);
-            nodal_put_vec3(&p->mismatch_at, i, vec3_scale(p->half, mismatch));
+            const struct vec3 mismatch = polynomial_of_time(p->local.mismatch, COLLOCATION_MISMATCH_TERMS, t);
+            nodal_put_vec3(&p->work.mismatch_at, i, vec3_scale(p->half, mismatch));
             drive = vec3_axpy(acceleration, -p->from.damping_rate, mismatch);
         }
-        nodal_put_vec3(&p->acceleration_at, i, acceleration);
-        nodal_put_vec3(&p->drive_at, i, drive);
+        nodal_put_vec3(&p->work.acceleration_at, i, acceleration);
+        nodal_put_vec3(&p->work.drive_at, i, drive);
     }
 }
 
@@ -183,18 +187,20 @@ void collocation_size(struct collocation *p, double step)
 {
     const bool resolved = p->kind == COLLOCATION_RESOLVED;
     const double longer = 0.5 * step / p->half;
-    if (p->sweeps == 0) {
+    if (p->work.sweeps == 0) {
         guess(p, 0.5 * step);
     } else if (resolved) {
         move_on(p, longer - 1.0);
     }
-    p->y_rate *= longer;
+    p->result.y_rate *= longer;
     p->half = 0.5 * step;
-    p->terms = p->nodes->points;
-    p->oscillator = (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
+    p->result.terms = p->nodes->points;
+    p->result.oscillator =
+        (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
     fill_nodes(p);
     if (resolved) {
-        oscillator_basis_about_one(&p->oscillator, p->nodes->node, p->nodes->points, p->y_of_y, p->y_of_rate);
+        oscillator_basis_about_one(&p->result.oscillator, p->nodes->node, p->nodes->points, p->result.y_of_y,
+                                   p->result.y_of_rate);
         add_oscillation_at_nodes(p, 1.0);
     }
 }

@@ -40,7 +40,7 @@ bool overdamped_make(struct segment *p)
     double decay = 0.0;
     for (int i = 0; i < ATTEMPTS && step * scales->rates.faster >= COLLOCATED_SHORTEST; ++i) {
         if (overdamped_is_accurate(p, step, decay) && collocated_make(p, step, COLLOCATION_OVERDAMPED)) {
-            decay = fabs(p->as.collocation.step.y);
+            decay = fabs(p->as.collocation.step.result.y);
             if (overdamped_is_accurate(p, step, decay)) {
                 return true;
             }

@@ -150,10 +150,10 @@ void pair_collocation_sample_node(const struct pair_collocation *p, int node, st
  * equation. */
 struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, enum pair_quantity quantity)
 {
-    const struct oscillator *o = &p->step.oscillator;
+    const struct oscillator *o = &p->step.result.oscillator;
     const double half = p->step.half;
-    const double y = p->step.y;
-    const double rate = p->step.y_rate;
+    const double y = p->step.result.y;
+    const double rate = p->step.result.y_rate;
     const double bend = -o->damping_rate * rate - o->omega2 * y;
     const double k = p->from->coefficients.k;
     const double c = p->from->coefficients.c / half;

@@ -194,7 +194,7 @@ static void peaks_of_decaying(struct peaks *peaks, const struct segment *p, doub
 /* The nodes of an averaged step do not see the oscillation. */
 static void peaks_of_averaged(struct peaks *peaks, const struct segment *p)
 {
-    const struct oscillator *o = &p->as.collocation.step.oscillator;
+    const struct oscillator *o = &p->as.collocation.step.result.oscillator;
     const double decay_square = 0.25 * o->damping_rate * o->damping_rate;
     const double omega_d2 = o->omega2 - decay_square;
     if (omega_d2 > HARDLY_TURNS * decay_square) {

@@ -21,16 +21,16 @@ static double left_out(const struct trial *t, const struct collocation *p)
     }
     const double rate = t->kind == COLLOCATION_AVERAGED ? t->rates.slower : t->rates.faster;
     const double ratio = t->turning / rate;
-    const double a = fabs(p->y) + fabs(p->y_rate) / (p->half * rate);
+    const double a = fabs(p->result.y) + fabs(p->result.y_rate) / (p->half * rate);
     return 4.0 * a * ratio * ratio + 3.0 * a * a / t->distance * t->turning * t->step;
 }
 
 /* At the end of an averaged step the square of its tail, before that twice the tail. */
 static double allowed(const struct trial *t, const struct collocation *p, bool end)
 {
-    const double tail = p->nodes->points * p->interior_error;
-    const double by_tail =
-        t->kind == COLLOCATION_AVERAGED && end ? 10.0 * tail * tail / t->distance : 2.5 * p->interior_error;
+    const double tail = p->nodes->points * p->result.interior_error;
+    const double by_tail = t->kind == COLLOCATION_AVERAGED && end ? 10.0 * tail * tail / t->distance
+                                                                  : 2.5 * p->result.interior_error;
     return TIMES * TOLERANCE * t->distance + by_tail + left_out(t, p);
 }
 
@@ -92,7 +92,8 @@ static void check_sums(const struct trial *t, const struct collocation *p, const
     double of_y = 0.0;
     if (t->kind != COLLOCATION_RESOLVED) {
         const double rate = t->kind == COLLOCATION_AVERAGED ? t->rates.slower : t->rates.faster;
-        of_y = 4.0 * (fabs(p->y) + fabs(p->y_rate) / (p->half * rate)) / rate * (t->turning / rate);
+        of_y = 4.0 * (fabs(p->result.y) + fabs(p->result.y_rate) / (p->half * rate)) / rate *
+               (t->turning / rate);
     }
     CHECK_CLOSE("dissipated", collocation_dissipated(p, 2.0), y->dissipated,
                 off * force + 16.0L * DBL_EPSILON * long_dot(r->start.rate, r->start.rate));
@@ -168,10 +169,10 @@ static void near_its_end_a_resolved_step_is_off_by_less_than_it_says(void)
         const double s = k % 4 == 0 ? 2.0 : 2.0 - random_power(&r, -8.0, -1.0);
         const struct collocation_change got = collocation_change_at(&p, s);
         const struct collocation_change expected = collocation_change_at(&exact, s);
-        const double off = collocation_error_near_end(&p, s) + exact.interior_error + TIMES * asked;
+        const double off = collocation_error_near_end(&p, s) + exact.result.interior_error + TIMES * asked;
         CHECK_CLOSE("moved", vec3_norm(vec3_sub(got.moved, expected.moved)), 0.0L, off);
         CHECK_CLOSE("gained", vec3_norm(vec3_sub(got.gained, expected.gained)), 0.0L, off * t.rates.faster);
-        strict += off < 0.01 * p.interior_error;
+        strict += off < 0.01 * p.result.interior_error;
     }
     CHECK(strict > 400);
 }
@@ -199,7 +200,8 @@ static void a_head_on_step_goes_straight_on(void)
         struct collocation p;
         straighten(&t, &r);
         CHECK(check_trial(&r, &t));
-        CHECK(collocation_make(&p, &t.problem, t.step, t.kind, twelve, TOLERANCE * t.distance) && p.head_on);
+        CHECK(collocation_make(&p, &t.problem, t.step, t.kind, twelve, TOLERANCE * t.distance) &&
+              p.local.head_on);
         const struct collocation_change change = collocation_change_at(&p, 1.3);
         CHECK(vec3_is_zero(vec3_cross(change.moved, t.problem.normal)));
         CHECK(vec3_is_zero(vec3_cross(change.gained, t.problem.normal)));
@@ -259,7 +261,8 @@ static void derivatives_are_those_of_x(void)
         const double s = random_between(&r, 0.1, 1.9);
         const double rate = p.half * t.rates.faster;
         const double way = 1e-3 / rate;
-        const double size = fabs(p.slow[0]) + fabs(p.slow[1]) + fabs(p.y) + fabs(p.y_rate) / rate;
+        const double size =
+            fabs(p.result.slow[0]) + fabs(p.result.slow[1]) + fabs(p.result.y) + fabs(p.result.y_rate) / rate;
         const double rounding = 64.0 * DBL_EPSILON * size;
         double here[4];
         double there[4];

@@ -33,7 +33,7 @@ bool exponential_run(const struct problem *p, struct outcome *out)
         if (!collocation_make(&step, &from, h, kind, &lobatto[LOBATTO_TWELVE], CONVERGED)) {
             return false;
         }
-        out->iterations += step.sweeps;
+        out->iterations += step.work.sweeps;
         const struct collocation_change change = collocation_change_at(&step, 2.0);
         collocation_deviation(&step, 2.0, x);
         /* As pair_apply does: the centre takes on the distance that has been accumulated, so rounding does not pile up. */
