@@ -2,10 +2,10 @@
 #ifndef CONTACT_MATH_LOBATTO_H
 #define CONTACT_MATH_LOBATTO_H
 
-/* Both ends are nodes, so that the load is exact where the oscillation is split off. With twelve points a
- * step takes a slow motion about one radian at full accuracy; more points cost more sweeps. With fewer a
- * sweep costs less, by their square: eight are for half that way, four for a tenth. Multiples of four: so
- * many sums are made at once (nodal_values.c). */
+/* Both ends are nodes, so that the load is exact at the start, where the free oscillation is separated from
+ * the particular solution. Twelve points integrate about one radian of a slow motion to full accuracy; more
+ * would need more sweeps. A sweep costs the square of their number: eight reach half as far, four a tenth.
+ * Multiples of four, because nodal_values.c computes four sums at a time. */
 enum lobatto_size { LOBATTO_FOUR, LOBATTO_EIGHT, LOBATTO_TWELVE, LOBATTO_SIZES };
 
 enum { LOBATTO_MAX = 12 };

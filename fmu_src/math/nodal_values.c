@@ -7,7 +7,7 @@ static void multiply_block(int points, const double *matrix, const double *value
 {
     double2 low = {0.0, 0.0};
     double2 high = {0.0, 0.0};
-    for (int j = 0; j < points; j += 2) { /* two, for half the loop's own work */
+    for (int j = 0; j < points; j += 2) { /* two at a time: half the loop's overhead */
         const double *by = matrix + j * points;
         const double *then = by + points;
         low += double2_at(by, 0) * values[j];

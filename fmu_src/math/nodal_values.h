@@ -8,8 +8,7 @@
 
 typedef double nodal_values[LOBATTO_MAX];
 
-/* Two doubles that a processor adds or multiplies at once; each result has the bits of the single
- * operation. */
+/* Two doubles for one vector instruction; each result has the bits of the scalar operation. */
 typedef double double2 __attribute__((vector_size(16), aligned(8), may_alias));
 
 static inline double2 double2_at(const double *row, int i)
@@ -37,7 +36,7 @@ static inline void nodal_put_vec3(struct nodal_vec3 *row, int node, struct vec3 
 void nodal_coefficients(const struct lobatto *nodes, const double *values, double *a);
 void nodal_values_of(const struct lobatto *nodes, const double *a, double *values);
 
-/* A polynomial of so many coefficients at s, its slope, and with its first three derivatives. */
+/* A polynomial of `terms` coefficients at s: its value, its slope, its value with three derivatives. */
 double nodal_polynomial_at(const double *a, int terms, double s);
 double nodal_slope(const double *a, int terms, double s);
 void nodal_derivatives(const double *a, int terms, double s, double out[4]);
@@ -52,8 +51,8 @@ double nodal_integral_to(const struct lobatto *nodes, const double *sum, const d
 /* The integral from 0 to s of the polynomial with coefficients a. */
 double nodal_integral(const double *a, int terms, double s);
 
-/* The larger of the last two coefficients, as those of Chebyshev polynomials: what is left out is of this
- * size at most where the coefficients fall. */
+/* The larger of the last two Chebyshev coefficients: an estimate of the truncation error where the
+ * coefficients decrease. */
 double nodal_tail(const struct lobatto *nodes, const double *values);
 
 #endif

@@ -6,7 +6,7 @@
 
 #include "math/pi.h"
 
-/* Beyond a step of this part of s nothing is foretold. */
+/* Longest step, relative to s, after which convergence is predicted instead of tested. */
 static const double SHORT_STEP = 1e-6;
 
 /*
@@ -19,9 +19,9 @@ static bool is_the_last(struct root_bracket_end now, struct root_bracket_end bef
     const double step = next - now.s;
     const double length = now.s - before.s;
     const double bend = (now.slope - before.slope) / length;
-    const double mistrust = (now.value - before.value) / length - 0.5 * (now.slope + before.slope);
+    const double slope_error = (now.value - before.value) / length - 0.5 * (now.slope + before.slope);
     return fabs(step) <= SHORT_STEP * next &&
-           fabs(bend * step * step) + fabs(mistrust * step) <= 0.25 * DBL_EPSILON * fabs(now.slope * next);
+           fabs(bend * step * step) + fabs(slope_error * step) <= 0.25 * DBL_EPSILON * fabs(now.slope * next);
 }
 
 static double root_from(root_function *f, const void *data, double low, double high, double rising, double s)
@@ -42,7 +42,7 @@ static double root_from(root_function *f, const void *data, double low, double h
         }
         double next = s - now.value / now.slope;
         if (fabs(next - s) <= DBL_EPSILON * s) {
-            return s; /* and not on to the other end of the bracket, where s is its new end */
+            return s; /* converged; s is now an end of the bracket, so bisection would leave it */
         }
         if (!(next > low && next < high)) {
             next = 0.5 * (low + high);

@@ -68,9 +68,9 @@ static inline double vec3_max_abs(struct vec3 a)
 /* Length, scaled by the largest component where 1e150 would overflow or 1e-170 underflow when squared. */
 static inline double vec3_norm(struct vec3 a)
 {
-    const double square = vec3_dot(a, a);
-    if (square > 1e-280 && square < 1e280) {
-        return sqrt(square);
+    const double squared = vec3_dot(a, a);
+    if (squared > 1e-280 && squared < 1e280) {
+        return sqrt(squared);
     }
     const double scale = vec3_max_abs(a);
     if (!(scale > 0.0)) {

@@ -58,7 +58,7 @@ static double positive_until(const struct dense_output *w, const struct pair_low
     return 2.0;
 }
 
-/* Up to which s neither the bodies part nor the law changes its regime. */
+/* The s up to which neither the bodies part nor the law ends the regime. */
 static double event_free_until(const struct segment *p)
 {
     const struct pair_collocation *made = &p->as.collocation;
@@ -126,7 +126,8 @@ bool averaged_make(struct segment *p)
             continue;
         }
         /* The error at the end of a step is about the square of that in between. Ten times the square of the
-         * tails, times the number of points squared, is above all measured errors. */
+         * tails, times the number of points squared, is above all measured errors (tests/unit/collocation.c).
+         * */
         const double tail = made->step.nodes->points * made->step.result.interior_error;
         const double error = tail * (10.0 * tail / d);
         if (!(error <= p->tolerance)) {
@@ -140,7 +141,7 @@ bool averaged_make(struct segment *p)
         if (p->event_free) {
             return true;
         }
-        /* End before it by some periods of the oscillation. */
+        /* End two resolved segments before the event: those locate it. */
         step = until * made->step.half - 2.0 * RESOLVED_LENGTH / scales->rates.slower;
     }
     return false;

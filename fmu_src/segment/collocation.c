@@ -3,8 +3,8 @@
 #include <float.h>
 #include <string.h>
 
-/* Sweep k reduces the error by about the angle turned in the step, some two radians, over k. Where more
- * sweeps than this are needed a shorter step costs less. */
+/* Sweep k multiplies the error by about 1/k of the radians of tangential motion in the step, some two. Where
+ * more sweeps than this are needed, a shorter step costs less. */
 enum { MAX_SWEEPS = 30 };
 
 /* Rounding of coefficients relative to the values: they are sums with factors up to 611

@@ -37,13 +37,13 @@ enum { COLLOCATION_ACCELERATION_TERMS = 3, COLLOCATION_MISMATCH_TERMS = 4 };
 
 /* Polynomials: coefficients of time from the start. */
 struct collocation_problem {
-    struct vec3 normal;  /* n, unit */
-    struct vec3 rate;    /* c' [m/s] */
-    double radial;       /* x', the part of c' along n, or finer than that tells [m/s] */
-    double reach;        /* [m] */
-    double deviation;    /* x [m] */
-    double omega2;       /* > 0 [1/s^2] */
-    double damping_rate; /* [1/s] */
+    struct vec3 normal;                                       /* n, unit */
+    struct vec3 rate;                                         /* c' [m/s] */
+    double radial;                                            /* x' [m/s]: n.c', or more accurate than that */
+    double reach;                                             /* [m] */
+    double deviation;                                         /* x [m] */
+    double omega2;                                            /* > 0 [1/s^2] */
+    double damping_rate;                                      /* [1/s] */
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E [m/s, ...] */
     bool has_mismatch;                                        /* whether E is other than zero */
@@ -125,8 +125,8 @@ void collocation_deviation_at_node(const struct collocation *p, int node, double
 void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[3]);
 
 /* The contact force over m_red, half^2 (x'' - n.A - |H|^2 / d^3) = -(omega2 x + damping_rate (x' + n.E)), and
- * its first two derivatives, by x'' and f: in overdamped contact spring and dashpot nearly cancel. Overdamped
- * steps only. */
+ * its first two derivatives, from x'' and f, because in overdamped contact spring and dashpot nearly cancel.
+ * Overdamped steps only. */
 void collocation_overdamped_push(const struct collocation *p, double s, double push[3]);
 
 /* x without y (the averaged deviation), and its derivatives. */

@@ -4,7 +4,7 @@
 
 #include "segment/collocation.h"
 
-/* So much of a product with the frame's vectors is rounding. */
+/* Rounding of a product with the frame's vectors, relative to its factors. */
 static const double FRAME_ROUNDING = 4.0 * DBL_EPSILON;
 
 static struct vec3 in_frame(const struct collocation *p, struct vec3 a)
@@ -41,7 +41,8 @@ static void set_frame(struct collocation *p)
     p->local.frame[2] = vec3_cross(n, along);
 }
 
-/* Whether a vector is in the plane of the first two but for rounding, which is then taken away. */
+/* Whether a vector lies to rounding in the plane of the frame's first two; its third component is then zero.
+ * */
 static bool flatten(struct vec3 *a)
 {
     if (fabs(a->z) > FRAME_ROUNDING * (fabs(a->x) + fabs(a->y))) {
@@ -51,7 +52,7 @@ static bool flatten(struct vec3 *a)
     return true;
 }
 
-/* n and H stay: the motion is along the normal and so is the relative acceleration. */
+/* Whether n and H are constant: c' and A are along the normal. */
 static bool is_head_on(const struct collocation_problem *from)
 {
     double across = vec3_max_abs(vec3_cross(from->normal, from->rate));
@@ -122,19 +123,19 @@ static void guess(struct collocation *p, double half)
     const struct vec3 n = {1.0, 0.0, 0.0};
     const double per_distance_squared = 1.0 / (p->local.distance * p->local.distance);
     const struct vec3 momentum_rate = vec3_scale(p->local.distance, vec3_cross(n, p->local.acceleration[0]));
-    const struct vec3 integrate_normal = vec3_scale(per_distance_squared, vec3_cross(p->local.momentum, n));
+    const struct vec3 normal_rate = vec3_scale(per_distance_squared, vec3_cross(p->local.momentum, n));
     const struct vec3 bend =
         vec3_scale(0.5 * per_distance_squared,
-                   vec3_add(vec3_cross(momentum_rate, n), vec3_cross(p->local.momentum, integrate_normal)));
+                   vec3_add(vec3_cross(momentum_rate, n), vec3_cross(p->local.momentum, normal_rate)));
     for (int i = 0; i < p->nodes->points; ++i) {
         const double t = half * (1.0 + p->nodes->node[i]);
         nodal_put_vec3(&p->result.h, i, vec3_scale(t, momentum_rate));
-        nodal_put_vec3(&p->result.n, i, vec3_scale(t, vec3_axpy(integrate_normal, t, bend)));
+        nodal_put_vec3(&p->result.n, i, vec3_scale(t, vec3_axpy(normal_rate, t, bend)));
         p->result.x[i] = p->result.slow[0];
     }
 }
 
-/* y at the nodes into x, or out of it. */
+/* Adds y at the nodes to x (sign 1) or takes it out (sign -1). */
 static void add_oscillation_at_nodes(struct collocation *p, double sign)
 {
     for (int i = 0; i < p->nodes->points; ++i) {
@@ -144,7 +145,7 @@ static void add_oscillation_at_nodes(struct collocation *p, double sign)
 }
 
 /* Extrapolates to the nodes of a step that is longer by `part`; takes y out of x. */
-static void move_on(struct collocation *p, double part)
+static void extrapolate(struct collocation *p, double part)
 {
     add_oscillation_at_nodes(p, -1.0);
     for (int i = 0; i < p->nodes->points && !p->local.head_on; ++i) {
@@ -190,7 +191,7 @@ void collocation_size(struct collocation *p, double step)
     if (p->work.sweeps == 0) {
         guess(p, 0.5 * step);
     } else if (resolved) {
-        move_on(p, longer - 1.0);
+        extrapolate(p, longer - 1.0);
     }
     p->result.y_rate *= longer;
     p->half = 0.5 * step;

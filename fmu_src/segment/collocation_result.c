@@ -1,4 +1,4 @@
-/* What a collocated step says: x between its ends, energies, moments. */
+/* Dense output of a collocated step: x, motion, dissipated energy and moments at any s. */
 #include <string.h>
 
 #include "segment/collocation.h"
@@ -15,8 +15,8 @@ double collocation_error_near_end(const struct collocation *p, double s)
     const double swing = (fabs(p->result.y) + fabs(p->result.y_rate)) / p->local.distance;
     /* A polynomial that is zero at the nodes has a slope at the last one below the square of their number,
      * relative to its size. */
-    const double way_back = points * points * fabs(2.0 - s);
-    return p->result.interior_error * fmin(1.0, LEFT_AT_END + LEFT_OF_PRODUCTS * swing + way_back);
+    const double off_node = points * points * fabs(2.0 - s);
+    return p->result.interior_error * fmin(1.0, LEFT_AT_END + LEFT_OF_PRODUCTS * swing + off_node);
 }
 
 void collocation_averaged_deviation(const struct collocation *p, double s, double x[4])
@@ -112,9 +112,9 @@ static struct vec3 in_world(const struct collocation *p, struct vec3 a)
                      p->local.frame[2]);
 }
 
-/* What has been added to n and H, y included. */
-static void added_at(const struct collocation *p, double s, const double x[4], struct vec3 *normal_change,
-                     struct vec3 *momentum_change)
+/* Change of n and H since the start, y included. */
+static void frame_change_at(const struct collocation *p, double s, const double x[4],
+                            struct vec3 *normal_change, struct vec3 *momentum_change)
 {
     const struct lobatto *nodes = p->nodes;
     normal_change->x = nodal_integral_to(nodes, p->result.n.x, p->result.n_rate.x, s);
@@ -147,7 +147,7 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
     struct vec3 normal_change = {0.0, 0.0, 0.0};
     struct vec3 momentum_change = {0.0, 0.0, 0.0};
     if (!p->local.head_on) {
-        added_at(p, s, x, &normal_change, &momentum_change);
+        frame_change_at(p, s, x, &normal_change, &momentum_change);
     }
     const double d = p->from.reach + x[0];
     /* n keeps its length: |normal + normal_change|^2 = 1 + longer */
@@ -169,7 +169,7 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
                                        in_world(p, gained), x[0]};
 }
 
-/* The integral from 0 to s of (polynomial) X' or s' ds. */
+/* The integral from 0 to s of the polynomial `a` times the rate of x without y. */
 static double along_slow(const struct collocation *p, const double *a, double s)
 {
     const int points = p->nodes->points;
@@ -189,9 +189,11 @@ static double along_slow(const struct collocation *p, const double *a, double s)
     return nodal_integral(product, points, s);
 }
 
-/* The integral of (polynomial a) y' in closed form. With a spring: (Q y + Q' y' / omega2)' = a y' where Q +
- * Q'' / omega2 - damping_rate Q' / omega2 = a. A single decay: (Q y)' = a y' where Q - Q' / faster = a. */
-static double along_rest(const struct collocation *p, const double *a, double s, double y, double y_rate)
+/* The integral from 0 to s of the polynomial `a` times y', in closed form. With a spring: (Q y + Q' y' /
+ * omega2)' = a y' where Q + Q'' / omega2 - damping_rate Q' / omega2 = a. A single decay: (Q y)' = a y' where
+ * Q - Q' / faster = a. */
+static double along_oscillation(const struct collocation *p, const double *a, double s, double y,
+                                double y_rate)
 {
     const int points = p->nodes->points;
     nodal_values scaled = {0.0};
@@ -234,7 +236,7 @@ double collocation_dissipated(const struct collocation *p, double s)
     const double dissipated_energy =
         0.5 * ((start_rate - x[1]) * (start_rate + x[1]) + omega2 * (x0 - x[0]) * (x0 + x[0]) +
                softening * (p->result.y - y) * (p->result.y + y));
-    double sum = dissipated_energy + along_slow(p, a, s) + along_rest(p, a, s, y, x[1] - slow[1]);
+    double sum = dissipated_energy + along_slow(p, a, s) + along_oscillation(p, a, s, y, x[1] - slow[1]);
     if (p->from.has_mismatch) {
         nodal_values values;
         nodal_values_of(p->nodes, p->result.normal_mismatch, values);
@@ -247,8 +249,9 @@ double collocation_dissipated(const struct collocation *p, double s)
     return sum / (p->half * p->half);
 }
 
-/* The integral from 0 to s of (values at the nodes) y ds, by parts: with B' = b, (B y)' - B y' = b y. */
-static double moment_of_rest(const struct collocation *p, const double *values, double s)
+/* The integral from 0 to s of b y, b given by `values` at the nodes, by parts: with B' = b, (B y)' - B y' = b
+ * y. */
+static double moment_of_oscillation(const struct collocation *p, const double *values, double s)
 {
     const int points = p->nodes->points;
     nodal_values sum = {0.0};
@@ -260,7 +263,7 @@ static double moment_of_rest(const struct collocation *p, const double *values, 
     (void)nodal_integrate(p->nodes, values, sum);
     nodal_coefficients(p->nodes, sum, b);
     const double y = x[0] - slow[0];
-    return nodal_polynomial_at(b, points, s) * y - along_rest(p, b, s, y, x[1] - slow[1]);
+    return nodal_polynomial_at(b, points, s) * y - along_oscillation(p, b, s, y, x[1] - slow[1]);
 }
 
 double collocation_moment(const struct collocation *p, const struct vec3 weight[2], double s)
@@ -282,6 +285,6 @@ double collocation_moment(const struct collocation *p, const struct vec3 weight[
     }
     nodal_coefficients(p->nodes, values, a);
     const double slow = nodal_integral(a, p->nodes->points, s);
-    const double rest = p->kind == COLLOCATION_RESOLVED ? 0.0 : moment_of_rest(p, along, s);
+    const double rest = p->kind == COLLOCATION_RESOLVED ? 0.0 : moment_of_oscillation(p, along, s);
     return p->half * (slow + rest);
 }

@@ -44,7 +44,7 @@ static void leave_centre(struct contact_pair *p, const struct contact_geometry *
     p->flight.c[0] = p->flight.offset = vec3_scale(p->distance, p->normal);
 }
 
-/* g' = side n.w */
+/* Corrects w so that side n.w is `rate`, the g' carried from the segment before. */
 static void take_carried_rate(struct contact_pair *p, double rate)
 {
     const double missing = p->shape.side * rate - vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
@@ -107,23 +107,22 @@ double pair_load(const struct contact_pair *p)
            fabs(vec3_dot(across, across) / distance + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
 }
 
-/* Of the force. Peaks are right to it; where velocities are as good as that, they are all there is to
- * know. */
-static const double COARSE = 1e-6;
+/* Error of the force, relative to it, up to which g' is taken from the rounded velocities. */
+static const double FORCE_ACCURACY = 1e-6;
 
 double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
                                 const struct scene_values *v, const struct scene_state *q, int contact)
 {
     const struct vec3 source = scene_body_now(v, q, contact_source(contact)).velocity;
     const struct vec3 destination = scene_body_now(v, q, contact_destination(contact)).velocity;
-    /* Flight and deviation from it nearly cancel in a contact that lasts. */
+    /* In lasting contact flight and deviation nearly cancel: the size of either counts. */
     const double size = vec3_norm(source) + vec3_norm(destination) + vec3_norm(change->r_rate);
     const double rounding = 16.0 * DBL_EPSILON * size;
     const double force_per_rate = sqrt(p->coefficients.k * p->reduced_mass) + p->coefficients.c;
     const double rate = fabs(vec3_dot(p->normal, pair_across(p, p->flight.w[0])));
     const double force =
         pair_load(p) + p->coefficients.k * fmax(fabs(p->gap), fabs(change->gap)) + force_per_rate * rate;
-    return force_per_rate * rounding > COARSE * force ? rounding : 0.0;
+    return force_per_rate * rounding > FORCE_ACCURACY * force ? rounding : 0.0;
 }
 
 static void move_body(const struct scene_values *v, struct scene_state *q, int body, double time,

@@ -34,8 +34,8 @@ struct contact_pair {
     /* rounding: added to c so that its length agrees with the accumulated gap, or with the direction taken at
      * the centre [m] */
     struct vec3 rounded;
-    struct vec3 rate_rounded; /* what w lacks for g' to be the carried one: rounding [m/s] */
-    double carried_rate;      /* g' as accumulated; NaN: as w tells [m/s] */
+    struct vec3 rate_rounded; /* rounding: added to w so that side n.w is the carried rate [m/s] */
+    double carried_rate;      /* g' carried from the segment before; NaN: side n.w is as accurate [m/s] */
     double reduced_mass;      /* m_red [kg] */
     double rate_rounding;     /* of g', by rounding [m/s] */
     struct pair_work work[PAIR_BODIES];
@@ -62,7 +62,8 @@ struct pair_change {
 void pair_make(struct contact_pair *p, const struct scene_values *v, const struct scene_state *q,
                const struct scene_instant *at, int contact);
 
-/* dg/dt at the start, which is not g' where bodies are led otherwise than they move [m/s] */
+/* dg/dt at the start [m/s]. It differs from g' where a prescribed velocity is not the derivative of its
+ * displacement. */
 double pair_gap_derivative(const struct contact_pair *p);
 
 /* The force that would keep the bodies at their present distance, |m_red (|w_t|^2 / d + n.A)| [N]. Near the
@@ -75,8 +76,8 @@ struct vec3 pair_across(const struct contact_pair *p, struct vec3 c);
 /* The tangential part of such a vector: without its component along n. */
 struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
 
-/* How little the velocities after the change tell of g', by rounding [m/s]: 0 where that is enough, for it
- * makes no force worth mentioning. */
+/* Rounding error of g' computed from the velocities after the change [m/s]; 0 where the error of the force
+ * that it causes is negligible. */
 double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
                                 const struct scene_values *v, const struct scene_state *q, int contact);
 

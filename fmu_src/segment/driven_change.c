@@ -77,8 +77,8 @@ static bool has_changed(const struct driven_instant *at, const struct contact_la
            law->stiffness * at->gap_noise + law->damping * at->rate_noise;
 }
 
-/* The candidate events of the law come from squares and lose digits where the path is long. Between a place
- * before the change and one after it the law itself says where it is, by halving. */
+/* Candidate events of the law come from squared polynomials, which lose digits where the path is long. So the
+ * change is located by bisection of the regime itself, between an instant before it and one after. */
 static double halve_to_change(const struct relative_path *path, const struct contact_law *law,
                               const struct driven_rounding *rounding, double before, double after,
                               enum contact_regime next)

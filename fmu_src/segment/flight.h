@@ -40,7 +40,7 @@ struct body_state flight_body_at(const struct scene_values *v, const struct scen
  * stored energy that is lost. Only while flight_is_free. */
 void flight_advance(const struct scene_values *v, struct scene_state *q, double clock);
 
-/* flight_body_at where there is no force, digit for digit. */
+/* flight_body_at where there is no force, bit for bit. */
 static inline struct body_state flight_unforced_at(const struct scene_values *v, const struct scene_state *q,
                                                    int body, double clock)
 {

@@ -10,9 +10,9 @@ static struct polynomial law_condition(const struct relative_path *path, const s
     const struct polynomial offset2 = relative_path_distance_squared(path);
     sum = polynomial_add(&sum, k, &offset2);
     sum = polynomial_add(&sum, scaled_damping / unit, &path->half_rate);
-    const struct polynomial square = polynomial_multiply(&sum, &sum);
+    const struct polynomial squared_sum = polynomial_multiply(&sum, &sum);
     const double reach_term = k * path->reach;
-    return polynomial_add(&square, -reach_term * reach_term, &offset2);
+    return polynomial_add(&squared_sum, -reach_term * reach_term, &offset2);
 }
 
 /* k (d - reach) + c d' = 0 times d + reach, with reach / d for 1 where the gap is small: exact the closer the

@@ -59,14 +59,14 @@ static double first_zero(const struct parabola *p, double discriminant)
 /* When it falls through zero first, INFINITY: never; false where rounding decides. */
 static bool first_fall(const struct parabola *p, double rounding, double *t)
 {
-    const double square = p->rate * p->rate;
+    const double rate_squared = p->rate * p->rate;
     const double product = 4.0 * p->bend * p->value;
-    const double size = square + fabs(product);
-    if (!is_clearly_above(p, rounding) || !(fabs(square - product) > LEAST_DISCRIMINANT * size) ||
+    const double size = rate_squared + fabs(product);
+    if (!is_clearly_above(p, rounding) || !(fabs(rate_squared - product) > LEAST_DISCRIMINANT * size) ||
         !isfinite(size)) {
         return false;
     }
-    *t = square > product ? first_zero(p, square - product) : (double)INFINITY;
+    *t = rate_squared > product ? first_zero(p, rate_squared - product) : (double)INFINITY;
     return true;
 }
 

@@ -42,7 +42,8 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
 }
 
 /* |A| at its largest, seen at the start, the middle and the end of the step [m/s^2]. */
-static double largest_pull(const struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS], double step)
+static double largest_acceleration(const struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS],
+                                   double step)
 {
     double largest = vec3_norm(acceleration[0]);
     for (int i = 1; i <= 2; ++i) {
@@ -58,14 +59,13 @@ double pair_tangential_rate_within(const struct pair_timescales *scales, double 
     if (vec3_is_zero(acceleration[1]) && vec3_is_zero(acceleration[2])) {
         return scales->tangential_rate;
     }
-    return scales->rate_along + sqrt(largest_pull(acceleration, step) / scales->distance);
+    return scales->rate_along + sqrt(largest_acceleration(acceleration, step) / scales->distance);
 }
 
-/* Radians in a step are an estimate: a tenth more is as good. */
+/* A step may cover this many times the radians asked for: they are an estimate. */
 static const double RADIANS_MORE = 1.1;
 
-/* Each leaves at most half of the step's logarithm that is too much: a step of 1e6 times the length needs
- * eight. */
+/* Each trial at least halves the logarithm of the excess length: a step 1e6 times too long needs eight. */
 enum { STEP_TRIALS = 12 };
 
 double pair_step_within(const struct pair_timescales *scales, double longest, double radians)
@@ -76,8 +76,8 @@ double pair_step_within(const struct pair_timescales *scales, double longest, do
         if (step * tangential_rate <= RADIANS_MORE * radians) {
             break;
         }
-        /* What is looked for lies between the step and radians / tangential_rate. The rate grows with a power
-         * of the step between 0 and 1, so that the geometric mean is nearer to it than either. */
+        /* The step sought lies between this one and radians / tangential_rate. The rate grows with a power
+         * of the step between 0 and 1, so the geometric mean of the two is nearer to it than either. */
         step = sqrt(step * (radians / tangential_rate));
     }
     return step;
@@ -146,8 +146,7 @@ void pair_collocation_sample_node(const struct pair_collocation *p, int node, st
     fill_sample(p, x, 1.0 + p->step.nodes->node[node], sample);
 }
 
-/* What the oscillation alone brings to a quantity: y, its rate and its force all solve the oscillator's
- * equation. */
+/* y, its rate and its force all solve the oscillator's equation. */
 struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, enum pair_quantity quantity)
 {
     const struct oscillator *o = &p->step.result.oscillator;

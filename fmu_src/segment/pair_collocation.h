@@ -9,9 +9,10 @@
 /* Rates and sizes of the motion at the start of a step. */
 struct pair_timescales {
     struct collocation_problem problem;
-    double distance;        /* d [m] */
-    double rate_along;      /* |c' along the contact| / d [1/s] */
-    double tangential_rate; /* the rate at which the motion along the contact turns now [1/s] */
+    double distance;   /* d [m] */
+    double rate_along; /* |c' along the contact| / d [1/s] */
+    /* rate_along + sqrt(|A| / d) at the start: n turns by about a radian in its inverse [1/s] */
+    double tangential_rate;
     /* of the radial oscillator; sqrt(p_n / m_red) below critical damping [1/s] */
     struct oscillator_rates rates;
     double oscillation;       /* amplitude of the oscillation of x about its particular solution [m] */
@@ -21,12 +22,11 @@ struct pair_timescales {
 
 void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p);
 
-/* The largest `tangential_rate` within a step of so many seconds: a pull that grows with time, perhaps from
- * nothing, makes it faster than it is at the start. Equal to `tangential_rate` where the pull is constant or
- * fades. */
+/* The largest tangential rate within a step of so many seconds [1/s]. It exceeds that at the start where the
+ * relative acceleration A grows with time, perhaps from zero. */
 double pair_tangential_rate_within(const struct pair_timescales *scales, double step);
 
-/* The longest step, up to `longest`, in which the motion along the contact turns by about `radians`. */
+/* The longest step, up to `longest` [s], in which the tangential motion covers about `radians`. */
 double pair_step_within(const struct pair_timescales *scales, double longest, double radians);
 
 struct pair_collocation {
@@ -59,11 +59,11 @@ struct pair_lower_bound {
  * pair_lower_bound. */
 void pair_lower_bound_at(const void *pair_lower_bound, double s, double *value, double *slope);
 
-/* The same from what pair_collocation_sample_averaged says there; the envelope is pair_envelope_of. */
+/* The same from the averaged sample at s; `envelope` is pair_envelope_of the bounded quantity. */
 void pair_lower_bound_from(const struct pair_lower_bound *bound, const struct oscillator_envelope *envelope,
                            double s, const struct pair_sample *slow, double *value, double *slope);
 
-/* What the oscillation alone brings to a quantity. */
+/* Bound of what the oscillation alone adds to a quantity. */
 struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, enum pair_quantity quantity);
 
 struct pair_change pair_collocation_change(const void *pair_collocation, double s);

@@ -151,7 +151,7 @@ bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_qu
                                   double factor, double offset)
 {
     if (!(p->from->coefficients.k > 0.0)) {
-        return false; /* for it drifts */
+        return false; /* without a spring the gap drifts */
     }
     if (quantity == PAIR_GAP) {
         return p->amplitude < factor * p->equilibrium + offset;

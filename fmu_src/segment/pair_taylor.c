@@ -7,7 +7,7 @@ struct recurrence {
     struct taylor_vec3 c; /* separation; of a cylinder the part across its axis */
     struct taylor_vec3 w; /* its rate */
     struct taylor_vec3 n;
-    double square[TAYLOR_TERMS]; /* c.c */
+    double d_squared[TAYLOR_TERMS]; /* c.c */
     double d[TAYLOR_TERMS];
     double closing[TAYLOR_TERMS]; /* c.w */
     double speed[TAYLOR_TERMS];   /* c.w / d = n.w */
@@ -86,8 +86,8 @@ static void next_coefficient(struct pair_taylor *p, struct recurrence *z, int i,
         z->speed[i] = vec3_dot(from->normal, z->w.at[i]);
         z->n.at[i] = i == 0 ? from->normal : none;
     } else {
-        z->square[i] = taylor_dot(&z->c, &z->c, i);
-        z->d[i] = taylor_root(z->square, z->d, i);
+        z->d_squared[i] = taylor_dot(&z->c, &z->c, i);
+        z->d[i] = taylor_root(z->d_squared, z->d, i);
         z->closing[i] = taylor_dot(&z->c, &z->w, i);
         z->speed[i] = taylor_divide(z->closing, z->d, z->speed, i);
         z->n.at[i] = taylor_divide_vec3(&z->c, z->d, &z->n, i);
@@ -164,14 +164,14 @@ static double work_along_series(const struct pair_taylor *p, const struct pair_w
 
 static double dissipated(const struct pair_taylor *p, double s)
 {
-    double square[TAYLOR_TERMS];
+    double rate_squared[TAYLOR_TERMS];
     if (!(p->from->coefficients.c > 0.0)) {
         return 0.0;
     }
     for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        square[i] = taylor_multiply(p->rate, p->rate, i);
+        rate_squared[i] = taylor_multiply(p->rate, p->rate, i);
     }
-    return p->from->coefficients.c * p->unit * taylor_integral(square, TAYLOR_TERMS, s);
+    return p->from->coefficients.c * p->unit * taylor_integral(rate_squared, TAYLOR_TERMS, s);
 }
 
 struct pair_change pair_taylor_change(const void *pair_taylor, double s)

@@ -110,13 +110,13 @@ static bool first_touch(const struct relative_path *path, const struct extremes 
     return low.value > 0.0;
 }
 
-/* Of bodies that are apart and approach when they touch, if they do. */
+/* The change of bodies that are apart: compression from their first touch on, if there is one. */
 static struct regime_change first_touch_at(double after)
 {
     return (struct regime_change){after, isfinite(after) ? REGIME_COMPRESSION : REGIME_APART, 0.0, false};
 }
 
-/* Where formulas tell; false where they do not. */
+/* Head-on flight: the change as the root of a quadratic equation; false where that does not apply. */
 static bool head_on_change(const struct contact_shape *shape, const struct contact_law *law,
                            const struct separation_path *separation, const struct contact_geometry *now,
                            enum contact_regime present, double gap_rounding, double by_positions,
@@ -143,7 +143,7 @@ static bool head_on_change(const struct contact_shape *shape, const struct conta
     return true;
 }
 
-/* At d = 0 the bodies leave in their direction of motion: c, which is rounding there, is set along it. */
+/* At d = 0 the separation is only rounding: it is set along the escape direction, that of the motion. */
 static void leave_centre_in_flight(const struct contact_shape *shape, struct separation_path *separation,
                                    struct contact_geometry *now)
 {
@@ -184,6 +184,32 @@ static struct regime_change driven_regime_change(const struct relative_path *pat
                                   passes_centre(path, &extremes, change.s)};
 }
 
+/* Of a flight after `settle`: the first touch, or the first candidate event after which the regime differs.
+ * */
+static struct regime_change flight_regime_change(const struct relative_path *path,
+                                                 const struct contact_shape *shape,
+                                                 const struct contact_law *law, enum contact_regime present,
+                                                 double settle, double by_positions)
+{
+    const struct extremes extremes = extremes_of(path);
+    struct regime_change next;
+    double touch;
+    if (present == REGIME_APART && !path->has_ends && settle < 1.0 &&
+        first_touch(path, &extremes, settle, &touch)) {
+        next = first_touch_at(touch * path->horizon);
+    } else {
+        double events[MAX_CANDIDATES];
+        const int count = candidates_of_all(path, &extremes, shape, law, events);
+        next = first_change(path, events, count, law, present, false, settle);
+        const double rounding = fmax(by_positions, 8.0 * DBL_EPSILON * path->scale);
+        if (present == REGIME_APART && fabs(next.gap) <= rounding) {
+            next.gap = 0.0; /* they touch there; otherwise one has come in by an end */
+        }
+    }
+    next.passes_centre = passes_centre(path, &extremes, next.after / path->horizon);
+    return next;
+}
+
 struct regime_change next_regime_change(const struct scene_values *v, const struct scene_state *q,
                                         const struct scene_instant *at, double clock, int contact,
                                         double horizon)
@@ -213,10 +239,9 @@ struct regime_change next_regime_change(const struct scene_values *v, const stru
                        &next)) {
         return next;
     }
-    const bool simple = present == REGIME_APART && !has_ends;
     const struct relative_path path =
         relative_path_make(&shape, &separation, at->geometry[contact].gap, horizon);
-    if (simple && keeps_away(&path)) {
+    if (present == REGIME_APART && !has_ends && keeps_away(&path)) {
         return first_touch_at((double)INFINITY);
     }
     const double axially = has_ends ? rounding_of_axial(v, at, contact, &shape) : 0.0;
@@ -230,24 +255,11 @@ struct regime_change next_regime_change(const struct scene_values *v, const stru
     const double unclear = approaches ? 0.0 : gap_rounding;
     const double settle = fmax(found, settling_time(&path, &shape, &law, &now, unclear, by_positions, axially,
                                                     &separation, present, clock == 0.0));
-    double events[MAX_CANDIDATES];
     if (ends_only) {
+        double events[MAX_CANDIDATES];
         return first_change(&path, events, candidates_of_ends(&path, events, 0), &law, present, true, settle);
     }
-    const struct extremes extremes = extremes_of(&path);
-    double touch;
-    if (simple && settle < 1.0 && first_touch(&path, &extremes, settle, &touch)) {
-        next = first_touch_at(touch * horizon);
-    } else {
-        const int count = candidates_of_all(&path, &extremes, &shape, &law, events);
-        next = first_change(&path, events, count, &law, present, false, settle);
-        const double rounding = fmax(by_positions, 8.0 * DBL_EPSILON * path.scale);
-        if (present == REGIME_APART && fabs(next.gap) <= rounding) {
-            next.gap = 0.0; /* they touch there; otherwise one has come in by an end */
-        }
-    }
-    next.passes_centre = passes_centre(&path, &extremes, next.after / horizon);
-    return next;
+    return flight_regime_change(&path, &shape, &law, present, settle, by_positions);
 }
 
 double regime_change_least_gap(const struct scene_values *v, const struct scene_state *q,

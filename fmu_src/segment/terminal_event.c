@@ -31,7 +31,7 @@ static const double IDLE_DASHPOT = 1e-3;
 static const double REBOUND = 2.0;
 static const double CRITICAL_SWING = 2.0;
 
-/* Of the gap or its rate. */
+/* The largest |g| [m] or |g'| [m/s] in the segment. */
 static double largest_size(const struct segment *p, enum pair_quantity quantity)
 {
     double largest = quantity == PAIR_GAP ? p->largest_gap : p->largest_rate;
@@ -60,7 +60,8 @@ bool terminal_event_by_law(const struct segment *p)
     return p->pair.law.damping > 0.0 && p->pair.law.dashpot != DASHPOT_UNCLAMPED;
 }
 
-/* The speed of approach at which the spring alone ends over the speed of separation r0 at which it begins. */
+/* Ratio of the approach speed at which the spring alone ends to the separation speed r0 at which it begins.
+ * */
 static double rebound_of(const struct contact_pair *from)
 {
     const double swing = from->law.damping / sqrt(from->law.stiffness * from->reduced_mass);

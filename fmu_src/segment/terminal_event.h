@@ -5,8 +5,8 @@
 
 #include "segment/segment.h"
 
-/* How far the rounding of g' moves the gap at most [m].
- * Each segment takes g' anew from the velocities, rounded as they are. */
+/* How far the rounding of g' moves the gap at most [m]: each segment
+ * computes g' afresh from rounded velocities. */
 double terminal_event_gap_noise(const struct contact_pair *from);
 
 /* Gap up to which contact lasts where the separation is slow [m]. */
