@@ -120,8 +120,8 @@ bool averaged_make(struct segment *p)
         struct pair_collocation *made = &p->as.collocation;
         const enum lobatto_size enough = nodes_for(scales->tangential_rate * step);
         size = enough > size ? enough : size;
-        if (!pair_collocation_make(made, &p->pair, scales, step, COLLOCATION_AVERAGED, &lobatto[size],
-                                   0.1 * p->tolerance)) {
+        if (!collocation_make(&made->step, &scales->problem, step, COLLOCATION_AVERAGED, &lobatto[size],
+                              0.1 * p->tolerance)) {
             step *= 0.5;
             continue;
         }

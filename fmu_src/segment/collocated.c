@@ -53,8 +53,8 @@ void collocated_sample(struct segment *p)
 
 bool collocated_make(struct segment *p, double step, enum collocation_kind kind)
 {
-    if (!pair_collocation_make(&p->as.collocation, &p->pair, &p->scales, step, kind, &lobatto[LOBATTO_TWELVE],
-                               0.1 * p->tolerance) ||
+    if (!collocation_make(&p->as.collocation.step, &p->scales.problem, step, kind, &lobatto[LOBATTO_TWELVE],
+                          0.1 * p->tolerance) ||
         !(p->as.collocation.step.result.interior_error <= p->tolerance)) {
         return false;
     }

@@ -83,14 +83,6 @@ double pair_step_within(const struct pair_timescales *scales, double longest, do
     return step;
 }
 
-bool pair_collocation_make(struct pair_collocation *p, const struct contact_pair *from,
-                           const struct pair_timescales *scales, double step, enum collocation_kind kind,
-                           const struct lobatto *nodes, double tolerance)
-{
-    p->from = from;
-    return collocation_make(&p->step, &scales->problem, step, kind, nodes, tolerance);
-}
-
 /* F_n = -(k g + c g'). */
 static void add_force(const struct contact_pair *from, struct pair_sample *sample)
 {

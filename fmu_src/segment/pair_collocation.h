@@ -34,11 +34,6 @@ struct pair_collocation {
     struct collocation step;
 };
 
-/* False where the iteration does not converge. */
-bool pair_collocation_make(struct pair_collocation *p, const struct contact_pair *from,
-                           const struct pair_timescales *scales, double step, enum collocation_kind kind,
-                           const struct lobatto *nodes, double tolerance);
-
 void pair_collocation_sample(const void *pair_collocation, double s, struct pair_sample *sample);
 
 /* The same at a Lobatto node, cheaper. */

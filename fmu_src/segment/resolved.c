@@ -19,7 +19,6 @@ static const double SHORTEST_OF_EIGHT = 1.0;
 static struct terminal_event guess_terminal_event(struct segment *p, double longest)
 {
     struct pair_collocation *made = &p->as.collocation;
-    made->from = &p->pair;
     collocation_begin(&made->step, &p->scales.problem, longest, COLLOCATION_RESOLVED,
                       &lobatto[LOBATTO_EIGHT]);
     collocated_begin(p);

@@ -71,6 +71,7 @@ static void make_up_to(struct segment *p, double longest)
     if (!make_kind(p, SEGMENT_CLOSED_FORM)) {
         enum segment_kind kind = SEGMENT_AVERAGED;
         pair_timescales_make(&p->scales, &p->pair);
+        p->as.collocation.from = &p->pair;
         while (!make_kind(p, kind)) {
             kind += 1;
         }
