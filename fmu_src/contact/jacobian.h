@@ -1,7 +1,7 @@
 /*
  * Derivatives of the contact force, for implicit integration.
  *
- * With F_n = -(k g + c g'), T = P - n n^T (P the identity for a sphere, I - e_d e_d^T for a cylinder):
+ * With F_n by the law, T = P - n n^T (P the identity for a sphere, I - e_d e_d^T for a cylinder):
  *   dg/dc = side n,   dn/dc = T / d,   dg'/dc = side T w / d,   dg'/dw = side n
  * and the force on the source is F_src = -side F_n n.
  */
@@ -18,10 +18,10 @@ struct contact_jacobian {
     struct vec3 power_by_rate;       /* d/dw of the dissipated power [W s/m] */
 };
 
-/* At separation rate w, for the regime's coefficients; `stiffness` is the law's p_n (the stored energy's,
- * also while separating). Where d = 0 the direction stays as it is and T is taken as zero. */
+/* At separation rate w, in a regime of contact. Where d = 0 the direction stays as it is and T is taken as
+ * zero. */
 struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
                                             const struct contact_geometry *at, struct vec3 w,
-                                            struct contact_coefficients coefficients, double stiffness);
+                                            const struct contact_law *law, enum contact_regime regime);
 
 #endif

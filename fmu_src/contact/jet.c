@@ -1,14 +1,5 @@
 #include "contact/jet.h"
 
-double jet_product(const double *a, const double *b, int order)
-{
-    double sum = 0.0;
-    for (int i = 0; i <= order; ++i) {
-        sum += a[i] * b[order - i];
-    }
-    return sum;
-}
-
 double jet_dot(const struct vec3 *a, const struct vec3 *b, int order)
 {
     double sum = 0.0;
@@ -50,8 +41,8 @@ static void jet_of_direction(const struct contact_shape *shape, const struct con
 
 void contact_jet_make(const struct contact_shape *shape, const struct contact_geometry *at,
                       const struct vec3 c[JET_TERMS], const struct vec3 w[JET_TERMS],
-                      struct contact_coefficients coefficients, struct contact_coefficients slope,
-                      struct contact_jet *result)
+                      const struct contact_law *law, const struct contact_law *change,
+                      enum contact_regime regime, struct contact_jet *result)
 {
     result->normal[0] = at->normal;
     result->distance[0] = at->distance;
@@ -61,11 +52,7 @@ void contact_jet_make(const struct contact_shape *shape, const struct contact_ge
         }
         result->gap[i] = i > 0 ? shape->side * result->distance[i] : at->gap;
         result->gap_rate[i] = i > 0 ? shape->side * jet_dot(result->normal, w, i) : at->gap_rate;
-        double force = coefficients.k * result->gap[i] + coefficients.c * result->gap_rate[i];
-        if (i > 0) {
-            force += slope.k * result->gap[i - 1] + slope.c * result->gap_rate[i - 1];
-        }
-        result->normal_force[i] = -force;
+        result->normal_force[i] = contact_force_term(law, change, regime, result->gap, result->gap_rate, i);
         result->source_force[i] =
             vec3_scale(-shape->side, jet_scale(result->normal_force, result->normal, i));
     }

@@ -3,7 +3,7 @@
  * w(s) that are given so. With s the time since the present the coefficients are time derivatives over
  * factorials; with s a step in some direction the first ones are directional derivatives.
  *
- *   d d = n.d c (n.e_d = 0),   d n = offset,   g = side (d - reach),   g' = side n.w,   F_n = -(k g + c g')
+ *   d d = n.d c (n.e_d = 0),   d n = offset,   g = side (d - reach),   g' = side n.w,   F_n by the law
  *
  * in the regime in force, on whose edges the derivatives are those of its own side. Where d = 0 the direction
  * stays as it is.
@@ -23,16 +23,14 @@ struct contact_jet {
     struct vec3 source_force[JET_TERMS]; /* -side F_n n */
 };
 
-/* From the geometry at s = 0 (c[0] itself is not used), the regime's coefficients and their rates of change
- * d/ds. */
+/* From the geometry at s = 0 (c[0] itself is not used), the law and the change d/ds of its factors. */
 __attribute__((cold)) void contact_jet_make(const struct contact_shape *shape,
                                             const struct contact_geometry *at, const struct vec3 c[JET_TERMS],
-                                            const struct vec3 w[JET_TERMS],
-                                            struct contact_coefficients coefficients,
-                                            struct contact_coefficients slope, struct contact_jet *result);
+                                            const struct vec3 w[JET_TERMS], const struct contact_law *law,
+                                            const struct contact_law *change, enum contact_regime regime,
+                                            struct contact_jet *result);
 
 /* Coefficient `order` of a product. */
-double jet_product(const double *a, const double *b, int order);
 double jet_dot(const struct vec3 *a, const struct vec3 *b, int order);
 struct vec3 jet_scale(const double *a, const struct vec3 *b, int order);
 

@@ -34,33 +34,76 @@ struct contact_coefficients {
     double k, c; /* F_n = -(k g + c g') [N/m, N s/m] */
 };
 
+/* The constants of the linear law in a regime. For what is in closed form because the law is linear, and for
+ * reporting p_n and p_nv; whoever only needs forces and events asks the functions below. */
+struct contact_coefficients contact_coefficients_of(const struct contact_law *law,
+                                                    enum contact_regime regime);
+
+/* -(k g + c g') [N]: the law, which stands nowhere else. */
+static inline double contact_linear_force(struct contact_coefficients linear, double gap, double gap_rate)
+{
+    return -(linear.k * gap + linear.c * gap_rate);
+}
+
 /* The regime of a contact with gap g and rate g', within (or beyond) the destination's extents. */
 enum contact_regime contact_regime_of(const struct contact_law *law, double gap, double gap_rate,
                                       bool within);
 
-struct contact_coefficients contact_coefficients_of(const struct contact_law *law,
-                                                    enum contact_regime regime);
+/* F_n [N] by the smooth formula of a regime; zero where it has no force. */
+double contact_force(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate);
 
-/* F_n [N] in a regime. A non-adhesive law never returns less than zero, also not by rounding. */
+/* The same as users see it: a law that does not pull never returns less than zero, also not by rounding. */
 double contact_normal_force_of(const struct contact_law *law, enum contact_regime regime, double gap,
                                double gap_rate);
 
-/* The margin of a regime, positive within it: its fall through zero ends the regime by the law itself (not by
- * the gap). The force of a non-adhesive contact in compression; of an approach-only dashpot -g' in
- * compression and g' in restitution; 1 where the law ends nothing. */
-double contact_regime_margin(const struct contact_law *law, enum contact_regime regime, double gap,
-                             double gap_rate);
+/* Derivatives of a function of g and g'. */
+struct contact_slopes {
+    double by_gap, by_rate; /* [unit/m], [unit s/m] */
+};
 
-/* The regime after the margin has fallen (or, while separating, after the law's force has become positive
- * again). */
+struct contact_slopes contact_force_slopes(const struct contact_law *law, enum contact_regime regime,
+                                           double gap, double gap_rate);
+
+/* Coefficient `order` of F_n along a path, from coefficients 0..order of g and g'. `change`: the derivatives
+ * of the law's factors along it; NULL: they are constant. */
+double contact_force_term(const struct contact_law *law, const struct contact_law *change,
+                          enum contact_regime regime, const double *gap, const double *gap_rate, int order);
+
+/*
+ * The event function of a regime, positive within it: its fall through zero ends the regime by the law itself
+ * (not by the gap).
+ *
+ *   dashpot         compression   restitution   separating
+ *   non-adhesive    F_n                         -F_n of compression
+ *   approach-only   -g'           g'
+ *
+ * 1 where the law ends nothing.
+ */
+double contact_event(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate);
+struct contact_slopes contact_event_slopes(const struct contact_law *law, enum contact_regime regime,
+                                           double gap, double gap_rate);
+
+/* Whether the law ever ends a regime, and the regime after its event. */
+bool contact_has_events(const struct contact_law *law);
 enum contact_regime contact_regime_after(const struct contact_law *law, enum contact_regime regime);
 
-/* E_c = p_n g^2 / 2 while overlapping [J]. */
-double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap);
+/* Whether contact gives back all the energy that it takes. */
+bool contact_is_elastic(const struct contact_law *law);
 
-/* -(F_n + p_n g) g' while overlapping [W]. */
+/* E_c = p_n g^2 / 2 while overlapping [J], its first two derivatives with respect to g [N], [N/m], and its
+ * coefficient `order` along a path, with `change` as in contact_force_term. */
+double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap);
+double contact_stored_slope(const struct contact_law *law, enum contact_regime regime, double gap);
+double contact_stored_bend(const struct contact_law *law, enum contact_regime regime, double gap);
+double contact_stored_term(const struct contact_law *law, const struct contact_law *change,
+                           enum contact_regime regime, const double *gap, int order);
+
+/* -(F_n + dE_c/dg) g' while overlapping [W], and its coefficient `order` along a path. */
 double contact_dissipated_power(const struct contact_law *law, enum contact_regime regime,
                                 double normal_force, double gap, double gap_rate);
+double contact_dissipated_term(const struct contact_law *law, enum contact_regime regime,
+                               const double *normal_force, const double *gap, const double *gap_rate,
+                               int order);
 
 /* What sets the penalty factors, as the user chose it. */
 struct contact_factors {
@@ -78,5 +121,14 @@ struct contact_factors {
  * p_nv = tau_n E_ref diag. `diagonal` is that of the bounding box of both bodies [m]. */
 struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot,
                                   double diagonal);
+
+/* The derivatives of the factors where the diagonal changes at `diagonal_slope`: automatic ones are
+ * proportional to it, the others do not know it. */
+struct contact_law contact_law_slope(const struct contact_factors *factors, double diagonal_slope);
+
+/* The law with these factors in force. The choices, constants where a scene pins them, leave out what they do
+ * not need. */
+struct contact_law contact_law_with(struct contact_coefficients factors, enum method method,
+                                    enum penalty_control penalty_control, enum dashpot dashpot);
 
 #endif

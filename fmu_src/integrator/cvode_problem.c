@@ -188,8 +188,8 @@ int cvode_jacobian(double clock, N_Vector y, N_Vector rate, SUNMatrix jacobian, 
         }
         const struct contact_shape shape = scene_contact_shape(v, p->state, j);
         const struct contact_law law = scene_contact_law(v, p->state, j);
-        struct contact_jacobian gradient = contact_jacobian_at(
-            &shape, &at.geometry[j], at.rate[j], contact_coefficients_of(&law, regime), law.stiffness);
+        struct contact_jacobian gradient =
+            contact_jacobian_at(&shape, &at.geometry[j], at.rate[j], &law, regime);
         if (body_is_free(v, contact_source(j))) {
             contact_columns(jacobian, p, &at, j, contact_source(j), -1.0, &gradient);
         }
@@ -227,7 +227,7 @@ static void coupled_roots(const struct cvode_problem *p, const struct contact_sh
         out[0] = not_zero(p->gap_offset[j] - fmax(g->gap, beyond_ends(shape, g)));
     }
     if (regime == REGIME_SEPARATING) {
-        out[1] = not_zero(p->margin_offset[j] + law->stiffness * g->gap + law->damping * g->gap_rate);
+        out[1] = not_zero(p->margin_offset[j] + contact_event(law, regime, g->gap, g->gap_rate));
     }
 }
 
@@ -245,8 +245,7 @@ int cvode_roots(double clock, N_Vector y, double *roots, void *problem)
         if (contact_transmits(p->state, j)) {
             if (!contact_is_driven(p->values, j)) {
                 out[0] = not_zero(p->gap_offset[j] - g->gap);
-                out[1] =
-                    not_zero(p->margin_offset[j] + contact_regime_margin(&law, regime, g->gap, g->gap_rate));
+                out[1] = not_zero(p->margin_offset[j] + contact_event(&law, regime, g->gap, g->gap_rate));
             }
             out[2] = not_zero(-system_opening_rate(p->values, p->state, clock, &at, j));
             out[3] = not_zero(scene_force_rate(p->values, p->state, &at, j));

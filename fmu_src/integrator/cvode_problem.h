@@ -5,7 +5,7 @@
  *
  * Four event functions for each contact, each an event where it falls through zero:
  *   0   -g                  contact ends
- *   1   the regime margin   the law changes (contact_regime_margin)
+ *   1   contact_event       the law changes
  *   2   -g'                 deepest penetration
  *   3   dF_n/dt             largest force
  * An offset is added to 0 and 1, so that they start above zero in spite of rounding; they end the phase. 2

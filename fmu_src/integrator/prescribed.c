@@ -67,10 +67,13 @@ static double force_rounding(const struct scene_values *v, const struct scene_st
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (is_driven(v, q, j)) {
             const struct contact_law law = scene_contact_law(v, q, j);
+            const struct contact_geometry *g = &at->geometry[j];
+            const struct contact_slopes slopes =
+                contact_force_slopes(&law, REGIME_COMPRESSION, g->gap, g->gap_rate);
             const double gap_rounding = rounding_of_gap(v, at, j);
-            const double angle = fmin(8.0 * DBL_EPSILON + gap_rounding / at->geometry[j].distance, 1.0);
-            noise += law.stiffness * gap_rounding +
-                     angle * (law.damping * vec3_norm(at->rate[j]) + fabs(at->normal_force[j]));
+            const double angle = fmin(8.0 * DBL_EPSILON + gap_rounding / g->distance, 1.0);
+            noise += fabs(slopes.by_gap) * gap_rounding +
+                     angle * (fabs(slopes.by_rate) * vec3_norm(at->rate[j]) + fabs(at->normal_force[j]));
         }
     }
     return noise;

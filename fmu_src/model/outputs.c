@@ -42,8 +42,9 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     const enum contact_regime regime = (enum contact_regime)state->regime;
     const bool within = scene_within_extents(&shape, g);
     const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
-    put_contact_effective_penalty_factor(v, contact, law.stiffness);
-    put_contact_effective_viscous_penalty_factor(v, contact, law.damping);
+    const struct contact_coefficients factors = contact_coefficients_of(&law, REGIME_COMPRESSION);
+    put_contact_effective_penalty_factor(v, contact, factors.k);
+    put_contact_effective_viscous_penalty_factor(v, contact, factors.c);
     put_contact_diagonal(v, contact, state->diagonal);
     put_contact_gap(v, contact, within ? g->gap : contact_gap_beyond_ends(v, contact));
     put_contact_gap_rate(v, contact, within ? g->gap_rate : 0.0);
@@ -53,7 +54,7 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     put_contact_active(v, contact, regime != REGIME_APART);
     put_contact_within_extents(v, contact, within);
     put_force(v, contact, force, vec3_scale(-shape.side * force, g->normal));
-    return force + g->distance + g->gap_rate + law.stiffness + law.damping;
+    return force + g->distance + g->gap_rate + factors.k + factors.c;
 }
 
 #if SCENE_ANY_FREE

@@ -61,15 +61,10 @@ double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate
     return bounding_box_diagonal_rate(&boxes[0], &boxes[1], rate);
 }
 
-/* Automatic factors are proportional to the diagonal, the others do not know it. */
 struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope)
 {
     const struct contact_factors factors = factors_of(&m->state.values, contact);
-    const struct contact_law none = contact_law_of(&factors, DASHPOT_UNCLAMPED, 0.0);
-    struct contact_law slope = contact_law_of(&factors, DASHPOT_UNCLAMPED, diagonal_slope);
-    slope.stiffness -= none.stiffness;
-    slope.damping -= none.damping;
-    return slope;
+    return contact_law_slope(&factors, diagonal_slope);
 }
 
 /* Inside when the centre (or axis) is closer than r_d and the source fits in, else outside. */
@@ -88,8 +83,7 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
     const struct contact_factors factors = factors_of(v, contact);
     const struct contact_law law =
         contact_law_of(&factors, (enum dashpot)contact_dashpot(v, contact), state->diagonal);
-    state->stiffness = law.stiffness;
-    state->damping = law.damping;
+    state->factors = contact_coefficients_of(&law, REGIME_COMPRESSION);
     state->side = 1;
     state->regime = (int32_t)REGIME_APART;
 #if SCENE_ANY_CYLINDER
@@ -180,7 +174,7 @@ static enum model_status check_contact(struct model *m, int contact)
 static enum model_status check_factors(struct model *m, int contact)
 {
     const struct contact_state *state = &m->state.motion.contact[contact];
-    if (isfinite(state->stiffness) && isfinite(state->damping)) {
+    if (isfinite(state->factors.k) && isfinite(state->factors.c)) {
         return MODEL_OK;
     }
     const char *name = scene_contact_name(contact);
@@ -189,7 +183,7 @@ static enum model_status check_factors(struct model *m, int contact)
         "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N s/m from "
         "%s.penalty_multiplier = %g, %s.reference_modulus = %g Pa, diagonal = %g m "
         "(allowed: finite products).",
-        name, state->stiffness, state->damping, name, contact_penalty_multiplier(&m->state.values, contact),
+        name, state->factors.k, state->factors.c, name, contact_penalty_multiplier(&m->state.values, contact),
         name, contact_reference_modulus(&m->state.values, contact), state->diagonal);
 }
 

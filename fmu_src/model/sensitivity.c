@@ -210,9 +210,9 @@ static double input_derivative(const struct model *m, const struct scene_instant
     const int j = variable->element;
     switch (variable->row) {
     case ROW_contact_effective_penalty_factor:
-        return along->law_slope[j].stiffness;
+        return contact_coefficients_of(&along->law_slope[j], REGIME_COMPRESSION).k;
     case ROW_contact_effective_viscous_penalty_factor:
-        return along->law_slope[j].damping;
+        return contact_coefficients_of(&along->law_slope[j], REGIME_COMPRESSION).c;
 #if HAS_contact_diagonal
     case ROW_contact_diagonal:
         return diagonal_slope(m, along, j);

@@ -30,18 +30,9 @@ struct contact_shape scene_contact_shape(const struct scene_values *v, const str
 
 struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    struct contact_law law = {.dashpot = (enum dashpot)contact_dashpot(v, contact)};
-    if (contact_penalty_control(v, contact) != PENALTY_CONTROL_VISCOUS_ONLY) {
-        law.stiffness = q->contact[contact].stiffness;
-    }
-    if (contact_method(v, contact) == METHOD_PENALTY_DYNAMIC) {
-        law.damping = q->contact[contact].damping;
-    }
-    /* Without a spring both let go when the bodies stop approaching; a separating contact is known to fly. */
-    if (law.dashpot == DASHPOT_APPROACH_ONLY && !(law.stiffness > 0.0)) {
-        law.dashpot = DASHPOT_NON_ADHESIVE;
-    }
-    return law;
+    return contact_law_with(q->contact[contact].factors, (enum method)contact_method(v, contact),
+                            (enum penalty_control)contact_penalty_control(v, contact),
+                            (enum dashpot)contact_dashpot(v, contact));
 }
 
 static struct body_instant body_at(const struct scene_values *v, const struct scene_state *q, double clock,
@@ -127,11 +118,8 @@ void scene_forces(const struct scene_values *v, const struct scene_state *q, dou
         const struct contact_law law = scene_contact_law(v, q, j);
         const struct contact_shape shape = scene_contact_shape(v, q, j);
         const struct contact_geometry *g = &at->geometry[j];
-        const struct contact_coefficients coefficients =
-            contact_coefficients_of(&law, (enum contact_regime)q->contact[j].regime);
-        at->normal_force[j] = coefficients.k == 0.0 && coefficients.c == 0.0
-                                  ? 0.0
-                                  : -(coefficients.k * g->gap + coefficients.c * g->gap_rate);
+        at->normal_force[j] =
+            contact_force(&law, (enum contact_regime)q->contact[j].regime, g->gap, g->gap_rate);
         at->source_force[j] = vec3_scale(-shape.side * at->normal_force[j], g->normal);
         const int source = contact_source(j);
         const int destination = contact_destination(j);
@@ -279,14 +267,14 @@ double scene_force_rate(const struct scene_values *v, const struct scene_state *
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_coefficients coefficients =
-        contact_coefficients_of(&law, (enum contact_regime)q->contact[contact].regime);
+    const struct contact_slopes slopes =
+        contact_force_slopes(&law, (enum contact_regime)q->contact[contact].regime, g->gap, g->gap_rate);
     const struct vec3 across = contact_tangential(&shape, g->normal, at->rate[contact]);
     const double centripetal = g->degenerate ? 0.0 : vec3_dot(across, across) / g->distance;
     const struct vec3 relative_acceleration =
         vec3_sub(at->acceleration[contact_destination(contact)], at->acceleration[contact_source(contact)]);
     const double gap_acceleration = shape.side * (vec3_dot(g->normal, relative_acceleration) + centripetal);
-    return -(coefficients.k * g->gap_rate + coefficients.c * gap_acceleration);
+    return slopes.by_gap * g->gap_rate + slopes.by_rate * gap_acceleration;
 }
 
 double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact)

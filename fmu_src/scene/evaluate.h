@@ -78,7 +78,7 @@ double scene_inverse_mass(const struct scene_values *v, int contact);
 double system_opening_rate(const struct scene_values *v, const struct scene_state *q, double clock,
                            const struct scene_instant *at, int contact);
 
-/* d/dt of F_n within the regime: -(k g' + c g'') [N/s]. */
+/* d/dt of F_n within the regime [N/s]. */
 double scene_force_rate(const struct scene_values *v, const struct scene_state *q,
                         const struct scene_instant *at, int contact);
 

@@ -25,7 +25,8 @@ static bool keeps_energy(const struct scene_values *v, const struct scene_state 
             return false;
         }
     }
-    return !(scene_contact_law(v, q, contact).damping > 0.0) && scene_inverse_mass(v, contact) > 0.0 &&
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    return contact_is_elastic(&law) && scene_inverse_mass(v, contact) > 0.0 &&
            body_is_undriven(v, q, contact_source(contact)) &&
            body_is_undriven(v, q, contact_destination(contact));
 }

@@ -43,7 +43,8 @@ static double rate_rounding(const struct scene_values *v, const struct contact_l
     const double gap_rounding = rounding_of_gap(v, at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const double angle = g->degenerate ? 0.0 : fmin(gap_rounding / g->distance, 1.0);
-    const double oscillation = sqrt(law->stiffness * scene_inverse_mass(v, contact));
+    const double spring = -contact_force_slopes(law, REGIME_COMPRESSION, g->gap, g->gap_rate).by_gap;
+    const double oscillation = sqrt(spring * scene_inverse_mass(v, contact));
     return vec3_norm(at->rate[contact]) * angle + rounding_of_rate(at, contact) + oscillation * gap_rounding +
            tolerated;
 }
@@ -54,13 +55,9 @@ double rounding_margin_offset(const struct scene_values *v, const struct scene_s
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
-    const bool is_force = regime != REGIME_RESTITUTION && law.dashpot == DASHPOT_NON_ADHESIVE;
-    const double margin = regime == REGIME_SEPARATING
-                              ? law.stiffness * g->gap + law.damping * g->gap_rate
-                              : contact_regime_margin(&law, regime, g->gap, g->gap_rate);
-    double rounding = rate_rounding(v, &law, at, contact, tolerated);
-    if (is_force) {
-        rounding = law.stiffness * rounding_of_gap(v, at, contact) + law.damping * rounding;
-    }
-    return 2.0 * (fmax(-margin, 0.0) + rounding);
+    const double event = contact_event(&law, regime, g->gap, g->gap_rate);
+    const struct contact_slopes slopes = contact_event_slopes(&law, regime, g->gap, g->gap_rate);
+    const double rounding = fabs(slopes.by_gap) * rounding_of_gap(v, at, contact) +
+                            fabs(slopes.by_rate) * rate_rounding(v, &law, at, contact, tolerated);
+    return 2.0 * (fmax(-event, 0.0) + rounding);
 }

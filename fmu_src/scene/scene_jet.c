@@ -17,8 +17,8 @@ void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
             w[i] =
                 vec3_sub(along->velocity[contact_destination(j)][i], along->velocity[contact_source(j)][i]);
         }
-        contact_jet_make(&shape, &at->geometry[j], c, w, contact_coefficients_of(&law, regime),
-                         contact_coefficients_of(&along->law_slope[j], regime), &along->contact[j]);
+        contact_jet_make(&shape, &at->geometry[j], c, w, &law, &along->law_slope[j], regime,
+                         &along->contact[j]);
     }
 }
 
@@ -67,18 +67,15 @@ static double external_power(const struct scene_values *v, const struct scene_st
     return power;
 }
 
-/* -(F_n + p_n g) g' of the contacts that overlap. */
 static double dissipated_power(const struct scene_values *v, const struct scene_state *q,
                                const struct scene_jet *along, int order)
 {
     double power = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime != REGIME_APART) {
-            const struct contact_jet *contact = &along->contact[j];
-            power -=
-                jet_product(contact->normal_force, contact->gap_rate, order) +
-                scene_contact_law(v, q, j).stiffness * jet_product(contact->gap, contact->gap_rate, order);
-        }
+        const struct contact_jet *contact = &along->contact[j];
+        const struct contact_law law = scene_contact_law(v, q, j);
+        power += contact_dissipated_term(&law, (enum contact_regime)q->contact[j].regime,
+                                         contact->normal_force, contact->gap, contact->gap_rate, order);
     }
     return power;
 }
@@ -141,11 +138,9 @@ double jet_of_stored(const struct scene_values *v, const struct scene_state *q, 
 {
     double sum = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const double *gap = along->contact[j].gap;
-        if (q->contact[j].regime != REGIME_APART) {
-            sum += 0.5 * scene_contact_law(v, q, j).stiffness * jet_product(gap, gap, order) +
-                   0.5 * along->law_slope[j].stiffness * jet_product(gap, gap, order - 1);
-        }
+        const struct contact_law law = scene_contact_law(v, q, j);
+        sum += contact_stored_term(&law, &along->law_slope[j], (enum contact_regime)q->contact[j].regime,
+                                   along->contact[j].gap, order);
     }
     return sum;
 }

@@ -35,9 +35,9 @@ struct body_path {
 };
 
 struct contact_state {
-    struct vec3 normal;        /* the last valid n, for d = 0 */
-    double stiffness, damping; /* p_n and p_nv in force [N/m, N s/m] */
-    double diagonal;           /* of the bounding box of both bodies at the start [m] */
+    struct vec3 normal;                  /* the last valid n, for d = 0 */
+    struct contact_coefficients factors; /* p_n and p_nv in force [N/m, N s/m] */
+    double diagonal;                     /* of the bounding box of both bodies at the start [m] */
 #if SCENE_ANY_CYLINDER
     struct vec3 axis; /* e_d, unit length; zero where the destination is a sphere */
 #endif

@@ -26,7 +26,7 @@ struct pair_work {
 struct contact_pair {
     struct contact_shape shape;
     struct contact_law law;
-    struct contact_coefficients coefficients; /* F_n = -(k g + c g') */
+    struct contact_coefficients coefficients; /* of the linear law in the regime */
     /* C, W; of a cylinder the part along its axis too, but for C(0) at the axis */
     struct separation_path flight;
     struct vec3 normal;   /* n */

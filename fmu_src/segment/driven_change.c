@@ -70,11 +70,9 @@ static bool has_changed(const struct driven_instant *at, const struct contact_la
     if (at->regime == REGIME_APART) {
         return at->gap > at->gap_noise || at->beyond > at->beyond_noise;
     }
-    if (law->dashpot == DASHPOT_APPROACH_ONLY) {
-        return fabs(at->rate) > at->rate_noise;
-    }
-    return fabs(law->stiffness * at->gap + law->damping * at->rate) >
-           law->stiffness * at->gap_noise + law->damping * at->rate_noise;
+    const struct contact_slopes slopes = contact_event_slopes(law, present, at->gap, at->rate);
+    return fabs(contact_event(law, present, at->gap, at->rate)) >
+           fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise;
 }
 
 /* Candidate events of the law come from squared polynomials, which lose digits where the path is long. So the

@@ -3,9 +3,10 @@
 /* k (d - reach) + c d' = 0, times d, with the root squared: (k d^2 + c d d')^2 = k^2 reach^2 d^2. */
 static struct polynomial law_condition(const struct relative_path *path, const struct contact_law *law)
 {
-    const double scaled_damping = law->damping / path->horizon;
-    const double unit = fmax(law->stiffness, scaled_damping);
-    const double k = law->stiffness / unit;
+    const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
+    const double scaled_damping = full.c / path->horizon;
+    const double unit = fmax(full.k, scaled_damping);
+    const double k = full.k / unit;
     struct polynomial sum = {{0.0}, 0};
     const struct polynomial offset2 = relative_path_distance_squared(path);
     sum = polynomial_add(&sum, k, &offset2);
@@ -19,11 +20,12 @@ static struct polynomial law_condition(const struct relative_path *path, const s
  * bodies are, where the squares above have lost the gap to rounding. */
 static struct polynomial law_condition_nearby(const struct relative_path *path, const struct contact_law *law)
 {
-    const double scaled_damping = law->damping / path->horizon;
-    const double unit = fmax(law->stiffness, scaled_damping);
+    const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
+    const double scaled_damping = full.c / path->horizon;
+    const double unit = fmax(full.k, scaled_damping);
     const struct polynomial squared_deviation = relative_path_squared_deviation(path);
     struct polynomial sum = {{0.0}, 0};
-    sum = polynomial_add(&sum, law->stiffness / unit, &squared_deviation);
+    sum = polynomial_add(&sum, full.k / unit, &squared_deviation);
     return polynomial_add(&sum, 2.0 * scaled_damping / unit, &path->half_rate);
 }
 
@@ -106,9 +108,10 @@ int candidates_of_all(const struct relative_path *path, const struct extremes *e
     if (relative_path_has_ends(shape)) {
         count = candidates_of_ends(path, candidates, count);
     }
-    if (law->damping > 0.0 && law->dashpot != DASHPOT_UNCLAMPED) {
+    if (contact_has_events(law)) {
         count = add_candidates(&path->half_rate, candidates, count);
-        if (law->dashpot == DASHPOT_NON_ADHESIVE && law->stiffness > 0.0) {
+        if (contact_regime_after(law, REGIME_COMPRESSION) == REGIME_SEPARATING &&
+            contact_coefficients_of(law, REGIME_COMPRESSION).k > 0.0) {
             const struct polynomial condition = law_condition(path, law);
             const struct polynomial nearby = law_condition_nearby(path, law);
             count = add_candidates(&condition, candidates, count);

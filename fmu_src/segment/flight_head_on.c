@@ -1,5 +1,7 @@
 #include "segment/flight_head_on.h"
 
+#include <stddef.h>
+
 /* Part of the terms of the discriminant below which the parabola may only touch zero, and its root has less
  * than half of its digits. */
 static const double LEAST_DISCRIMINANT = 1e-8;
@@ -107,9 +109,14 @@ bool flight_head_on_regime_end(const struct contact_shape *shape, const struct c
 {
     const struct parabola gap = gap_of(shape, separation, now);
     const struct parabola overlap = {-gap.value, -gap.rate, -gap.bend};
-    struct parabola margin = {law->stiffness * gap.value + law->damping * gap.rate,
-                              law->stiffness * gap.rate + 2.0 * law->damping * gap.bend,
-                              law->stiffness * gap.bend};
+    const double gap_terms[3] = {gap.value, gap.rate, gap.bend};
+    const double rate_terms[3] = {gap.rate, 2.0 * gap.bend, 0.0};
+    /* the event function while separating: the force of compression, negated */
+    double terms[3];
+    for (int i = 0; i < 3; ++i) {
+        terms[i] = -contact_force_term(law, NULL, REGIME_COMPRESSION, gap_terms, rate_terms, i);
+    }
+    struct parabola margin = {terms[0], terms[1], terms[2]};
     if (fabs(margin.value) <= margin_rounding) {
         margin.value = 0.0;
     }

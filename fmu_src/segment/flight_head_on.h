@@ -26,7 +26,7 @@ struct flight_regime_end {
     double gap; /* then [m] */
 };
 
-/* The end of a separating regime. `margin_rounding` is the rounding bound of p_n g + p_nv g' [N]. The centre
+/* The end of a separating regime. `margin_rounding` is the rounding bound of the event function [N]. The centre
  * is not passed: the gap grows as long as the formula would pull. */
 bool flight_head_on_regime_end(const struct contact_shape *shape, const struct contact_law *law,
                                const struct separation_path *separation, const struct contact_geometry *now,

@@ -83,12 +83,11 @@ double pair_step_within(const struct pair_timescales *scales, double longest, do
     return step;
 }
 
-/* F_n = -(k g + c g'). */
 static void add_force(const struct contact_pair *from, struct pair_sample *sample)
 {
     for (int i = 0; i < 3; ++i) {
-        sample->of[PAIR_FORCE][i] = -(from->coefficients.k * sample->of[PAIR_GAP][i] +
-                                      from->coefficients.c * sample->of[PAIR_GAP_RATE][i]);
+        sample->of[PAIR_FORCE][i] =
+            contact_linear_force(from->coefficients, sample->of[PAIR_GAP][i], sample->of[PAIR_GAP_RATE][i]);
     }
 }
 

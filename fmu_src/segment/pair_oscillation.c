@@ -177,7 +177,7 @@ static void sample_from(const struct pair_oscillation *p, const double y[4], str
         sample->of[PAIR_GAP][i] = y[i];
         sample->of[PAIR_GAP_RATE][i] = p->rate * y[i + 1];
         sample->of[PAIR_FORCE][i] =
-            -(p->from->coefficients.k * y[i] + p->from->coefficients.c * sample->of[PAIR_GAP_RATE][i]);
+            contact_linear_force(p->from->coefficients, y[i], sample->of[PAIR_GAP_RATE][i]);
     }
 }
 

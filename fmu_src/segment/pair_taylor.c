@@ -42,8 +42,9 @@ static const double LONGEST_PASSAGE = 16.0;
 
 static double natural_unit(const struct contact_pair *from, double passage)
 {
-    const double spring = sqrt(from->reduced_mass / from->law.stiffness);
-    const double dashpot = from->reduced_mass / from->law.damping;
+    const struct contact_coefficients full = contact_coefficients_of(&from->law, REGIME_COMPRESSION);
+    const double spring = sqrt(from->reduced_mass / full.k);
+    const double dashpot = from->reduced_mass / full.c;
     const double unit = fmin(spring, fmin(dashpot, passage));
     return isfinite(unit) && unit > 0.0 ? unit : 1.0;
 }
@@ -94,7 +95,7 @@ static void next_coefficient(struct pair_taylor *p, struct recurrence *z, int i,
     }
     p->gap[i] = i == 0 ? from->gap : side * z->d[i];
     p->rate[i] = i == 0 && !isnan(from->carried_rate) ? from->carried_rate : side * z->speed[i];
-    p->force[i] = -(from->coefficients.k * p->gap[i] + from->coefficients.c * p->rate[i]);
+    p->force[i] = contact_linear_force(from->coefficients, p->gap[i], p->rate[i]);
     if (i + 2 < TAYLOR_TERMS) {
         struct vec3 push = {0.0, 0.0, 0.0};
         for (int k = 0; k <= i; ++k) {

@@ -13,7 +13,7 @@ static double leaving_time(double value, double noise, double speed, double bend
     return isfinite(soonest) ? soonest : 0.0;
 }
 
-/* d/dt of p_n g + p_nv g' in flight: g changes with c', g' = side n.w with w and as n turns, by c' across n /
+/* d/dt of the event function while separating, in flight: g changes with c', g' = side n.w with w and as n turns, by c' across n /
  * d. */
 static double margin_slope(const struct contact_shape *shape, const struct contact_law *law,
                            const struct contact_geometry *now, const struct separation_path *separation)
@@ -23,7 +23,9 @@ static double margin_slope(const struct contact_shape *shape, const struct conta
     const double turning = now->degenerate ? 0.0 : vec3_dot(across, moving) / now->distance;
     const double bend = shape->side * (vec3_dot(now->normal, separation->w[1]) + turning);
     const double opening = shape->side * vec3_dot(now->normal, separation->c[1]);
-    return law->stiffness * opening + law->damping * bend;
+    const struct contact_slopes slopes =
+        contact_event_slopes(law, REGIME_SEPARATING, now->gap, now->gap_rate);
+    return slopes.by_gap * opening + slopes.by_rate * bend;
 }
 
 double settling_margin_rounding(const struct contact_law *law, const struct contact_geometry *now,
@@ -31,7 +33,9 @@ double settling_margin_rounding(const struct contact_law *law, const struct cont
                                 const struct separation_path *separation)
 {
     const double turn = 8.0 * DBL_EPSILON + (now->degenerate ? 0.0 : by_positions / now->distance);
-    return law->stiffness * gap_rounding + fmin(turn, 1.0) * law->damping * vec3_norm(separation->w[0]);
+    const struct contact_slopes slopes =
+        contact_event_slopes(law, REGIME_SEPARATING, now->gap, now->gap_rate);
+    return slopes.by_gap * gap_rounding + fmin(turn, 1.0) * slopes.by_rate * vec3_norm(separation->w[0]);
 }
 
 double settling_time(const struct relative_path *path, const struct contact_shape *shape,
@@ -47,7 +51,7 @@ double settling_time(const struct relative_path *path, const struct contact_shap
                                            vec3_dot(separation->c[2], shape->axis)));
     }
     if (present == REGIME_SEPARATING) {
-        const double margin = law->stiffness * now->gap + law->damping * now->gap_rate;
+        const double margin = contact_event(law, present, now->gap, now->gap_rate);
         const double slope = margin_slope(shape, law, now, separation);
         double noise = settling_margin_rounding(law, now, gap_rounding, by_positions, separation);
         if (just_begun && margin < 0.0 && slope > 0.0) {

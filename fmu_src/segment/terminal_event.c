@@ -57,30 +57,32 @@ double terminal_event_gap_tolerance(const struct segment *p)
 
 bool terminal_event_by_law(const struct segment *p)
 {
-    return p->pair.law.damping > 0.0 && p->pair.law.dashpot != DASHPOT_UNCLAMPED;
+    return contact_has_events(&p->pair.law);
 }
 
 /* Ratio of the approach speed at which the spring alone ends to the separation speed r0 at which it begins.
  * */
 static double rebound_of(const struct contact_pair *from)
 {
-    const double swing = from->law.damping / sqrt(from->law.stiffness * from->reduced_mass);
-    return from->law.stiffness > 0.0 && swing >= CRITICAL_SWING ? REBOUND * swing : 1.0;
+    const struct contact_coefficients full = contact_coefficients_of(&from->law, REGIME_COMPRESSION);
+    const double swing = full.c / sqrt(full.k * from->reduced_mass);
+    return full.k > 0.0 && swing >= CRITICAL_SWING ? REBOUND * swing : 1.0;
 }
 
 struct event_function terminal_event_margin(const struct segment *p)
 {
     const struct contact_law *law = &p->pair.law;
     const double rate = p->pair.rate_rounding;
+    const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
     const double open =
-        HYSTERESIS * pair_load(&p->pair) + law->stiffness * 8.0 * DBL_EPSILON * largest_size(p, PAIR_GAP);
+        HYSTERESIS * pair_load(&p->pair) + full.k * 8.0 * DBL_EPSILON * largest_size(p, PAIR_GAP);
     if (law->dashpot == DASHPOT_NON_ADHESIVE) {
-        return (struct event_function){PAIR_FORCE, 1.0, open + law->damping * rate};
+        return (struct event_function){PAIR_FORCE, 1.0, open + full.c * rate};
     }
     const double load = pair_load(&p->pair);
-    const double idle = fmin(law->stiffness * p->tolerance, IDLE_DASHPOT * load);
+    const double idle = fmin(full.k * p->tolerance, IDLE_DASHPOT * load);
     const double rebound = rebound_of(&p->pair);
-    const double separating = fmax(open, idle / rebound) / law->damping + rate;
+    const double separating = fmax(open, idle / rebound) / full.c + rate;
     return p->regime == REGIME_RESTITUTION ? (struct event_function){PAIR_GAP_RATE, 1.0, rebound * separating}
                                            : (struct event_function){PAIR_GAP_RATE, -1.0, separating};
 }

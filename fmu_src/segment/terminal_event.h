@@ -12,7 +12,7 @@ double terminal_event_gap_noise(const struct contact_pair *from);
 /* Gap up to which contact lasts where the separation is slow [m]. */
 double terminal_event_gap_tolerance(const struct segment *p);
 
-/* Whether the law can end the regime before the gap opens, and its event function (contact_regime_margin):
+/* Whether the law can end the regime before the gap opens, and its event function (contact_event):
  * the regime lasts while factor quantity + offset > 0. */
 bool terminal_event_by_law(const struct segment *p);
 struct event_function terminal_event_margin(const struct segment *p);

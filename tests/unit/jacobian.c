@@ -13,8 +13,8 @@ enum { FORCE_AND_POWER = 4 };
 
 struct setting {
     struct contact_shape shape;
-    struct contact_coefficients coefficients;
-    double stiffness;
+    struct contact_law law;
+    enum contact_regime regime;
     struct vec3 c, w;
 };
 
@@ -25,11 +25,13 @@ struct sample {
 static struct sample evaluate(const struct setting *at, struct long_vec3 c, struct long_vec3 w)
 {
     const struct long_geometry g = long_geometry_at(&at->shape, c, w);
-    const long double force = -(at->coefficients.k * g.gap + at->coefficients.c * g.gap_rate);
+    const long double spring = at->regime == REGIME_SEPARATING ? 0.0 : at->law.stiffness;
+    const long double dashpot = at->regime == REGIME_COMPRESSION ? at->law.damping : 0.0;
+    const long double force = -(spring * g.gap + dashpot * g.gap_rate);
     /* Away from the destination's surface: outside along -n, inside along +n. */
     const long double along = at->shape.side > 0 ? -force : force;
     return (struct sample){{along * g.normal.x, along * g.normal.y, along * g.normal.z,
-                            -(force + at->stiffness * g.gap) * g.gap_rate}};
+                            -(force + at->law.stiffness * g.gap) * g.gap_rate}};
 }
 
 static struct sample evaluate_moved(const struct setting *at, int variable, long double by)
@@ -62,7 +64,7 @@ static struct contact_jacobian gradient_of(const struct setting *at)
 {
     const struct vec3 fallback = {0.0, 0.0, -1.0};
     const struct contact_geometry g = contact_geometry_at(&at->shape, at->c, at->w, fallback);
-    return contact_jacobian_at(&at->shape, &g, at->w, at->coefficients, at->stiffness);
+    return contact_jacobian_at(&at->shape, &g, at->w, &at->law, at->regime);
 }
 
 /* Bodies of about a metre, the source's centre not close to the axis, where h would not be small. */
@@ -76,10 +78,11 @@ static struct setting random_setting(struct random *r)
     if (at.shape.destination == SHAPE_CYLINDER) {
         at.shape.axis = random_direction(r);
     }
-    /* Compression, restitution, separating and viscous only. */
-    at.stiffness = random_index(r, 4) == 0 ? 0.0 : random_between(r, 0.0, 2.0);
-    at.coefficients.k = random_index(r, 3) == 0 ? 0.0 : at.stiffness;
-    at.coefficients.c = random_index(r, 3) == 0 ? 0.0 : random_between(r, 0.0, 2.0);
+    /* With and without spring and dashpot, in every regime of contact. */
+    at.law.stiffness = random_index(r, 4) == 0 ? 0.0 : random_between(r, 0.0, 2.0);
+    at.law.damping = random_index(r, 3) == 0 ? 0.0 : random_between(r, 0.0, 2.0);
+    at.law.dashpot = DASHPOT_UNCLAMPED;
+    at.regime = (enum contact_regime)(REGIME_COMPRESSION + random_index(r, 3));
     at.w = random_vector(r, 1.0);
     struct long_geometry g;
     do {
@@ -124,12 +127,12 @@ static void the_matrices_are_symmetric_where_they_have_to_be(void)
     struct random r = {22};
     for (int i = 0; i < 5000; ++i) {
         struct setting at = random_setting(&r);
-        at.coefficients.c = i % 2 == 0 ? 0.0 : at.coefficients.c;
+        at.law.damping = i % 2 == 0 ? 0.0 : at.law.damping;
         const struct contact_jacobian g = gradient_of(&at);
         for (int j = 0; j < 3; ++j) {
             const int k = (j + 1) % 3;
             CHECK_CLOSE("dF/dw", g.by_rate[j][k], g.by_rate[k][j], 8.0 * DBL_EPSILON);
-            if (at.coefficients.c == 0.0) {
+            if (at.law.damping == 0.0) {
                 CHECK_CLOSE("dF/dc", g.by_separation[j][k], g.by_separation[k][j], 128.0 * DBL_EPSILON);
             }
         }
@@ -145,8 +148,8 @@ static void where_no_direction_exists_the_held_one_gives_a_spring_along_it(void)
                                              .half_length = (double)INFINITY,
                                              .side = side,
                                              .destination = SHAPE_CYLINDER},
-                                   .coefficients = {4.0, 0.5},
-                                   .stiffness = 4.0,
+                                   .law = {4.0, 0.5, DASHPOT_UNCLAMPED},
+                                   .regime = REGIME_COMPRESSION,
                                    .c = {2.0, 0.0, 0.0},
                                    .w = {0.1, 0.2, 0.3}};
         const struct contact_jacobian g = gradient_of(&at);

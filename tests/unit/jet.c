@@ -11,7 +11,7 @@ enum { QUANTITIES = 10 };
 
 struct path {
     struct contact_shape shape;
-    struct contact_coefficients coefficients, slope;
+    struct contact_law law, change;
     struct vec3 c[JET_TERMS], w[JET_TERMS];
 };
 
@@ -24,8 +24,8 @@ static struct long_vec3 long_at(const struct vec3 *path, long double s)
 static void follow(const struct path *p, long double s, long double value[QUANTITIES])
 {
     const struct long_geometry g = long_geometry_at(&p->shape, long_at(p->c, s), long_at(p->w, s));
-    const long double k = p->coefficients.k + s * p->slope.k;
-    const long double c = p->coefficients.c + s * p->slope.c;
+    const long double k = p->law.stiffness + s * p->change.stiffness;
+    const long double c = p->law.damping + s * p->change.damping;
     const long double force = -(k * g.gap + c * g.gap_rate);
     const long double along = p->shape.side > 0 ? -force : force;
     const long double all[QUANTITIES] = {g.distance,         g.gap,
@@ -54,7 +54,7 @@ static struct contact_jet vary(const struct path *p)
     const struct vec3 fallback = {0.0, 0.0, -1.0};
     const struct contact_geometry at = contact_geometry_at(&p->shape, p->c[0], p->w[0], fallback);
     struct contact_jet result;
-    contact_jet_make(&p->shape, &at, p->c, p->w, p->coefficients, p->slope, &result);
+    contact_jet_make(&p->shape, &at, p->c, p->w, &p->law, &p->change, REGIME_COMPRESSION, &result);
     return result;
 }
 
@@ -68,8 +68,9 @@ static struct path random_path(struct random *r)
     if (p.shape.destination == SHAPE_CYLINDER) {
         p.shape.axis = random_direction(r);
     }
-    p.coefficients = (struct contact_coefficients){random_between(r, 0.0, 2.0), random_between(r, 0.0, 2.0)};
-    p.slope = (struct contact_coefficients){random_between(r, -1.0, 1.0), random_between(r, -1.0, 1.0)};
+    p.law = (struct contact_law){random_between(r, 0.0, 2.0), random_between(r, 0.0, 2.0), DASHPOT_UNCLAMPED};
+    p.change =
+        (struct contact_law){random_between(r, -1.0, 1.0), random_between(r, -1.0, 1.0), DASHPOT_UNCLAMPED};
     for (int i = 0; i < JET_TERMS; ++i) {
         p.w[i] = random_vector(r, 1.0);
         p.c[i] = random_vector(r, 1.0);
@@ -118,7 +119,7 @@ static void where_no_direction_exists_it_is_held(void)
                                      .half_length = (double)INFINITY,
                                      .side = 1,
                                      .destination = SHAPE_SPHERE},
-                           .coefficients = {4.0, 0.5},
+                           .law = {4.0, 0.5, DASHPOT_UNCLAMPED},
                            .c = {{0.0, 0.0, 0.0}, {1.0, 2.0, 3.0}, {0.5, 0.25, 0.125}},
                            .w = {{1.0, 2.0, 3.0}, {1.0, 0.5, 0.25}, {0.0, 0.0, 1.0}}};
     const struct contact_jet v = vary(&p);

@@ -94,8 +94,8 @@ static void a_regimes_constants_give_its_force(void)
     on_the_grid(check_coefficients);
 }
 
-/* Whether a regime still holds is the sign of its margin. */
-static void check_margin(const struct contact_law *law, double gap, double rate)
+/* Whether a regime still holds is the sign of its event function. */
+static void check_event(const struct contact_law *law, double gap, double rate)
 {
     if (gap >= 0.0) {
         return;
@@ -105,19 +105,23 @@ static void check_margin(const struct contact_law *law, double gap, double rate)
     if (law->damping == 0.0 || law->dashpot == DASHPOT_UNCLAMPED) {
         CHECK(regime == REGIME_COMPRESSION);
     }
-    const bool compression = contact_regime_margin(law, REGIME_COMPRESSION, gap, rate) > 0.0;
+    const bool compression = contact_event(law, REGIME_COMPRESSION, gap, rate) > 0.0;
     CHECK(compression == (regime == REGIME_COMPRESSION));
     if (law->dashpot == DASHPOT_APPROACH_ONLY && law->damping > 0.0 && rate != 0.0) {
-        const bool restitution = contact_regime_margin(law, REGIME_RESTITUTION, gap, rate) > 0.0;
+        const bool restitution = contact_event(law, REGIME_RESTITUTION, gap, rate) > 0.0;
         CHECK(restitution == (regime == REGIME_RESTITUTION));
     }
-    CHECK(contact_regime_margin(law, REGIME_APART, gap, rate) > 0.0);
-    CHECK(contact_regime_margin(law, REGIME_SEPARATING, gap, rate) > 0.0);
+    if (law->dashpot == DASHPOT_NON_ADHESIVE && law->damping > 0.0 && regime == REGIME_SEPARATING) {
+        CHECK(contact_event(law, REGIME_SEPARATING, gap, rate) >= 0.0);
+    } else if (law->dashpot == DASHPOT_NON_ADHESIVE && law->damping > 0.0) {
+        CHECK(contact_event(law, REGIME_SEPARATING, gap, rate) < 0.0);
+    }
+    CHECK(contact_event(law, REGIME_APART, gap, rate) > 0.0);
 }
 
-static void a_regime_lasts_while_its_margin_is_positive(void)
+static void a_regime_lasts_while_its_event_function_is_positive(void)
 {
-    on_the_grid(check_margin);
+    on_the_grid(check_event);
 }
 
 static void regimes_change_where_the_design_says(void)
@@ -167,6 +171,53 @@ static void energy_is_stored_or_dissipated_and_never_made(void)
     on_the_grid(check_energy);
 }
 
+/* Of functions linear in g and g': the slopes give every difference. */
+static void check_slopes(const struct contact_law *law, double gap, double rate)
+{
+    const double other_gap = -0.75, other_rate = 0.5;
+    for (int i = REGIME_APART; i <= REGIME_SEPARATING; ++i) {
+        const enum contact_regime regime = (enum contact_regime)i;
+        const struct contact_slopes force = contact_force_slopes(law, regime, gap, rate);
+        const struct contact_slopes event = contact_event_slopes(law, regime, gap, rate);
+        const double noise =
+            2.0 * (force_rounding(law, gap, rate) + force_rounding(law, other_gap, other_rate)) +
+            DBL_EPSILON * fabs(rate);
+        CHECK_CLOSE("force",
+                    contact_force(law, regime, gap, rate) - contact_force(law, regime, other_gap, other_rate),
+                    force.by_gap * (gap - other_gap) + force.by_rate * (rate - other_rate), noise);
+        CHECK_CLOSE("event",
+                    contact_event(law, regime, gap, rate) - contact_event(law, regime, other_gap, other_rate),
+                    event.by_gap * (gap - other_gap) + event.by_rate * (rate - other_rate), noise);
+        const double step = contact_stored_slope(law, regime, gap) - contact_stored_slope(law, regime, -0.75);
+        CHECK_CLOSE("dE_c/dg", step, contact_stored_bend(law, regime, gap) * (gap + 0.75), noise);
+    }
+}
+
+static void the_slopes_are_those_of_force_event_and_energy(void)
+{
+    on_the_grid(check_slopes);
+}
+
+/* Along g = -1 + s / 2 - s^2, g' = s + 2 s^2, with p_n = 8 + 3 s and p_nv = 2 - s. */
+static void the_terms_are_those_of_the_products(void)
+{
+    const struct contact_law law = {8.0, 2.0, DASHPOT_UNCLAMPED};
+    const struct contact_law change = {3.0, -1.0, DASHPOT_UNCLAMPED};
+    const double gap[3] = {-1.0, 0.5, -1.0}, rate[3] = {0.0, 1.0, 2.0};
+    const double force[3] = {8.0, -3.0, 3.5}, stored[3] = {4.0, -2.5, 7.5}, lost[3] = {0.0, 0.0, -1.0};
+    double made[3];
+    for (int i = 0; i < 3; ++i) {
+        made[i] = contact_force_term(&law, &change, REGIME_COMPRESSION, gap, rate, i);
+        CHECK_CLOSE("force", made[i], force[i], 0.0);
+        CHECK_CLOSE("E_c", contact_stored_term(&law, &change, REGIME_COMPRESSION, gap, i), stored[i], 0.0);
+        CHECK_CLOSE("constant", contact_force_term(&law, NULL, REGIME_COMPRESSION, gap, rate, i),
+                    -(8.0 * gap[i] + 2.0 * rate[i]), 0.0);
+        CHECK_CLOSE("power", contact_dissipated_term(&law, REGIME_COMPRESSION, made, gap, rate, i), lost[i],
+                    0.0);
+        CHECK_CLOSE("apart", contact_stored_term(&law, &change, REGIME_APART, gap, i), 0.0, 0.0);
+    }
+}
+
 static const struct contact_factors CHOSEN = {.multiplier = 3.0,
                                               .penalty_factor = 5e4,
                                               .characteristic_time = 2e-3,
@@ -207,9 +258,11 @@ int main(void)
 {
     CHECK_TEST(the_force_is_that_of_the_design_and_attracts_only_unclamped);
     CHECK_TEST(a_regimes_constants_give_its_force);
-    CHECK_TEST(a_regime_lasts_while_its_margin_is_positive);
+    CHECK_TEST(a_regime_lasts_while_its_event_function_is_positive);
     CHECK_TEST(regimes_change_where_the_design_says);
     CHECK_TEST(energy_is_stored_or_dissipated_and_never_made);
+    CHECK_TEST(the_slopes_are_those_of_force_event_and_energy);
+    CHECK_TEST(the_terms_are_those_of_the_products);
     CHECK_TEST(the_factors_follow_method_and_controls);
     return check_summary("law");
 }

@@ -166,7 +166,7 @@ static void large_errors_and_damped_contacts_are_left_alone(void)
         CHECK(memcmp(&before, q, sizeof before) == 0);
         q->phase_energy = balance + 0.5e-3 * normal_energy;
         m.state.values.contact[0].method = METHOD_PENALTY_DYNAMIC;
-        q->contact[0].damping = 1e-3;
+        q->contact[0].factors.c = 1e-3;
         before = *q;
         projection_restore_energy(&m.state.values, q, 0, ANY_ERROR);
         CHECK(memcmp(&before, q, sizeof before) == 0);

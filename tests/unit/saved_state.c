@@ -44,7 +44,7 @@ static const struct change harmful[] = {
     {IN(motion.horizon_clock), REAL, NOT_A_NUMBER},
     {IN(motion.contact[0].normal.x), REAL, 2.0},
     {IN(motion.contact[0].axis.z), REAL, 1e200},
-    {IN(motion.contact[0].stiffness), REAL, ENDLESS},
+    {IN(motion.contact[0].factors.k), REAL, ENDLESS},
     {IN(motion.contact[0].impulse.y), REAL, NOT_A_NUMBER},
     {IN(motion.contact[0].touch_clock), REAL, NOT_A_NUMBER},
     {IN(motion.contact[0].change_clock), REAL, NOT_A_NUMBER},

@@ -1,0 +1,61 @@
+"""The force law stands once: who needs a force, its slopes or its events asks contact/law.h."""
+
+import re
+
+import pytest
+
+from support.sources import HEADERS, UNITS, code_only, label
+
+# The law's own constants, p_n and p_nv.
+READS = r"(?:->|\.)(?:stiffness|damping)\b"
+LAW = {"fmu_src/contact/law.h", "fmu_src/contact/law.c"}
+OWN_STIFFNESS = {"fmu_src/segment/pair_oscillation.h", "fmu_src/segment/pair_oscillation.c"}
+
+# The constants k and c of the linear law, for what is in closed form because the law is linear, and for the
+# factors that users see.
+ASKS_FOR_CONSTANTS = r"\bcontact_coefficients_of\("
+FAST_PATHS = {
+    "fmu_src/segment/contact_pair.c",
+    "fmu_src/segment/pair_taylor.c",
+    "fmu_src/segment/terminal_event.c",
+    "fmu_src/segment/flight_candidates.c",
+}
+FACTORS = {"fmu_src/model/prepare.c", "fmu_src/model/outputs.c", "fmu_src/model/sensitivity.c"}
+
+# k g + c g', by whatever names.
+FORMULA = r"\b(?:k|stiffness) \* [^;]*gap\b[^;]*\+[^;]*\b(?:c|damping) \* [^;]*rate\b"
+
+every_file = pytest.mark.parametrize("file", HEADERS + UNITS, ids=label)
+
+
+@every_file
+def test_only_the_law_reads_stiffness_and_damping(file):
+    if label(file) not in LAW | OWN_STIFFNESS:
+        assert re.findall(READS, code_only(file.read_text())) == []
+
+
+@every_file
+def test_only_fast_paths_and_reported_factors_ask_for_the_constants(file):
+    if label(file) not in LAW | FAST_PATHS | FACTORS:
+        assert re.findall(ASKS_FOR_CONSTANTS, code_only(file.read_text())) == []
+
+
+@every_file
+def test_the_formula_stands_once(file):
+    found = re.findall(FORMULA, code_only(file.read_text()))
+    assert len(found) == (1 if label(file) == "fmu_src/contact/law.h" else 0)
+
+
+def test_the_allowed_files_exist_and_make_use_of_it():
+    texts = {label(file): code_only(file.read_text()) for file in HEADERS + UNITS}
+    for name in FAST_PATHS | FACTORS:
+        assert re.search(ASKS_FOR_CONSTANTS, texts[name]), name
+    for name in OWN_STIFFNESS:
+        assert re.search(r"\bstiffness\b", texts[name]), name
+
+
+def test_the_patterns_find_what_they_look_for():
+    assert re.findall(READS, "law->stiffness + law.damping + o.damping_rate") == ["->stiffness", ".damping"]
+    assert re.search(FORMULA, "x = law->stiffness * g->gap + law->damping * g->gap_rate;")
+    assert re.search(FORMULA, "return -(linear.k * gap[i] +\n  linear.c * gap_rate[i]);")
+    assert not re.search(FORMULA, "p.k * gap_rounding; q.c * rate;")
