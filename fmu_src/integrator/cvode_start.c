@@ -5,6 +5,7 @@
 #include "integrator/cvode_memory.h"
 #include "scene/energy.h"
 #include "scene/rounding.h"
+#include "scene/singularity.h"
 
 /* Largest rotation of n in one internal step [rad]: contact cannot end and begin again within such a step.
  * Near the centre, where n rotates fast, the penetration stands for d, since the gap opens only after that
@@ -90,16 +91,16 @@ static void leave_centres(const struct scene_values *v, struct scene_state *q)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (at.geometry[j].degenerate) {
             const struct contact_shape shape = scene_contact_shape(v, q, j);
-            q->contact[j].normal = contact_escape_direction(&shape, at.rate[j], q->contact[j].normal);
+            q->contact[j].normal =
+                singularity_escape(&shape, at.rate[j], vec3_make(0.0, 0.0, 0.0), q->contact[j].normal);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (at.geometry[j].degenerate && contact_is_coupled(v, q, j)) {
             const struct contact_shape shape = scene_contact_shape(v, q, j);
             scene_now(v, q, &at); /* the others' directions are known better now */
-            const struct vec3 n =
-                contact_escape_direction(&shape, acceleration_by_others(v, &at, j), q->contact[j].normal);
-            q->contact[j].normal = contact_escape_direction(&shape, at.rate[j], n);
+            q->contact[j].normal = singularity_escape(&shape, at.rate[j], acceleration_by_others(v, &at, j),
+                                                      q->contact[j].normal);
         }
     }
 }

@@ -48,24 +48,8 @@ void scene_forces(const struct scene_values *v, const struct scene_state *q, dou
 void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
                     const struct body_state *bodies, struct scene_instant *at);
 
-/* The same at the present state of q; and without accelerations and forces. */
-void scene_kinematics_now(const struct scene_values *v, const struct scene_state *q,
-                          struct scene_instant *at);
-void scene_now(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
-
 /* contact_within_extents, true at compile time in scenes of spheres. */
 bool scene_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry);
-
-/* Whether the gap of scene_now is the accumulated one, more accurate than positions give it: in contact, as
- * contact ends, and where a change of regime was foreseen. */
-bool scene_gap_is_accumulated(const struct scene_state *q, const struct scene_instant *at, int contact);
-
-/* Whether g' there is the carried one. */
-bool system_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact);
-
-/* The regime that the geometry of the instant asks for. */
-enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_instant *at, int contact);
 
 /* 1 / m of a free body, 0 of any other [1/kg]. */
 double body_inverse_mass(const struct scene_values *v, int body);

@@ -2,6 +2,8 @@
 
 #include <float.h>
 
+#include "scene/present.h"
+
 static bool path_rests(const struct vec3 *coefficients, int count)
 {
     return path_is_steady(coefficients, count) && vec3_is_zero(coefficients[0]);

@@ -18,3 +18,10 @@ bool singularity_is_reached(const struct scene_values *v, const struct scene_ins
     return reach + g->gap <= 16.0 * DBL_EPSILON * reach ||
            (g->distance <= CENTRE * reach && g->distance <= rounding_of_gap(v, at, contact));
 }
+
+struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 rate, struct vec3 acceleration,
+                               struct vec3 held)
+{
+    const struct vec3 at_rest = contact_escape_direction(shape, acceleration, held);
+    return contact_escape_direction(shape, rate, at_rest);
+}

@@ -3,7 +3,7 @@
 #ifndef CONTACT_SCENE_TRANSITION_H
 #define CONTACT_SCENE_TRANSITION_H
 
-#include "scene/evaluate.h"
+#include "scene/present.h"
 
 /*
  * Puts a contact into a new regime at the present instant: counts an onset when bodies begin to overlap,

@@ -3,6 +3,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "scene/present.h"
 #include "scene/rounding.h"
 #include "scene/singularity.h"
 #include "segment/flight.h"
@@ -32,12 +33,12 @@ static struct pair_work work_on(const struct contact_pair *p, const struct scene
  */
 static void leave_centre(struct contact_pair *p, const struct contact_geometry *geometry)
 {
-    const struct vec3 acceleration = pair_across(p, vec3_scale(2.0, p->flight.c[2]));
     const double reach = contact_reach(&p->shape);
-    if (p->coefficients.k * reach / p->reduced_mass + vec3_dot(p->normal, acceleration) < 0.0) {
-        p->normal = contact_escape_direction(&p->shape, acceleration, p->normal);
+    struct vec3 acceleration = pair_across(p, vec3_scale(2.0, p->flight.c[2]));
+    if (!(p->coefficients.k * reach / p->reduced_mass + vec3_dot(p->normal, acceleration) < 0.0)) {
+        acceleration = vec3_make(0.0, 0.0, 0.0);
     }
-    p->normal = contact_escape_direction(&p->shape, p->flight.c[1], p->normal);
+    p->normal = singularity_escape(&p->shape, p->flight.c[1], acceleration, p->normal);
     p->distance = fmax(reach + p->gap, 2.0 * DBL_EPSILON * reach);
     p->gap = p->distance - reach;
     p->rounded = vec3_axpy(vec3_scale(p->distance, p->normal), -1.0, geometry->offset);

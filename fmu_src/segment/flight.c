@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "scene/energy.h"
+#include "scene/present.h"
 
 bool flight_is_free(const struct scene_state *q)
 {

@@ -3,6 +3,7 @@
 #include <float.h>
 
 #include "math/root.h"
+#include "scene/present.h"
 #include "scene/rounding.h"
 #include "scene/singularity.h"
 #include "segment/driven_change.h"
@@ -147,7 +148,7 @@ static bool head_on_change(const struct contact_shape *shape, const struct conta
 static void leave_centre_in_flight(const struct contact_shape *shape, struct separation_path *separation,
                                    struct contact_geometry *now)
 {
-    now->normal = contact_escape_direction(shape, separation->w[0], now->normal);
+    now->normal = singularity_escape(shape, separation->w[0], vec3_make(0.0, 0.0, 0.0), now->normal);
     now->gap_rate = shape->side * vec3_dot(now->normal, separation->w[0]);
     now->degenerate = true;
     if (shape->side > 0) {

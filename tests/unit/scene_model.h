@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "model/state.h"
-#include "scene/evaluate.h"
+#include "scene/present.h"
 
 enum { SOURCE = 0, DESTINATION = 1 };
 
