@@ -42,36 +42,21 @@ static double settled_clock(struct cvode *c, double clock)
     return clock + 400.0 * DBL_EPSILON * (clock + step);
 }
 
-/* The regime after root 0: contact ends, or begins. */
-static enum contact_regime regime_beyond(const struct scene_values *v, const struct scene_state *q,
-                                         int contact)
-{
-    if (q->contact[contact].regime != REGIME_APART) {
-        return REGIME_APART;
-    }
-    struct scene_instant at;
-    scene_now(v, q, &at);
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const double gap = fmin(at.geometry[contact].gap, -DBL_MIN);
-    return contact_regime_of(&law, gap, at.geometry[contact].gap_rate, true);
-}
-
 /* Which contact leaves its regime at the root just found; false when the root is only a peak. */
 static bool root_event(struct cvode *c, const struct scene_values *v, const struct scene_state *q,
                        struct advance *step)
 {
-    int found[CVODE_ROOTS];
+    int found[ODE_EVENTS];
     CVodeGetRootInfo(c->memory, found);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int *roots = found + CVODE_ROOTS_EACH * j;
+        const int *roots = found + ODE_EVENTS_EACH * j;
         step->contact = j;
         if (roots[0]) {
-            step->regime = regime_beyond(v, q, j);
+            step->regime = ode_regime_after(v, q, j, 0);
             return true;
         }
         if (roots[1]) {
-            const struct contact_law law = scene_contact_law(v, q, j);
-            step->regime = contact_regime_after(&law, (enum contact_regime)q->contact[j].regime);
+            step->regime = ode_regime_after(v, q, j, 1);
             return true;
         }
     }
@@ -84,7 +69,8 @@ static void tidy_event(struct cvode *c, const struct scene_values *v, struct sce
 {
     struct scene_instant at;
     scene_now(v, q, &at);
-    const bool at_gap = fabs(at.geometry[step->contact].gap) <= 4.0 * c->problem.gap_offset[step->contact];
+    const bool at_gap =
+        fabs(at.geometry[step->contact].gap) <= 4.0 * c->problem.ode.gap_offset[step->contact];
     if (step->regime == REGIME_APART && at_gap) {
         const double speed = vec3_norm(at.rate[step->contact]);
         projection_close_gap(v, q, step->contact);
@@ -98,15 +84,15 @@ static void tidy_event(struct cvode *c, const struct scene_values *v, struct sce
 static bool is_over_already(struct cvode *c, const struct scene_values *v, struct scene_state *q,
                             struct advance *step)
 {
-    double roots[CVODE_ROOTS];
+    double roots[ODE_EVENTS];
     struct scene_instant at;
     scene_now(v, q, &at);
-    cvode_roots(q->clock, c->y, roots, &c->problem);
+    ode_events(&c->problem.ode, q->clock, NV_DATA_S(c->y), roots);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const bool leaves = (q->contact[j].regime == REGIME_APART) == (at.geometry[j].gap_rate < 0.0);
-        if (roots[CVODE_ROOTS_EACH * j] < 0.0 && leaves) {
+        if (roots[ODE_EVENTS_EACH * j] < 0.0 && leaves) {
             step->contact = j;
-            step->regime = regime_beyond(v, q, j);
+            step->regime = ode_regime_after(v, q, j, 0);
             return true;
         }
     }
@@ -121,8 +107,8 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         stop = fmin(stop, q->contact[j].change_clock);
     }
-    c->problem.values = v;
-    c->problem.state = q;
+    c->problem.ode.values = v;
+    c->problem.ode.state = q;
     if (q->integrator_fresh) {
         if (!cvode_start(c, v, q)) {
             return ADVANCE_FAILED;
@@ -144,7 +130,7 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
         if (flag < 0 && flag != CV_TOO_MUCH_WORK) {
             return ADVANCE_FAILED;
         }
-        cvode_unpack(v, q, c->y);
+        ode_unpack(v, q, NV_DATA_S(c->y));
         q->clock = clock;
         if (flag == CV_TOO_MUCH_WORK) {
             return ADVANCE_STEP_LIMIT;

@@ -70,23 +70,23 @@ static bool attach_fixed_point(struct cvode *c)
 
 static bool configure(struct cvode *c)
 {
-    /* -g, the margin and the force rate matter where they fall, see cvode_problem.h. */
-    int falling[CVODE_ROOTS];
-    for (int i = 0; i < CVODE_ROOTS; ++i) {
+    /* -g, the margin and the force rate matter where they fall, see scene/ode.h. */
+    int falling[ODE_EVENTS];
+    for (int i = 0; i < ODE_EVENTS; ++i) {
         falling[i] = -1;
     }
     return silence(c) && CVodeInit(c->memory, cvode_rhs, 0.0, c->y) == CV_SUCCESS &&
            CVodeSetUserData(c->memory, &c->problem) == CV_SUCCESS &&
            CVodeWFtolerances(c->memory, cvode_weights) == CV_SUCCESS &&
            (c->method != SOLVER_METHOD_CVODE_ADAMS ? attach_newton(c) : attach_fixed_point(c)) &&
-           CVodeRootInit(c->memory, CVODE_ROOTS, cvode_roots) == CV_SUCCESS &&
+           CVodeRootInit(c->memory, ODE_EVENTS, cvode_roots) == CV_SUCCESS &&
            CVodeSetRootDirection(c->memory, falling) == CV_SUCCESS &&
            CVodeSetNoInactiveRootWarn(c->memory) == CV_SUCCESS;
 }
 
 static bool create(struct cvode *c, const struct scene_values *v)
 {
-    c->size = cvode_problem_size(v);
+    c->size = ode_size(v);
     c->method = (enum solver_method)solver_method(v);
     if (!create_context(&c->context)) {
         return false;
@@ -103,8 +103,7 @@ static bool create(struct cvode *c, const struct scene_values *v)
 bool cvode_open(struct cvode **slot, const struct scene_values *v, const struct integrator_memory *memory,
                 char *message)
 {
-    if (*slot && (*slot)->method == (enum solver_method)solver_method(v) &&
-        (*slot)->size == cvode_problem_size(v)) {
+    if (*slot && (*slot)->method == (enum solver_method)solver_method(v) && (*slot)->size == ode_size(v)) {
         return true;
     }
     struct cvode *c = memory->allocate(1, sizeof *c);

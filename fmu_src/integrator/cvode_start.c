@@ -3,9 +3,7 @@
 #include <cvode/cvode.h>
 
 #include "integrator/cvode_memory.h"
-#include "scene/energy.h"
-#include "scene/rounding.h"
-#include "scene/singularity.h"
+#include "scene/present.h"
 
 /* Largest rotation of n in one internal step [rad]: contact cannot end and begin again within such a step.
  * Near the centre, where n rotates fast, the penetration stands for d, since the gap opens only after that
@@ -44,16 +42,6 @@ static double largest_step(const struct scene_values *v, const struct scene_stat
     return bound;
 }
 
-/* What the lightest free body would have of momentum with that energy: sqrt(2 m E) [N s]. */
-static double momentum_scale(const struct scene_values *v, double energy)
-{
-    double lightest = (double)INFINITY;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        lightest = body_is_free(v, i) ? fmin(lightest, body_mass(v, i)) : lightest;
-    }
-    return sqrt(2.0 * lightest * energy);
-}
-
 /* What the local error of one internal step may take of the tolerance: the errors of some hundred steps of a
  * contact add up, BDF's all with the sign of its damping. Chosen so that at 1e-10 the energy balance after
  * the 63 impacts of a ball in a cylinder (scripts/scenarios/p3b_bouncing_in_cylinder.toml) closes to better
@@ -63,59 +51,15 @@ static double tolerance_share(enum solver_method method)
     return method == SOLVER_METHOD_CVODE_ADAMS ? 0.02 : 0.005;
 }
 
-/* See rounding_margin_offset. Twice the gap's rounding bound: the start itself may be off by one. */
-static void offset_roots(struct cvode_problem *p, const struct scene_instant *at)
-{
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const double tolerated = p->relative * vec3_norm(at->rate[j]) + p->absolute;
-        p->gap_offset[j] = 2.0 * rounding_of_gap(p->values, at, j);
-        p->margin_offset[j] = rounding_margin_offset(p->values, p->state, at, j, tolerated);
-    }
-}
-
-/* Relative acceleration by all but the contact itself. */
-static struct vec3 acceleration_by_others(const struct scene_values *v, const struct scene_instant *at,
-                                          int contact)
-{
-    const struct vec3 all =
-        vec3_sub(at->acceleration[contact_destination(contact)], at->acceleration[contact_source(contact)]);
-    return vec3_axpy(all, scene_inverse_mass(v, contact), at->source_force[contact]);
-}
-
-/* At d = 0 n takes the direction of motion. At rest it takes that of the acceleration by other contacts: the
- * contact's own force acts along c, so no other direction persists. */
-static void leave_centres(const struct scene_values *v, struct scene_state *q)
-{
-    struct scene_instant at;
-    scene_now(v, q, &at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (at.geometry[j].degenerate) {
-            const struct contact_shape shape = scene_contact_shape(v, q, j);
-            q->contact[j].normal =
-                singularity_escape(&shape, at.rate[j], vec3_make(0.0, 0.0, 0.0), q->contact[j].normal);
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (at.geometry[j].degenerate && contact_is_coupled(v, q, j)) {
-            const struct contact_shape shape = scene_contact_shape(v, q, j);
-            scene_now(v, q, &at); /* the others' directions are known better now */
-            q->contact[j].normal = singularity_escape(&shape, at.rate[j], acceleration_by_others(v, &at, j),
-                                                      q->contact[j].normal);
-        }
-    }
-}
-
 bool cvode_start(struct cvode *c, const struct scene_values *v, struct scene_state *q)
 {
     struct scene_instant at;
-    leave_centres(v, q);
+    ode_leave_centres(v, q);
     scene_now(v, q, &at);
     c->problem.relative = tolerance_share(c->method) * solver_relative_tolerance(v);
     c->problem.absolute = tolerance_share(c->method) * solver_absolute_tolerance(v);
-    c->problem.energy_scale = energy_kinetic_of(v, &at) + energy_stored(v, q, &at);
-    c->problem.momentum_scale = momentum_scale(v, c->problem.energy_scale);
-    offset_roots(&c->problem, &at);
-    cvode_pack(&c->problem, c->y);
+    ode_begin(&c->problem.ode, &at, c->problem.relative, c->problem.absolute);
+    ode_pack(&c->problem.ode, NV_DATA_S(c->y));
     c->steps = c->evaluations = c->rejected = 0;
     q->integrator_fresh = 0;
     c->longest_step = largest_step(v, q, &at);

@@ -1,0 +1,262 @@
+#include "scene/ode.h"
+
+#include <float.h>
+
+#include "scene/energy.h"
+#include "scene/present.h"
+#include "scene/rounding.h"
+#include "scene/singularity.h"
+
+enum { BODY_STATES = 6 };
+
+int ode_body(const struct scene_values *v, int body)
+{
+    int index = 0;
+    for (int i = 0; i < body; ++i) {
+        index += body_is_free(v, i) ? BODY_STATES : 0;
+    }
+    return index;
+}
+
+int ode_impulse(const struct scene_values *v, int contact)
+{
+    return ode_body(v, SCENE_BODIES) + 3 * contact;
+}
+
+int ode_dissipated(const struct scene_values *v)
+{
+    return ode_impulse(v, SCENE_CONTACTS);
+}
+
+int ode_size(const struct scene_values *v)
+{
+    return ode_dissipated(v) + 2;
+}
+
+/* Relative acceleration by all but the contact itself. */
+static struct vec3 acceleration_by_others(const struct scene_values *v, const struct scene_instant *at,
+                                          int contact)
+{
+    const struct vec3 all =
+        vec3_sub(at->acceleration[contact_destination(contact)], at->acceleration[contact_source(contact)]);
+    return vec3_axpy(all, scene_inverse_mass(v, contact), at->source_force[contact]);
+}
+
+/* At rest n takes the direction of the acceleration by other contacts: the contact's own force acts along c,
+ * so no other direction persists. */
+void ode_leave_centres(const struct scene_values *v, struct scene_state *q)
+{
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (at.geometry[j].degenerate) {
+            const struct contact_shape shape = scene_contact_shape(v, q, j);
+            q->contact[j].normal =
+                singularity_escape(&shape, at.rate[j], vec3_make(0.0, 0.0, 0.0), q->contact[j].normal);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (at.geometry[j].degenerate && contact_is_coupled(v, q, j)) {
+            const struct contact_shape shape = scene_contact_shape(v, q, j);
+            scene_now(v, q, &at); /* the others' directions are known better now */
+            q->contact[j].normal = singularity_escape(&shape, at.rate[j], acceleration_by_others(v, &at, j),
+                                                      q->contact[j].normal);
+        }
+    }
+}
+
+/* What the lightest free body would have of momentum with that energy: sqrt(2 m E) [N s]. */
+static double momentum_scale(const struct scene_values *v, double energy)
+{
+    double lightest = (double)INFINITY;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        lightest = body_is_free(v, i) ? fmin(lightest, body_mass(v, i)) : lightest;
+    }
+    return sqrt(2.0 * lightest * energy);
+}
+
+/* See rounding_margin_offset. Twice the gap's rounding bound: the start itself may be off by one. */
+void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double relative, double absolute)
+{
+    const struct scene_values *v = ode->values;
+    ode->energy_scale = energy_kinetic_of(v, at) + energy_stored(v, ode->state, at);
+    ode->momentum_scale = momentum_scale(v, ode->energy_scale);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const double tolerated = relative * vec3_norm(at->rate[j]) + absolute;
+        ode->gap_offset[j] = 2.0 * rounding_of_gap(v, at, j);
+        ode->margin_offset[j] = rounding_margin_offset(v, ode->state, at, j, tolerated);
+    }
+}
+
+static struct vec3 vec3_from(const double *data)
+{
+    return vec3_make(data[0], data[1], data[2]);
+}
+
+static void vec3_to(struct vec3 a, double *data)
+{
+    data[0] = a.x;
+    data[1] = a.y;
+    data[2] = a.z;
+}
+
+static void unpack_bodies(const struct scene_values *v, const double *y,
+                          struct body_state bodies[SCENE_BODIES])
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const double *at = y + ode_body(v, i);
+            bodies[i] = (struct body_state){vec3_from(at), vec3_from(at + 3)};
+        }
+    }
+}
+
+void ode_pack(const struct scene_ode *ode, double *y)
+{
+    const struct scene_values *v = ode->values;
+    const struct scene_state *q = ode->state;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            vec3_to(q->body[i].moved, y + ode_body(v, i));
+            vec3_to(q->body[i].velocity, y + ode_body(v, i) + 3);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        vec3_to(q->contact[j].impulse, y + ode_impulse(v, j));
+    }
+    y[ode_dissipated(v)] = q->dissipated;
+    y[ode_dissipated(v) + 1] = q->external_work;
+}
+
+void ode_unpack(const struct scene_values *v, struct scene_state *q, const double *y)
+{
+    unpack_bodies(v, y, q->body);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        q->contact[j].impulse = vec3_from(y + ode_impulse(v, j));
+    }
+    q->dissipated = y[ode_dissipated(v)];
+    q->external_work = y[ode_dissipated(v) + 1];
+}
+
+void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at)
+{
+    struct body_state bodies[SCENE_BODIES];
+    unpack_bodies(ode->values, y, bodies);
+    scene_evaluate(ode->values, ode->state, clock, bodies, at);
+}
+
+void ode_rates(const struct scene_ode *ode, double clock, const double *y, double *rates)
+{
+    const struct scene_values *v = ode->values;
+    struct scene_instant at;
+    ode_instant(ode, clock, y, &at);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            vec3_to(at.velocity[i], rates + ode_body(v, i));
+            vec3_to(at.acceleration[i], rates + ode_body(v, i) + 3);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        vec3_to(at.source_force[j], rates + ode_impulse(v, j));
+    }
+    rates[ode_dissipated(v)] = energy_dissipated_power(v, ode->state, &at);
+    rates[ode_dissipated(v) + 1] = scene_external_power(v, ode->state, clock, &at);
+}
+
+/* Zero is returned as a tiny negative number: a contact that starts at g = 0 does not end at once, a root is
+ * not found twice, and CVODE, which rejects functions that stay at zero, never sees one. 1e-100 is far below
+ * any meaningful gap, rate or force and leaves room for the root finder's products and quotients. */
+static double not_zero(double value)
+{
+    return fabs(value) < 1e-100 ? -1e-100 : value;
+}
+
+/* How far the source is beyond a cylinder's ends, negative within [m]; minus infinity without ends. */
+static double beyond_ends(const struct contact_shape *shape, const struct contact_geometry *g)
+{
+    return SCENE_ANY_CYLINDER ? fabs(g->axial) - shape->half_length : -(double)INFINITY;
+}
+
+/* The event functions of a contact whose bodies are loaded by another contact, so that closed forms do not
+ * foresee its changes. */
+static void coupled_events(const struct scene_ode *ode, const struct contact_shape *shape,
+                           const struct contact_law *law, const struct contact_geometry *g, int j,
+                           double out[4])
+{
+    const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
+    if (regime == REGIME_APART) {
+        out[0] = not_zero(ode->gap_offset[j] + fmax(g->gap, beyond_ends(shape, g)));
+    } else {
+        out[0] = not_zero(ode->gap_offset[j] - fmax(g->gap, beyond_ends(shape, g)));
+    }
+    if (regime == REGIME_SEPARATING) {
+        out[1] = not_zero(ode->margin_offset[j] + contact_event(law, regime, g->gap, g->gap_rate));
+    }
+}
+
+void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS])
+{
+    const struct scene_values *v = ode->values;
+    struct scene_instant at;
+    ode_instant(ode, clock, y, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        double *out = events + ODE_EVENTS_EACH * j;
+        const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
+        const struct contact_law law = scene_contact_law(v, ode->state, j);
+        const struct contact_geometry *g = &at.geometry[j];
+        out[0] = out[1] = out[2] = out[3] = 1.0;
+        if (contact_transmits(ode->state, j)) {
+            if (!contact_is_driven(v, j)) {
+                out[0] = not_zero(ode->gap_offset[j] - g->gap);
+                out[1] = not_zero(ode->margin_offset[j] + contact_event(&law, regime, g->gap, g->gap_rate));
+            }
+            out[2] = not_zero(-system_opening_rate(v, ode->state, clock, &at, j));
+            out[3] = not_zero(scene_force_rate(v, ode->state, &at, j));
+        }
+        if (contact_is_coupled(v, ode->state, j)) {
+            const struct contact_shape shape = scene_contact_shape(v, ode->state, j);
+            coupled_events(ode, &shape, &law, g, j, out);
+        }
+    }
+}
+
+enum contact_regime ode_regime_after(const struct scene_values *v, const struct scene_state *q, int contact,
+                                     int event)
+{
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    if (event == 1) {
+        return contact_regime_after(&law, regime);
+    }
+    if (regime != REGIME_APART) {
+        return REGIME_APART;
+    }
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    const double gap = fmin(at.geometry[contact].gap, -DBL_MIN);
+    return contact_regime_of(&law, gap, at.geometry[contact].gap_rate, true);
+}
+
+static void set_three(double *sizes, double size)
+{
+    sizes[0] = sizes[1] = sizes[2] = size;
+}
+
+void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
+{
+    const struct scene_values *v = ode->values;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const int index = ode_body(v, i);
+            set_three(sizes + index, vec3_norm(vec3_from(y + index)));
+            set_three(sizes + index + 3, vec3_norm(vec3_from(y + index + 3)));
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const int index = ode_impulse(v, j);
+        set_three(sizes + index, fmax(vec3_norm(vec3_from(y + index)), ode->momentum_scale));
+    }
+    for (int i = ode_dissipated(v); i < ode_size(v); ++i) {
+        sizes[i] = fmax(fabs(y[i]), ode->energy_scale);
+    }
+}

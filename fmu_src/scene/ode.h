@@ -1,0 +1,72 @@
+/*
+ * The scene as a system of ordinary differential equations within fixed regimes, for integrators that know
+ * nothing of contact. SI units; all arrays are the caller's.
+ *
+ *   y = (moved [m], v [m/s] of each free body; impulse on the source of each contact [N s];
+ *        dissipated energy [J]; external work [J])
+ *
+ * Four event functions for each contact, each an event where it falls through zero:
+ *   0   -g              contact ends
+ *   1   contact_event   the law changes
+ *   2   -g'             deepest penetration
+ *   3   dF_n/dt         largest force
+ * An offset is added to 0 and 1, so that they start above zero in spite of rounding; they end the phase. 2
+ * and 3 are peaks only. Without contact all are the constant 1, unless another contact loads one of the
+ * bodies: then 0 is also the first touch and the passage of a cylinder's end. Where neither body is free
+ * closed forms foresee 0 and 1, which are then constant.
+ */
+#ifndef CONTACT_SCENE_ODE_H
+#define CONTACT_SCENE_ODE_H
+
+#include "scene/evaluate.h"
+
+enum { ODE_EVENTS_EACH = 4, ODE_EVENTS = ODE_EVENTS_EACH * SCENE_CONTACTS };
+
+struct scene_ode {
+    const struct scene_values *values;
+    const struct scene_state *state;      /* regimes, paths; its body states are not read */
+    double gap_offset[SCENE_CONTACTS];    /* added to events 0 [m] */
+    double margin_offset[SCENE_CONTACTS]; /* added to events 1 [as the event] */
+    double energy_scale, momentum_scale;  /* of the motion as the phase begins [J], [N s] */
+};
+
+/* Number of states, and where in y a body's `moved` is, which its v follows; a contact's impulse; the
+ * dissipated energy, which the external work follows. */
+int ode_size(const struct scene_values *v);
+int ode_body(const struct scene_values *v, int body);
+int ode_impulse(const struct scene_values *v, int contact);
+int ode_dissipated(const struct scene_values *v);
+
+/* Gives contacts at d = 0 a direction: n takes the escape direction. */
+void ode_leave_centres(const struct scene_values *v, struct scene_state *q);
+
+/* Sets offsets and scales for a phase that begins at the instant `at` of ode->state, for an integrator whose
+ * speeds are right to relative |w| + absolute [m/s]. */
+void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double relative, double absolute);
+
+/* The state at ode->state into y; and y into the bodies, impulses and energies of q; clocks are the
+ * caller's. */
+void ode_pack(const struct scene_ode *ode, double *y);
+void ode_unpack(const struct scene_values *v, struct scene_state *q, const double *y);
+
+/* dy/dt. */
+void ode_rates(const struct scene_ode *ode, double clock, const double *y, double *rates);
+
+/* d(dy/dt)_i / dy_j at [j * ode_size + i]: dense, by columns. */
+void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns);
+
+void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
+
+/* The regime after event 0 or 1 of a contact, at the present of q. */
+enum contact_regime ode_regime_after(const struct scene_values *v, const struct scene_state *q, int contact,
+                                     int event);
+
+/* What the error of each state is to be compared with: the length of the whole vector, so that results do not
+ * depend on the orientation of the axes; of displacements since the start of the phase, so that they do not
+ * depend on the place; of energies and impulses at least that of the free bodies. */
+void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes);
+
+/* The instant at y; for ode.c and ode_jacobian.c. */
+void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at);
+
+#endif
