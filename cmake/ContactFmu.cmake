@@ -1,7 +1,8 @@
 # add_contact_fmu(scene.toml): the FMU of one scene, <build>/fmus/<Scene>.fmu.
 #
 #   configure   modelDescription/generate.py writes <build>/scenes/<Scene>/: modelDescription.xml, scene.h,
-#               scene_variables.c, documentation/ and scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE, SCENE_HAS_CYLINDER)
+#               scene_variables.c, documentation/ and scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE,
+#               SCENE_HAS_CYLINDER); units.txt there lists the sources that the scene has
 #   compile     all of fmu_src as one unit against that scene.h -> <build>/libraries/<Scene>.so
 #   pack        the library, stripped, with description and documentation into a ZIP
 #
@@ -70,6 +71,8 @@ function(contact_scene_sources folder result)
         else()
             list(APPEND sources ${CONTACT_NO_CVODE_SOURCES})
         endif()
+    else()
+        list(APPEND sources ${CONTACT_GIVEN_SOURCES})
     endif()
     set(${result} ${sources} PARENT_SCOPE)
 endfunction()
@@ -80,7 +83,10 @@ function(add_contact_fmu scene)
     set_property(GLOBAL APPEND PROPERTY CONTACT_SCENES ${SCENE_NAME})
 
     contact_scene_sources("${folder}" sources)
-    add_library(${SCENE_NAME} MODULE ${sources} ${CONTACT_FMI2_SOURCES})
+    list(APPEND sources ${CONTACT_FMI2_SOURCES})
+    list(JOIN sources "\n" units) # for the architecture tests
+    file(CONFIGURE OUTPUT "${folder}/units.txt" CONTENT "${units}\n" @ONLY)
+    add_library(${SCENE_NAME} MODULE ${sources})
     contact_scene_options(${SCENE_NAME} "${folder}" ${SCENE_HAS_CVODE})
     set_target_properties(${SCENE_NAME} PROPERTIES
         PREFIX "" SUFFIX ".so" LIBRARY_OUTPUT_DIRECTORY "${CONTACT_LIBRARY_FOLDER}"

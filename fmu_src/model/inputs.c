@@ -6,9 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "model/state.h"
-#include "scene/energy.h"
-#include "segment/flight.h"
+#include "model/motion.h"
 
 /* Which of a body's nine input signals a variable is; -1 when it is no input. */
 static int signal_of(const struct variable *variable)
@@ -182,42 +180,13 @@ enum model_status model_refuse_inputs(const struct model *m)
         "(allowed: inputs with finite energies).");
 }
 
-#if SCENE_ANY_FREE
-/* Changes the paths and books the work that the change does; false, and nothing changed, where the work is
- * not finite. */
-static bool change_paths(const struct scene_values *v, struct scene_state *q, const struct body_path *next)
-{
-    const struct scene_state before = *q;
-    struct scene_instant at;
-    scene_now(v, q, &at);
-    const double stored = energy_stored(v, q, &at);
-    scene_rebase(v, q);
-    memcpy(q->path, next, sizeof q->path);
-    transition_settle_regimes(v, q, stored, false);
-    if (isfinite(q->external_work) || scene_is_force_element(v)) {
-        return true;
-    }
-    *q = before;
-    return false;
-}
-#else
-static bool change_paths(const struct scene_values *v, struct scene_state *q, const struct body_path *next)
-{
-    scene_rebase(v, q);
-    memcpy(q->path, next, sizeof q->path);
-    return true;
-}
-#endif
-
 bool model_apply_inputs(struct model *m)
 {
     struct scene_state *q = &m->state.motion;
     if (!m->state.signals_changed || !m->state.initialized) {
         return true;
     }
-#if SCENE_ANY_FREE
-    flight_catch_up(&m->state.values, q);
-#endif
+    motion_catch_up(&m->state.values, q);
     struct body_path next[SCENE_BODIES];
     bool same = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -229,7 +198,7 @@ bool model_apply_inputs(struct model *m)
         renew_path(m, i, m->state.marks[i], &next[i]);
         same = same && same_path(&before, &next[i]);
     }
-    const bool applied = same || change_paths(&m->state.values, q, next);
+    const bool applied = same || motion_follow(&m->state.values, q, next);
     m->state.signals_changed = !applied;
     return applied;
 }
@@ -237,18 +206,6 @@ bool model_apply_inputs(struct model *m)
 /* Derivative and velocity may be rounded apart by this part of the larger: difference quotients of
  * displacements keep no more digits. */
 static const double RATE_AGREEMENT = 1e-6;
-
-/* Speeds below it are none [m/s]: the solver's tolerance of speeds, or its start value in scenes without a
- * solver. */
-static double least_speed(const struct scene_values *v)
-{
-#if SCENE_ANY_FREE
-    return solver_absolute_tolerance(v);
-#else
-    (void)v;
-    return 1e-12;
-#endif
-}
 
 /* Without derivatives of its own a displacement goes on with the velocity, or stays in a force element:
  * neither contradicts. In a force element derivatives of zero say the same as none. */
@@ -274,7 +231,7 @@ void model_warn_of_rates(struct model *m)
         const struct vec3 velocity = path_at(q->path[i].velocity, 3, q->clock);
         const double size = fmax(vec3_norm(rate), vec3_norm(velocity));
         if (has_rate_of_its_own(m, i, rate) &&
-            vec3_norm(vec3_sub(rate, velocity)) > RATE_AGREEMENT * size + least_speed(v)) {
+            vec3_norm(vec3_sub(rate, velocity)) > RATE_AGREEMENT * size + motion_least_speed(v)) {
             m->state.warned_of_rate[i] = 1;
             const char *name = scene_body_name(i);
             model_report(

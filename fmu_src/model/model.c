@@ -1,43 +1,9 @@
 #include "model/model.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
-#include "model/state.h"
-#include "segment/flight.h"
-
-static const char *category_of(enum model_status status)
-{
-    switch (status) {
-    case MODEL_WARNING:
-        return "logStatusWarning";
-    case MODEL_DISCARD:
-        return "logStatusDiscard";
-    case MODEL_ERROR:
-        return "logStatusError";
-    case MODEL_FATAL:
-        return "logStatusFatal";
-    case MODEL_OK:
-    default:
-        return "logEvents";
-    }
-}
-
-enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)
-{
-    const char *category = category_of(status);
-    if (m->host.log && (!m->host.wants || m->host.wants(m->host.context, category))) {
-        char message[512];
-        va_list arguments;
-        va_start(arguments, format);
-        vsnprintf(message, sizeof message, format, arguments);
-        va_end(arguments);
-        m->host.log(m->host.context, status, category, message);
-    }
-    return status;
-}
+#include "model/motion.h"
 
 struct model *model_create(const struct model_host *host)
 {
@@ -52,9 +18,7 @@ struct model *model_create(const struct model_host *host)
 void model_destroy(struct model *m)
 {
     if (m) {
-#if SCENE_ANY_FREE
-        integrator_close(&m->integrator);
-#endif
+        motion_close(m);
         m->host.release(m);
     }
 }
@@ -98,29 +62,19 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
     return status;
 }
 
-#if SCENE_ANY_FREE
-bool model_open_integrator(struct model *m, const struct scene_values *v)
-{
-    const struct integrator_memory memory = {m->host.allocate, m->host.release};
-    return integrator_open(&m->integrator, v, &memory);
-}
-#endif
-
 enum model_status model_exit_initialization(struct model *m)
 {
-    const enum model_status status = model_check_consistency(m);
+    enum model_status status = model_check_consistency(m);
     if (status != MODEL_OK) {
         return status;
     }
     model_prepare(m);
-#if SCENE_ANY_FREE
-    if (!model_open_integrator(m, &m->state.values)) {
-        return model_report(m, MODEL_ERROR, "Initialization failed: %s.", m->integrator.message);
+    status = motion_open(m, &m->state.values, "Initialization failed");
+    if (status == MODEL_OK) {
+        m->state.initialized = 1;
+        m->outputs = OUTPUTS_NONE;
     }
-#endif
-    m->state.initialized = 1;
-    m->outputs = OUTPUTS_NONE;
-    return MODEL_OK;
+    return status;
 }
 
 double model_time(const struct model *m)
@@ -128,70 +82,17 @@ double model_time(const struct model *m)
     return m->state.initialized ? scene_time(&m->state.motion) : m->state.start_time;
 }
 
-#if SCENE_ANY_FREE
-static enum model_status advance_motion(struct model *m, double end_time)
-{
-    const struct scene_values *v = &m->state.values;
-    const int32_t events = m->state.motion.counters.events;
-    switch (integrator_run(&m->integrator, v, &m->state.motion, end_time)) {
-    case INTEGRATOR_DONE:
-        break;
-    case INTEGRATOR_STEP_LIMIT:
-        return model_report(
-            m, MODEL_DISCARD,
-            "The step to %.17g s stopped at %.17g s: solver.max_internal_steps = %d are used up "
-            "(allowed: 1 .. 2147483647). Go on from there, if need be in smaller steps, or start with a "
-            "larger limit.",
-            end_time, model_time(m), (int)solver_max_internal_steps(v));
-    case INTEGRATOR_FAILED:
-    default:
-        return model_report(m, MODEL_ERROR, "The step to %.17g s failed at %.17g s: %s", end_time,
-                            model_time(m), m->integrator.message);
-    }
-    if (m->state.motion.counters.events != events) {
-        model_report(m, MODEL_OK, "Changes of contact up to %.17g s: %d; since initialization: %d.", end_time,
-                     (int)(m->state.motion.counters.events - events), (int)m->state.motion.counters.events);
-    }
-    return MODEL_OK;
-}
-#else
-static enum model_status advance_motion(struct model *m, double end_time)
-{
-    struct scene_state *q = &m->state.motion;
-    q->clock += scene_remaining(q, end_time);
-    scene_rebase(&m->state.values, q);
-    return MODEL_OK;
-}
-#endif
-
-#if SCENE_ANY_FREE
-/* A measure of a free body's motion that is infinite or NaN where any part of it is. */
-static double size_of_motion(const struct scene_values *v, const struct scene_state *q, int body)
-{
-    const struct vec3 speed = q->body[body].velocity;
-    return body_mass(v, body) * vec3_dot(speed, speed) + vec3_norm(q->body[body].moved);
-}
-#endif
-
 /* Whether the motion of the bodies, and the energies that go with it, are still numbers. */
 static bool motion_is_finite(const struct model *m)
 {
     const struct scene_values *v = &m->state.values;
     const struct scene_state *q = &m->state.motion;
-    double sum = scene_time(q);
-#if SCENE_ANY_FREE
-    if (!scene_is_force_element(v)) {
-        sum += q->dissipated + q->external_work;
-    }
-#endif
+    double sum = scene_time(q) + motion_size(v, q);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_prescribed(v, i)) {
             const struct body_instant at = scene_body_now(v, q, i);
             sum += vec3_norm(at.displacement) + vec3_norm(at.velocity);
         }
-#if SCENE_ANY_FREE
-        sum += body_is_free(v, i) ? size_of_motion(v, q, i) : 0.0;
-#endif
     }
     return isfinite(sum);
 }
@@ -211,27 +112,15 @@ static enum model_status step_refused(struct model *m, const struct scene_state 
 /* The state before is kept for the case that the step ends beyond the range of numbers. */
 static enum model_status take_step(struct model *m, double end_time)
 {
-#if SCENE_ANY_FREE
-    flight_catch_up(&m->state.values, &m->state.motion);
-#endif
+    motion_catch_up(&m->state.values, &m->state.motion);
     const struct scene_state before = m->state.motion;
-    const enum model_status status = advance_motion(m, end_time);
+    const enum model_status status = motion_advance(m, end_time);
     return motion_is_finite(m) ? status : step_refused(m, &before, end_time);
 }
 
 bool model_step_deferred(struct model *m, double end_time)
 {
-#if SCENE_ANY_FREE
-    if (!m->state.signals_open && flight_defer(&m->state.motion, end_time)) {
-        if (m->outputs > OUTPUTS_FIXED) {
-            model_foresee_reading(m, m->state.motion.clock);
-        }
-        return true;
-    }
-#else
-    (void)m, (void)end_time;
-#endif
-    return false;
+    return !m->state.signals_open && motion_defer(m, end_time);
 }
 
 static void forget_outputs(struct model *m)

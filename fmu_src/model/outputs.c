@@ -1,16 +1,7 @@
 /* The outputs of the present instant: what the model shows, computed from the motion and nothing else. */
 #include <math.h>
 
-#include "model/state.h"
-#include "scene/energy.h"
-#include "segment/flight.h"
-
-static void put_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity)
-{
-    put_body_displacement(v, body, displacement);
-    put_body_position(v, body, vec3_add(body_center(v, body), displacement));
-    put_body_velocity(v, body, velocity);
-}
+#include "model/motion.h"
 
 /* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d
  * n. */
@@ -57,50 +48,6 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     return force + g->distance + g->gap_rate + factors.k + factors.c;
 }
 
-#if SCENE_ANY_FREE
-/* Divided, not scaled by 1/window, which is infinite for steps of less than 1e-308 s. */
-static struct vec3 mean_of(struct vec3 impulse, double window)
-{
-    return window > 0.0 ? vec3_make(impulse.x / window, impulse.y / window, impulse.z / window)
-                        : vec3_make(0.0, 0.0, 0.0);
-}
-
-static double put_history(struct scene_values *v, const struct scene_state *q, int contact)
-{
-    const struct contact_state *state = &q->contact[contact];
-    const struct vec3 impulse = vec3_sub(state->impulse, state->impulse_mark);
-    const bool touching = state->regime != REGIME_APART;
-    const struct vec3 mean = mean_of(impulse, q->step_length);
-    put_contact_mean_force(v, contact, mean);
-    put_contact_peak_force(v, contact, state->peak_force);
-    put_contact_peak_penetration(v, contact, state->peak_penetration);
-    put_contact_onsets(v, contact, state->onsets);
-    put_contact_last_onset_time(v, contact, state->onset_time);
-    put_contact_last_duration(v, contact, touching ? q->clock - state->touch_clock : state->last_duration);
-    return mean.x + mean.y + mean.z + state->peak_force;
-}
-
-static double put_world(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
-{
-    const double kinetic = energy_kinetic_of(v, at);
-    const double potential = energy_potential_of(v, at);
-    const double stored = energy_stored(v, q, at);
-    put_energy_kinetic(v, kinetic);
-    put_energy_potential(v, potential);
-    put_energy_contact(v, stored);
-    put_energy_dissipated(v, q->dissipated);
-    put_energy_external_work(v, q->external_work);
-    const double total = kinetic + potential + stored + q->dissipated - q->external_work;
-    put_energy_total(v, total);
-    put_solver_steps(v, q->counters.steps);
-    put_solver_force_evaluations(v, q->counters.force_evaluations);
-    put_solver_events(v, q->counters.events);
-    put_solver_rejected_steps(v, q->counters.rejected_steps);
-    put_solver_fallbacks(v, q->counters.fallbacks);
-    return total;
-}
-#endif
-
 static void warn_of_missing_direction(struct model *m, const struct scene_instant *at)
 {
     struct scene_state *q = &m->state.motion;
@@ -117,62 +64,17 @@ static void warn_of_missing_direction(struct model *m, const struct scene_instan
     }
 }
 
-static void update_body(struct scene_values *v, const struct scene_state *q, int body)
-{
-    const struct body_instant at = scene_body_now(v, q, body);
-    put_body(v, body, at.displacement, at.velocity);
-}
-
 static void update_bodies(struct model *m)
 {
     struct scene_values *v = &m->state.values;
-#if SCENE_ANY_FREE
-    flight_catch_up(v, &m->state.motion);
-#endif
+    motion_catch_up(v, &m->state.motion);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (m->outputs == OUTPUTS_NONE || body_is_free(v, i) || body_is_prescribed(v, i)) {
-            update_body(v, &m->state.motion, i);
+            model_show_body_now(v, &m->state.motion, i);
         }
     }
     m->outputs = OUTPUTS_BODIES;
 }
-
-#if SCENE_ANY_FREE
-#if SCENE_ANY_PRESCRIBED
-/* Apart from model_foresee_reading, which need not save registers for it. */
-__attribute__((noinline)) static void show_prescribed(struct scene_values *v, const struct scene_state *q)
-{
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_prescribed(v, i)) {
-            update_body(v, q, i);
-        }
-    }
-}
-#endif
-
-void model_foresee_reading(struct model *m, double clock)
-{
-    struct scene_values *v = &m->state.values;
-    const struct scene_state *q = &m->state.motion;
-    m->outputs = OUTPUTS_BODIES;
-    bool all_shown = true;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            const struct body_state at = flight_unforced_at(v, q, i, clock);
-            put_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
-        } else if (body_is_prescribed(v, i)) {
-            all_shown = false;
-        }
-    }
-#if SCENE_ANY_PRESCRIBED
-    if (!all_shown) {
-        show_prescribed(v, q);
-    }
-#else
-    (void)all_shown;
-#endif
-}
-#endif
 
 static void update_all(struct model *m)
 {
@@ -187,13 +89,8 @@ static void update_all(struct model *m)
         }
         q->contact[j].normal = at.geometry[j].normal;
         sum += put_contact(v, q, &at, j);
-#if SCENE_ANY_FREE
-        sum += put_history(v, q, j);
-#endif
     }
-#if SCENE_ANY_FREE
-    sum += put_world(v, q, &at);
-#endif
+    sum += motion_show(v, q, &at);
     warn_of_missing_direction(m, &at);
     /* What is no number has to be looked at one by one. */
     m->outputs = isfinite(sum) ? OUTPUTS_ALL : OUTPUTS_BODIES;

@@ -3,8 +3,7 @@
 #include <string.h>
 
 #include "contact/bounding_box.h"
-#include "model/state.h"
-#include "scene/energy.h"
+#include "model/motion.h"
 
 static struct vec3 start_displacement(const struct scene_values *v, const struct scene_state *q, int body)
 {
@@ -117,14 +116,7 @@ void model_prepare(struct model *m)
     }
     q->base = m->state.start_time;
     model_start_paths(m);
-#if SCENE_ANY_FREE
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            q->origin[i] = (struct body_origin){body_initial_displacement(v, i), body_initial_velocity(v, i)};
-            q->body[i].velocity = q->origin[i].velocity;
-        }
-    }
-#endif
+    motion_place(v, q);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].side = 1;
         q->contact[j].warned = warned[j];
@@ -132,11 +124,7 @@ void model_prepare(struct model *m)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         prepare_contact(v, q, j);
     }
-#if SCENE_ANY_FREE
-    transition_settle_regimes(v, q, 0.0, true);
-    struct scene_instant at;
-    transition_begin_step(v, q, &at);
-#endif
+    motion_begin(v, q);
 }
 
 static enum model_status check_contact(struct model *m, int contact)
@@ -193,16 +181,10 @@ static enum model_status check_start(struct model *m)
     const struct scene_values *v = &m->state.values;
     struct scene_instant at;
     scene_now(v, &m->state.motion, &at);
-    double sum = 0.0;
+    double sum = motion_energy(v, &m->state.motion, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         sum += at.normal_force[j];
     }
-#if SCENE_ANY_FREE
-    if (!scene_is_force_element(v)) {
-        sum +=
-            energy_kinetic_of(v, &at) + energy_potential_of(v, &at) + energy_stored(v, &m->state.motion, &at);
-    }
-#endif
     return isfinite(sum) ? MODEL_OK
                          : model_report(m, MODEL_ERROR,
                                         "The start is beyond the range of numbers "

@@ -3,8 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "model/state.h"
-#include "segment/flight.h"
+#include "model/motion.h"
 
 enum { HEADER_SIZE = offsetof(struct model_state, values) };
 
@@ -31,9 +30,7 @@ size_t model_state_size(void)
 void model_save(struct model *m, void *bytes)
 {
     if (m->state.initialized) {
-#if SCENE_ANY_FREE
-        flight_catch_up(&m->state.values, &m->state.motion);
-#endif
+        motion_catch_up(&m->state.values, &m->state.motion);
         scene_rebase(&m->state.values, &m->state.motion);
         m->outputs = OUTPUTS_NONE;
     }
@@ -204,7 +201,7 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
     }
     struct model_state state;
     memcpy(&state, bytes, sizeof state);
-    const enum model_status status = check_header(m, &state);
+    enum model_status status = check_header(m, &state);
     if (status != MODEL_OK) {
         return status;
     }
@@ -212,12 +209,10 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
         return model_report(m, MODEL_ERROR,
                             "Saved state refused: its motion is beyond the range of numbers.");
     }
-#if SCENE_ANY_FREE
-    if (state.initialized && !model_open_integrator(m, &state.values)) {
-        return model_report(m, MODEL_ERROR, "Saved state refused: %s.", m->integrator.message);
+    status = state.initialized ? motion_open(m, &state.values, "Saved state refused") : MODEL_OK;
+    if (status == MODEL_OK) {
+        m->state = state;
+        m->outputs = OUTPUTS_NONE;
     }
-#endif
-    m->state = state;
-    m->outputs = OUTPUTS_NONE;
-    return MODEL_OK;
+    return status;
 }

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "model/state.h"
+#include "model/motion.h"
 #include "scene/scene_jet.h"
 
 static double contact_term(const struct model *m, const struct scene_instant *at,
@@ -48,32 +48,6 @@ static double contact_term(const struct model *m, const struct scene_instant *at
     return vec3_get(vector, variable->component);
 }
 
-#if SCENE_ANY_FREE
-static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
-{
-    const struct scene_values *v = &m->state.values;
-    const double kinetic = jet_of_kinetic(v, along, order);
-    const double potential = jet_of_potential(v, along, order);
-    const double stored = jet_of_stored(v, &m->state.motion, along, order);
-    switch (row) {
-    case ROW_energy_kinetic:
-        return kinetic;
-    case ROW_energy_potential:
-        return potential;
-    case ROW_energy_contact:
-        return stored;
-    case ROW_energy_dissipated:
-        return along->dissipated[order];
-    case ROW_energy_external_work:
-        return along->external_work[order];
-    case ROW_energy_total:
-        return kinetic + potential + stored + along->dissipated[order] - along->external_work[order];
-    default:
-        return 0.0;
-    }
-}
-#endif
-
 /* Coefficient `order` of a variable; zero where nothing along the path changes it. */
 static double term_of(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
                       const struct variable *variable, int order)
@@ -84,24 +58,12 @@ static double term_of(const struct model *m, const struct scene_instant *at, con
         return vec3_get(along->displacement[variable->element][order], variable->component);
     case ROW_body_velocity:
         return vec3_get(along->velocity[variable->element][order], variable->component);
-#if SCENE_ANY_FREE
-    case ROW_energy_kinetic:
-    case ROW_energy_potential:
-    case ROW_energy_contact:
-    case ROW_energy_dissipated:
-    case ROW_energy_external_work:
-    case ROW_energy_total:
-        return energy_term(m, along, variable->row, order);
-    case ROW_contact_mean_force:
-    case ROW_contact_peak_force:
-    case ROW_contact_peak_penetration:
-    case ROW_contact_last_onset_time:
-    case ROW_contact_last_duration:
-        return 0.0;
-#endif
     default:
-        return contact_term(m, at, along, variable, order);
+        break;
     }
+    double term = 0.0;
+    return motion_jet(m, at, along, variable, order, &term) ? term
+                                                            : contact_term(m, at, along, variable, order);
 }
 
 static enum model_status check_finite(const struct model *m, const struct variable *variable, double value)
@@ -111,29 +73,6 @@ static enum model_status check_finite(const struct model *m, const struct variab
                : model_report(m, MODEL_DISCARD,
                               "A derivative of %s is beyond the range of numbers (allowed: finite).",
                               variable->name);
-}
-
-bool model_has_derivatives(const struct variable *variable)
-{
-#if SCENE_ANY_FREE
-    return variable->row != ROW_contact_mean_force && variable->row != ROW_contact_peak_force &&
-           variable->row != ROW_contact_peak_penetration;
-#else
-    (void)variable;
-    return true;
-#endif
-}
-
-/* d/dt, or d^2/dt^2, of the one output that is a duration: it grows with the time while the bodies touch. */
-static double time_derivative(const struct model *m, const struct scene_instant *at,
-                              const struct scene_jet *along, const struct variable *variable, int order)
-{
-#if SCENE_ANY_FREE
-    if (variable->row == ROW_contact_last_duration) {
-        return order == 1 && m->state.motion.contact[variable->element].regime != REGIME_APART ? 1.0 : 0.0;
-    }
-#endif
-    return order * term_of(m, at, along, variable, order); /* 1! and 2! */
 }
 
 enum model_status model_get_output_derivatives(struct model *m, const uint32_t *references, const int *orders,
@@ -149,7 +88,7 @@ enum model_status model_get_output_derivatives(struct model *m, const uint32_t *
     jet_in_time(&m->state.values, &m->state.motion, &at, &along);
     for (size_t i = 0; i < count && status == MODEL_OK; ++i) {
         const struct variable *variable = scene_variable(references[i]);
-        values[i] = time_derivative(m, &at, &along, variable, orders[i]);
+        values[i] = orders[i] * term_of(m, &at, &along, variable, orders[i]); /* 1! and 2! */
         status = check_finite(m, variable, values[i]);
     }
     return status;
@@ -202,8 +141,7 @@ static void vary_factors(const struct model *m, struct scene_jet *along)
     }
 }
 
-/* What depends on inputs besides the state of the present: calculated parameters and peaks are those of the
- * start until the end of initialization, and whoever moves a body by a jump does the work on the contact. */
+/* Calculated parameters, too, are those of the start until the end of initialization. */
 static double input_derivative(const struct model *m, const struct scene_instant *at,
                                const struct scene_jet *along, const struct variable *variable)
 {
@@ -216,14 +154,6 @@ static double input_derivative(const struct model *m, const struct scene_instant
 #if HAS_contact_diagonal
     case ROW_contact_diagonal:
         return diagonal_slope(m, along, j);
-#endif
-#if SCENE_ANY_FREE
-    case ROW_contact_peak_force:
-        return !m->state.initialized && at->normal_force[j] > 0.0 ? along->contact[j].normal_force[1] : 0.0;
-    case ROW_contact_peak_penetration:
-        return !m->state.initialized && m->state.motion.contact[j].regime != REGIME_APART
-                   ? -along->contact[j].gap[1]
-                   : 0.0;
 #endif
     default:
         return term_of(m, at, along, variable, 1);
@@ -251,11 +181,9 @@ enum model_status model_get_directional_derivative(struct model *m, const uint32
     }
     vary_factors(m, &along);
     jet_of_contacts(&m->state.values, &m->state.motion, &at, &along);
-#if SCENE_ANY_FREE
     if (m->state.initialized) {
-        along.external_work[1] = jet_of_stored(&m->state.values, &m->state.motion, &along, 1);
+        motion_jet_of_work(&m->state.values, &m->state.motion, &along);
     }
-#endif
     for (size_t i = 0; i < unknown_count && status == MODEL_OK; ++i) {
         const struct variable *variable = scene_variable(unknowns[i]);
         values[i] = input_derivative(m, &at, &along, variable);

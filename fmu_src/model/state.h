@@ -66,12 +66,6 @@ struct model {
 enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-#if SCENE_ANY_FREE
-/* The solver's memory for the method that v chooses; false with m->integrator.message when there is none to
- * be had. */
-bool model_open_integrator(struct model *m, const struct scene_values *v);
-#endif
-
 /* Puts the motion at the start that the present parameters and inputs describe. */
 void model_prepare(struct model *m);
 
@@ -103,11 +97,8 @@ bool model_update_outputs(struct model *m, enum outputs wanted);
 /* "The inputs ... beyond the range of numbers ...", for who cannot take them over. */
 enum model_status model_refuse_inputs(const struct model *m);
 
-#if SCENE_ANY_FREE
-/* After a deferred flight to `clock`: a caller that has read outputs after the step before will read again,
- * so body states are computed at once where that is cheap. The clock is passed by value, because reading it
- * back just after it was written costs more. */
-void model_foresee_reading(struct model *m, double clock);
-#endif
+/* Shows where a body is: its displacement, position and velocity; as given, or those of the present. */
+void model_show_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity);
+void model_show_body_now(struct scene_values *v, const struct scene_state *q, int body);
 
 #endif

@@ -2,6 +2,8 @@
 
 #include <float.h>
 
+#include "scene/free_bodies.h"
+
 struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
                                          int contact)
 {
@@ -36,15 +38,9 @@ static struct body_instant body_at(const struct scene_values *v, const struct sc
                                    const struct body_state *bodies, int body)
 {
     struct body_instant at = {.origin = {0.0, 0.0, 0.0}};
-#if SCENE_ANY_FREE
     if (body_is_free(v, body)) {
-        at.origin = q->origin[body].displacement;
-        at.moved = bodies[body].moved;
-        at.velocity = bodies[body].velocity;
+        free_bodies_put(q, bodies, body, &at);
     }
-#else
-    (void)bodies;
-#endif
     if (body_is_prescribed(v, body)) {
         at.origin = q->path[body].displacement[0];
         at.moved = vec3_scale(clock, path_at(q->path[body].displacement + 1, 3, clock));
@@ -56,11 +52,7 @@ static struct body_instant body_at(const struct scene_values *v, const struct sc
 
 struct body_instant scene_body_now(const struct scene_values *v, const struct scene_state *q, int body)
 {
-#if SCENE_ANY_FREE
-    return body_at(v, q, q->clock, q->body, body);
-#else
-    return body_at(v, q, q->clock, 0, body);
-#endif
+    return body_at(v, q, q->clock, free_bodies_now(q), body);
 }
 
 void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,

@@ -15,9 +15,8 @@ struct scene_jet {
     /* d/ds of the factors, where they are automatic */
     struct contact_law law_slope[SCENE_CONTACTS];
     struct contact_jet contact[SCENE_CONTACTS];
-#if SCENE_ANY_FREE
-    double dissipated[JET_TERMS], external_work[JET_TERMS]; /* without the first term */
-#endif
+    /* of what only scenes with free bodies have, without the first term */
+    double time[JET_TERMS], dissipated[JET_TERMS], external_work[JET_TERMS];
 };
 
 /* Contacts from what is there of the bodies and the factors. */
@@ -28,13 +27,5 @@ __attribute__((cold)) void jet_of_contacts(const struct scene_values *v, const s
  * derivative of their displacement. */
 __attribute__((cold)) void jet_in_time(const struct scene_values *v, const struct scene_state *q,
                                        const struct scene_instant *at, struct scene_jet *along);
-
-#if SCENE_ANY_FREE
-/* Coefficients of the energies of energy.h. */
-double jet_of_kinetic(const struct scene_values *v, const struct scene_jet *along, int order);
-double jet_of_potential(const struct scene_values *v, const struct scene_jet *along, int order);
-double jet_of_stored(const struct scene_values *v, const struct scene_state *q, const struct scene_jet *along,
-                     int order);
-#endif
 
 #endif

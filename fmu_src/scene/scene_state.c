@@ -1,7 +1,6 @@
 #include "scene/scene_state.h"
 
-#include <float.h>
-
+#include "scene/free_bodies.h"
 #include "scene/topology.h"
 
 void counter_add(int32_t *counter, long more)
@@ -67,32 +66,13 @@ static void shift_paths(const struct scene_values *v, struct scene_state *q, int
 void scene_rebase(const struct scene_values *v, struct scene_state *q)
 {
     q->integrator_fresh = 1;
-#if SCENE_ANY_FREE
-    q->deferrable_clock = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        q->origin[i].displacement = vec3_add(q->origin[i].displacement, q->body[i].moved);
-        q->origin[i].velocity = q->body[i].velocity;
-        q->body[i].moved = vec3_make(0.0, 0.0, 0.0);
-    }
-#endif
+    free_bodies_rebase(q);
     if (q->clock == 0.0) {
         return;
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         shift_paths(v, q, i);
     }
-#if SCENE_ANY_FREE
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        q->contact[j].touch_clock -= q->clock;
-        q->contact[j].change_clock -= q->clock;
-        q->contact[j].settled_clock -= q->clock;
-        if (q->contact[j].regime == REGIME_APART || q->contact[j].regime == REGIME_SEPARATING) {
-            /* Not known where it has flown on to, unless that was foreseen. */
-            q->contact[j].accumulated_gap =
-                q->contact[j].change_clock == 0.0 ? q->contact[j].change_gap : DBL_MAX;
-        }
-    }
-    q->horizon_clock -= q->clock;
-#endif
+    free_bodies_shift_clocks(q);
     advance_base(q);
 }

@@ -8,8 +8,6 @@
 
 #include "scene/evaluate.h"
 
-#if SCENE_ANY_FREE
-
 /* No contact transmits a force: all are apart or separating. */
 bool flight_is_free(const struct scene_state *q);
 
@@ -66,5 +64,4 @@ void flight_catch_up(const struct scene_values *v, struct scene_state *q);
  * axis. Touches and ends then occur exactly when next_regime_change says. */
 void flight_restore(const struct scene_values *v, struct scene_state *q);
 
-#endif
 #endif

@@ -1,0 +1,147 @@
+#include <math.h>
+#include <string.h>
+
+#include "model/motion.h"
+#include "scene/energy.h"
+#include "segment/flight.h"
+
+enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise)
+{
+    const struct integrator_memory memory = {m->host.allocate, m->host.release};
+    return integrator_open(&m->integrator, v, &memory)
+               ? MODEL_OK
+               : model_report(m, MODEL_ERROR, "%s: %s.", otherwise, m->integrator.message);
+}
+
+void motion_close(struct model *m)
+{
+    integrator_close(&m->integrator);
+}
+
+void motion_place(const struct scene_values *v, struct scene_state *q)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            q->origin[i] = (struct body_origin){body_initial_displacement(v, i), body_initial_velocity(v, i)};
+            q->body[i].velocity = q->origin[i].velocity;
+        }
+    }
+}
+
+void motion_begin(const struct scene_values *v, struct scene_state *q)
+{
+    transition_settle_regimes(v, q, 0.0, true);
+    struct scene_instant at;
+    transition_begin_step(v, q, &at);
+}
+
+bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next)
+{
+    const struct scene_state before = *q;
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    const double stored = energy_stored(v, q, &at);
+    scene_rebase(v, q);
+    memcpy(q->path, next, sizeof q->path);
+    transition_settle_regimes(v, q, stored, false);
+    if (isfinite(q->external_work) || scene_is_force_element(v)) {
+        return true;
+    }
+    *q = before;
+    return false;
+}
+
+enum model_status motion_advance(struct model *m, double end_time)
+{
+    const struct scene_values *v = &m->state.values;
+    const int32_t events = m->state.motion.counters.events;
+    switch (integrator_run(&m->integrator, v, &m->state.motion, end_time)) {
+    case INTEGRATOR_DONE:
+        break;
+    case INTEGRATOR_STEP_LIMIT:
+        return model_report(
+            m, MODEL_DISCARD,
+            "The step to %.17g s stopped at %.17g s: solver.max_internal_steps = %d are used up "
+            "(allowed: 1 .. 2147483647). Go on from there, if need be in smaller steps, or start with a "
+            "larger limit.",
+            end_time, scene_time(&m->state.motion), (int)solver_max_internal_steps(v));
+    case INTEGRATOR_FAILED:
+    default:
+        return model_report(m, MODEL_ERROR, "The step to %.17g s failed at %.17g s: %s", end_time,
+                            scene_time(&m->state.motion), m->integrator.message);
+    }
+    if (m->state.motion.counters.events != events) {
+        model_report(m, MODEL_OK, "Changes of contact up to %.17g s: %d; since initialization: %d.", end_time,
+                     (int)(m->state.motion.counters.events - events), (int)m->state.motion.counters.events);
+    }
+    return MODEL_OK;
+}
+
+void motion_catch_up(const struct scene_values *v, struct scene_state *q)
+{
+    flight_catch_up(v, q);
+}
+
+/* Apart from foresee_reading, which need not save registers for it. */
+__attribute__((noinline)) static void show_prescribed(struct scene_values *v, const struct scene_state *q)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_prescribed(v, i)) {
+            model_show_body_now(v, q, i);
+        }
+    }
+}
+
+/* After a deferred flight to `clock`: a caller that has read outputs after the step before will read again,
+ * so body states are computed at once where that is cheap. The clock is passed by value, because reading it
+ * back just after it was written costs more. */
+static void foresee_reading(struct model *m, double clock)
+{
+    struct scene_values *v = &m->state.values;
+    const struct scene_state *q = &m->state.motion;
+    m->outputs = OUTPUTS_BODIES;
+    bool all_shown = true;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const struct body_state at = flight_unforced_at(v, q, i, clock);
+            model_show_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
+        } else if (body_is_prescribed(v, i)) {
+            all_shown = false;
+        }
+    }
+    if (!all_shown) {
+        show_prescribed(v, q);
+    }
+}
+
+bool motion_defer(struct model *m, double end_time)
+{
+    if (!flight_defer(&m->state.motion, end_time)) {
+        return false;
+    }
+    if (m->outputs > OUTPUTS_FIXED) {
+        foresee_reading(m, m->state.motion.clock);
+    }
+    return true;
+}
+
+/* A measure of a free body's motion that is infinite or NaN where any part of it is. */
+static double size_of_motion(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    const struct vec3 speed = q->body[body].velocity;
+    return body_mass(v, body) * vec3_dot(speed, speed) + vec3_norm(q->body[body].moved);
+}
+
+double motion_size(const struct scene_values *v, const struct scene_state *q)
+{
+    double sum = scene_is_force_element(v) ? 0.0 : q->dissipated + q->external_work;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        sum += body_is_free(v, i) ? size_of_motion(v, q, i) : 0.0;
+    }
+    return sum;
+}
+
+double motion_least_speed(const struct scene_values *v)
+{
+    return solver_absolute_tolerance(v);
+}

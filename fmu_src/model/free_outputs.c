@@ -1,0 +1,133 @@
+/* The outputs that only integrated motion has, and their derivatives. */
+#include "model/motion.h"
+#include "scene/energy.h"
+#include "scene/energy_jet.h"
+
+/* Divided, not scaled by 1/window, which is infinite for steps of less than 1e-308 s. */
+static struct vec3 mean_of(struct vec3 impulse, double window)
+{
+    return window > 0.0 ? vec3_make(impulse.x / window, impulse.y / window, impulse.z / window)
+                        : vec3_make(0.0, 0.0, 0.0);
+}
+
+static double put_history(struct scene_values *v, const struct scene_state *q, int contact)
+{
+    const struct contact_state *state = &q->contact[contact];
+    const struct vec3 impulse = vec3_sub(state->impulse, state->impulse_mark);
+    const bool touching = state->regime != REGIME_APART;
+    const struct vec3 mean = mean_of(impulse, q->step_length);
+    put_contact_mean_force(v, contact, mean);
+    put_contact_peak_force(v, contact, state->peak_force);
+    put_contact_peak_penetration(v, contact, state->peak_penetration);
+    put_contact_onsets(v, contact, state->onsets);
+    put_contact_last_onset_time(v, contact, state->onset_time);
+    put_contact_last_duration(v, contact, touching ? q->clock - state->touch_clock : state->last_duration);
+    return mean.x + mean.y + mean.z + state->peak_force;
+}
+
+static double put_energies(struct scene_values *v, const struct scene_state *q,
+                           const struct scene_instant *at)
+{
+    const double kinetic = energy_kinetic_of(v, at);
+    const double potential = energy_potential_of(v, at);
+    const double stored = energy_stored(v, q, at);
+    put_energy_kinetic(v, kinetic);
+    put_energy_potential(v, potential);
+    put_energy_contact(v, stored);
+    put_energy_dissipated(v, q->dissipated);
+    put_energy_external_work(v, q->external_work);
+    const double total = kinetic + potential + stored + q->dissipated - q->external_work;
+    put_energy_total(v, total);
+    put_solver_steps(v, q->counters.steps);
+    put_solver_force_evaluations(v, q->counters.force_evaluations);
+    put_solver_events(v, q->counters.events);
+    put_solver_rejected_steps(v, q->counters.rejected_steps);
+    put_solver_fallbacks(v, q->counters.fallbacks);
+    return total;
+}
+
+double motion_show(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
+{
+    double sum = put_energies(v, q, at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        sum += put_history(v, q, j);
+    }
+    return sum;
+}
+
+double motion_energy(const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at)
+{
+    return scene_is_force_element(v)
+               ? 0.0
+               : energy_kinetic_of(v, at) + energy_potential_of(v, at) + energy_stored(v, q, at);
+}
+
+bool model_has_derivatives(const struct variable *variable)
+{
+    return variable->row != ROW_contact_mean_force && variable->row != ROW_contact_peak_force &&
+           variable->row != ROW_contact_peak_penetration;
+}
+
+static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
+{
+    const struct scene_values *v = &m->state.values;
+    const double kinetic = jet_of_kinetic(v, along, order);
+    const double potential = jet_of_potential(v, along, order);
+    const double stored = jet_of_stored(v, &m->state.motion, along, order);
+    switch (row) {
+    case ROW_energy_kinetic:
+        return kinetic;
+    case ROW_energy_potential:
+        return potential;
+    case ROW_energy_contact:
+        return stored;
+    case ROW_energy_dissipated:
+        return along->dissipated[order];
+    case ROW_energy_external_work:
+        return along->external_work[order];
+    case ROW_energy_total:
+        return kinetic + potential + stored + along->dissipated[order] - along->external_work[order];
+    default:
+        return 0.0;
+    }
+}
+
+bool motion_jet(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
+                const struct variable *variable, int order, double *term)
+{
+    const struct contact_state *contact = m->state.motion.contact;
+    const int j = variable->element;
+    switch (variable->row) {
+    case ROW_energy_kinetic:
+    case ROW_energy_potential:
+    case ROW_energy_contact:
+    case ROW_energy_dissipated:
+    case ROW_energy_external_work:
+    case ROW_energy_total:
+        *term = energy_term(m, along, variable->row, order);
+        return true;
+    case ROW_contact_last_duration: /* grows with the time while the bodies touch */
+        *term = contact[j].regime != REGIME_APART ? along->time[order] : 0.0;
+        return true;
+    case ROW_contact_peak_force: /* peaks are those of the start until the end of initialization */
+        *term =
+            !m->state.initialized && at->normal_force[j] > 0.0 ? along->contact[j].normal_force[order] : 0.0;
+        return true;
+    case ROW_contact_peak_penetration:
+        *term =
+            !m->state.initialized && contact[j].regime != REGIME_APART ? -along->contact[j].gap[order] : 0.0;
+        return true;
+    case ROW_contact_mean_force:
+    case ROW_contact_last_onset_time:
+        *term = 0.0;
+        return true;
+    default:
+        return false;
+    }
+}
+
+void motion_jet_of_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
+{
+    along->external_work[1] = jet_of_stored(v, q, along, 1);
+}

@@ -1,0 +1,95 @@
+/* In place of free_motion.c and free_outputs.c in scenes without a body that may be free: a force element has
+ * no state but the clock, and its outputs are functions of the inputs. */
+#include <string.h>
+
+#include "model/motion.h"
+
+enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise)
+{
+    (void)m, (void)v, (void)otherwise;
+    return MODEL_OK;
+}
+
+void motion_close(struct model *m)
+{
+    (void)m;
+}
+
+void motion_place(const struct scene_values *v, struct scene_state *q)
+{
+    (void)v, (void)q;
+}
+
+void motion_begin(const struct scene_values *v, struct scene_state *q)
+{
+    (void)v, (void)q;
+}
+
+bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next)
+{
+    scene_rebase(v, q);
+    memcpy(q->path, next, sizeof q->path);
+    return true;
+}
+
+enum model_status motion_advance(struct model *m, double end_time)
+{
+    struct scene_state *q = &m->state.motion;
+    q->clock += scene_remaining(q, end_time);
+    scene_rebase(&m->state.values, q);
+    return MODEL_OK;
+}
+
+void motion_catch_up(const struct scene_values *v, struct scene_state *q)
+{
+    (void)v, (void)q;
+}
+
+bool motion_defer(struct model *m, double end_time)
+{
+    (void)m, (void)end_time;
+    return false;
+}
+
+double motion_size(const struct scene_values *v, const struct scene_state *q)
+{
+    (void)v, (void)q;
+    return 0.0;
+}
+
+double motion_least_speed(const struct scene_values *v)
+{
+    (void)v;
+    return 1e-12; /* the start value of solver.absolute_tolerance in scenes with a solver */
+}
+
+double motion_show(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
+{
+    (void)v, (void)q, (void)at;
+    return 0.0;
+}
+
+double motion_energy(const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at)
+{
+    (void)v, (void)q, (void)at;
+    return 0.0;
+}
+
+bool model_has_derivatives(const struct variable *variable)
+{
+    (void)variable;
+    return true;
+}
+
+bool motion_jet(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
+                const struct variable *variable, int order, double *term)
+{
+    (void)m, (void)at, (void)along, (void)variable, (void)order, (void)term;
+    return false;
+}
+
+void motion_jet_of_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
+{
+    (void)v, (void)q, (void)along;
+}

@@ -1,0 +1,50 @@
+/*
+ * How the model moves from one time to another. Scenes with a body that may be free integrate their motion
+ * (free_motion.c, free_outputs.c); in all others motion is given (given_motion.c).
+ */
+#ifndef CONTACT_MODEL_MOTION_H
+#define CONTACT_MODEL_MOTION_H
+
+#include "model/state.h"
+#include "scene/scene_jet.h"
+
+/* The integrator's memory for the method that v chooses; MODEL_ERROR when there is none to be had, with a
+ * message that begins with `otherwise`. */
+enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise);
+void motion_close(struct model *m);
+
+/* Puts free bodies to where they start; then, all else being known, begins the motion. */
+void motion_place(const struct scene_values *v, struct scene_state *q);
+void motion_begin(const struct scene_values *v, struct scene_state *q);
+
+/* Changes the paths of the inputs and books the work that the change does; false, and nothing changed, where
+ * the work is not finite. */
+bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next);
+
+/* Moves to end_time [s]. */
+enum model_status motion_advance(struct model *m, double end_time);
+
+/* Deferred flight (segment/flight.h): whether the step was such, and computing what was deferred. */
+bool motion_defer(struct model *m, double end_time);
+void motion_catch_up(const struct scene_values *v, struct scene_state *q);
+
+/* Sums that are finite only if the motion of the free bodies and all energies are. */
+double motion_size(const struct scene_values *v, const struct scene_state *q);
+double motion_energy(const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at);
+
+/* Speeds below it are none [m/s]. */
+double motion_least_speed(const struct scene_values *v);
+
+/* Shows the outputs of this motion: history of the contacts, energies, counters. The sum is finite only if
+ * all of them are. */
+double motion_show(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at);
+
+/* Coefficient `order` of an output of these along a path; false where the variable is none of them. */
+bool motion_jet(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
+                const struct variable *variable, int order, double *term);
+
+/* Whoever moves a body by a jump of an input does the work on the contact. */
+void motion_jet_of_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along);
+
+#endif
