@@ -38,6 +38,22 @@ def layer(path):
     return path.relative_to(SOURCE).parts[0]
 
 
+def units_of(scene):
+    """The sources that CMake compiles for the scene, the generated one included."""
+    return [Path(line) for line in (BUILD / "scenes" / scene / "units.txt").read_text().splitlines()]
+
+
+def headers_of(scene):
+    """The headers that they include, directly or by way of others."""
+    found = set()
+    ahead = units_of(scene)
+    while ahead:
+        inner = {SOURCE / name for name, quoted in includes(ahead.pop()) if quoted and "/" in name} - found
+        found |= inner
+        ahead += inner
+    return sorted(found)
+
+
 def python_files():
     folders = ("cmake", "modelDescription", "scripts", "tests")
     return sorted(path for folder in folders for path in (ROOT / folder).rglob("*.py"))
