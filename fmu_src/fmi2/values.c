@@ -97,15 +97,27 @@ static inline bool ready(struct instance *instance, enum call call, const fmi2Va
            call_array_given(instance, call, "value", value, nvr);
 }
 
-static inline bool all_readable(struct instance *instance, enum call call, const fmi2ValueReference vr[],
-                                size_t nvr, enum type_bits types)
+/* value: nvr values of `size` bytes. */
+static inline fmi2Status read_values(struct instance *instance, enum call call, enum type_bits types,
+                                     const fmi2ValueReference vr[], size_t nvr, void *value, size_t size)
 {
     for (size_t i = 0; i < nvr; ++i) {
         if (find_readable(instance, call, vr[i], types) == NULL) {
-            return false;
+            return fmi2Error;
         }
     }
-    return true;
+    enum model_status status = MODEL_OK;
+    for (size_t i = 0; i < nvr && status == MODEL_OK; ++i) {
+        status = model_read(instance->model, scene_variable(vr[i]), (char *)value + i * size);
+    }
+    return status_of(status);
+}
+
+static fmi2Status get_values(struct instance *instance, enum call call, enum type_bits types,
+                             const fmi2ValueReference vr[], size_t nvr, void *value, size_t size)
+{
+    return ready(instance, call, vr, nvr, value) ? read_values(instance, call, types, vr, nvr, value, size)
+                                                 : fmi2Error;
 }
 
 /* Any number, with messages. Apart from fmi2GetReal, so that reading a vector does not save registers for
@@ -119,18 +131,7 @@ get_reals(struct instance *instance, const fmi2ValueReference vr[], size_t nvr, 
     if (instance->phase == PHASE_STEP && model_get_reals(instance->model, vr, nvr, value) == nvr) {
         return fmi2OK;
     }
-    if (!all_readable(instance, CALL_GetReal, vr, nvr, TYPES_REAL)) {
-        return fmi2Error;
-    }
-    for (size_t i = 0; i < nvr; ++i) {
-        const struct variable *variable = scene_variable(vr[i]);
-        const enum model_status status = model_check_reading(instance->model, variable);
-        if (status != MODEL_OK) {
-            return status_of(status);
-        }
-        value[i] = model_get_real(instance->model, variable);
-    }
-    return fmi2OK;
+    return read_values(instance, CALL_GetReal, TYPES_REAL, vr, nvr, value, sizeof *value);
 }
 
 /* Vectors are mostly read as a whole. Flattened, because calls would be a good part of what that costs. */
@@ -147,109 +148,63 @@ __attribute__((flatten)) fmi2Status fmi2GetReal(fmi2Component c, const fmi2Value
     return get_reals(instance, vr, nvr, value);
 }
 
-static fmi2Status get_integers(struct instance *instance, enum call call, enum type_bits types,
-                               const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[])
-{
-    if (!ready(instance, call, vr, nvr, value) || !all_readable(instance, call, vr, nvr, types)) {
-        return fmi2Error;
-    }
-    for (size_t i = 0; i < nvr; ++i) {
-        const struct variable *variable = scene_variable(vr[i]);
-        const enum model_status status = model_check_reading(instance->model, variable);
-        if (status != MODEL_OK) {
-            return status_of(status);
-        }
-        value[i] = model_get_integer(instance->model, variable);
-    }
-    return fmi2OK;
-}
-
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[])
 {
-    return get_integers(c, CALL_GetInteger, TYPES_INTEGER, vr, nvr, value);
+    return get_values(c, CALL_GetInteger, TYPES_INTEGER, vr, nvr, value, sizeof *value);
 }
 
 fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[])
 {
-    return get_integers(c, CALL_GetBoolean, TYPES_BOOLEAN, vr, nvr, value);
+    return get_values(c, CALL_GetBoolean, TYPES_BOOLEAN, vr, nvr, value, sizeof *value);
 }
 
 /* There are no string variables, so that every reference is a wrong one. */
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[])
 {
-    struct instance *instance = c;
-    const bool good = ready(instance, CALL_GetString, vr, nvr, value) &&
-                      all_readable(instance, CALL_GetString, vr, nvr, TYPES_NONE);
-    return good ? fmi2OK : fmi2Error;
+    return get_values(c, CALL_GetString, TYPES_NONE, vr, nvr, (void *)value, sizeof *value);
 }
 
-fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[])
-{
-    struct instance *instance = c;
-    if (!ready(instance, CALL_SetReal, vr, nvr, value)) {
-        return fmi2Error;
-    }
-    for (size_t i = 0; i < nvr; ++i) {
-        const struct variable *variable = find_settable(instance, CALL_SetReal, vr[i], TYPES_REAL);
-        if (variable == NULL) {
-            return fmi2Error;
-        }
-        const enum model_status status = model_check_real(instance->model, variable, value[i]);
-        if (status > MODEL_WARNING) {
-            return status_of(status);
-        }
-    }
-    for (size_t i = 0; i < nvr; ++i) {
-        model_set_real(instance->model, scene_variable(vr[i]), value[i]);
-    }
-    return fmi2OK;
-}
-
-static fmi2Status set_integers(struct instance *instance, enum call call, enum type_bits types,
-                               const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[])
+static fmi2Status set_values(struct instance *instance, enum call call, enum type_bits types,
+                             const fmi2ValueReference vr[], size_t nvr, const void *value, size_t size)
 {
     if (!ready(instance, call, vr, nvr, value)) {
         return fmi2Error;
     }
+    const char *bytes = value;
     for (size_t i = 0; i < nvr; ++i) {
         const struct variable *variable = find_settable(instance, call, vr[i], types);
         if (variable == NULL) {
             return fmi2Error;
         }
-        if (variable->type == VARIABLE_BOOLEAN && value[i] != fmi2False && value[i] != fmi2True) {
-            return log_report(instance, fmi2Discard,
-                              "%s: %s = %d refused, allowed: 0 (fmi2False), 1 (fmi2True)", call_name(call),
-                              variable->name, value[i]);
-        }
-        const enum model_status status = model_check_integer(instance->model, variable, value[i]);
+        const enum model_status status = model_check(instance->model, variable, bytes + i * size);
         if (status > MODEL_WARNING) {
             return status_of(status);
         }
     }
     for (size_t i = 0; i < nvr; ++i) {
-        model_set_integer(instance->model, scene_variable(vr[i]), value[i]);
+        model_set(instance->model, scene_variable(vr[i]), bytes + i * size);
     }
     return fmi2OK;
+}
+
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[])
+{
+    return set_values(c, CALL_SetReal, TYPES_REAL, vr, nvr, value, sizeof *value);
 }
 
 fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                           const fmi2Integer value[])
 {
-    return set_integers(c, CALL_SetInteger, TYPES_INTEGER, vr, nvr, value);
+    return set_values(c, CALL_SetInteger, TYPES_INTEGER, vr, nvr, value, sizeof *value);
 }
 
 fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                           const fmi2Boolean value[])
 {
-    return set_integers(c, CALL_SetBoolean, TYPES_BOOLEAN, vr, nvr, value);
+    return set_values(c, CALL_SetBoolean, TYPES_BOOLEAN, vr, nvr, value, sizeof *value);
 }
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[])
 {
-    struct instance *instance = c;
-    if (!ready(instance, CALL_SetString, vr, nvr, value)) {
-        return fmi2Error;
-    }
-    return nvr == 0 || find_settable(instance, CALL_SetString, vr[0], TYPES_NONE) != NULL ? fmi2OK
-                                                                                          : fmi2Error;
+    return set_values(c, CALL_SetString, TYPES_NONE, vr, nvr, (const void *)value, sizeof *value);
 }

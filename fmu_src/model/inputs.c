@@ -41,16 +41,10 @@ static void note_value(struct model *m, const struct variable *variable)
     m->state.signals_open = 1;
 }
 
-void model_set_real(struct model *m, const struct variable *variable, double value)
+void model_set(struct model *m, const struct variable *variable, const void *value)
 {
-    memcpy((char *)&m->state.values + variable->offset, &value, sizeof value);
+    memcpy((char *)&m->state.values + variable->offset, value, variable_size(variable));
     note_value(m, variable);
-    m->outputs = OUTPUTS_NONE;
-}
-
-void model_set_integer(struct model *m, const struct variable *variable, int32_t value)
-{
-    memcpy((char *)&m->state.values + variable->offset, &value, sizeof value);
     m->outputs = OUTPUTS_NONE;
 }
 

@@ -56,26 +56,20 @@ bool model_step_deferred(struct model *m, double end_time);
 
 double model_time(const struct model *m);
 
-/* Would this value be refused? Reports it if so. NaN and infinity always are. */
-enum model_status model_check_real(struct model *m, const struct variable *variable, double value);
-enum model_status model_check_integer(struct model *m, const struct variable *variable, int32_t value);
+/* `value` is a double for VARIABLE_REAL, else an int32_t. Would this value be refused? Reports it if so. NaN
+ * and infinity always are. Then sets one that has been checked. */
+enum model_status model_check(struct model *m, const struct variable *variable, const void *value);
+void model_set(struct model *m, const struct variable *variable, const void *value);
 
-/* Values that have been checked. */
-void model_set_real(struct model *m, const struct variable *variable, double value);
-void model_set_integer(struct model *m, const struct variable *variable, int32_t value);
-
-/* Whether a variable has a value now; MODEL_DISCARD where that would be beyond the range of numbers. */
-enum model_status model_check_reading(struct model *m, const struct variable *variable);
-
-/* Outputs are brought up to date with the inputs first. */
-double model_get_real(struct model *m, const struct variable *variable);
+/* Reads a value; outputs are brought up to date with the inputs first. MODEL_DISCARD, and nothing read, where
+ * it would be beyond the range of numbers. */
+enum model_status model_read(struct model *m, const struct variable *variable, void *value);
 
 /* The same for many references once the model is initialized, quickly: returns how many it read before one
  * that is no Real variable or that has to be computed. model_get_vector reads the three of a vector; none
  * where they are anything else or an array is missing. */
 size_t model_get_reals(const struct model *m, const uint32_t *references, size_t count, double *values);
 bool model_get_vector(const struct model *m, const uint32_t *references, double *values);
-int32_t model_get_integer(struct model *m, const struct variable *variable);
 
 /* d^order/dt^order of a real input from the present communication point on; orders 1 and 2. */
 enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order,

@@ -40,16 +40,8 @@ void model_save(struct model *m, void *bytes)
 
 static bool value_in_range(const struct scene_values *values, const struct variable *row)
 {
-    const char *at = (const char *)values + row->offset;
-    if (row->type == VARIABLE_REAL) {
-        double value;
-        memcpy(&value, at, sizeof value);
-        return isfinite(value) &&
-               (row->causality == VARIABLE_OUTPUT || (value >= row->min && value <= row->max));
-    }
-    int32_t value;
-    memcpy(&value, at, sizeof value);
-    return row->causality == VARIABLE_OUTPUT || (value >= row->min && value <= row->max);
+    const double value = variable_number(row, (const char *)values + row->offset);
+    return isfinite(value) && (row->causality == VARIABLE_OUTPUT || (value >= row->min && value <= row->max));
 }
 
 /* Whether the bytes from one member up to another, doubles all of them, are numbers of this size at most. */

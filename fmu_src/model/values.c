@@ -4,22 +4,14 @@
 
 #include "model/state.h"
 
-enum model_status model_check_real(struct model *m, const struct variable *variable, double value)
+enum model_status model_check(struct model *m, const struct variable *variable, const void *value)
 {
-    if (isfinite(value) && value >= variable->min && value <= variable->max) {
+    const double number = variable_number(variable, value);
+    if (isfinite(number) && number >= variable->min && number <= variable->max) {
         return MODEL_OK;
     }
-    return model_report(m, MODEL_DISCARD, "%s = %.17g refused (allowed: %g .. %g); it stays as it was.",
-                        variable->name, value, variable->min, variable->max);
-}
-
-enum model_status model_check_integer(struct model *m, const struct variable *variable, int32_t value)
-{
-    if (value >= variable->min && value <= variable->max) {
-        return MODEL_OK;
-    }
-    return model_report(m, MODEL_DISCARD, "%s = %d refused (allowed: %.0f .. %.0f); it stays as it was.",
-                        variable->name, (int)value, variable->min, variable->max);
+    return model_report(m, MODEL_DISCARD, "%s = %.17g refused (allowed: %.10g .. %.10g); it stays as it was.",
+                        variable->name, number, variable->min, variable->max);
 }
 
 /* Which outputs have to be computed so that a variable shows the present. */
@@ -37,26 +29,20 @@ static enum outputs outputs_for(const struct model *m, const struct variable *va
     return given && m->state.initialized ? OUTPUTS_NONE : OUTPUTS_ALL;
 }
 
-enum model_status model_check_reading(struct model *m, const struct variable *variable)
+enum model_status model_read(struct model *m, const struct variable *variable, void *value)
 {
     if (!model_update_outputs(m, outputs_for(m, variable))) {
         return model_refuse_inputs(m);
     }
-    if (variable->type == VARIABLE_REAL && !isfinite(model_get_real(m, variable))) {
+    const char *at = (const char *)&m->state.values + variable->offset;
+    if (!isfinite(variable_number(variable, at))) {
         return model_report(m, MODEL_DISCARD,
                             "%s is beyond the range of numbers (allowed: parameters and inputs with finite "
                             "forces and energies).",
                             variable->name);
     }
+    memcpy(value, at, variable_size(variable));
     return MODEL_OK;
-}
-
-double model_get_real(struct model *m, const struct variable *variable)
-{
-    (void)model_update_outputs(m, outputs_for(m, variable));
-    double value;
-    memcpy(&value, (const char *)&m->state.values + variable->offset, sizeof value);
-    return value;
 }
 
 /* Where a Real stands, if it can be read as it stands and its table entry has these marks; else NULL. */
@@ -93,12 +79,4 @@ size_t model_get_reals(const struct model *m, const uint32_t *references, size_t
         values[i++] = *from;
     }
     return i;
-}
-
-int32_t model_get_integer(struct model *m, const struct variable *variable)
-{
-    (void)model_update_outputs(m, outputs_for(m, variable));
-    int32_t value;
-    memcpy(&value, (const char *)&m->state.values + variable->offset, sizeof value);
-    return value;
 }

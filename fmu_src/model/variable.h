@@ -6,7 +6,9 @@
 #ifndef MODEL_VARIABLE_H
 #define MODEL_VARIABLE_H
 
+#include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 enum variable_type { VARIABLE_REAL, VARIABLE_INTEGER, VARIABLE_BOOLEAN, VARIABLE_ENUMERATION };
 
@@ -29,6 +31,24 @@ struct variable {
     uint8_t element;   /* index of the body or contact, 0 for the rest */
     uint8_t component; /* 0..2 in a vector, else 0 */
 };
+
+static inline size_t variable_size(const struct variable *variable)
+{
+    return variable->type == VARIABLE_REAL ? sizeof(double) : sizeof(int32_t);
+}
+
+/* The value that stands at `at`. */
+static inline double variable_number(const struct variable *variable, const void *at)
+{
+    double real;
+    int32_t integer;
+    if (variable->type == VARIABLE_REAL) {
+        memcpy(&real, at, sizeof real);
+        return real;
+    }
+    memcpy(&integer, at, sizeof integer);
+    return integer;
+}
 
 /* What has to be current for a value to be that of the present; bits above those of an offset. */
 enum variable_source {

@@ -59,12 +59,12 @@ static int run(struct model *m, enum manner manner, double push)
             m->state.motion.deferrable_clock = 0.0;
         }
         if (i == STEPS / 2 && push != 0.0) {
-            model_set_real(m, named("source.external_force[2]"), push);
+            model_set(m, named("source.external_force[2]"), &push);
         }
         CHECK(model_step(m, i * STEP) == MODEL_OK);
         deferred += m->state.motion.deferred;
         if (manner == LOOKING) {
-            (void)model_get_real(m, named(i % 2 == 0 ? "source.position[1]" : "contact.gap"));
+            (void)scene_read(m, named(i % 2 == 0 ? "source.position[1]" : "contact.gap"));
         }
     }
     return deferred;
@@ -73,7 +73,7 @@ static int run(struct model *m, enum manner manner, double push)
 /* All that the run shows at its end. */
 static struct scene_values shown(struct model *m)
 {
-    (void)model_get_real(m, named("contact.gap"));
+    (void)scene_read(m, named("contact.gap"));
     return m->state.values;
 }
 
@@ -174,10 +174,10 @@ static void the_last_direction_is_that_of_the_step_before_the_axis(void)
     for (int i = 1; i <= 7; ++i) {
         CHECK(model_step(m, i / 16.0) == MODEL_OK);
     }
-    CHECK_CLOSE("distance", model_get_real(m, named("contact.distance")), 0.0, 0.0);
+    CHECK_CLOSE("distance", scene_read(m, named("contact.distance")), 0.0, 0.0);
     /* At 6/16 s: x = 1/32, y = 1/256. Inside a cylinder e_c points from its axis to the wall. */
-    CHECK_CLOSE("direction x", model_get_real(m, named("contact.direction[1]")), 8.0L / sqrtl(65.0L), 1e-15);
-    CHECK_CLOSE("direction y", model_get_real(m, named("contact.direction[2]")), 1.0L / sqrtl(65.0L), 1e-15);
+    CHECK_CLOSE("direction x", scene_read(m, named("contact.direction[1]")), 8.0L / sqrtl(65.0L), 1e-15);
+    CHECK_CLOSE("direction y", scene_read(m, named("contact.direction[2]")), 1.0L / sqrtl(65.0L), 1e-15);
     model_destroy(m);
 }
 

@@ -76,10 +76,10 @@ static void what_is_not_finite_or_out_of_range_is_refused_with_a_message(void)
     CHECK(model_setup(m, true, 1.0, 0.0) == MODEL_WARNING);
     const double refused[] = {(double)NAN, (double)INFINITY, -1.0, 0.0};
     for (int i = 0; i < 4; ++i) {
-        CHECK(model_check_real(m, named("source.radius"), refused[i]) == MODEL_DISCARD);
+        CHECK(model_check(m, named("source.radius"), &refused[i]) == MODEL_DISCARD);
     }
-    CHECK(model_check_real(m, named("source.radius"), 0.3) == MODEL_OK);
-    CHECK(model_check_integer(m, named("contact.dashpot"), DASHPOT_APPROACH_ONLY + 1) == MODEL_DISCARD);
+    CHECK(model_check(m, named("source.radius"), &(double){0.3}) == MODEL_OK);
+    CHECK(model_check(m, named("contact.dashpot"), &(int32_t){DASHPOT_APPROACH_ONLY + 1}) == MODEL_DISCARD);
     CHECK(heard.messages == 8);
     CHECK(model_set_input_derivative(m, named("source.radius"), 1, 1.0) == MODEL_ERROR);
     CHECK(model_set_input_derivative(m, named("source.external_force[1]"), 3, 1.0) == MODEL_ERROR);
@@ -169,8 +169,8 @@ static void a_given_motion_has_the_impulse_work_and_loss_of_its_closed_form(void
         CHECK_CLOSE("impulse along z", q->contact[0].impulse.z, 0.0, 0.0);
         CHECK_CLOSE("dissipated", q->dissipated, lost, tolerance);
         CHECK_CLOSE("work on the source", q->external_work, lost + stored, tolerance);
-        CHECK_CLOSE("mean force", model_get_real(m, named("contact.mean_force[1]")),
-                    (impulse - before) / (0.05L), 1e3 * tolerance);
+        CHECK_CLOSE("mean force", scene_read(m, named("contact.mean_force[1]")), (impulse - before) / (0.05L),
+                    1e3 * tolerance);
         before = impulse;
     }
     CHECK(m->state.motion.counters.force_evaluations > 0);
@@ -185,8 +185,8 @@ static void peaks_between_communication_points_are_found(void)
     struct model *m = dipping_source(&heard);
     CHECK(model_step(m, 0.25) == MODEL_OK);
     const long double largest = -1e4L * gap_of(0.105L) - 200.0L * (-0.1L + 0.8L * 0.105L);
-    CHECK_CLOSE("peak penetration", model_get_real(m, named("contact.peak_penetration")), 0.01625, 1e-15);
-    CHECK_CLOSE("peak force", model_get_real(m, named("contact.peak_force")), largest, 1e-10);
+    CHECK_CLOSE("peak penetration", scene_read(m, named("contact.peak_penetration")), 0.01625, 1e-15);
+    CHECK_CLOSE("peak force", scene_read(m, named("contact.peak_force")), largest, 1e-10);
     model_destroy(m);
 }
 

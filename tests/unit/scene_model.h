@@ -2,6 +2,7 @@
 #ifndef SCENE_MODEL_H
 #define SCENE_MODEL_H
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,6 +48,14 @@ static inline void scene_start_free(struct model *m, int body, struct vec3 centr
     values->motion = MOTION_FREE;
     scene_put_vector(values->center, centre);
     scene_put_vector(values->initial_velocity, velocity);
+}
+
+/* The present value of a Real variable. */
+static inline double scene_read(struct model *m, const struct variable *variable)
+{
+    double value = (double)NAN;
+    (void)model_read(m, variable, &value);
+    return value;
 }
 
 #endif
