@@ -76,7 +76,7 @@ static void tidy_event(struct cvode *c, const struct scene_values *v, struct sce
         projection_close_gap(v, q, step->contact);
         projection_restore_energy(v, q, step->contact, c->problem.relative * speed + c->problem.absolute);
     }
-    q->contact[step->contact].settled_clock = settled_clock(c, q->clock);
+    q->contact[step->contact].schedule.settled_clock = settled_clock(c, q->clock);
 }
 
 /* Contacts that end, or begin, at almost the same time: when the first has ended the phase, the second may
@@ -105,7 +105,7 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
     /* CVODE stops at the next regime change that closed forms foresee, and at the horizon of that search. */
     double stop = q->horizon_clock;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        stop = fmin(stop, q->contact[j].change_clock);
+        stop = fmin(stop, q->contact[j].schedule.change_clock);
     }
     c->problem.ode.values = v;
     c->problem.ode.state = q;

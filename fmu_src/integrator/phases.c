@@ -60,10 +60,10 @@ static void look_ahead(const struct scene_values *v, struct scene_state *q, doub
     const double horizon = horizon_from(v, q, at, remaining);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct regime_change next = next_regime_change(v, q, at, q->clock, j, horizon);
-        q->contact[j].change_clock = q->clock + next.after;
-        q->contact[j].change_regime = (int32_t)next.regime;
-        q->contact[j].change_gap = next.gap;
-        q->contact[j].passes_centre = next.passes_centre;
+        q->contact[j].schedule.change_clock = q->clock + next.after;
+        q->contact[j].schedule.change_regime = (int32_t)next.regime;
+        q->contact[j].schedule.change_gap = next.gap;
+        q->contact[j].schedule.passes_centre = next.passes_centre;
     }
     q->horizon_clock = q->clock + horizon;
 }
@@ -73,7 +73,7 @@ static int contact_changing_first(const struct scene_state *q)
 {
     int first = 0;
     for (int j = 1; j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].change_clock < q->contact[first].change_clock) {
+        if (q->contact[j].schedule.change_clock < q->contact[first].schedule.change_clock) {
             first = j;
         }
     }
@@ -89,7 +89,7 @@ static void note_depth_of_released(const struct scene_values *v, struct scene_st
         if (led && q->contact[j].regime == REGIME_SEPARATING) {
             const struct scene_instant *at = advance_now(step, v, q);
             const double gap = regime_change_least_gap(v, q, at, q->clock, j, step->clock_end);
-            q->contact[j].peak_penetration = fmax(q->contact[j].peak_penetration, -gap);
+            q->contact[j].record.peak_penetration = fmax(q->contact[j].record.peak_penetration, -gap);
         }
     }
 }
@@ -133,7 +133,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         }
         look_ahead(v, q, remaining, step);
         const int next = contact_changing_first(q);
-        const double change = q->contact[next].change_clock;
+        const double change = q->contact[next].schedule.change_clock;
         const double end = q->clock + remaining;
         step->clock_end = fmin(end, fmin(change, q->horizon_clock));
         const enum advance_result result = advance_phase(s, v, q, step);
@@ -141,8 +141,8 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         switch (result) {
         case ADVANCE_REACHED:
             if (step->clock_end >= change) {
-                transition_change_regime(v, q, next, (enum contact_regime)q->contact[next].change_regime,
-                                         &step->now);
+                transition_change_regime(
+                    v, q, next, (enum contact_regime)q->contact[next].schedule.change_regime, &step->now);
                 step->is_now = true;
                 break;
             }

@@ -134,7 +134,8 @@ static void add_panel(struct scene_state *q, const struct panel *panel)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double *sum = panel->sum + 3 * j;
-        q->contact[j].impulse = vec3_add(q->contact[j].impulse, vec3_make(sum[0], sum[1], sum[2]));
+        q->contact[j].physics.impulse =
+            vec3_add(q->contact[j].physics.impulse, vec3_make(sum[0], sum[1], sum[2]));
     }
     q->dissipated += panel->sum[TERMS - 2];
     q->external_work += panel->sum[TERMS - 1];
@@ -180,7 +181,7 @@ static void note_peaks_between(const struct scene_values *v, struct scene_state 
         for (int which = 0; which < 2 && is_driven(v, q, j); ++which) {
             const double middle = measure(v, q, 0.5 * (from + to), j, which);
             const double ends = fmax(measure(v, q, from, j, which), measure(v, q, to, j, which));
-            double *peak = which == 0 ? &state->peak_force : &state->peak_penetration;
+            double *peak = which == 0 ? &state->record.peak_force : &state->record.peak_penetration;
             *peak = fmax(*peak, ends);
             if (middle != ends) {
                 *peak = fmax(*peak, largest_between(v, q, from, to, j, which));
@@ -208,7 +209,7 @@ static void note_depth(const struct scene_values *v, struct scene_state *q, doub
     for (int j = 0; until > q->clock && j < SCENE_CONTACTS; ++j) {
         if (is_driven(v, q, j)) {
             const double gap = regime_change_least_gap(v, q, &at, q->clock, j, until);
-            q->contact[j].peak_penetration = fmax(q->contact[j].peak_penetration, -gap);
+            q->contact[j].record.peak_penetration = fmax(q->contact[j].record.peak_penetration, -gap);
         }
     }
 }

@@ -13,16 +13,17 @@ static struct vec3 mean_of(struct vec3 impulse, double window)
 static double put_history(struct scene_values *v, const struct scene_state *q, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
-    const struct vec3 impulse = vec3_sub(state->impulse, state->impulse_mark);
+    const struct vec3 impulse = vec3_sub(state->physics.impulse, state->record.impulse_mark);
     const bool touching = state->regime != REGIME_APART;
     const struct vec3 mean = mean_of(impulse, q->step_length);
     put_contact_mean_force(v, contact, mean);
-    put_contact_peak_force(v, contact, state->peak_force);
-    put_contact_peak_penetration(v, contact, state->peak_penetration);
-    put_contact_onsets(v, contact, state->onsets);
-    put_contact_last_onset_time(v, contact, state->onset_time);
-    put_contact_last_duration(v, contact, touching ? q->clock - state->touch_clock : state->last_duration);
-    return mean.x + mean.y + mean.z + state->peak_force;
+    put_contact_peak_force(v, contact, state->record.peak_force);
+    put_contact_peak_penetration(v, contact, state->record.peak_penetration);
+    put_contact_onsets(v, contact, state->record.onsets);
+    put_contact_last_onset_time(v, contact, state->record.onset_time);
+    put_contact_last_duration(v, contact,
+                              touching ? q->clock - state->record.touch_clock : state->record.last_duration);
+    return mean.x + mean.y + mean.z + state->record.peak_force;
 }
 
 static double put_energies(struct scene_values *v, const struct scene_state *q,

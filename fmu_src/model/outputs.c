@@ -36,7 +36,7 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     const struct contact_coefficients factors = contact_coefficients_of(&law, REGIME_COMPRESSION);
     put_contact_effective_penalty_factor(v, contact, factors.k);
     put_contact_effective_viscous_penalty_factor(v, contact, factors.c);
-    put_contact_diagonal(v, contact, state->diagonal);
+    put_contact_diagonal(v, contact, state->parameters.diagonal);
     put_contact_gap(v, contact, within ? g->gap : contact_gap_beyond_ends(v, contact));
     put_contact_gap_rate(v, contact, within ? g->gap_rate : 0.0);
     put_contact_distance(v, contact, g->distance);
@@ -52,8 +52,9 @@ static void warn_of_missing_direction(struct model *m, const struct scene_instan
 {
     struct scene_state *q = &m->state.motion;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (at->geometry[j].degenerate && q->contact[j].regime != REGIME_APART && !q->contact[j].warned) {
-            q->contact[j].warned = 1;
+        if (at->geometry[j].degenerate && q->contact[j].regime != REGIME_APART &&
+            !m->state.warned_of_direction[j]) {
+            m->state.warned_of_direction[j] = 1;
             const struct vec3 n = at->geometry[j].normal;
             model_report(
                 m, MODEL_WARNING,

@@ -78,16 +78,16 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
     struct contact_state *state = &q->contact[contact];
     struct bounding_box boxes[2];
     start_boxes(v, q, contact, boxes);
-    state->diagonal = bounding_box_diagonal(&boxes[0], &boxes[1]);
+    state->parameters.diagonal = bounding_box_diagonal(&boxes[0], &boxes[1]);
     const struct contact_factors factors = factors_of(v, contact);
     const struct contact_law law =
-        contact_law_of(&factors, (enum dashpot)contact_dashpot(v, contact), state->diagonal);
-    state->factors = contact_coefficients_of(&law, REGIME_COMPRESSION);
+        contact_law_of(&factors, (enum dashpot)contact_dashpot(v, contact), state->parameters.diagonal);
+    state->parameters.factors = contact_coefficients_of(&law, REGIME_COMPRESSION);
     state->side = 1;
     state->regime = (int32_t)REGIME_APART;
 #if SCENE_ANY_CYLINDER
     if (body_shape(contact_destination(contact)) == SHAPE_CYLINDER) {
-        state->axis = unit_axis(v, contact_destination(contact));
+        state->parameters.axis = unit_axis(v, contact_destination(contact));
     }
 #endif
     struct contact_shape shape = scene_contact_shape(v, q, contact);
@@ -106,10 +106,6 @@ void model_prepare(struct model *m)
 {
     struct scene_state *q = &m->state.motion;
     const struct scene_values *v = &m->state.values;
-    int32_t warned[SCENE_CONTACTS];
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        warned[j] = q->contact[j].warned;
-    }
     memset(q, 0, sizeof *q);
     if (m->state.importer_tolerance > 0.0) {
         put_solver_relative_tolerance(&m->state.values, m->state.importer_tolerance);
@@ -119,7 +115,6 @@ void model_prepare(struct model *m)
     motion_place(v, q);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].side = 1;
-        q->contact[j].warned = warned[j];
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         prepare_contact(v, q, j);
@@ -162,7 +157,7 @@ static enum model_status check_contact(struct model *m, int contact)
 static enum model_status check_factors(struct model *m, int contact)
 {
     const struct contact_state *state = &m->state.motion.contact[contact];
-    if (isfinite(state->factors.k) && isfinite(state->factors.c)) {
+    if (isfinite(state->parameters.factors.k) && isfinite(state->parameters.factors.c)) {
         return MODEL_OK;
     }
     const char *name = scene_contact_name(contact);
@@ -171,8 +166,9 @@ static enum model_status check_factors(struct model *m, int contact)
         "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N s/m from "
         "%s.penalty_multiplier = %g, %s.reference_modulus = %g Pa, diagonal = %g m "
         "(allowed: finite products).",
-        name, state->factors.k, state->factors.c, name, contact_penalty_multiplier(&m->state.values, contact),
-        name, contact_reference_modulus(&m->state.values, contact), state->diagonal);
+        name, state->parameters.factors.k, state->parameters.factors.c, name,
+        contact_penalty_multiplier(&m->state.values, contact), name,
+        contact_reference_modulus(&m->state.values, contact), state->parameters.diagonal);
 }
 
 /* Finite parameters can multiply to infinite forces and energies as well. */

@@ -89,14 +89,17 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
         return false;
     }
 #if SCENE_ANY_CYLINDER
-    if (initialized && !is_direction(contact->axis) && !vec3_is_zero(contact->axis)) { /* zero: of a sphere */
+    if (initialized && !is_direction(contact->parameters.axis) &&
+        !vec3_is_zero(contact->parameters.axis)) { /* zero: of a sphere */
         return false;
     }
 #endif
 #if SCENE_ANY_FREE
     /* Times up to which something was looked for may be infinite. */
-    return known_regime(contact->change_regime) && contact->onsets >= 0 && !isnan(contact->change_clock) &&
-           !isnan(contact->settled_clock) && all_finite(contact, &contact->change_clock);
+    const struct contact_schedule *ahead = &contact->schedule;
+    return known_regime(ahead->change_regime) && contact->record.onsets >= 0 && !isnan(ahead->change_clock) &&
+           !isnan(ahead->settled_clock) && isfinite(ahead->change_gap) &&
+           all_finite(contact, &contact->record.onsets);
 #else
     return all_finite(contact, &contact->regime);
 #endif

@@ -8,7 +8,7 @@
 #include "scene/scene_state.h"
 
 /* Raised when struct model_state, struct scene_state or struct scene_values change their meaning. */
-#define MODEL_STATE_VERSION 3u
+#define MODEL_STATE_VERSION 4u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
 /* Bits of input_signal.marks */
@@ -39,8 +39,8 @@ struct model_state {
     uint8_t signals_changed; /* some mark is set that model_apply_inputs has not seen */
     uint8_t signals_open;    /* some mark is set since the last step */
     uint8_t initialized;
-    uint8_t warned_of_rate
-        [SCENE_BODIES]; /* whether the warning of a contradiction of its inputs has been given */
+    /* whether the warning of a contradiction of a body's inputs, of a contact without direction was given */
+    uint8_t warned_of_rate[SCENE_BODIES], warned_of_direction[SCENE_CONTACTS];
 };
 
 /* Which outputs are those of the present; each includes the ones before. As bits, these are the variables

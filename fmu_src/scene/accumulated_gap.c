@@ -2,6 +2,7 @@
 #include <float.h>
 
 #include "scene/free_bodies.h"
+#include "scene/present.h"
 #include "scene/rounding.h"
 
 /* DBL_MAX or INFINITY where nothing is known. */
@@ -9,9 +10,9 @@ static double accumulated_gap_of(const struct scene_state *q, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
     if (contact_transmits(q, contact) || q->clock == 0.0) {
-        return state->accumulated_gap;
+        return state->physics.accumulated_gap;
     }
-    return q->clock == state->change_clock ? state->change_gap : (double)INFINITY;
+    return q->clock == state->schedule.change_clock ? state->schedule.change_gap : (double)INFINITY;
 }
 
 /* Of a stiff contact the force that velocities would make by their rounding alone may exceed the load.
@@ -20,8 +21,8 @@ static void take_known_rate(const struct scene_state *q, int contact, struct con
 {
     const struct contact_state *state = &q->contact[contact];
     if (contact_transmits(q, contact) &&
-        fabs(state->carried_rate - geometry->gap_rate) < state->rate_rounding) {
-        geometry->gap_rate = state->carried_rate;
+        fabs(state->physics.carried_rate - geometry->gap_rate) < state->physics.rate_rounding) {
+        geometry->gap_rate = state->physics.carried_rate;
     }
 }
 
@@ -46,6 +47,6 @@ bool scene_gap_is_accumulated(const struct scene_state *q, const struct scene_in
 bool system_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
-    return state->rate_rounding > 0.0 && contact_transmits(q, contact) &&
-           at->geometry[contact].gap_rate == state->carried_rate;
+    return state->physics.rate_rounding > 0.0 && contact_transmits(q, contact) &&
+           at->geometry[contact].gap_rate == state->physics.carried_rate;
 }

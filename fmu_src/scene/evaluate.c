@@ -18,7 +18,7 @@ struct contact_shape scene_contact_shape(const struct scene_values *v, const str
     }
 #if SCENE_ANY_CYLINDER
     if (shape.destination == SHAPE_CYLINDER) {
-        shape.axis = q->contact[contact].axis;
+        shape.axis = q->contact[contact].parameters.axis;
         if (body_finite_length(v, destination)) {
             shape.half_length = 0.5 * body_length(v, destination);
         }
@@ -29,7 +29,7 @@ struct contact_shape scene_contact_shape(const struct scene_values *v, const str
 
 struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    return contact_law_with(q->contact[contact].factors, (enum method)contact_method(v, contact),
+    return contact_law_with(q->contact[contact].parameters.factors, (enum method)contact_method(v, contact),
                             (enum penalty_control)contact_penalty_control(v, contact),
                             (enum dashpot)contact_dashpot(v, contact));
 }

@@ -15,13 +15,13 @@ void free_bodies_rebase(struct scene_state *q)
 void free_bodies_shift_clocks(struct scene_state *q)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        q->contact[j].touch_clock -= q->clock;
-        q->contact[j].change_clock -= q->clock;
-        q->contact[j].settled_clock -= q->clock;
+        q->contact[j].record.touch_clock -= q->clock;
+        q->contact[j].schedule.change_clock -= q->clock;
+        q->contact[j].schedule.settled_clock -= q->clock;
         if (q->contact[j].regime == REGIME_APART || q->contact[j].regime == REGIME_SEPARATING) {
             /* Not known where it has flown on to, unless that was foreseen. */
-            q->contact[j].accumulated_gap =
-                q->contact[j].change_clock == 0.0 ? q->contact[j].change_gap : DBL_MAX;
+            q->contact[j].physics.accumulated_gap =
+                q->contact[j].schedule.change_clock == 0.0 ? q->contact[j].schedule.change_gap : DBL_MAX;
         }
     }
     q->horizon_clock -= q->clock;

@@ -122,7 +122,7 @@ void ode_pack(const struct scene_ode *ode, double *y)
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        vec3_to(q->contact[j].impulse, y + ode_impulse(v, j));
+        vec3_to(q->contact[j].physics.impulse, y + ode_impulse(v, j));
     }
     y[ode_dissipated(v)] = q->dissipated;
     y[ode_dissipated(v) + 1] = q->external_work;
@@ -132,7 +132,7 @@ void ode_unpack(const struct scene_values *v, struct scene_state *q, const doubl
 {
     unpack_bodies(v, y, q->body);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        q->contact[j].impulse = vec3_from(y + ode_impulse(v, j));
+        q->contact[j].physics.impulse = vec3_from(y + ode_impulse(v, j));
     }
     q->dissipated = y[ode_dissipated(v)];
     q->external_work = y[ode_dissipated(v) + 1];

@@ -135,5 +135,5 @@ void projection_restore_energy(const struct scene_values *v, struct scene_state 
     q->body[source].velocity = vec3_axpy(q->body[source].velocity, -j * body_inverse_mass(v, source), n);
     q->body[destination].velocity =
         vec3_axpy(q->body[destination].velocity, j * body_inverse_mass(v, destination), n);
-    q->contact[contact].impulse = vec3_axpy(q->contact[contact].impulse, -j, n);
+    q->contact[contact].physics.impulse = vec3_axpy(q->contact[contact].physics.impulse, -j, n);
 }

@@ -34,41 +34,61 @@ struct body_path {
     struct vec3 force[3];        /* external force on a free body [N, N/s, ...] */
 };
 
-struct contact_state {
-    struct vec3 normal;                  /* the last valid n, for d = 0 */
+/* What the start fixes. */
+struct contact_parameters {
     struct contact_coefficients factors; /* p_n and p_nv in force [N/m, N s/m] */
     double diagonal;                     /* of the bounding box of both bodies at the start [m] */
 #if SCENE_ANY_CYLINDER
     struct vec3 axis; /* e_d, unit length; zero where the destination is a sphere */
 #endif
-#if SCENE_ANY_FREE
-    struct vec3 impulse;      /* on the source since initialization [N s] */
-    struct vec3 impulse_mark; /* the impulse at the start of the communication step */
-    double peak_force;        /* over the last communication step [N] */
-    double peak_penetration;  /* likewise, max(-g) >= 0 [m] */
-    double onset_time;        /* when the contact under way, or the last one, began [s] */
-    double last_duration;     /* of the last finished contact [s] */
+};
+
+/* What integration carries on besides the motion of the bodies. */
+struct contact_physics {
+    struct vec3 impulse; /* on the source since initialization [N s] */
     /* accumulated gap g in contact and as contact ends: more accurate than positions give it [m] */
     double accumulated_gap;
     /* g' at the end of the last segment, where velocities tell it too coarsely [m/s] */
     double carried_rate;
     /* by how much less than this they differ from it then; 0: none is carried [m/s] */
     double rate_rounding;
-    double change_gap; /* g at change_clock, likewise [m] */
+};
+
+/* What outputs tell of the past. */
+struct contact_record {
+    struct vec3 impulse_mark; /* the impulse at the start of the communication step [N s] */
+    double peak_force;        /* over the last communication step [N] */
+    double peak_penetration;  /* likewise, max(-g) >= 0 [m] */
+    double onset_time;        /* when the contact under way, or the last one, began [s] */
+    double last_duration;     /* of the last finished contact [s] */
     /* the clock at that onset (negative once rebased), for exact durations [s] */
     double touch_clock;
+    int32_t onsets;
+    int32_t unused; /* in place of padding */
+};
+
+/* What has been foreseen. */
+struct contact_schedule {
     /* the regime changes at this clock in closed form; INFINITY: not before the horizon */
     double change_clock;
     /* until this clock a root finder cannot distinguish the regime from the one before */
     double settled_clock;
+    double change_gap;     /* g at change_clock, more accurate than positions give it [m] */
     int32_t change_regime; /* and becomes this */
     /* whether d comes down to its own rounding before the horizon, so that n may be undefined */
     int32_t passes_centre;
-    int32_t onsets;
+};
+
+struct contact_state {
+    struct vec3 normal; /* the last valid n, for d = 0 */
+    struct contact_parameters parameters;
+#if SCENE_ANY_FREE
+    struct contact_physics physics;
+    struct contact_record record;
+    struct contact_schedule schedule;
 #endif
     int32_t regime; /* enum contact_regime */
     int32_t side;   /* +1 outside, -1 inside: the location in force */
-    int32_t warned; /* whether the warning of an undefined direction has been given */
 };
 
 struct solver_counters {
@@ -98,6 +118,7 @@ struct scene_state {
 #if SCENE_ANY_FREE
     /* 1: the flight is deferred: body states are those of an earlier clock, see flight_catch_up */
     int32_t deferred;
+    int32_t unused; /* in place of padding */
 #endif
 };
 

@@ -12,11 +12,11 @@ static void set_regime(struct scene_state *q, int contact, enum contact_regime r
     const bool touched = state->regime != REGIME_APART;
     const bool touches = regime != REGIME_APART;
     if (touches && !touched) {
-        counter_add(&state->onsets, 1);
-        state->onset_time = scene_time(q);
-        state->touch_clock = q->clock;
+        counter_add(&state->record.onsets, 1);
+        state->record.onset_time = scene_time(q);
+        state->record.touch_clock = q->clock;
     } else if (touched && !touches) {
-        state->last_duration = q->clock - state->touch_clock;
+        state->record.last_duration = q->clock - state->record.touch_clock;
     }
     state->regime = (int32_t)regime;
 }
@@ -26,7 +26,7 @@ static void set_regime(struct scene_state *q, int contact, enum contact_regime r
 static double way_rounding(const struct scene_state *q, const struct scene_instant *at, int contact,
                            double lasted)
 {
-    const double way = vec3_norm(at->rate[contact]) * lasted + q->contact[contact].peak_penetration;
+    const double way = vec3_norm(at->rate[contact]) * lasted + q->contact[contact].record.peak_penetration;
     return 32.0 * DBL_EPSILON * way;
 }
 
@@ -59,7 +59,7 @@ static void close_rounded_gap(const struct scene_values *v, struct scene_state *
         gap <= 0.25 * rounding_of_gap(v, at, contact)) {
         return;
     }
-    q->contact[contact].accumulated_gap = DBL_MAX; /* not known: as positions give it */
+    q->contact[contact].physics.accumulated_gap = DBL_MAX; /* not known: as positions give it */
     projection_close_gap(v, q, contact);
     scene_rebase(v, q);
     scene_kinematics_now(v, q, at);
@@ -93,7 +93,7 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
     }
     const double before = energy_stored(v, q, at);
     at->geometry[contact].gap = gap_at_change(v, q, at, contact, regime, lasted);
-    q->contact[contact].accumulated_gap = at->geometry[contact].gap;
+    q->contact[contact].physics.accumulated_gap = at->geometry[contact].gap;
     set_regime(q, contact, regime);
     q->dissipated += before - energy_stored(v, q, at);
     counter_add(&q->counters.events, 1);
@@ -132,9 +132,9 @@ void transition_begin_step(const struct scene_values *v, struct scene_state *q, 
     scene_now(v, q, at);
     q->step_length = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        q->contact[j].impulse_mark = q->contact[j].impulse;
-        q->contact[j].peak_force = 0.0;
-        q->contact[j].peak_penetration = 0.0;
+        q->contact[j].record.impulse_mark = q->contact[j].physics.impulse;
+        q->contact[j].record.peak_force = 0.0;
+        q->contact[j].record.peak_penetration = 0.0;
     }
     note_instant(q, at);
 }
@@ -151,8 +151,8 @@ void transition_note_peaks(struct scene_state *q, const struct scene_instant *at
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct contact_state *state = &q->contact[j];
         if (state->regime != REGIME_APART) {
-            state->peak_force = fmax(state->peak_force, at->normal_force[j]);
-            state->peak_penetration = fmax(state->peak_penetration, -at->geometry[j].gap);
+            state->record.peak_force = fmax(state->record.peak_force, at->normal_force[j]);
+            state->record.peak_penetration = fmax(state->record.peak_penetration, -at->geometry[j].gap);
         }
     }
 }

@@ -155,6 +155,6 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change, 
         }
     }
     q->dissipated += change->dissipated;
-    state->impulse = vec3_axpy(state->impulse, -p->reduced_mass, change->r_rate);
-    state->accumulated_gap = change->gap;
+    state->physics.impulse = vec3_axpy(state->physics.impulse, -p->reduced_mass, change->r_rate);
+    state->physics.accumulated_gap = change->gap;
 }

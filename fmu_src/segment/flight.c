@@ -112,8 +112,9 @@ void flight_advance(const struct scene_values *v, struct scene_state *q, double 
 
 static bool contact_is_deferrable(const struct contact_state *state)
 {
-    return state->regime == REGIME_APART && !state->passes_centre && state->peak_penetration == 0.0 &&
-           vec3_is_zero(vec3_sub(state->impulse, state->impulse_mark));
+    return state->regime == REGIME_APART && !state->schedule.passes_centre &&
+           state->record.peak_penetration == 0.0 &&
+           vec3_is_zero(vec3_sub(state->physics.impulse, state->record.impulse_mark));
 }
 
 /* No external force, and speed, displacement and kinetic energy far from the range of numbers. */
@@ -128,7 +129,7 @@ double flight_deferrable_until(const struct scene_values *v, const struct scene_
 {
     double clock = q->horizon_clock;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        clock = fmin(clock, q->contact[j].change_clock);
+        clock = fmin(clock, q->contact[j].schedule.change_clock);
         if (!contact_is_deferrable(&q->contact[j])) {
             return 0.0;
         }

@@ -212,6 +212,6 @@ void peaks_note(struct segment *p, struct contact_state *state, double end)
     } else {
         peaks_add(&peaks, p, &p->output, end, dense_output_at(&p->output, end));
     }
-    state->peak_force = fmax(state->peak_force, peaks.strongest);
-    state->peak_penetration = fmax(state->peak_penetration, peaks.deepest);
+    state->record.peak_force = fmax(state->record.peak_force, peaks.strongest);
+    state->record.peak_penetration = fmax(state->record.peak_penetration, peaks.deepest);
 }

@@ -235,7 +235,7 @@ struct regime_change next_regime_change(const struct scene_values *v, const stru
                                     : by_positions;
     struct regime_change next;
     if (!has_ends && (present == REGIME_APART || present == REGIME_SEPARATING) &&
-        !(q->contact[contact].settled_clock > clock) &&
+        !(q->contact[contact].schedule.settled_clock > clock) &&
         head_on_change(&shape, &law, &separation, &now, present, gap_rounding, by_positions, horizon,
                        &next)) {
         return next;
@@ -250,7 +250,7 @@ struct regime_change next_regime_change(const struct scene_values *v, const stru
         const struct driven_rounding rounding = {by_positions, axially, speed_at_most(&separation, horizon)};
         return driven_regime_change(&path, &shape, &law, &rounding, present);
     }
-    const double found = (q->contact[contact].settled_clock - clock) / horizon;
+    const double found = (q->contact[contact].schedule.settled_clock - clock) / horizon;
     /* Bodies that approach touch where g = 0; waiting for more than rounding would add penetration. */
     const bool approaches = present == REGIME_APART && now.gap_rate < -rounding_of_rate(at, contact);
     const double unclear = approaches ? 0.0 : gap_rounding;

@@ -115,8 +115,8 @@ void segment_advance(struct segment *p, double s, const struct scene_values *v, 
     const struct pair_change change = kinds[p->kind].change(&p->as, s);
     peaks_note(p, state, s);
     pair_apply(&p->pair, &change, v, q, contact);
-    state->rate_rounding = pair_rate_rounding_after(&p->pair, &change, v, q, contact);
-    if (state->rate_rounding > 0.0) {
-        state->carried_rate = segment_sample(p, s)->of[PAIR_GAP_RATE][0];
+    state->physics.rate_rounding = pair_rate_rounding_after(&p->pair, &change, v, q, contact);
+    if (state->physics.rate_rounding > 0.0) {
+        state->physics.carried_rate = segment_sample(p, s)->of[PAIR_GAP_RATE][0];
     }
 }

@@ -76,8 +76,8 @@ static void a_step_keeps_momentum_and_energy(void)
         const struct vec3 acceleration =
             vec3_axpy(gravity(v), 1.0 / v->body[SOURCE].mass, body_external_force(v, SOURCE));
         const struct vec3 gained = vec3_sub(q->body[SOURCE].velocity, vec3_axpy(before, t, acceleration));
-        CHECK_CLOSE("impulse", v->body[SOURCE].mass * gained.x, q->contact[0].impulse.x, 1e-13L);
-        CHECK_CLOSE("impulse", v->body[SOURCE].mass * gained.y, q->contact[0].impulse.y, 1e-13L);
+        CHECK_CLOSE("impulse", v->body[SOURCE].mass * gained.x, q->contact[0].physics.impulse.x, 1e-13L);
+        CHECK_CLOSE("impulse", v->body[SOURCE].mass * gained.y, q->contact[0].physics.impulse.y, 1e-13L);
         /* Kinetic energy alone reaches 100 J here; 256 roundings of it. */
         CHECK_CLOSE("balance", balance(&m), energy, 256.0L * DBL_EPSILON * 100.0L);
     }

@@ -105,7 +105,7 @@ static void every_variable_is_the_same_however_a_flight_is_followed(void)
             CHECK(manner != THE_LONG_WAY || taken == 0);
             deferred += taken;
             end[manner] = shown(m);
-            contacts += m->state.motion.contact[0].onsets;
+            contacts += m->state.motion.contact[0].record.onsets;
             model_destroy(m);
         }
         check_same(&end[AS_IT_COMES], &end[THE_LONG_WAY]);

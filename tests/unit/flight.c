@@ -159,7 +159,7 @@ static void only_the_axial_part_of_a_loaded_body_is_put_back(void)
         m.state.values.body[DESTINATION].finite_length = 1;
         const struct vec3 axis = random_direction(&r);
         struct scene_state *q = &m.state.motion;
-        q->contact[0].axis = axis;
+        q->contact[0].parameters.axis = axis;
         q->contact[0].regime = REGIME_COMPRESSION;
         q->clock = random_between(&r, 0.0, 1.0);
         const struct scene_state start = *q;

@@ -164,9 +164,9 @@ static void a_given_motion_has_the_impulse_work_and_loss_of_its_closed_form(void
         const double tolerance =
             1e-12; /* polynomials below degree nine: exact but for rounding of some 10 N m */
         const struct scene_state *q = &m->state.motion;
-        CHECK_CLOSE("impulse along x", q->contact[0].impulse.x, impulse, tolerance);
-        CHECK_CLOSE("impulse along y", q->contact[0].impulse.y, 0.0, 0.0);
-        CHECK_CLOSE("impulse along z", q->contact[0].impulse.z, 0.0, 0.0);
+        CHECK_CLOSE("impulse along x", q->contact[0].physics.impulse.x, impulse, tolerance);
+        CHECK_CLOSE("impulse along y", q->contact[0].physics.impulse.y, 0.0, 0.0);
+        CHECK_CLOSE("impulse along z", q->contact[0].physics.impulse.z, 0.0, 0.0);
         CHECK_CLOSE("dissipated", q->dissipated, lost, tolerance);
         CHECK_CLOSE("work on the source", q->external_work, lost + stored, tolerance);
         CHECK_CLOSE("mean force", scene_read(m, named("contact.mean_force[1]")), (impulse - before) / (0.05L),

@@ -92,7 +92,7 @@ static void unpacking_gives_back_what_was_packed(void)
             CHECK(again[k] == y[k]);
         }
         CHECK(q.dissipated == y[ode_dissipated(ode.values)]);
-        CHECK(q.contact[0].impulse.x == y[ode_impulse(ode.values, 0)]);
+        CHECK(q.contact[0].physics.impulse.x == y[ode_impulse(ode.values, 0)]);
         CHECK(q.body[SOURCE].velocity.z == y[ode_body(ode.values, SOURCE) + 5]);
     }
 }

@@ -136,7 +136,7 @@ static void a_step_keeps_momentum_and_energy(void)
         q->clock += change.time;
         const double acceleration = body_external_force(v, SOURCE).x / v->body[SOURCE].mass;
         const double gained = q->body[SOURCE].velocity.x - before - q->clock * acceleration;
-        CHECK_CLOSE("impulse", v->body[SOURCE].mass * gained, q->contact[0].impulse.x, 1e-13L);
+        CHECK_CLOSE("impulse", v->body[SOURCE].mass * gained, q->contact[0].physics.impulse.x, 1e-13L);
         CHECK_CLOSE("balance", balance(&m), energy, 256.0L * DBL_EPSILON * 100.0L);
     }
 }

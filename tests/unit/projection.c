@@ -116,7 +116,7 @@ static void check_restored(const struct model *m, const struct scene_state *befo
     }
     const double mass = m->state.values.body[SOURCE].mass;
     const struct vec3 kick = vec3_sub(q->body[SOURCE].velocity, before->body[SOURCE].velocity);
-    const struct vec3 booked = vec3_axpy(q->contact[0].impulse, -mass, kick);
+    const struct vec3 booked = vec3_axpy(q->contact[0].physics.impulse, -mass, kick);
     CHECK_CLOSE("impulse on the source", vec3_norm(booked), 0.0, 16.0 * DBL_EPSILON * mass);
     if (motion != MOTION_FREE) {
         CHECK(memcmp(&q->body[DESTINATION].velocity, &before->body[DESTINATION].velocity,
@@ -166,7 +166,7 @@ static void large_errors_and_damped_contacts_are_left_alone(void)
         CHECK(memcmp(&before, q, sizeof before) == 0);
         q->phase_energy = balance + 0.5e-3 * normal_energy;
         m.state.values.contact[0].method = METHOD_PENALTY_DYNAMIC;
-        q->contact[0].factors.c = 1e-3;
+        q->contact[0].parameters.factors.c = 1e-3;
         before = *q;
         projection_restore_energy(&m.state.values, q, 0, ANY_ERROR);
         CHECK(memcmp(&before, q, sizeof before) == 0);

@@ -9,7 +9,7 @@
 #include "check.h"
 #include "scene_model.h"
 
-enum kind { REAL, INTEGER, WORD };
+enum kind { REAL, INTEGER, WORD, FLAG };
 
 struct change {
     const char *name;
@@ -43,15 +43,15 @@ static const struct change harmful[] = {
     {IN(motion.deferred), INTEGER, 1.0},
     {IN(motion.horizon_clock), REAL, NOT_A_NUMBER},
     {IN(motion.contact[0].normal.x), REAL, 2.0},
-    {IN(motion.contact[0].axis.z), REAL, 1e200},
-    {IN(motion.contact[0].factors.k), REAL, ENDLESS},
-    {IN(motion.contact[0].impulse.y), REAL, NOT_A_NUMBER},
-    {IN(motion.contact[0].touch_clock), REAL, NOT_A_NUMBER},
-    {IN(motion.contact[0].change_clock), REAL, NOT_A_NUMBER},
-    {IN(motion.contact[0].settled_clock), REAL, NOT_A_NUMBER},
-    {IN(motion.contact[0].change_regime), INTEGER, -1.0},
-    {IN(motion.contact[0].change_regime), INTEGER, 99.0},
-    {IN(motion.contact[0].onsets), INTEGER, -1.0},
+    {IN(motion.contact[0].parameters.axis.z), REAL, 1e200},
+    {IN(motion.contact[0].parameters.factors.k), REAL, ENDLESS},
+    {IN(motion.contact[0].physics.impulse.y), REAL, NOT_A_NUMBER},
+    {IN(motion.contact[0].record.touch_clock), REAL, NOT_A_NUMBER},
+    {IN(motion.contact[0].schedule.change_clock), REAL, NOT_A_NUMBER},
+    {IN(motion.contact[0].schedule.settled_clock), REAL, NOT_A_NUMBER},
+    {IN(motion.contact[0].schedule.change_regime), INTEGER, -1.0},
+    {IN(motion.contact[0].schedule.change_regime), INTEGER, 99.0},
+    {IN(motion.contact[0].record.onsets), INTEGER, -1.0},
     {IN(motion.contact[0].regime), INTEGER, -1.0},
     {IN(motion.contact[0].regime), INTEGER, 99.0},
     {IN(motion.contact[0].side), INTEGER, 0.0},
@@ -74,9 +74,9 @@ static const struct change harmful[] = {
 
 static const struct change harmless[] = {
     {IN(motion.horizon_clock), REAL, ENDLESS},
-    {IN(motion.contact[0].change_clock), REAL, ENDLESS},
-    {IN(motion.contact[0].settled_clock), REAL, -ENDLESS},
-    {IN(motion.contact[0].warned), INTEGER, 1.0},
+    {IN(motion.contact[0].schedule.change_clock), REAL, ENDLESS},
+    {IN(motion.contact[0].schedule.settled_clock), REAL, -ENDLESS},
+    {IN(warned_of_direction[0]), FLAG, 1.0},
     {IN(motion.counters.steps), INTEGER, 2147483647.0},
 };
 
@@ -101,6 +101,8 @@ static void put(struct model_state *state, const struct change *change)
     } else if (change->kind == INTEGER) {
         const int32_t value = (int32_t)change->value;
         memcpy(at, &value, sizeof value);
+    } else if (change->kind == FLAG) {
+        *at = change->value != 0.0;
     } else {
         uint32_t word;
         memcpy(&word, at, sizeof word);

@@ -119,10 +119,11 @@ static struct scene_state random_motion(struct random *r)
             q.path[i].force[k] = random_vector(r, 1.0);
         }
     }
-    q.contact[0].touch_clock = random_between(r, -1.0, q.clock);
-    q.contact[0].change_clock = random_index(r, 4) == 0 ? (double)INFINITY : random_between(r, 1.0, 2.0);
-    q.contact[0].settled_clock = random_between(r, 0.0, 1.0);
-    q.contact[0].onsets = 3;
+    q.contact[0].record.touch_clock = random_between(r, -1.0, q.clock);
+    q.contact[0].schedule.change_clock =
+        random_index(r, 4) == 0 ? (double)INFINITY : random_between(r, 1.0, 2.0);
+    q.contact[0].schedule.settled_clock = random_between(r, 0.0, 1.0);
+    q.contact[0].record.onsets = 3;
     return q;
 }
 
@@ -160,19 +161,19 @@ static void a_rebase_changes_nothing_but_the_origin(void)
         CHECK(after.clock == 0.0);
         CHECK(after.integrator_fresh == 1);
         CHECK_CLOSE("time", scene_time(&after), scene_time(&before), 0.0);
-        CHECK_CLOSE("time since the onset", after.clock - after.contact[0].touch_clock,
-                    before.clock - before.contact[0].touch_clock, 2.0 * DBL_EPSILON);
-        if (isinf(before.contact[0].change_clock)) {
-            CHECK(isinf(after.contact[0].change_clock));
+        CHECK_CLOSE("time since the onset", after.clock - after.contact[0].record.touch_clock,
+                    before.clock - before.contact[0].record.touch_clock, 2.0 * DBL_EPSILON);
+        if (isinf(before.contact[0].schedule.change_clock)) {
+            CHECK(isinf(after.contact[0].schedule.change_clock));
         } else {
-            CHECK_CLOSE("time to the change", after.contact[0].change_clock,
-                        before.contact[0].change_clock - before.clock, 4.0 * DBL_EPSILON);
+            CHECK_CLOSE("time to the change", after.contact[0].schedule.change_clock,
+                        before.contact[0].schedule.change_clock - before.clock, 4.0 * DBL_EPSILON);
         }
         CHECK_CLOSE("time to the horizon", after.horizon_clock, before.horizon_clock - before.clock,
                     2.0 * DBL_EPSILON);
-        CHECK_CLOSE("time to the settled clock", after.contact[0].settled_clock,
-                    before.contact[0].settled_clock - before.clock, 2.0 * DBL_EPSILON);
-        CHECK(after.contact[0].onsets == 3);
+        CHECK_CLOSE("time to the settled clock", after.contact[0].schedule.settled_clock,
+                    before.contact[0].schedule.settled_clock - before.clock, 2.0 * DBL_EPSILON);
+        CHECK(after.contact[0].record.onsets == 3);
         for (int i = 0; i < SCENE_BODIES; ++i) {
             check_body(&before, &after, i, later);
         }

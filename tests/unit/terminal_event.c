@@ -36,7 +36,7 @@ static void make_swing(struct swing *w, double stiffness, double damping, enum d
     scene_start_free(&w->model, SOURCE, vec3_make(reach + gap, 0.0, 0.0), vec3_make(0.0, 0.0, 0.0));
     model_prepare(&w->model);
     q->contact[0].regime = (int32_t)REGIME_COMPRESSION;
-    q->contact[0].accumulated_gap = gap;
+    q->contact[0].physics.accumulated_gap = gap;
     struct scene_instant at;
     scene_now(v, q, &at);
     CHECK(segment_make(&w->segment, v, q, &at, 0, 1.0, 1e-15));
