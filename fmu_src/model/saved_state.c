@@ -165,22 +165,12 @@ static bool gives_numbers(struct model *m, const struct model_state *state)
 
 static enum model_status check_header(struct model *m, const struct model_state *state)
 {
-    if (state->magic != MODEL_STATE_MAGIC) {
+    if (state->magic != MODEL_STATE_MAGIC || state->version != MODEL_STATE_VERSION ||
+        state->scene != SCENE_HASH || state->size != sizeof *state ||
+        state->checksum != payload_checksum(state)) {
         return model_report(m, MODEL_ERROR,
-                            "Saved state refused: it is not one of this model (mark %08x, allowed: %08x).",
-                            (unsigned)state->magic, MODEL_STATE_MAGIC);
-    }
-    if (state->version != MODEL_STATE_VERSION) {
-        return model_report(m, MODEL_ERROR, "Saved state refused: version %u (allowed: %u).",
-                            (unsigned)state->version, MODEL_STATE_VERSION);
-    }
-    if (state->scene != SCENE_HASH) {
-        return model_report(m, MODEL_ERROR,
-                            "Saved state refused: it belongs to another scene (%08x, allowed: %08x, %s).",
-                            (unsigned)state->scene, (unsigned)SCENE_HASH, SCENE_NAME);
-    }
-    if (state->size != sizeof *state || state->checksum != payload_checksum(state)) {
-        return model_report(m, MODEL_ERROR, "Saved state refused: its bytes have been altered (checksum).");
+                            "Saved state refused: it is not of version %u of %s, or it has been altered.",
+                            MODEL_STATE_VERSION, SCENE_NAME);
     }
     if (!state_is_sound(state)) {
         return model_report(m, MODEL_ERROR, "Saved state refused: it holds values out of range.");

@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from support.sources import HEADERS, UNITS, code_only, compile_c, label, layer, units_of
+from support.sources import HEADERS, SCENES, SOURCE, UNITS, code_only, compile_c, label, layer, units_of
 
 every_file = pytest.mark.parametrize("file", HEADERS + UNITS, ids=label)
 
@@ -46,6 +46,13 @@ def test_there_is_no_global_mutable_state(tmp_path, scene):
         assert compile_c("gcc", unit, scene, "-O0", "-fno-pic", "-c", "-o", str(compiled)) == ""
         symbols = subprocess.run(["nm", compiled], capture_output=True, text=True, check=True).stdout
         assert [line for line in symbols.splitlines() if re.search(r" [dDbBgGsSC] ", line)] == [], unit
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_state_of_motion_has_no_padding(scene):
+    """Saved states are its bytes, with a checksum over all of them."""
+    said = compile_c("gcc", SOURCE / "scene" / "scene_state.c", scene, "-Wpadded", "-fsyntax-only")
+    assert [line for line in said.splitlines() if "scene_state.h" in line and "error:" in line] == []
 
 
 def test_the_patterns_find_what_they_look_for():
