@@ -55,6 +55,26 @@ static void take_carried_rate(struct contact_pair *p, double rate)
     p->flight.w[0] = vec3_add(p->flight.w[0], p->rate_rounded);
 }
 
+/* Whether a prescribed displacement has a derivative other than the prescribed velocity, by more than
+ * rounding. */
+static bool path_contradicts(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    struct body_path path = q->path[body];
+    if (!body_is_prescribed(v, body)) {
+        return false;
+    }
+    path_shift(path.displacement, 4, q->clock);
+    path_shift(path.velocity, 3, q->clock);
+    for (int i = 0; i < 3; ++i) {
+        const struct vec3 rate = vec3_scale(i + 1, path.displacement[i + 1]);
+        const double size = vec3_max_abs(rate) + vec3_max_abs(path.velocity[i]);
+        if (vec3_max_abs(vec3_sub(path.velocity[i], rate)) > 16.0 * DBL_EPSILON * size) {
+            return true;
+        }
+    }
+    return false;
+}
+
 void pair_make(struct contact_pair *p, const struct scene_values *v, const struct scene_state *q,
                const struct scene_instant *at, int contact)
 {
@@ -77,6 +97,8 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
     } else if (system_rate_is_known(q, at, contact)) {
         take_carried_rate(p, geometry->gap_rate);
     }
+    p->has_mismatch =
+        path_contradicts(v, q, contact_source(contact)) || path_contradicts(v, q, contact_destination(contact));
     p->work[0] = work_on(p, v, q, contact_source(contact), -1.0);
     p->work[1] = work_on(p, v, q, contact_destination(contact), 1.0);
 }

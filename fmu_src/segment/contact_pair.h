@@ -36,6 +36,7 @@ struct contact_pair {
     struct vec3 rounded;
     struct vec3 rate_rounded; /* rounding: added to w so that side n.w is the carried rate [m/s] */
     double carried_rate;      /* g' carried from the segment before; NaN: side n.w is as accurate [m/s] */
+    bool has_mismatch;        /* whether W is other than C', by more than rounding */
     double reduced_mass;      /* m_red [kg] */
     double rate_rounding;     /* of g', by rounding [m/s] */
     struct pair_work work[PAIR_BODIES];

@@ -1,5 +1,8 @@
 #include "segment/pair_collocation.h"
 
+#include <float.h>
+#include <string.h>
+
 /* A: second derivative of C. E = W - C'. Both across a cylinder's axis. */
 static void set_paths(const struct contact_pair *p, struct collocation_problem *problem)
 {
@@ -10,6 +13,29 @@ static void set_paths(const struct contact_pair *p, struct collocation_problem *
         const struct vec3 mismatch = vec3_axpy(p->flight.w[i], -(i + 1), p->flight.c[i + 1]);
         problem->mismatch[i] = pair_across(p, mismatch);
         problem->has_mismatch = problem->has_mismatch || vec3_max_abs(mismatch) > 0.0;
+    }
+}
+
+/* Where W and C' are the same but for rounding, the dashpot makes a load of the difference. Below this part
+ * of the load it is left as it is: peaks are right to it. */
+static const double NEGLIGIBLE_LOAD = 1e-6;
+
+/* A difference by rounding alone, seen over a radian of the tangential motion, is none if the dashpot makes a
+ * load of it. */
+static void drop_rounded_mismatch(const struct contact_pair *p, double tangential_rate,
+                                  struct collocation_problem *problem)
+{
+    double size = 0.0;
+    double power = 1.0;
+    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS; ++i) {
+        const double rate = vec3_norm(p->flight.w[i]);
+        size += rate > 0.0 ? rate * power : 0.0;
+        power /= tangential_rate;
+    }
+    const double load = vec3_norm(problem->acceleration[0]);
+    if (problem->damping_rate * 16.0 * DBL_EPSILON * size > NEGLIGIBLE_LOAD * load) {
+        memset(problem->mismatch, 0, sizeof problem->mismatch);
+        problem->has_mismatch = false;
     }
 }
 
@@ -28,12 +54,15 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     const struct vec3 along = pair_tangential(p, problem->rate);
     const double radial = p->shape.side * pair_gap_derivative(p);
     problem->radial = radial;
-    const double load = vec3_dot(along, along) / d + vec3_dot(p->normal, problem->acceleration[0]) -
-                        problem->damping_rate * vec3_dot(p->normal, problem->mismatch[0]);
-    const struct oscillator oscillator = {problem->omega2, problem->damping_rate};
     out->distance = d;
     out->rate_along = vec3_norm(along) / d;
     out->tangential_rate = out->rate_along + sqrt(vec3_norm(problem->acceleration[0]) / d);
+    if (problem->has_mismatch && !p->has_mismatch) {
+        drop_rounded_mismatch(p, out->tangential_rate, problem);
+    }
+    const double load = vec3_dot(along, along) / d + vec3_dot(p->normal, problem->acceleration[0]) -
+                        problem->damping_rate * vec3_dot(p->normal, problem->mismatch[0]);
+    const struct oscillator oscillator = {problem->omega2, problem->damping_rate};
     out->rates = oscillator_rates_of(&oscillator);
     out->equilibrium_depth = -p->shape.side * load / problem->omega2;
     out->underdamped = 4.0 * problem->omega2 > problem->damping_rate * problem->damping_rate;
