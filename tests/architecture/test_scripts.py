@@ -7,6 +7,7 @@ import subprocess
 import pytest
 
 from contact_fmus.__main__ import COMMANDS, main
+from support.graph import circle
 from support.sources import ROOT, label
 
 PACKAGE = ROOT / "scripts" / "contact_fmus"
@@ -43,22 +44,6 @@ def graph():
     return {
         name_of(file): imports(name_of(file), file.read_text(), file.stem == "__init__") for file in MODULES
     }
-
-
-def circle(edges):
-    """Some path that ends where it began, or None"""
-    done = set()
-
-    def visit(name, path):
-        if name in path:
-            return [*path[path.index(name) :], name]
-        if name in done:
-            return None
-        found = next((way for to in sorted(edges[name]) if (way := visit(to, [*path, name]))), None)
-        done.add(name)
-        return found
-
-    return next((way for name in sorted(edges) if (way := visit(name, []))), None)
 
 
 def upward(edges):

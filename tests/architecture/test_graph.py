@@ -1,0 +1,50 @@
+"""The file graph of fmu_src, read off the object files' own symbols: no circle, no edge to a later folder.
+
+Includes tell less: two files may include each other's headers' headers without needing each other, and a
+prototype may be declared where no include shows it.
+"""
+
+import pytest
+
+from support.graph import circle, file_graph, object_symbols, upward
+from support.sources import LAYERS, SOURCE, UNITS
+
+# Together they have all units: one with CVODE, one without, one without free bodies.
+SCENES = ["SphereCylinder", "PinnedEvent", "ForceElement"]
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def edges(request, tmp_path_factory):
+    folder = tmp_path_factory.mktemp(request.param)
+    units = {
+        unit.relative_to(SOURCE).as_posix(): object_symbols(unit, request.param, folder)
+        for unit in units_of(request.param)
+    }
+    return file_graph(units)
+
+
+def units_of(scene):
+    return UNITS
+
+
+def test_the_graph_has_the_edges_that_one_knows(edges):
+    assert "model/model.c" in edges["fmi2/step.c"]
+    assert "contact/law.c" in edges["model/outputs.c"]
+
+
+def test_no_two_files_need_each_other_even_by_way_of_others(edges):
+    assert circle(edges) is None
+
+
+def test_no_file_needs_one_of_a_later_folder(edges):
+    assert upward(edges, LAYERS) == []
+
+
+def test_a_circle_that_is_added_is_found(edges):
+    assert circle(edges | {"contact/law.c": {"model/model.c"}}) is not None
+
+
+def test_an_upward_edge_that_is_added_is_found(edges):
+    assert upward(edges | {"math/root.c": {"scene/evaluate.c"}}, LAYERS) == [
+        "math/root.c -> scene/evaluate.c"
+    ]
