@@ -17,6 +17,7 @@ COMMANDS = {
     "page": ("report.command:page", "draw the report's page from what is in the folder"),
     "lasting": ("lasting.study:main", "lasting stiff contact by Radau IIA and by this project's method"),
     "stability": ("stability.command:main", "the atlas of stiff and extreme scenes"),
+    "mutate": ("mutation.command:main", "break the C code in small ways and list what no test notices"),
     "beyond": ("stability.beyond:main", "random scenes far beyond the atlas"),
 }
 
