@@ -8,6 +8,7 @@
 #   --only FILE    only in files whose name has FILE
 #   --minutes N    stops after about as long
 #   --jobs N       so many changes at once; 1 without it
+#   --patience S   processor's time for the tests that a change meets which the quick ones let pass; 60 s, all take 300
 #   --again        forgets the results of earlier runs
 #   --page         only writes docs/mutation.md anew
 #   -h, --help     prints this
@@ -16,7 +17,7 @@ help_asked "$@"
 options=()
 while (($# > 0)); do
     case $1 in
-        --count | --seed | --minutes | --jobs)
+        --count | --seed | --minutes | --jobs | --patience)
             [[ ${2:-} =~ ^[0-9]+$ ]] || refuse "$1 takes a whole number"; options+=("$1" "$2"); shift 2 ;;
         --only) [[ -n ${2:-} ]] || refuse "--only lacks its file"; options+=("$1" "$2"); shift 2 ;;
         --again | --page) options+=("$1"); shift ;;

@@ -5,6 +5,7 @@ from __future__ import annotations
 import collections
 import csv
 import hashlib
+import random
 import threading
 import time
 from collections.abc import Iterable
@@ -15,7 +16,7 @@ from .program import Program
 from .tests import Caught, PythonTests, UnitTests
 
 COLUMNS = ["source", "file", "line", "kind", "old", "new", "outcome", "by", "test", "how", "seconds"]
-QUICK = 10.0  # s: all quick tests together
+QUICK = 4.0  # s of the processor for all quick tests together
 CAUGHT, EQUIVALENT, MISSED, INVALID = "caught", "equivalent", "not caught", "does not compile"
 PENDING = "passed the quick tests"
 
@@ -25,8 +26,9 @@ def say(*words: object) -> None:
 
 
 class Campaign:
-    def __init__(self, program: Program, root: Path, results: Path, jobs: int):
+    def __init__(self, program: Program, root: Path, results: Path, jobs: int, patience: float):
         self.program, self.root, self.results, self.jobs = program, root, results, jobs
+        self.patience = patience  # s for the tests that a change meets last
         self.lock = threading.Lock()
         self.kills: collections.Counter = collections.Counter()
         files = sorted(program.source.rglob("*.[ch]"))
@@ -70,30 +72,40 @@ class Campaign:
             for name in tests.measure(program.base / "fmus", folder / "times.json"):
                 left_out.append(name)
         (folder / "left_out.txt").write_text("\n".join([*left_out, ""]))
-        say(
-            f"{len(left_out)} Python tests left out that fail or last too long without a change: left_out.txt"
-        )
+        say(f"{len(left_out)} Python tests fail or last too long without a change: left_out.txt")
         seconds = self.python[0].seconds
-        total = 0.0
-        self.quick = set()
-        for index in sorted(seconds, key=seconds.get):
-            total += seconds[index]
-            if total < QUICK:
-                self.quick.add(index)
-        say(
-            f"{len(seconds)} Python tests, {sum(seconds.values()):.0f} s; {len(self.quick)} of them are quick"
-        )
+        self.quick, self.long = self._within(QUICK), self._within(self.patience)
+        say(f"{len(seconds)} Python tests, {sum(seconds.values()):.0f} s")
+        say(f"{len(self.quick)} of them at first, {len(self.long)} for what these let pass")
+
+    def _within(self, budget: float) -> set[int]:
+        """Tests that take so many seconds together: of each function some, the more the less each costs"""
+        python = self.python[0]
+        by_function: dict[str, list[int]] = {}
+        for index in python.seconds:
+            by_function.setdefault(python.names[index].partition("[")[0], []).append(index)
+        self.price = {}
+        for name, indices in by_function.items():
+            random.Random(name).shuffle(indices)
+            for rank, index in enumerate(indices, start=1):
+                self.price[index] = rank * max(python.seconds[index], 0.003)
+        found, spent = set(), 0.0
+        for index in sorted(self.price, key=self.price.get):
+            spent += python.seconds[index]
+            if spent > budget:
+                break
+            found.add(index)
+        return found
 
     def order(self, file: str, tests: Iterable[int]) -> list[int]:
-        """Those that caught most first, most of all in the same file; then the quickest"""
+        """Those that caught most first, most of all in the same file; then the cheapest"""
         seconds = self.python[0].seconds
-        return sorted(
-            tests,
-            key=lambda index: (
-                -(self.kills[index] + 10 * self.kills[file, index]) / (seconds[index] + 0.005),
-                seconds[index],
-            ),
-        )
+
+        def key(index: int) -> tuple[float, float]:
+            merit = (self.kills[index] + 10 * self.kills[file, index]) / (seconds[index] + 0.005)
+            return (-merit, self.price[index])
+
+        return sorted(tests, key=key)
 
     def run(self, mutants: list[Mutant], count: int, until: float) -> None:
         """`count` changes that compile; then the long list for those that are left"""
@@ -168,14 +180,10 @@ class Campaign:
         outcome, folder = self._build(job, mutant, scenes)
         if outcome:
             return outcome, None
-        libraries = folder / "libraries"
         near = self.units.near(mutant.file)
-        caught = self.units.first_that_fails(mutant.file, libraries, near)
+        caught = self.units.first_that_fails(mutant.file, folder / "libraries", near)
         if not caught:
             caught = self.python[job].first_that_fails(folder / "fmus", self.order(mutant.file, self.quick))
-        if not caught:
-            far = set(self.units.seconds) - set(near)
-            caught = self.units.first_that_fails(mutant.file, libraries, far)
         return (CAUGHT if caught else PENDING), caught
 
     def _at_length(self, job: int, mutant: Mutant) -> tuple[str, Caught | None]:
@@ -185,8 +193,11 @@ class Campaign:
         if outcome:
             return outcome, None
         _, folder = self._build(job, mutant, self.program.scenes)
-        tests = self.order(mutant.file, self.python[job].seconds)
-        caught = self.python[job].first_that_fails(folder / "fmus", tests)
+        far = set(self.units.seconds) - set(self.units.near(mutant.file))
+        caught = self.units.first_that_fails(mutant.file, folder / "libraries", far)
+        if not caught:
+            tests = self.order(mutant.file, self.long)
+            caught = self.python[job].first_that_fails(folder / "fmus", tests)
         return (CAUGHT if caught else MISSED), caught
 
     def _build(

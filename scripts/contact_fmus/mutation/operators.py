@@ -32,7 +32,7 @@ _KEYWORDS = {
         "void",
         "double",
     ),
-    *("int", "char", "bool", "unsigned", "long", "float", "size_t", "volatile"),
+    *("int", "char", "bool", "unsigned", "long", "float", "size_t", "volatile", "__attribute__"),
 }
 _SIGNS = {
     **{

@@ -13,7 +13,6 @@ import os
 import resource
 import signal
 import sys
-import time
 
 import pytest
 
@@ -26,9 +25,13 @@ def _say(**what: object) -> None:
     _out.flush()
 
 
-def _processor_time() -> float:
-    spent = resource.getrusage(resource.RUSAGE_SELF)
+def _processor_time(whose: int = resource.RUSAGE_SELF) -> float:
+    spent = resource.getrusage(whose)
     return spent.ru_utime + spent.ru_stime
+
+
+def _cost() -> float:
+    return _processor_time() + _processor_time(resource.RUSAGE_CHILDREN)
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -79,11 +82,10 @@ class _Watcher:
 
     def pytest_runtest_logstart(self, nodeid: str) -> None:
         _say(begin=self.indices[nodeid])
-        self.start, self.bad = time.perf_counter(), False
-        self.busy = _processor_time()
+        self.bad, self.before = False, _cost()
         resource.setrlimit(
             resource.RLIMIT_CPU,
-            (int(self.busy + self.seconds) + 1, resource.getrlimit(resource.RLIMIT_CPU)[1]),
+            (int(_processor_time() + self.seconds) + 1, resource.getrlimit(resource.RLIMIT_CPU)[1]),
         )
         signal.alarm(int(_WALL * self.seconds))  # ends the process, as SIGXCPU does
 
@@ -92,5 +94,5 @@ class _Watcher:
 
     def pytest_runtest_logfinish(self, nodeid: str) -> None:
         self.failed |= self.bad
-        seconds = _processor_time() - self.busy
-        _say(end=self.indices[nodeid], outcome="failed" if self.bad else "passed", seconds=round(seconds, 4))
+        seconds = round(_cost() - self.before, 4)
+        _say(end=self.indices[nodeid], outcome="failed" if self.bad else "passed", seconds=seconds)
