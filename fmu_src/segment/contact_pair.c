@@ -97,8 +97,8 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
     } else if (system_rate_is_known(q, at, contact)) {
         take_carried_rate(p, geometry->gap_rate);
     }
-    p->has_mismatch =
-        path_contradicts(v, q, contact_source(contact)) || path_contradicts(v, q, contact_destination(contact));
+    p->has_mismatch = path_contradicts(v, q, contact_source(contact)) ||
+                      path_contradicts(v, q, contact_destination(contact));
     p->work[0] = work_on(p, v, q, contact_source(contact), -1.0);
     p->work[1] = work_on(p, v, q, contact_destination(contact), 1.0);
 }

@@ -48,7 +48,7 @@ static struct driven_instant driven_at(const struct relative_path *path, const s
         const double sum = ROUNDINGS * size_of(&path->half_rate, s) / distance * speed_unit;
         at.rate_noise = sum + at.gap_noise * rounding->speed / (path->scale * distance);
     }
-    if (path->has_ends) {
+    if (SCENE_ANY_CYLINDER && path->has_ends) {
         at.beyond = path->scale * (fabs(polynomial_at(&path->axial, s)) - path->half_length);
         at.beyond_noise =
             fmax(rounding->axial, ROUNDINGS * path->scale * (size_of(&path->axial, s) + path->half_length));

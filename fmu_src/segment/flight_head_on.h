@@ -26,8 +26,8 @@ struct flight_regime_end {
     double gap; /* then [m] */
 };
 
-/* The end of a separating regime. `margin_rounding` is the rounding bound of the event function [N]. The centre
- * is not passed: the gap grows as long as the formula would pull. */
+/* The end of a separating regime. `margin_rounding` is the rounding bound of the event function [N]. The
+ * centre is not passed: the gap grows as long as the formula would pull. */
 bool flight_head_on_regime_end(const struct contact_shape *shape, const struct contact_law *law,
                                const struct separation_path *separation, const struct contact_geometry *now,
                                double rounding, double margin_rounding, struct flight_regime_end *end);

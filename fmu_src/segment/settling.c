@@ -13,8 +13,8 @@ static double leaving_time(double value, double noise, double speed, double bend
     return isfinite(soonest) ? soonest : 0.0;
 }
 
-/* d/dt of the event function while separating, in flight: g changes with c', g' = side n.w with w and as n turns, by c' across n /
- * d. */
+/* d/dt of the event function while separating, in flight: g changes with c', g' = side n.w with w and as n
+ * turns, by c' across n / d. */
 static double margin_slope(const struct contact_shape *shape, const struct contact_law *law,
                            const struct contact_geometry *now, const struct separation_path *separation)
 {

@@ -4,7 +4,8 @@
 
 #include "segment/relative_path.h"
 
-/* Rounding of the event function while separating. Of the rate: what it makes of n, from positions, and of n.w. */
+/* Rounding of the event function while separating. Of the rate: what it makes of n, from positions, and of
+ * n.w. */
 double settling_margin_rounding(const struct contact_law *law, const struct contact_geometry *now,
                                 double gap_rounding, double by_positions,
                                 const struct separation_path *separation);

@@ -7,7 +7,7 @@ prototype may be declared where no include shows it.
 import pytest
 
 from support.graph import circle, file_graph, object_symbols, upward
-from support.sources import LAYERS, SOURCE, UNITS
+from support.sources import LAYERS, SOURCE, units_of
 
 # Together they have all units: one with CVODE, one without, one without free bodies.
 SCENES = ["SphereCylinder", "PinnedEvent", "ForceElement"]
@@ -19,12 +19,9 @@ def edges(request, tmp_path_factory):
     units = {
         unit.relative_to(SOURCE).as_posix(): object_symbols(unit, request.param, folder)
         for unit in units_of(request.param)
+        if unit.is_relative_to(SOURCE)
     }
     return file_graph(units)
-
-
-def units_of(scene):
-    return UNITS
 
 
 def test_the_graph_has_the_edges_that_one_knows(edges):

@@ -13,7 +13,18 @@ from support.sources import ROOT, label
 PACKAGE = ROOT / "scripts" / "contact_fmus"
 MODULES = sorted(PACKAGE.rglob("*.py"))
 # A package imports those before it.
-PACKAGES = ("fmu", "pages", "scenarios", "bench", "report", "peers", "coupling", "lasting", "stability", "mutation")
+PACKAGES = (
+    "fmu",
+    "pages",
+    "scenarios",
+    "bench",
+    "report",
+    "peers",
+    "coupling",
+    "lasting",
+    "stability",
+    "mutation",
+)
 SCRIPTS = sorted(file for file in (ROOT / "scripts").glob("*.sh") if file.stem != "prologue")
 
 

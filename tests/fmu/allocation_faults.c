@@ -200,7 +200,8 @@ static size_t save(void *instance)
     return size;
 }
 
-/* A saved state restored in a second instance, which opens its solver for it; its end has to free the state */
+/* A saved state restored in a second instance, which opens its solver for it; its end has to free the
+ * state */
 static void copy(void *instance)
 {
     set_state_function set;

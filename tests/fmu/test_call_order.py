@@ -65,7 +65,8 @@ def test_every_function_in_every_state(fmu, state):
     assert [fault for function in functions if (fault := faults_in(fmu, state, function))] == []
 
 
-@pytest.mark.parametrize("scene", SOLVER_SCENES)
+# What event_driven could not finish in one internal step it finishes in the next.
+@pytest.mark.parametrize("scene", [scene for scene in SOLVER_SCENES if scene != "PinnedEvent"])
 def test_every_function_after_a_discarded_step(scene):
     fmu = raw.load(scene)
     functions = [function for function in FUNCTIONS if function != "FreeInstance"]

@@ -168,12 +168,20 @@ def life(faults: Path, what: str, fmu: raw.Fmu, method: int = 0) -> dict[str, in
 
 
 @pytest.mark.parametrize("method", [2, 3])
-@pytest.mark.parametrize("scene", [name for name in raw.SCENES if name != "ForceElement"])
+@pytest.mark.parametrize(
+    "scene", [name for name in raw.SCENES if name not in ("ForceElement", "PinnedEvent")]
+)
 def test_nothing_is_allocated_in_steps_and_nothing_is_kept(faults, scene, method):
     """Counts the integrator's memory too, which is not the importer's."""
     counts = life(faults, "count", raw.load(scene), method)
     assert counts["allocations"] > 10
     assert (counts["during_steps"], counts["left"]) == (0, 0)
+
+
+def test_nothing_but_the_models_own_memory_is_allocated_without_cvode(faults):
+    counts = life(faults, "count", raw.load("PinnedEvent"))
+    assert (counts["during_steps"], counts["left"]) == (0, 0)
+    assert counts["allocations"] <= 10
 
 
 def test_every_failed_allocation_is_survived(faults):

@@ -1,5 +1,5 @@
-/* A fuzzer's input as a row of choices. Where the bytes are used up every choice is the first one, so that any input is a
- * whole story and a shorter input is a simpler one. */
+/* A fuzzer's input as a row of choices. Where the bytes are used up every choice is the first one, so that
+ * any input is a whole story and a shorter input is a simpler one. */
 #ifndef FUZZ_BYTES_H
 #define FUZZ_BYTES_H
 

@@ -1,7 +1,8 @@
 /*
- * Random sequences of FMI calls on several instances: any function at any time, arguments that are missing, wrong or extreme,
- * states that go from one instance to another, memory that runs out. Whatever is asked must be answered: no crash, a known
- * status, a message for every refusal, finite values, all memory back.
+ * Random sequences of FMI calls on several instances: any function at any time, arguments that are
+ * missing, wrong or extreme, states that go from one instance to another, memory that runs out. Whatever
+ * is asked must be answered: no crash, a known status, a message for every refusal, finite values, all
+ * memory back.
  */
 #include <stdlib.h>
 

@@ -1,6 +1,7 @@
 /*
- * Saved states whose bytes somebody changed, with checksums that fit or not, brought back and gone on with. A state is refused
- * and changes nothing, or it is taken over and then every call answers as ever: no crash, no endless step, finite values.
+ * Saved states whose bytes somebody changed, with checksums that fit or not, brought back and gone on
+ * with. A state is refused and changes nothing, or it is taken over and then every call answers as ever:
+ * no crash, no endless step, finite values.
  */
 #include <stdlib.h>
 
@@ -10,7 +11,8 @@
 
 enum { MOST_INTERNAL_STEPS = 100, CHANGES_AT_MOST = 64, LARGEST_BLOCK = 16384 };
 
-/* The adapter's header, as tests/support/fmi2/blob.py has it: magic, version, scene, checksum, size, times, flags. */
+/* The adapter's header, as tests/support/fmi2/blob.py has it: magic, version, scene, checksum, size,
+ * times, flags. */
 enum { HEADER_SIZE = 48, HEADER_CHECKSUM = 12, CHECKED_FROM = 16 };
 
 static uint32_t fnv_32(const uint8_t *bytes, size_t size)

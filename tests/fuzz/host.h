@@ -1,6 +1,7 @@
 /*
- * The importer that all fuzzers share: a logger that reads every message as a printf format, memory functions that count and
- * may fail, and claims that end the process, which is how a fuzzer learns of a broken one.
+ * The importer that all fuzzers share: a logger that reads every message as a printf format, memory
+ * functions that count and may fail, and claims that end the process, which is how a fuzzer learns of a
+ * broken one.
  */
 #ifndef FUZZ_HOST_H
 #define FUZZ_HOST_H

@@ -119,8 +119,8 @@ struct plan plan_choose(fmi2Component c, struct bytes *b)
     return plan;
 }
 
-/* Pressed bodies that a pull may turn about each other, as a pendulum stands on its head: exp(20) roundings and more of it; or bodies
- * in one another's centre. */
+/* Pressed bodies that a pull may turn about each other, as a pendulum stands on its head: exp(20)
+ * roundings and more of it; or bodies in one another's centre. */
 static bool is_balanced(fmi2Component c, const struct plan *plan, int contact)
 {
     const double distance = host_real(c, ROW_contact_distance, contact, 0);

@@ -1,5 +1,5 @@
-/* replay FOLDER_OR_FILE...: every input once through the fuzzer's function, with any compiler. Prints how many there were;
- * a broken claim aborts after the input's name. */
+/* replay FOLDER_OR_FILE...: every input once through the fuzzer's function, with any compiler. Prints how
+ * many there were; a broken claim aborts after the input's name. */
 #include <dirent.h>
 #include <signal.h>
 #include <stdio.h>

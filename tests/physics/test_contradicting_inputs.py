@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from support.checks import METHODS, check_close, start
-from support.scenes.given_motions import adaptive
+from support.reference.passing import adaptive
 
 FALLING = {  # a ball that falls on a ball that is led away
     "destination.motion": "prescribed",

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from support.checks import METHODS, check_close, start
-from support.scenes.given_motions import END, FAMILIES, STEPS, Passing, measured, scene
+from support.reference.passing import Passing
+from support.scenes.given_motions import END, FAMILIES, STEPS, measured, scene
 
 SEEDS, CHUNK = 480, 40
 RELATIVE = 1e-8  # of energies and impulses: the quadrature is asked for 1e-10

@@ -41,8 +41,13 @@ def test_nearly_all_scenes_touch(opened, shape, location, motion):
 def test_a_non_adhesive_contact_never_pulls(opened, method, scene):
     def check(fmu):
         assert fmu["contact.normal_force"] >= 0, fmu["contact.normal_force"]
-        push = fmu["contact.source_force"] @ (fmu["source.position"] - fmu["contact.point"])
-        assert push >= 0, f"pulled towards the contact point: {push}"
+        away = fmu["source.position"] - fmu["destination.position"]
+        if "destination.axis" in fmu:
+            axis = np.array(fmu["destination.axis"]) / np.linalg.norm(fmu["destination.axis"])
+            away = away - (away @ axis) * axis
+        outside = scene.configuration["contact.location"] == "outside"
+        push = fmu["contact.source_force"] @ (away if outside else -away)
+        assert push >= 0, f"pulled towards the wall: {push}"
 
     run(opened(FMU[scene.shape]), scene.configuration, scene.end, 50, method=method, each=check)
 

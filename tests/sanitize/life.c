@@ -1,6 +1,7 @@
 /*
- * Ten thousand instances come and go, left in every phase and with states that nobody freed; the memory in use is what it was
- * after the first hundred. Built with the address and undefined behaviour sanitizers, whose leak check comes at the end.
+ * Ten thousand instances come and go, left in every phase and with states that nobody freed; the memory in
+ * use is what it was after the first hundred. Built with the address and undefined behaviour sanitizers,
+ * whose leak check comes at the end.
  */
 #include <stdio.h>
 

@@ -1,5 +1,6 @@
-/* Runs that differ in method, law and motion, for programs that look at memory and threads. Every run is a row of steps, so
- * that many can be interleaved; what it gave is a number made of the bits of all its outputs. */
+/* Runs that differ in method, law and motion, for programs that look at memory and threads. Every run is a
+ * row of steps, so that many can be interleaved; what it gave is a number made of the bits of all its
+ * outputs. */
 #ifndef SANITIZE_SCENARIOS_H
 #define SANITIZE_SCENARIOS_H
 
@@ -15,7 +16,8 @@ struct scenario {
     uint64_t digest;
 };
 
-/* An instance of scenario 0 .. SCENARIOS - 1, initialized. Ends the process with a message when a call fails, as all here. */
+/* An instance of scenario 0 .. SCENARIOS - 1, initialized. Ends the process with a message when a call
+ * fails, as all here. */
 struct scenario scenario_begin(int index);
 
 /* The communication steps in order. */

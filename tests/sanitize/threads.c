@@ -1,6 +1,7 @@
 /*
- * 64 instances of one FMU at a time in 8 threads, each taking turns among its 8: every run gives the bits it gives alone, and
- * the thread sanitizer, with which this program is built, sees no access that two threads share.
+ * 64 instances of one FMU at a time in 8 threads, each taking turns among its 8: every run gives the bits
+ * it gives alone, and the thread sanitizer, with which this program is built, sees no access that two
+ * threads share.
  */
 #include <pthread.h>
 #include <stdio.h>

@@ -66,7 +66,8 @@ static void the_jacobian_is_the_slope_of_the_rates(void)
             ode_rates(&ode, 0.0, y, down);
             y[j] = here;
             for (int k = 0; k < size; ++k) {
-                /* h^2 / 6 times a third derivative of p_n g or p_nv g'^2 of 1e3 / 0.41^2 at most, and rounding */
+                /* h^2 / 6 times a third derivative of p_n g or p_nv g'^2 of 1e3 / 0.41^2 at most, and
+                 * rounding */
                 CHECK_CLOSE("slope", columns[j * size + k], (up[k] - down[k]) / (2.0 * h), 1e-5);
             }
         }

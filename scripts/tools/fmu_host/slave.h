@@ -36,7 +36,8 @@ struct slave {
     fmi2DoStepTYPE *do_step;
 };
 
-/* These return false after a message on stderr, kept as `failure`, that names the case and what the FMU said. */
+/* These return false after a message on stderr, kept as `failure`, that names the case and what the FMU
+ * said. */
 bool slave_load(struct slave *slave, const struct experiment *experiment);
 bool slave_instantiate(struct slave *slave, const struct experiment *experiment);
 bool slave_check(struct slave *slave, fmi2Status status, const char *function);

@@ -30,13 +30,15 @@ bool exponential_run(const struct problem *p, struct outcome *out)
         double x[4];
         const double d = vec3_norm(c);
         from.normal = vec3_scale(1.0 / d, c);
+        from.radial = vec3_dot(from.normal, rate);
         if (!collocation_make(&step, &from, h, kind, &lobatto[LOBATTO_TWELVE], CONVERGED)) {
             return false;
         }
         out->iterations += step.work.sweeps;
         const struct collocation_change change = collocation_change_at(&step, 2.0);
         collocation_deviation(&step, 2.0, x);
-        /* As pair_apply does: the centre takes on the distance that has been accumulated, so rounding does not pile up. */
+        /* As pair_apply does: the centre takes on the distance that has been accumulated, so rounding does
+         * not pile up. */
         c = vec3_axpy(vec3_add(c, change.moved), deviation - (d - RADIUS), from.normal);
         rate = vec3_add(rate, change.gained);
         deviation = x[0];

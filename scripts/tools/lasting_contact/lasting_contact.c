@@ -1,9 +1,9 @@
 /*
  * lasting_contact exponential|plane|space PENALTY VISCOUS END STEPS RUNS
  *
- * Prints where the centre is at the end, what it cost in numbers, and the least time of RUNS, as one JSON object; "failed" where an
- * iteration did not converge. Radau IIA, in the plane or in
- * space, reads its coefficients from standard input (contact_fmus/lasting/study.py writes them).
+ * Prints where the centre is at the end, what it cost in numbers, and the least time of RUNS, as one JSON
+ * object; "failed" where an iteration did not converge. Radau IIA, in the plane or in space, reads its
+ * coefficients from standard input (contact_fmus/lasting/study.py writes them).
  */
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /*
- * The contact's motion in local coordinates, as first-order equations for Radau IIA. The spring's force f = p_n x and
- * q = sqrt(m p_n) x' are the unknowns for x: they stay of order one however stiff the spring is.
+ * The contact's motion in local coordinates, as first-order equations for Radau IIA. The spring's force f
+ * = p_n x and q = sqrt(m p_n) x' are the unknowns for x: they stay of order one however stiff the spring
+ * is.
  */
 #ifndef LASTING_LOCAL_H
 #define LASTING_LOCAL_H
@@ -9,7 +10,8 @@
 
 enum { LOCAL_UNKNOWNS = 8 };
 
-/* In the plane an angle and its rate suffice; in space n and H take their place (segment/collocation.h): what the FMU solves. */
+/* In the plane an angle and its rate suffice; in space n and H take their place (segment/collocation.h):
+ * what the FMU solves. */
 struct local {
     int unknowns;
     void (*start)(double *y);

@@ -1,6 +1,7 @@
 /*
- * A ball let go at rest at the wall of a hollow cylinder, 60 degrees off its lowest line, seen along the axis: problem P3 of the
- * report with any penalty factor and dashpot, in which the contact never ends (the pull of the spring and the dashpot included).
+ * A ball let go at rest at the wall of a hollow cylinder, 60 degrees off its lowest line, seen along the
+ * axis: problem P3 of the report with any penalty factor and dashpot, in which the contact never ends (the
+ * pull of the spring and the dashpot included).
  */
 #ifndef LASTING_PROBLEM_H
 #define LASTING_PROBLEM_H

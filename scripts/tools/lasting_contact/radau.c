@@ -6,7 +6,8 @@
 
 enum { MAX_ITERATIONS = 40 };
 
-/* Where the iteration stops: a few roundings. Where it cannot get there it may stop once it no longer gets nearer. */
+/* Where the iteration stops: a few roundings. Where it cannot get there it may stop once it no longer gets
+ * nearer. */
 static const double CONVERGED = 1e-15;
 static const double STALLED = 1e-11;
 

@@ -1,5 +1,5 @@
-/* Radau IIA with any number of stages in local coordinates, by simplified Newton iterations (Hairer and Wanner, Solving Ordinary
- * Differential Equations II, IV.8). */
+/* Radau IIA with any number of stages in local coordinates, by simplified Newton iterations (Hairer and
+ * Wanner, Solving Ordinary Differential Equations II, IV.8). */
 #ifndef LASTING_RADAU_H
 #define LASTING_RADAU_H
 

@@ -42,6 +42,29 @@ def growing(random, size, time, press):
     return [(linear if kind != 1 else 0 * linear).tolist(), (square if kind != 0 else 0 * square).tolist()]
 
 
+def ends_of(driven):
+    """The body that moves freely, and the one that is led or held"""
+    return ("source", "destination") if driven != "source led" else ("destination", "source")
+
+
+def set_in_motion(values, driven, random, moved, time, press):
+    """The ramps that move the bodies of the scene by about `moved` in the time"""
+    free, held = ends_of(driven)
+    if driven.endswith("led"):
+        values[f"{held}.motion"], values[f"{free}.motion"] = "prescribed", "free"
+        values[f"{held}.prescribed_velocity.derivatives"] = growing(
+            random, moved / time, time, press if held == "source" else -press
+        )
+        if driven == "source led":
+            values["destination.mass"] = values["source.mass"]
+    else:
+        for body in [free, held][: 1 + (driven == "both by force")]:
+            values[f"{body}.motion"] = "free"
+            values[f"{body}.external_force.derivatives"] = growing(
+                random, values[f"{body}.mass"] * moved / time**2, time, press if body == "source" else -press
+            )
+
+
 def ramp_scene(seed):
     random = np.random.default_rng([seed, 11])
     shape = ["sphere", "cylinder"][random.integers(2)]
@@ -66,7 +89,7 @@ def ramp_scene(seed):
     time = 10 ** random.uniform(-2, 0.3)
     fastest = rate if ratio == VISCOUS else rate * max(1.0, 2 * ratio)
     time = min(time, MOST_RADIANS / fastest)
-    free, held = ("source", "destination") if driven != "source led" else ("destination", "source")
+    free, _ = ends_of(driven)
     values = {
         "source.motion": "free",
         "destination.motion": "fixed",
@@ -87,19 +110,7 @@ def ramp_scene(seed):
     if shape == "cylinder":
         values["destination.axis"] = axis.tolist()
     moved = 10 ** random.uniform(-2, 0) * reach  # about how far it is pushed in the time
-    if driven.endswith("led"):
-        values[f"{held}.motion"], values[f"{free}.motion"] = "prescribed", "free"
-        values[f"{held}.prescribed_velocity.derivatives"] = growing(
-            random, moved / time, time, press if held == "source" else -press
-        )
-        if driven == "source led":
-            values["destination.mass"] = mass
-    else:
-        for body in [free, held][: 1 + (driven == "both by force")]:
-            values[f"{body}.motion"] = "free"
-            values[f"{body}.external_force.derivatives"] = growing(
-                random, values[f"{body}.mass"] * moved / time**2, time, press if body == "source" else -press
-            )
+    set_in_motion(values, driven, random, moved, time, press)
     if random.integers(3) == 0 and overlap > 0.0:  # on its way, across the contact too
         values[f"{free}.initial_velocity"] = (0.1 * moved / time * random.normal(size=3)).tolist()
     elif random.integers(3) == 0 and ratio != VISCOUS:

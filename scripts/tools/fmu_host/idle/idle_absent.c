@@ -1,4 +1,5 @@
-/* What Idle has none of: variables of other types, derivatives, saved states, asynchronous steps. Asking for none of them
+/* What Idle has none of: variables of other types, derivatives, saved states, asynchronous steps. Asking
+ * for none of them
    is allowed. */
 #include "fmi2Functions.h"
 

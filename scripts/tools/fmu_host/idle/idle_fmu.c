@@ -1,6 +1,7 @@
-/* Idle: an FMI 2.0 co-simulation FMU that does nothing. A step only moves its time on, and its outputs are numbers that
-   it was made with. Phase and arguments are checked as the standard asks of every FMU, nothing else happens: what a call
-   costs here is what the call itself costs, the benchmark's measure (scripts/bench.sh). */
+/* Idle: an FMI 2.0 co-simulation FMU that does nothing. A step only moves its time on, and its outputs are
+ * numbers that it was made with. Phase and arguments are checked as the standard asks of every FMU,
+ * nothing else happens: what a call costs here is what the call itself costs, the benchmark's measure
+ * (scripts/bench.sh). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
