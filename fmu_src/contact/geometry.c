@@ -25,17 +25,8 @@ static double gap_at(const struct contact_shape *shape, double distance)
     return fills_shell(shape) ? (other - source) - distance : (other - distance) - source;
 }
 
-/*
- * Near the axis what is left of c is the rounding of the projection, which points anywhere, along the axis
- * too: projected once more it lies across, to rounding of its own size; where nothing is left then, c is on
- * the axis.
- */
-struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial)
+struct vec3 contact_across_again(const struct contact_shape *shape, struct vec3 once)
 {
-    const struct vec3 once = vec3_axpy(c, -axial, shape->axis);
-    if (!contact_is_near_axis(once, axial)) {
-        return once;
-    }
     const double size = fabs(once.x) + fabs(once.y) + fabs(once.z);
     const struct vec3 twice = vec3_axpy(once, -vec3_dot(once, shape->axis), shape->axis);
     return vec3_norm(twice) > 0.1 * size ? twice : vec3_make(0.0, 0.0, 0.0);

@@ -184,6 +184,19 @@ static void probe_bend(const void *data, double s, double *value, double *slope)
     *slope = 0.0;
 }
 
+/* Whether a slope that has its extremum between two places stays clear of zero there: by the cubic through both
+ * ends, at the zero of the chord of its bend, more than half of the smaller end is left. */
+static bool stays_clear(const struct root_bracket_end *low, const struct root_bracket_end *high)
+{
+    const double width = high->s - low->s;
+    const double t = low->slope / (low->slope - high->slope);
+    const double u = 1.0 - t;
+    const double between = u * u * ((1.0 + 2.0 * t) * low->value + t * width * low->slope) +
+                           t * t * ((1.0 + 2.0 * u) * high->value - u * width * high->slope);
+    const double least = 0.5 * fmin(fabs(low->value), fabs(high->value));
+    return low->value > 0.0 ? between > least : between < -least;
+}
+
 /* Whether there is a top between two places, and between which ends its slope falls through zero: the places
  * themselves, or, where the quantity goes the same way at both, one of them and the place at which its slope
  * turns. */
@@ -197,7 +210,7 @@ static bool brackets_top(const struct probe *probe, int i, struct root_bracket_e
     }
     const bool falls = low->value < 0.0 && high->value < 0.0 && low->slope > 0.0 && high->slope < 0.0;
     const bool rises = low->value > 0.0 && high->value > 0.0 && low->slope < 0.0 && high->slope > 0.0;
-    if (!falls && !rises) {
+    if ((!falls && !rises) || stays_clear(low, high)) {
         return false;
     }
     struct root_bracket_end extremum = {.s = root_in_bracket(probe_bend, probe, low->s, high->s)};

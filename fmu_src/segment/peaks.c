@@ -10,6 +10,10 @@ enum { PERIOD_PLACES = 5 };
 /* An oscillation of less than this part of what it is added to adds nothing that is worth the search. */
 static const double NEGLIGIBLE = 1e-12;
 
+/* A node whose bound is above the largest value found by less than this part is not searched: what it could
+ * add is less than the tolerance that anybody asks for (1e-8 is the start value). */
+static const double WORTH_A_SEARCH = 1e-9;
+
 /* Maxima that are less than this many periods apart are searched together. */
 static const double NEAR = 0.125;
 
@@ -140,7 +144,7 @@ static void peaks_elsewhere(struct peaks *peaks, const struct segment *p, const 
         double left;
         double slope;
         pair_lower_bound_from(&bound, &envelope, p->output.s[i], &p->output.at[i], &left, &slope);
-        if (-left > *largest + NEGLIGIBLE * fabs(*largest)) {
+        if (-left > *largest + WORTH_A_SEARCH * fabs(*largest)) {
             peaks_about(peaks, p, p->output.s[i], period);
         }
     }
