@@ -44,7 +44,7 @@ bool scene_gap_is_accumulated(const struct scene_state *q, const struct scene_in
     return at->geometry[contact].gap == accumulated_gap_of(q, contact);
 }
 
-bool system_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact)
+bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
     return state->physics.rate_rounding > 0.0 && contact_transmits(q, contact) &&

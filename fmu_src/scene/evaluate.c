@@ -161,17 +161,23 @@ static struct vec3 surplus_rate(const struct scene_values *v, const struct scene
     return vec3_norm(surplus) > rounding ? surplus : none;
 }
 
-double system_opening_rate(const struct scene_values *v, const struct scene_state *q, double clock,
-                           const struct scene_instant *at, int contact)
+/* c' - w of a contact. */
+static struct vec3 separation_surplus(const struct scene_values *v, const struct scene_state *q, double clock,
+                                      int contact)
+{
+    return vec3_sub(surplus_rate(v, q, clock, contact_destination(contact)),
+                    surplus_rate(v, q, clock, contact_source(contact)));
+}
+
+double scene_opening_rate(const struct scene_values *v, const struct scene_state *q, double clock,
+                          const struct scene_instant *at, int contact)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const struct vec3 surplus = vec3_sub(surplus_rate(v, q, clock, contact_destination(contact)),
-                                         surplus_rate(v, q, clock, contact_source(contact)));
-    return g->gap_rate + shape.side * vec3_dot(g->normal, surplus);
+    return g->gap_rate + shape.side * vec3_dot(g->normal, separation_surplus(v, q, clock, contact));
 }
 
-double scene_force_rate(const struct scene_values *v, const struct scene_state *q,
+double scene_force_rate(const struct scene_values *v, const struct scene_state *q, double clock,
                         const struct scene_instant *at, int contact)
 {
     const struct contact_law law = scene_contact_law(v, q, contact);
@@ -179,12 +185,13 @@ double scene_force_rate(const struct scene_values *v, const struct scene_state *
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_slopes slopes =
         contact_force_slopes(&law, (enum contact_regime)q->contact[contact].regime, g->gap, g->gap_rate);
+    const struct vec3 c_rate = vec3_add(at->rate[contact], separation_surplus(v, q, clock, contact));
     const struct vec3 across = contact_tangential(&shape, g->normal, at->rate[contact]);
-    const double centripetal = g->degenerate ? 0.0 : vec3_dot(across, across) / g->distance;
+    const double centripetal = g->degenerate ? 0.0 : vec3_dot(across, c_rate) / g->distance;
     const struct vec3 relative_acceleration =
         vec3_sub(at->acceleration[contact_destination(contact)], at->acceleration[contact_source(contact)]);
     const double gap_acceleration = shape.side * (vec3_dot(g->normal, relative_acceleration) + centripetal);
-    return slopes.by_gap * g->gap_rate + slopes.by_rate * gap_acceleration;
+    return slopes.by_gap * scene_opening_rate(v, q, clock, at, contact) + slopes.by_rate * gap_acceleration;
 }
 
 double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact)

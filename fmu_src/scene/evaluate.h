@@ -59,11 +59,11 @@ double scene_inverse_mass(const struct scene_values *v, int contact);
 
 /* d/dt of the gap itself: where a prescribed displacement has a derivative other than the prescribed velocity
  * it is not the g' that the law sees [m/s]. */
-double system_opening_rate(const struct scene_values *v, const struct scene_state *q, double clock,
-                           const struct scene_instant *at, int contact);
+double scene_opening_rate(const struct scene_values *v, const struct scene_state *q, double clock,
+                          const struct scene_instant *at, int contact);
 
 /* d/dt of F_n within the regime [N/s]. */
-double scene_force_rate(const struct scene_values *v, const struct scene_state *q,
+double scene_force_rate(const struct scene_values *v, const struct scene_state *q, double clock,
                         const struct scene_instant *at, int contact);
 
 /* Power of whatever moves prescribed bodies against a contact [W]. */

@@ -210,8 +210,8 @@ void ode_events(const struct scene_ode *ode, double clock, const double *y, doub
                 out[0] = not_zero(ode->gap_offset[j] - g->gap);
                 out[1] = not_zero(ode->margin_offset[j] + contact_event(&law, regime, g->gap, g->gap_rate));
             }
-            out[2] = not_zero(-system_opening_rate(v, ode->state, clock, &at, j));
-            out[3] = not_zero(scene_force_rate(v, ode->state, &at, j));
+            out[2] = not_zero(-scene_opening_rate(v, ode->state, clock, &at, j));
+            out[3] = not_zero(scene_force_rate(v, ode->state, clock, &at, j));
         }
         if (contact_is_coupled(v, ode->state, j)) {
             const struct contact_shape shape = scene_contact_shape(v, ode->state, j);

@@ -17,7 +17,7 @@ void scene_now(const struct scene_values *v, const struct scene_state *q, struct
 bool scene_gap_is_accumulated(const struct scene_state *q, const struct scene_instant *at, int contact);
 
 /* Whether g' there is the carried one. */
-bool system_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact);
+bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact);
 
 /* The regime that the geometry of the instant asks for. */
 enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,

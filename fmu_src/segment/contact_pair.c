@@ -94,7 +94,7 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
     p->carried_rate = (double)NAN;
     if (singularity_is_reached(v, at, contact, &p->shape)) {
         leave_centre(p, geometry);
-    } else if (system_rate_is_known(q, at, contact)) {
+    } else if (scene_rate_is_known(q, at, contact)) {
         take_carried_rate(p, geometry->gap_rate);
     }
     p->has_mismatch = path_contradicts(v, q, contact_source(contact)) ||
