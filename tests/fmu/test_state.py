@@ -138,6 +138,20 @@ def test_the_phase_is_part_of_the_state(fmu):
                 instance.ok(*follow_up[phase])
 
 
+def test_whether_the_experiment_is_set_up_is_part_of_the_state(fmu):
+    with raw.Instance(fmu) as instance, raw.Instance(fmu) as other:
+        before = instance.save()
+        instance.ok("SetupExperiment", 0, 0.0, 0.5, 1, 1.0)
+        after = instance.save()
+        for blob in (before, after, before):
+            other.restore(blob)
+            assert other.save() == blob
+        with other.expect(ERROR, "before fmi2SetupExperiment") as got:
+            got(other.call("EnterInitializationMode"))
+        other.restore(after)
+        other.ok("EnterInitializationMode")
+
+
 def test_the_stop_time_is_part_of_the_state(fmu):
     with raw.Instance(fmu) as instance, raw.Instance(fmu) as other:
         instance.initialize(stop=1.0)

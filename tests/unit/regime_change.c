@@ -95,6 +95,18 @@ static void a_finite_cylinder_is_entered_and_left_at_its_ends(void)
     check_change(&m, 100.0, (long double)INFINITY, 0.0, REGIME_COMPRESSION);
 }
 
+/* On the axis there is no direction across it; the way along it is what it is anywhere else. */
+static void a_ball_on_the_axis_enters_the_cylinder_at_its_end(void)
+{
+    for (int location = LOCATION_OUTSIDE; location <= LOCATION_INSIDE; ++location) {
+        struct model m = sphere_and_cylinder(0.1, 0.5, vec3_make(0.0, 0.0, 3.0), vec3_make(0.0, 0.0, -2.0));
+        m.state.values.body[DESTINATION].finite_length = 1;
+        m.state.values.contact[0].location = location;
+        check_change(&m, 100.0, location == LOCATION_OUTSIDE ? 1.25L : (long double)INFINITY,
+                     8.0 * DBL_EPSILON, location == LOCATION_OUTSIDE ? REGIME_COMPRESSION : REGIME_APART);
+    }
+}
+
 static void a_separating_contact_is_compressed_again_where_the_law_is_zero(void)
 {
     /* g = -0.3 + t - 2 t^2, which turns below zero: 100 g + 50 g' = 0 where 20 - 100 t - 200 t^2 = 0. */
@@ -113,6 +125,7 @@ int main(void)
     CHECK_TEST(a_graze_is_not_missed_and_a_near_miss_is_none);
     CHECK_TEST(a_small_body_is_met_from_a_thousand_kilometres);
     CHECK_TEST(a_finite_cylinder_is_entered_and_left_at_its_ends);
+    CHECK_TEST(a_ball_on_the_axis_enters_the_cylinder_at_its_end);
     CHECK_TEST(a_separating_contact_is_compressed_again_where_the_law_is_zero);
     return check_summary("regime_change");
 }

@@ -127,6 +127,21 @@ static struct scene_state random_motion(struct random *r)
     return q;
 }
 
+/* Components of equal size must not hide each other where a path is asked whether it is constant. */
+static void a_path_moves_whatever_the_sizes_and_signs_of_its_components(void)
+{
+    for (int i = 0; i < 27; ++i) {
+        const struct vec3 rate = vec3_make(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
+        for (int order = 1; order < 4; ++order) {
+            struct vec3 path[4] = {{0.0, 0.0, 0.0}};
+            path[order] = rate;
+            path_shift(path, 4, 2.0);
+            const struct long_vec3 nowhere = {0.0L, 0.0L, 0.0L};
+            check_vector("shifted", path[0], long_axpy(nowhere, powl(2.0L, order), long_of(rate)), 0.0L);
+        }
+    }
+}
+
 static void check_body(const struct scene_state *before, const struct scene_state *after, int i, double later)
 {
     const double noise = 64.0 * DBL_EPSILON;
@@ -188,6 +203,7 @@ int main(void)
     CHECK_TEST(a_million_rebases_keep_time_to_rounding);
     CHECK_TEST(the_present_time_counts_the_clock);
     CHECK_TEST(a_shifted_path_is_the_same_path);
+    CHECK_TEST(a_path_moves_whatever_the_sizes_and_signs_of_its_components);
     CHECK_TEST(a_rebase_changes_nothing_but_the_origin);
     return check_summary("motion");
 }

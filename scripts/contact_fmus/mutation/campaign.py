@@ -193,8 +193,7 @@ class Campaign:
         if outcome:
             return outcome, None
         _, folder = self._build(job, mutant, self.program.scenes)
-        far = set(self.units.seconds) - set(self.units.near(mutant.file))
-        caught = self.units.first_that_fails(mutant.file, folder / "libraries", far)
+        caught = self.units.first_that_fails(mutant.file, folder / "libraries", self.units.seconds)
         if not caught:
             tests = self.order(mutant.file, self.long)
             caught = self.python[job].first_that_fails(folder / "fmus", tests)

@@ -190,7 +190,9 @@ class Program:
         scene = self.scene_of_test(test)
         if file not in self.units(scene):
             return False
-        wanted = set(_output(["nm", "-u", "--format=just-symbols", str(self.base / "unit" / test)]).split())
+        # Undefined there, or data of the library that the linker has copied into the program.
+        names = ["nm", "--dynamic", "--format=just-symbols", str(self.base / "unit" / test)]
+        wanted = set(_output(names).split())
         given = _output(
             ["nm", "--defined-only", "--format=just-symbols", str(self.object_of(scene, file, self.base))]
         ).split()
