@@ -17,7 +17,6 @@ static struct separation_path random_path(struct random *r, int degree)
             path.w[i - 1] = vec3_scale(i, path.c[i]);
         }
     }
-    path.offset = path.c[0];
     return path;
 }
 
@@ -36,7 +35,11 @@ static struct long_vec3 across_axis(const struct separation_path *path, const st
 
 static void check_path(struct random *r, const struct contact_shape *shape, int degree)
 {
-    const struct separation_path separation = random_path(r, degree);
+    struct separation_path separation = random_path(r, degree);
+    separation.offset = separation.c[0];
+    if (shape->destination == SHAPE_CYLINDER) {
+        separation.offset = vec3_axpy(separation.c[0], -vec3_dot(separation.c[0], shape->axis), shape->axis);
+    }
     const double horizon = random_between(r, 0.1, 2.0);
     const long double reach = contact_reach(shape);
     const long double start = long_norm(across_axis(&separation, shape, 0.0L));

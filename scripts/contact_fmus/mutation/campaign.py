@@ -6,6 +6,7 @@ import collections
 import csv
 import hashlib
 import random
+import shutil
 import threading
 import time
 from collections.abc import Iterable
@@ -67,10 +68,8 @@ class Campaign:
             PythonTests(self.root, paths, folder / f"pytest{job}.log", folder / "references")
             for job in range(self.jobs)
         ]
-        left_out = []
         for tests in self.python:
-            for name in tests.measure(program.base / "fmus", folder / "times.json"):
-                left_out.append(name)
+            left_out = tests.measure(program.base / "fmus", folder / "times.json")
         (folder / "left_out.txt").write_text("\n".join([*left_out, ""]))
         say(f"{len(left_out)} Python tests fail or last too long without a change: left_out.txt")
         seconds = self.python[0].seconds
@@ -110,9 +109,10 @@ class Campaign:
     def run(self, mutants: list[Mutant], count: int, until: float) -> None:
         """`count` changes that compile; then the long list for those that are left"""
         self._in_parallel(self._quickly, mutants, count, until)
-        left = [one for one in mutants if self.rows.get(one.key, {}).get("outcome") == PENDING]
-        say(f"{len(left)} passed the quick tests")
-        self._in_parallel(self._at_length, left, len(left), until)
+        for attempt in (self._by_all_c_tests, self._at_length):
+            left = [one for one in mutants if self.rows.get(one.key, {}).get("outcome") == PENDING]
+            say(f"{len(left)} left")
+            self._in_parallel(attempt, left, len(left), until)
 
     def _in_parallel(self, attempt, mutants: list[Mutant], count: int, until: float) -> None:
         queue = iter(mutants)
@@ -181,22 +181,25 @@ class Campaign:
         if outcome:
             return outcome, None
         near = self.units.near(mutant.file)
-        caught = self.units.first_that_fails(mutant.file, folder / "libraries", near)
+        caught = self.units.first_that_fails(mutant.file, folder, near)
         if not caught:
             caught = self.python[job].first_that_fails(folder / "fmus", self.order(mutant.file, self.quick))
         return (CAUGHT if caught else PENDING), caught
 
-    def _at_length(self, job: int, mutant: Mutant) -> tuple[str, Caught | None]:
-        self._make(self.program.scenes)
+    def _by_all_c_tests(self, job: int, mutant: Mutant) -> tuple[str, Caught | None]:
         # What an optimizing compiler makes the same is the same, whatever the quick compilation says.
-        outcome, _ = self._build(job, mutant, self._scenes_for(mutant.file), "-O2")
+        scenes = self._scenes_for(mutant.file)
+        outcome, _ = self._build(job, mutant, scenes, "-O2")
         if outcome:
             return outcome, None
+        _, folder = self._build(job, mutant, scenes)
+        caught = self.units.first_that_fails(mutant.file, folder, self.units.seconds)
+        return (CAUGHT if caught else PENDING), caught
+
+    def _at_length(self, job: int, mutant: Mutant) -> tuple[str, Caught | None]:
+        self._make(self.program.scenes)
         _, folder = self._build(job, mutant, self.program.scenes)
-        caught = self.units.first_that_fails(mutant.file, folder / "libraries", self.units.seconds)
-        if not caught:
-            tests = self.order(mutant.file, self.long)
-            caught = self.python[job].first_that_fails(folder / "fmus", tests)
+        caught = self.python[job].first_that_fails(folder / "fmus", self.order(mutant.file, self.long))
         return (CAUGHT if caught else MISSED), caught
 
     def _build(
@@ -215,6 +218,10 @@ class Campaign:
                 if program.compile(scene, units, slot, folder, optimization):
                     return INVALID, folder
                 changed[scene] = units
+            shutil.rmtree(folder / "unit", ignore_errors=True)
+            if mutant.file.endswith(".h") and scenes != program.scenes:
+                for test in program.tests_that_read(mutant.file):
+                    program.make_test(test, slot, folder)
         finally:
             file.write_text(original, encoding="utf-8")
         same = True

@@ -68,10 +68,11 @@ def _folders(valid: list[dict], explained: list, missed: list) -> list[list[str]
 
 
 def _line(row: dict, reason: dict | None) -> list[str]:
+    hurried = " (Met the quick tests only.)" if row["outcome"] == PENDING else ""
     return [
         f"{row['file']}:{row['line']}",
         f"`{_cell(row['old'])}` → `{_cell(row['new'])}`",
-        reason["why"] if reason else "",
+        (reason["why"] if reason else "") + hurried,
     ]
 
 

@@ -139,12 +139,7 @@ class Program:
         units = self.units(scene)
         if file.endswith(".c"):
             return [file] if file in units else []
-        made = {unit: self.object_of(scene, unit, self.base) for unit in units}
-        return [
-            unit
-            for unit, out in made.items()
-            if file in Path(f"{out}.d").read_text().replace("\\\n", " ").split()
-        ]
+        return [unit for unit in units if _reads(Path(f"{self.object_of(scene, unit, self.base)}.d"), file)]
 
     # The C tests
 
@@ -161,29 +156,23 @@ class Program:
     def scene_of_test(self, test: str) -> str:
         return _scene_of(self._test_command(test)) or self.main_scenes[0]
 
-    def make_test(self, test: str) -> Path:
-        """The program, which finds its scene's library where LD_LIBRARY_PATH says"""
+    def make_test(self, test: str, slot: str, folder: Path) -> str:
+        """The program, from the slot's headers and libraries; what the compiler says against it
+
+        It finds its scene's library where LD_LIBRARY_PATH says.
+        """
         entry = self._test_command(test)
         words = shlex.split(entry["command"])
-        program = self.base / "unit" / test
+        program = folder / "unit" / test
         program.parent.mkdir(parents=True, exist_ok=True)
         library = self.base / "libraries" / f"{self.scene_of_test(test)}.so"
-        flags = [word for word in self._flags(entry["command"]) if not word.endswith(".c")]
-        command = [
-            words[0],
-            *flags,
-            "-w",
-            OPTIMIZATION,
-            entry["file"],
-            str(library),
-            "-lm",
-            "-o",
-            str(program),
-        ]
-        done = _run(command, self.copy("base"))
-        if done.returncode != 0:
-            raise RuntimeError(done.stderr)
-        return program
+        flags = [*self._flags(entry["command"]), "-w", OPTIMIZATION, "-MMD", "-MF", f"{program}.d"]
+        command = [words[0], *flags, entry["file"], str(library), "-lm", "-o", str(program)]
+        return _run(command, self.copy(slot)).stderr
+
+    def tests_that_read(self, file: str) -> list[str]:
+        """Those whose program is another one when the header changes"""
+        return [test for test in self.unit_tests if _reads(self.base / "unit" / f"{test}.d", file)]
 
     def needs(self, test: str, file: str) -> bool:
         """Whether the test's program calls a function of the file itself"""
@@ -197,6 +186,10 @@ class Program:
             ["nm", "--defined-only", "--format=just-symbols", str(self.object_of(scene, file, self.base))]
         ).split()
         return not wanted.isdisjoint(given)
+
+
+def _reads(dependencies: Path, file: str) -> bool:
+    return file in dependencies.read_text(encoding="utf-8").replace("\\\n", " ").split()
 
 
 def _scene_of(entry: dict) -> str | None:

@@ -47,20 +47,21 @@ class UnitTests:
     def measure(self) -> list[str]:
         """Makes and times them; those that fail without a change are left out and returned"""
         for test in self.program.unit_tests:
-            self.program.make_test(test)
+            if wrong := self.program.make_test(test, "base", self.program.base):
+                raise RuntimeError(wrong)
             before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-            if self.run(test, self.program.base / "libraries", 120.0) == 0:
+            if self.run(self.program.base, test, self.program.base / "libraries", 120.0) == 0:
                 self.seconds[test] = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
         return sorted(set(self.program.unit_tests) - set(self.seconds))
 
-    def run(self, test: str, libraries: Path, seconds: float) -> int:
+    def run(self, folder: Path, test: str, libraries: Path, seconds: float) -> int:
         def limited() -> None:
             resource.setrlimit(resource.RLIMIT_CPU, (int(seconds) + 1, int(seconds) + 1))
             resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
 
         try:
             done = subprocess.run(
-                [str(self.program.base / "unit" / test)],
+                [str(folder / "unit" / test)],
                 env={**os.environ, "LD_LIBRARY_PATH": str(libraries)},
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
@@ -78,11 +79,16 @@ class UnitTests:
             test for test, spent in self.seconds.items() if spent < NO_TIME or self.program.needs(test, file)
         ]
 
-    def first_that_fails(self, file: str, libraries: Path, tests: Iterable[str]) -> Caught | None:
+    def first_that_fails(self, file: str, folder: Path, tests: Iterable[str]) -> Caught | None:
+        """With the libraries of the folder, and its programs where it has some"""
+        libraries = folder / "libraries"
         made = {path.stem for path in libraries.glob("*.so")}
         for test in sorted(tests, key=lambda test: (not self.program.needs(test, file), self.seconds[test])):
             if self.program.scene_of_test(test) in made:
-                status = self.run(test, libraries, limit(self.seconds[test]))
+                own = (folder / "unit" / test).is_file()
+                status = self.run(
+                    folder if own else self.program.base, test, libraries, limit(self.seconds[test])
+                )
                 if status != 0:
                     return Caught("C unit test", test, _cause(status))
         return None
