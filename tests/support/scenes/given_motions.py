@@ -1,4 +1,4 @@
-"""Two given motions passing by: random scenes, and what the FMU says of them; reference/passing.py has the truth."""
+"""Two given motions passing by: random scenes, and what the FMU says of them. The truth is in passing.py."""
 
 import numpy as np
 
