@@ -61,9 +61,9 @@ static inline bool contact_is_near_axis(struct vec3 across, double axial)
     return fabs(across.x) + fabs(across.y) + fabs(across.z) < 1e-8 * fabs(axial);
 }
 
-/* Near the axis what is left of c by one projection, `once`, is rounding, which points anywhere, along the axis
- * too: projected once more it lies across, to rounding of its own size. Zero where nothing is left then: c is
- * on the axis. */
+/* Near the axis what is left of c by one projection, `once`, is rounding, which points anywhere, along the
+ * axis too: projected once more it lies across, to rounding of its own size. Zero where nothing is left
+ * then: c is on the axis. */
 struct vec3 contact_across_again(const struct contact_shape *shape, struct vec3 once);
 
 /* The part of c across a cylinder's axis, near the axis too; `axial` is c.e_d. */

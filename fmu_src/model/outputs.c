@@ -70,7 +70,8 @@ static void update_bodies(struct model *m)
     struct scene_values *v = &m->state.values;
     motion_catch_up(v, &m->state.motion);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (m->outputs == OUTPUTS_NONE || body_is_free(v, i) || body_is_prescribed(v, i)) {
+        const bool moves = body_is_free(v, i) || body_is_prescribed(v, i);
+        if (m->outputs == OUTPUTS_NONE || moves) {
             model_show_body_now(v, &m->state.motion, i);
         }
     }

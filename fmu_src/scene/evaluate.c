@@ -185,8 +185,8 @@ double scene_force_rate(const struct scene_values *v, const struct scene_state *
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_slopes slopes =
         contact_force_slopes(&law, (enum contact_regime)q->contact[contact].regime, g->gap, g->gap_rate);
-    const struct vec3 c_rate = vec3_add(at->rate[contact], separation_surplus(v, q, clock, contact));
     const struct vec3 across = contact_tangential(&shape, g->normal, at->rate[contact]);
+    const struct vec3 c_rate = vec3_add(across, separation_surplus(v, q, clock, contact));
     const double centripetal = g->degenerate ? 0.0 : vec3_dot(across, c_rate) / g->distance;
     const struct vec3 relative_acceleration =
         vec3_sub(at->acceleration[contact_destination(contact)], at->acceleration[contact_source(contact)]);

@@ -184,8 +184,8 @@ static void probe_bend(const void *data, double s, double *value, double *slope)
     *slope = 0.0;
 }
 
-/* Whether a slope that has its extremum between two places stays clear of zero there: by the cubic through both
- * ends, at the zero of the chord of its bend, more than half of the smaller end is left. */
+/* Whether a slope that has its extremum between two places stays clear of zero there: by the cubic through
+ * both ends, at the zero of the chord of its bend, more than half of the smaller end is left. */
 static bool stays_clear(const struct root_bracket_end *low, const struct root_bracket_end *high)
 {
     const double width = high->s - low->s;

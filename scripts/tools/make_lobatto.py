@@ -43,11 +43,12 @@ def number(x) -> str:
 
 
 def table(name: str, rows: list) -> str:
-    """A C array, row after row."""
+    """A C array, row after row, in lines of four numbers."""
     count = sum(len(row) for row in rows)
     lines = [f"static const double {name}[{count}] = {{"]
     for row in rows:
-        lines.append("    " + ", ".join(number(x) for x in row) + ",")
+        for first in range(0, len(row), 4):
+            lines.append("    " + ", ".join(number(x) for x in row[first : first + 4]) + ",")
     return "\n".join([*lines, "};\n"])
 
 
