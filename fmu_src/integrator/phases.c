@@ -13,7 +13,7 @@
 /* event_driven leaves only bodies in several contacts to CVODE. */
 static bool uses_cvode(const struct scene_values *v)
 {
-    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || system_shares_free_body(v);
+    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || scene_shares_free_body(v);
 }
 
 bool integrator_open(struct integrator *s, const struct scene_values *v,

@@ -34,7 +34,7 @@ static int contacts_of(int body)
     return count;
 }
 
-bool system_shares_free_body(const struct scene_values *v)
+bool scene_shares_free_body(const struct scene_values *v)
 {
     for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i) && contacts_of(i) > 1) {

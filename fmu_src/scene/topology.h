@@ -15,7 +15,7 @@ bool contact_is_driven(const struct scene_values *v, int contact);
 bool scene_is_force_element(const struct scene_values *v);
 
 /* Whether any free body is in more than one contact, so that contacts may act on each other through it. */
-bool system_shares_free_body(const struct scene_values *v);
+bool scene_shares_free_body(const struct scene_values *v);
 
 /* Whether no bodies overlap. */
 bool scene_is_apart(const struct scene_state *q);
