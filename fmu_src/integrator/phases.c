@@ -175,6 +175,9 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     step.budget = solver_max_internal_steps(v);
     transition_begin_step(v, q, &step.now);
     step.is_now = true;
+    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN) {
+        q->integrator_fresh = 1; /* CVODE's history is in no saved state: each step does without it */
+    }
     const enum integrator_status status = run_phases(s, v, q, &step, end_time);
     q->step_length = scene_time(q) - start;
     transition_end_step(v, q);

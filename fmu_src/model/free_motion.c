@@ -18,6 +18,11 @@ void motion_close(struct model *m)
     integrator_close(&m->integrator);
 }
 
+bool motion_has_history(const struct scene_values *v)
+{
+    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN;
+}
+
 void motion_place(const struct scene_values *v, struct scene_state *q)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {

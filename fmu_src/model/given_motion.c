@@ -15,6 +15,12 @@ void motion_close(struct model *m)
     (void)m;
 }
 
+bool motion_has_history(const struct scene_values *v)
+{
+    (void)v;
+    return false;
+}
+
 void motion_place(const struct scene_values *v, struct scene_state *q)
 {
     (void)v, (void)q;

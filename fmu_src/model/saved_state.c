@@ -29,7 +29,7 @@ size_t model_state_size(void)
 
 void model_save(struct model *m, void *bytes)
 {
-    if (m->state.initialized) {
+    if (m->state.initialized && motion_has_history(&m->state.values)) {
         motion_catch_up(&m->state.values, &m->state.motion);
         scene_rebase(&m->state.values, &m->state.motion);
         m->outputs = OUTPUTS_NONE;
@@ -105,18 +105,18 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
 #endif
 }
 
-/* As model_save leaves it: clock at zero, bodies where they are, an integrator that starts afresh. */
-static bool motion_is_sound(const struct scene_state *q, bool initialized)
+/* As model_save leaves it: without a history of CVODE, of which a restored state has nothing. */
+static bool motion_is_sound(const struct scene_values *v, const struct scene_state *q, bool initialized)
 {
     const struct solver_counters *n = &q->counters;
     const bool counted = n->steps >= 0 && n->force_evaluations >= 0 && n->events >= 0 &&
                          n->rejected_steps >= 0 && n->fallbacks >= 0;
-    /* With 0 CVODE would go on from a history that a restored state does not have. */
-    const bool fresh = !initialized || q->integrator_fresh == 1;
+    const bool fresh =
+        q->integrator_fresh == 1 || (q->integrator_fresh == 0 && !(initialized && motion_has_history(v)));
 #if SCENE_ANY_FREE
-    /* nobody saves a deferred flight, see model_save */
-    const bool at_rest = q->clock == 0.0 && q->deferrable_clock == 0.0 && q->deferred == 0;
-    return counted && fresh && at_rest && paths_are_sound(q) && !isnan(q->horizon_clock) &&
+    const bool clocks_are_sound = q->clock >= 0.0 && !isnan(q->horizon_clock) &&
+                                  !isnan(q->deferrable_clock) && (q->deferred == 0 || q->deferred == 1);
+    return counted && fresh && clocks_are_sound && paths_are_sound(q) &&
            all_finite(q->origin, &q->counters) && all_finite(q, q->contact);
 #else
     return counted && fresh && paths_are_sound(q) && all_finite(q, q->contact);
@@ -136,7 +136,7 @@ static bool state_is_sound(const struct model_state *state)
             return false;
         }
     }
-    return motion_is_sound(&state->motion, state->initialized != 0) &&
+    return motion_is_sound(&state->values, &state->motion, state->initialized != 0) &&
            all_finite(state->signals, &state->motion) && all_finite(&state->importer_tolerance, state->marks);
 }
 

@@ -113,7 +113,7 @@ struct scene_state {
 #endif
     struct body_path path[SCENE_BODIES];
     struct solver_counters counters;
-    /* 1: the integrator has no history that matters; it starts from this state */
+    /* 1: CVODE has no history that matters; it starts from this state */
     int32_t integrator_fresh;
 #if SCENE_ANY_FREE
     /* 1: the flight is deferred: body states are those of an earlier clock, see flight_catch_up */
