@@ -27,6 +27,9 @@ static double gap_at(const struct contact_shape *shape, double distance)
 
 struct vec3 contact_across_again(const struct contact_shape *shape, struct vec3 once)
 {
+    if (vec3_is_zero(once)) {
+        return vec3_make(0.0, 0.0, 0.0); /* as gravity along the axis leaves */
+    }
     const double size = fabs(once.x) + fabs(once.y) + fabs(once.z);
     const struct vec3 twice = vec3_axpy(once, -vec3_dot(once, shape->axis), shape->axis);
     return vec3_norm(twice) > 0.1 * size ? twice : vec3_make(0.0, 0.0, 0.0);

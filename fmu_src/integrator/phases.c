@@ -10,17 +10,11 @@
 #include "segment/flight.h"
 #include "segment/regime_change.h"
 
-/* event_driven leaves only bodies in several contacts to CVODE. */
-static bool uses_cvode(const struct scene_values *v)
-{
-    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || scene_shares_free_body(v);
-}
-
 bool integrator_open(struct integrator *s, const struct scene_values *v,
                      const struct integrator_memory *memory)
 {
     s->message[0] = '\0';
-    return scene_is_force_element(v) || !uses_cvode(v) || cvode_open(&s->cvode, v, memory, s->message);
+    return scene_is_force_element(v) || !scene_uses_ode(v) || cvode_open(&s->cvode, v, memory, s->message);
 }
 
 void integrator_close(struct integrator *s)
@@ -113,7 +107,7 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
         if (result != ADVANCE_FAILED) {
             return result;
         }
-        if (!uses_cvode(v)) {
+        if (!scene_uses_ode(v)) {
             snprintf(s->message, sizeof s->message, "no segment of the motion can be made from here");
             return ADVANCE_FAILED;
         }

@@ -44,6 +44,11 @@ bool scene_shares_free_body(const struct scene_values *v)
     return false;
 }
 
+bool scene_uses_ode(const struct scene_values *v)
+{
+    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || scene_shares_free_body(v);
+}
+
 bool contact_transmits(const struct scene_state *q, int contact)
 {
     return q->contact[contact].regime == REGIME_COMPRESSION ||

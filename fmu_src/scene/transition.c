@@ -37,14 +37,14 @@ static double gap_at_change(const struct scene_values *v, const struct scene_sta
                             double lasted)
 {
     const double gap = at->geometry[contact].gap;
+    const bool touches = q->contact[contact].regime == (int32_t)REGIME_APART;
+    const double least = regime == REGIME_APART ? fmax(gap, 0.0) : gap;
+    const double meant = touches && !scene_gap_is_accumulated(q, at, contact) ? 0.0 : least;
+    if (meant == gap) {
+        return meant;
+    }
     const double rounding = regime == REGIME_APART ? way_rounding(q, at, contact, lasted) : 0.0;
-    if (fabs(gap) > fmax(rounding_of_gap(v, at, contact), rounding)) {
-        return gap;
-    }
-    if (q->contact[contact].regime == (int32_t)REGIME_APART && !scene_gap_is_accumulated(q, at, contact)) {
-        return 0.0;
-    }
-    return regime == REGIME_APART ? fmax(gap, 0.0) : gap;
+    return fabs(gap) > fmax(rounding_of_gap(v, at, contact), rounding) ? gap : meant;
 }
 
 /* After a deep impact, which is long against the bodies' sizes, the gap is rounded more than positions are
@@ -69,7 +69,7 @@ static void close_rounded_gap(const struct scene_values *v, struct scene_state *
 static void begin_phase(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at)
 {
     q->horizon_clock = -(double)INFINITY;
-    q->phase_energy = projection_balance(v, q, at);
+    q->phase_energy = scene_uses_ode(v) ? projection_balance(v, q, at) : 0.0;
 }
 
 static void note_peaks_of_touching(const struct scene_values *v, struct scene_state *q,

@@ -21,6 +21,8 @@ static struct pair_work work_on(const struct contact_pair *p, const struct scene
         memcpy(work.path, path->velocity, sizeof work.path);
         work.factor = -sign * p->reduced_mass;
         work.order = 2;
+    } else {
+        return work;
     }
     path_shift(work.path, 3, q->clock);
     return work;
@@ -59,10 +61,10 @@ static void take_carried_rate(struct contact_pair *p, double rate)
  * rounding. */
 static bool path_contradicts(const struct scene_values *v, const struct scene_state *q, int body)
 {
-    struct body_path path = q->path[body];
     if (!body_is_prescribed(v, body)) {
         return false;
     }
+    struct body_path path = q->path[body];
     path_shift(path.displacement, 4, q->clock);
     path_shift(path.velocity, 3, q->clock);
     for (int i = 0; i < 3; ++i) {
@@ -130,19 +132,29 @@ double pair_load(const struct contact_pair *p)
            fabs(vec3_dot(across, across) / distance + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
 }
 
+static double speed_of(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    if (body_is_prescribed(v, body)) {
+        return vec3_norm(path_at(q->path[body].velocity, 3, q->clock));
+    }
+    return body_is_free(v, body) ? vec3_norm(q->body[body].velocity) : 0.0;
+}
+
 /* Error of the force, relative to it, up to which g' is taken from the rounded velocities. */
 static const double FORCE_ACCURACY = 1e-6;
 
 double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
                                 const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    const struct vec3 source = scene_body_now(v, q, contact_source(contact)).velocity;
-    const struct vec3 destination = scene_body_now(v, q, contact_destination(contact)).velocity;
+    const double speeds =
+        speed_of(v, q, contact_source(contact)) + speed_of(v, q, contact_destination(contact));
     /* In lasting contact flight and deviation nearly cancel: the size of either counts. */
-    const double size = vec3_norm(source) + vec3_norm(destination) + vec3_norm(change->r_rate);
-    const double rounding = 16.0 * DBL_EPSILON * size;
+    const double rounding = 16.0 * DBL_EPSILON * (speeds + vec3_norm(change->r_rate));
     const double force_per_rate = sqrt(p->coefficients.k * p->reduced_mass) + p->coefficients.c;
     const double rate = fabs(vec3_dot(p->normal, pair_across(p, p->flight.w[0])));
+    if (rounding <= FORCE_ACCURACY * rate) {
+        return 0.0; /* an impact: its speed alone tells */
+    }
     const double force =
         pair_load(p) + p->coefficients.k * fmax(fabs(p->gap), fabs(change->gap)) + force_per_rate * rate;
     return force_per_rate * rounding > FORCE_ACCURACY * force ? rounding : 0.0;

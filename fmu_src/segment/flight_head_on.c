@@ -14,20 +14,34 @@ static bool is_along(struct vec3 normal, struct vec3 a)
     return vec3_is_zero(vec3_cross(normal, a));
 }
 
+static bool is_zero_across(const struct contact_shape *shape, struct vec3 a)
+{
+    return vec3_is_zero(a) || (contact_is_cylinder(shape) && vec3_is_zero(contact_across(shape, a)));
+}
+
+/* Whether the first two terms of W are those of C', across a cylinder's axis. */
+static bool rates_agree(const struct contact_shape *shape, const struct separation_path *separation,
+                        struct vec3 speed, struct vec3 bend)
+{
+    const struct vec3 *c = separation->c;
+    const struct vec3 *w = separation->w;
+    if (vec3_is_zero(vec3_sub(w[0], c[1])) && vec3_is_zero(vec3_axpy(w[1], -2.0, c[2]))) {
+        return true;
+    }
+    return contact_is_cylinder(shape) && vec3_is_zero(vec3_sub(contact_across(shape, w[0]), speed)) &&
+           vec3_is_zero(vec3_axpy(contact_across(shape, w[1]), -2.0, bend));
+}
+
 bool flight_is_head_on(const struct contact_shape *shape, const struct separation_path *separation,
                        struct vec3 normal)
 {
     const struct vec3 speed = contact_across(shape, separation->c[1]);
     const struct vec3 bend = contact_across(shape, separation->c[2]);
-    const struct vec3 rate = contact_across(shape, separation->w[0]);
-    const struct vec3 acceleration = contact_across(shape, separation->w[1]);
-    if (!is_along(normal, speed) || !is_along(normal, bend) || !vec3_is_zero(vec3_sub(rate, speed)) ||
-        !vec3_is_zero(vec3_axpy(acceleration, -2.0, bend))) {
+    if (!is_along(normal, speed) || !is_along(normal, bend) || !rates_agree(shape, separation, speed, bend)) {
         return false;
     }
     for (int i = 3; i <= SEPARATION_DEGREE; ++i) {
-        if (!vec3_is_zero(contact_across(shape, separation->c[i])) ||
-            !vec3_is_zero(contact_across(shape, separation->w[i - 1]))) {
+        if (!is_zero_across(shape, separation->c[i]) || !is_zero_across(shape, separation->w[i - 1])) {
             return false;
         }
     }

@@ -51,8 +51,9 @@ double terminal_event_gap_noise(const struct contact_pair *from)
 
 double terminal_event_gap_tolerance(const struct segment *p)
 {
-    const double noise = fmax(terminal_event_gap_noise(&p->pair), DIED_AWAY);
-    return fmin(2.0 * p->gap_rounding, fmax(GAP_HYSTERESIS * largest_size(p, PAIR_GAP), noise));
+    const double most = 2.0 * p->gap_rounding;
+    const double part = GAP_HYSTERESIS * largest_size(p, PAIR_GAP);
+    return part >= most ? most : fmin(most, fmax(part, fmax(terminal_event_gap_noise(&p->pair), DIED_AWAY)));
 }
 
 bool terminal_event_by_law(const struct segment *p)
