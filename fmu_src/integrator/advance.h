@@ -1,5 +1,4 @@
-/* One advance of a method: within fixed regimes of the contacts, up to a clock or the first change of regime.
- * */
+/* One advance of a method: within fixed regimes of the contacts, up to a clock or their first change. */
 #ifndef CONTACT_INTEGRATOR_ADVANCE_H
 #define CONTACT_INTEGRATOR_ADVANCE_H
 

@@ -126,8 +126,7 @@ bool averaged_make(struct segment *p)
             continue;
         }
         /* The error at the end of a step is about the square of that in between. Ten times the square of the
-         * tails, times the number of points squared, is above all measured errors (tests/unit/collocation.c).
-         * */
+         * tails and of the number of points is above all measured errors (tests/unit/collocation.c). */
         const double tail = made->step.nodes->points * made->step.result.interior_error;
         const double error = tail * (10.0 * tail / d);
         if (!(error <= p->tolerance)) {

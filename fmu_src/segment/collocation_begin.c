@@ -41,8 +41,7 @@ static void set_frame(struct collocation *p)
     p->local.frame[2] = vec3_cross(n, along);
 }
 
-/* Whether a vector lies to rounding in the plane of the frame's first two; its third component is then zero.
- * */
+/* Whether a vector lies to rounding in the plane of the frame's first two; then a->z becomes zero. */
 static bool flatten(struct vec3 *a)
 {
     if (fabs(a->z) > FRAME_ROUNDING * (fabs(a->x) + fabs(a->y))) {

@@ -185,8 +185,7 @@ static struct regime_change driven_regime_change(const struct relative_path *pat
                                   passes_centre(path, &extremes, change.s)};
 }
 
-/* Of a flight after `settle`: the first touch, or the first candidate event after which the regime differs.
- * */
+/* Of a flight after `settle`: the first touch, or the first candidate after which the regime differs. */
 static struct regime_change flight_regime_change(const struct relative_path *path,
                                                  const struct contact_shape *shape,
                                                  const struct contact_law *law, enum contact_regime present,

@@ -58,8 +58,7 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
 /* Gap, gap rate and force with two derivatives at s in [0, end]. */
 const struct pair_sample *segment_sample(struct segment *p, double s);
 
-/* Moves the bodies to s, books impulse, energies, work and peaks of the contact; the clock is the caller's.
- * */
+/* Moves the bodies to s, books impulse, energies, work and peaks of the contact, but not the clock. */
 void segment_advance(struct segment *p, double s, const struct scene_values *v, struct scene_state *q,
                      int contact);
 

@@ -61,8 +61,7 @@ bool terminal_event_by_law(const struct segment *p)
     return contact_has_events(&p->pair.law);
 }
 
-/* Ratio of the approach speed at which the spring alone ends to the separation speed r0 at which it begins.
- * */
+/* Ratio of the approach speed at which the spring alone ends to the separation speed at its start, r0. */
 static double rebound_of(const struct contact_pair *from)
 {
     const struct contact_coefficients full = contact_coefficients_of(&from->law, REGIME_COMPRESSION);
