@@ -42,16 +42,44 @@ static bool silence(struct cvode *c)
 #endif
 }
 
+/* The scene's differential equations (scene/ode.h) as CVODE calls them. */
+static int rates_of(double clock, N_Vector y, N_Vector rate, void *problem)
+{
+    const struct cvode_problem *p = problem;
+    ode_rates(&p->ode, clock, NV_DATA_S(y), NV_DATA_S(rate));
+    return 0;
+}
+
+static int events_of(double clock, N_Vector y, double *roots, void *problem)
+{
+    const struct cvode_problem *p = problem;
+    ode_events(&p->ode, clock, NV_DATA_S(y), roots);
+    return 0;
+}
+
+/* Error weights 1 / (relative size + absolute). */
+static int weights_of(N_Vector y, N_Vector weights, void *problem)
+{
+    const struct cvode_problem *p = problem;
+    double *out = NV_DATA_S(weights);
+    ode_nominal(&p->ode, NV_DATA_S(y), out);
+    for (int i = 0; i < ode_size(p->ode.values); ++i) {
+        out[i] = 1.0 / (p->relative * out[i] + p->absolute);
+    }
+    return 0;
+}
+
 /* The Newton matrix I - gamma J, made in place: CVODE's own way keeps a copy of J that it allocates in the
  * first step. */
 static int newton_matrix(double clock, N_Vector y, N_Vector rate, SUNMatrix matrix, int jacobian_ok,
                          int *jacobian_now, double gamma, void *problem, N_Vector unused1, N_Vector unused2,
                          N_Vector unused3)
 {
-    (void)jacobian_ok;
+    (void)rate, (void)jacobian_ok, (void)unused1, (void)unused2, (void)unused3;
+    const struct cvode_problem *p = problem;
     *jacobian_now = 1;
-    const int status = cvode_jacobian(clock, y, rate, matrix, problem, unused1, unused2, unused3);
-    return status != 0 ? status : SUNMatScaleAddI(-gamma, matrix);
+    ode_jacobian(&p->ode, clock, NV_DATA_S(y), SM_DATA_D(matrix));
+    return SUNMatScaleAddI(-gamma, matrix);
 }
 
 static bool attach_newton(struct cvode *c)
@@ -75,11 +103,11 @@ static bool configure(struct cvode *c)
     for (int i = 0; i < ODE_EVENTS; ++i) {
         falling[i] = -1;
     }
-    return silence(c) && CVodeInit(c->memory, cvode_rhs, 0.0, c->y) == CV_SUCCESS &&
+    return silence(c) && CVodeInit(c->memory, rates_of, 0.0, c->y) == CV_SUCCESS &&
            CVodeSetUserData(c->memory, &c->problem) == CV_SUCCESS &&
-           CVodeWFtolerances(c->memory, cvode_weights) == CV_SUCCESS &&
+           CVodeWFtolerances(c->memory, weights_of) == CV_SUCCESS &&
            (c->method != SOLVER_METHOD_CVODE_ADAMS ? attach_newton(c) : attach_fixed_point(c)) &&
-           CVodeRootInit(c->memory, ODE_EVENTS, cvode_roots) == CV_SUCCESS &&
+           CVodeRootInit(c->memory, ODE_EVENTS, events_of) == CV_SUCCESS &&
            CVodeSetRootDirection(c->memory, falling) == CV_SUCCESS &&
            CVodeSetNoInactiveRootWarn(c->memory) == CV_SUCCESS;
 }

@@ -1,13 +1,20 @@
-/* What an instance of CVODE consists of; for cvode.c, cvode_start.c and cvode_memory.c only. */
+/* What an instance of CVODE consists of; for cvode.c and cvode_memory.c only. */
 #ifndef CONTACT_INTEGRATOR_CVODE_MEMORY_H
 #define CONTACT_INTEGRATOR_CVODE_MEMORY_H
 
 #include "integrator/cvode.h"
 
+#include <nvector/nvector_serial.h>
 #include <sundials/sundials_linearsolver.h>
+#include <sundials/sundials_matrix.h>
 #include <sundials/sundials_nonlinearsolver.h>
 
-#include "integrator/cvode_problem.h"
+#include "scene/ode.h"
+
+struct cvode_problem {
+    struct scene_ode ode;
+    double relative, absolute; /* tolerances [1], [m, m/s, ...] */
+};
 
 struct cvode {
     SUNContext context;

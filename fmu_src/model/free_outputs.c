@@ -1,7 +1,6 @@
 /* The outputs that only integrated motion has, and their derivatives. */
 #include "model/motion.h"
 #include "scene/energy.h"
-#include "scene/energy_jet.h"
 
 /* Divided, not scaled by 1/window, which is infinite for steps of less than 1e-308 s. */
 static struct vec3 mean_of(struct vec3 impulse, double window)

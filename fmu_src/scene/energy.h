@@ -2,7 +2,7 @@
 #ifndef CONTACT_SCENE_ENERGY_H
 #define CONTACT_SCENE_ENERGY_H
 
-#include "scene/evaluate.h"
+#include "scene/scene_jet.h"
 
 /* Sum of m v^2 / 2 over the free bodies. */
 double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at);
@@ -19,5 +19,11 @@ double energy_dissipated_power_of(const struct scene_values *v, const struct sce
                                   const struct scene_instant *at, int contact);
 double energy_dissipated_power(const struct scene_values *v, const struct scene_state *q,
                                const struct scene_instant *at);
+
+/* Coefficient `order` of the energies along a path (scene_jet.h). */
+double jet_of_kinetic(const struct scene_values *v, const struct scene_jet *along, int order);
+double jet_of_potential(const struct scene_values *v, const struct scene_jet *along, int order);
+double jet_of_stored(const struct scene_values *v, const struct scene_state *q, const struct scene_jet *along,
+                     int order);
 
 #endif

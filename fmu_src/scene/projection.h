@@ -1,18 +1,15 @@
 /*
  * Invariants at the end of a contact phase (projection methods: Hairer, Lubich, Wanner, Geometric Numerical
  * Integration, chapter IV.4). CVODE keeps them only to its tolerance; along the normal they can be put right
- * exactly, without touching momentum:
+ * exactly, without touching momentum.
  *
- *   the gap         is zero where the bodies part, so that the flight that follows starts outside
- *   the energy      of the relative motion of the two bodies is what it was when the phase began: m_red |w|^2
- *                   / 2 + p_n g^2 / 2,
- *                   and the potential of gravity where one of them is not free. Of the two alone: in the
- *                     energy of a
- *                   heavy body that falls, the little that its contact with a light one has would be
- *                     rounding. Only where
- *                   nothing but this undamped contact and gravity acts on them; the work of anything else is
- *                     integrated too, and
- *                   its error would be taken for one of the speed.
+ * The gap is zero where the bodies part, so that the flight that follows starts outside.
+ *
+ * The energy of the relative motion of the two bodies is what it was when the phase began: m_red |w|^2 / 2 +
+ * p_n g^2 / 2, and the potential of gravity where one of them is not free. Of these two bodies alone: in the
+ * energy of a heavy body that falls, what its contact with a light one has would be rounding. Only where
+ * nothing but this undamped contact and gravity acts on them: the work of anything else is integrated too,
+ * and its error would be taken for one of the speed.
  */
 #ifndef CONTACT_SCENE_PROJECTION_H
 #define CONTACT_SCENE_PROJECTION_H
