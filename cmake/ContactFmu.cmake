@@ -1,13 +1,15 @@
-# add_contact_fmu(scene.toml): the FMU of one scene, <build>/fmus/<Scene>.fmu.
+# add_contact_fmu(scene.toml): the FMUs of one scene, <build>/fmus/<Scene>.fmu for FMI 2.0 and, unless CONTACT_FMI3 is
+# OFF, <build>/fmus-fmi3/<Scene>.fmu for FMI 3.0. They differ in the adapter and the description, in nothing else.
 #
-#   configure   modelDescription/generate.py writes <build>/scenes/<Scene>/: modelDescription.xml, scene.h,
-#               scene_variables.c, documentation/ and scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE,
+#   configure   modelDescription/generate.py writes <build>/scenes/<Scene>/: modelDescription.xml (FMI 2.0),
+#               modelDescription3.xml (FMI 3.0), scene.h, scene_variables.c, documentation/ and scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE,
 #               SCENE_HAS_CYLINDER); units.txt there lists the sources that the scene has
-#   compile     all of fmu_src as one unit against that scene.h -> <build>/libraries/<Scene>.so
+#   compile     all of fmu_src as one unit against that scene.h -> <build>/libraries/<Scene>.so, libraries/fmi3/<Scene>.so
 #   pack        the library, stripped, with description and documentation into a ZIP
 #
 # contact_scene_library(<Scene>) makes the same code a static library for C tests that need a scene.
 set(CONTACT_FMU_FOLDER "${PROJECT_BINARY_DIR}/fmus")
+set(CONTACT_FMI3_FMU_FOLDER "${PROJECT_BINARY_DIR}/fmus-fmi3")
 set(CONTACT_LIBRARY_FOLDER "${PROJECT_BINARY_DIR}/libraries")
 set(CONTACT_SCENE_FOLDER "${PROJECT_BINARY_DIR}/scenes")
 set(contact_description_folder "${PROJECT_SOURCE_DIR}/modelDescription")
@@ -18,10 +20,12 @@ if(NOT CONTACT_IPO)
     message(STATUS "No link-time optimization: the libraries keep some code for what their scenes pin")
 endif()
 
-# The folder for binaries inside an FMU, FMI 2.0.5 section 2.3.
-set(contact_platform linux64)
+# The folder for binaries inside an FMU, FMI 2.0.5 section 2.3 and FMI 3.0.2 section 2.5.1.
+set(contact_platform_fmi2 linux64)
+set(contact_platform_fmi3 x86_64-linux)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
-    set(contact_platform aarch64-linux)
+    set(contact_platform_fmi2 aarch64-linux)
+    set(contact_platform_fmi3 aarch64-linux)
 endif()
 
 # Whatever the generator reads makes CMake run again, and with it the generator.
@@ -51,7 +55,7 @@ function(contact_scene_options target folder has_cvode)
     contact_compile_options(${target})
     contact_sanitize(${target})
     target_include_directories(${target} PUBLIC "${CONTACT_SOURCE_FOLDER}" "${folder}")
-    target_link_libraries(${target} PUBLIC contact::fmi2_headers m)
+    target_link_libraries(${target} PUBLIC m)
     if(has_cvode)
         target_link_libraries(${target} PUBLIC contact::sundials)
     endif()
@@ -83,66 +87,85 @@ function(add_contact_fmu scene)
     set_property(GLOBAL APPEND PROPERTY CONTACT_SCENES ${SCENE_NAME})
 
     contact_scene_sources("${folder}" sources)
-    list(APPEND sources ${CONTACT_FMI2_SOURCES})
-    list(JOIN sources "\n" units) # for the architecture tests
-    file(CONFIGURE OUTPUT "${folder}/units.txt" CONTENT "${units}\n" @ONLY)
-    add_library(${SCENE_NAME} MODULE ${sources})
-    contact_scene_options(${SCENE_NAME} "${folder}" ${SCENE_HAS_CVODE})
-    set_target_properties(${SCENE_NAME} PROPERTIES
-        PREFIX "" SUFFIX ".so" LIBRARY_OUTPUT_DIRECTORY "${CONTACT_LIBRARY_FOLDER}"
+    list(JOIN sources "\n" model) # for the architecture tests
+    list(JOIN CONTACT_FMI2_SOURCES "\n" fmi2)
+    list(JOIN CONTACT_FMI3_SOURCES "\n" fmi3)
+    file(CONFIGURE OUTPUT "${folder}/units.txt" CONTENT "${model}\n${fmi2}\n" @ONLY)
+    file(CONFIGURE OUTPUT "${folder}/units3.txt" CONTENT "${model}\n${fmi3}\n" @ONLY)
+
+    contact_fmu_library(${SCENE_NAME} "${folder}" fmi2 "${CONTACT_LIBRARY_FOLDER}"
+        ${sources} ${CONTACT_FMI2_SOURCES})
+    contact_pack_fmu(${SCENE_NAME} "${folder}" "${CONTACT_FMU_FOLDER}/${SCENE_NAME}.fmu"
+        "binaries/${contact_platform_fmi2}" modelDescription.xml
+        "model.png=${contact_description_folder}/documentation/model.png")
+    if(CONTACT_FMI3)
+        contact_fmu_library(${SCENE_NAME}_fmi3 "${folder}" fmi3 "${CONTACT_LIBRARY_FOLDER}/fmi3"
+            ${sources} ${CONTACT_FMI3_SOURCES})
+        contact_pack_fmu(${SCENE_NAME}_fmi3 "${folder}" "${CONTACT_FMI3_FMU_FOLDER}/${SCENE_NAME}.fmu"
+            "binaries/${contact_platform_fmi3}" modelDescription3.xml)
+    endif()
+endfunction()
+
+# contact_fmu_library(target scene_folder fmi2|fmi3 output_folder source...): the library of the scene of SCENE_NAME.
+function(contact_fmu_library target folder fmi output)
+    set(exports "${PROJECT_SOURCE_DIR}/cmake/${fmi}_exports.map")
+    add_library(${target} MODULE ${ARGN})
+    contact_scene_options(${target} "${folder}" ${SCENE_HAS_CVODE})
+    target_link_libraries(${target} PRIVATE contact::${fmi}_headers)
+    set_target_properties(${target} PROPERTIES
+        OUTPUT_NAME ${SCENE_NAME} PREFIX "" SUFFIX ".so" LIBRARY_OUTPUT_DIRECTORY "${output}"
         # One unit, so that what the scene pins reaches every function and what nobody calls any more goes.
         UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0
         # The linker tells the optimizer from the version script that no one else calls the inner functions: only
         # then may their parameters become constants.
         INTERPROCEDURAL_OPTIMIZATION_RELEASE ${CONTACT_IPO}
-        LINK_DEPENDS "${PROJECT_SOURCE_DIR}/cmake/fmi2_exports.map")
+        LINK_DEPENDS "${exports}")
     # Debug information goes when the library is stripped; until then tests read from it which lines have code
     # (format 4: readelf of Debian 12 mixes up the file names of clang's format 5).
     # Nothing here throws or is thrown through: no unwind tables, a tenth of a force element. The debug information
     # has its own. The linker's optimizer is told too.
     set(no_unwinding -fno-asynchronous-unwind-tables -fno-unwind-tables)
-    target_compile_options(${SCENE_NAME} PRIVATE -gdwarf-4 -ffunction-sections -fdata-sections ${no_unwinding})
-    target_link_options(${SCENE_NAME} PRIVATE ${no_unwinding})
+    target_compile_options(${target} PRIVATE -gdwarf-4 -ffunction-sections -fdata-sections ${no_unwinding})
+    target_link_options(${target} PRIVATE ${no_unwinding})
     # Code and constants share their pages: the padding between them would be a seventh of a force element.
     # The version script hides SUNDIALS too: a host that links its own would else take over the FMU's calls.
-    target_link_options(${SCENE_NAME} PRIVATE -Wl,--gc-sections -Wl,--as-needed -Wl,--build-id=none
-        -Wl,-z,noseparate-code
-        "-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/fmi2_exports.map")
+    target_link_options(${target} PRIVATE -Wl,--gc-sections -Wl,--as-needed -Wl,--build-id=none
+        -Wl,-z,noseparate-code "-Wl,--version-script=${exports}")
     if(NOT CONTACT_SANITIZE) # whose functions only the host's process has
-        target_link_options(${SCENE_NAME} PRIVATE -Wl,-z,defs)
+        target_link_options(${target} PRIVATE -Wl,-z,defs)
     endif()
-
-    contact_pack_fmu(${SCENE_NAME} "${folder}" ${SCENE_HAS_CVODE})
 endfunction()
 
-function(contact_pack_fmu name folder has_cvode)
-    set(library "$<TARGET_FILE:${name}>")
+# contact_pack_fmu(target scene_folder X.fmu binaries_folder description [member=file...]): target <target>_fmu.
+function(contact_pack_fmu target folder fmu binaries description)
+    set(library "$<TARGET_FILE:${target}>")
     set(strip_command "")
     if(CONTACT_STRIP AND CMAKE_STRIP)
-        set(library "${CONTACT_LIBRARY_FOLDER}/stripped/${name}.so")
+        set(library "${CONTACT_LIBRARY_FOLDER}/stripped/${target}.so")
         file(MAKE_DIRECTORY "${CONTACT_LIBRARY_FOLDER}/stripped")
-        set(strip_command COMMAND "${CMAKE_STRIP}" --strip-all -o "${library}" "$<TARGET_FILE:${name}>")
+        set(strip_command COMMAND "${CMAKE_STRIP}" --strip-all -o "${library}" "$<TARGET_FILE:${target}>")
     endif()
-    set(documents "${contact_description_folder}/documentation")
-    set(members "modelDescription.xml=${folder}/modelDescription.xml" "documentation=${folder}/documentation"
-        "binaries/${contact_platform}/${name}.so=${library}" "model.png=${documents}/model.png")
-    file(GLOB licenses CONFIGURE_DEPENDS "${documents}/licenses/*")
+    set(members "modelDescription.xml=${folder}/${description}" "documentation=${folder}/documentation"
+        "${binaries}/${SCENE_NAME}.so=${library}" ${ARGN})
+    file(GLOB licenses CONFIGURE_DEPENDS "${contact_description_folder}/documentation/licenses/*")
     foreach(license ${licenses})
         get_filename_component(license_name "${license}" NAME)
-        if(has_cvode OR NOT license_name MATCHES "[Ss][Uu][Nn][Dd][Ii][Aa][Ll][Ss]")
+        if(SCENE_HAS_CVODE OR NOT license_name MATCHES "[Ss][Uu][Nn][Dd][Ii][Aa][Ll][Ss]")
             list(APPEND members "documentation/licenses/${license_name}=${license}")
         endif()
     endforeach()
-    set(fmu "${CONTACT_FMU_FOLDER}/${name}.fmu")
     file(GLOB_RECURSE documentation CONFIGURE_DEPENDS "${folder}/documentation/*")
     add_custom_command(OUTPUT "${fmu}"
         ${strip_command}
         COMMAND "${Python3_EXECUTABLE}" -B "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${fmu}" ${members}
-        DEPENDS ${name} "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${folder}/modelDescription.xml"
-            ${documentation} ${licenses} "${documents}/model.png"
-        COMMENT "Packing ${name}.fmu" VERBATIM)
-    add_custom_target(${name}_fmu ALL DEPENDS "${fmu}")
-    install(FILES "${fmu}" DESTINATION "${CMAKE_INSTALL_DATADIR}/contact-fmus")
+        DEPENDS ${target} "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${folder}/${description}"
+            ${documentation} ${licenses} "${contact_description_folder}/documentation/model.png"
+        COMMENT "Packing ${target}.fmu" VERBATIM)
+    add_custom_target(${target}_fmu ALL DEPENDS "${fmu}")
+    cmake_path(GET fmu PARENT_PATH fmu_folder)
+    cmake_path(GET fmu_folder FILENAME fmu_folder)
+    string(REPLACE "fmus" "contact-fmus" destination "${fmu_folder}")
+    install(FILES "${fmu}" DESTINATION "${CMAKE_INSTALL_DATADIR}/${destination}")
 endfunction()
 
 function(contact_scene_library name)

@@ -1,15 +1,14 @@
-/* Which function may be called in which phase: one row, one mask a function. */
+/* Which function of FMI 2.0 may be called in which phase: one row, one mask a function. */
 #ifndef CONTACT_FMI2_CALL_ORDER_H
 #define CONTACT_FMI2_CALL_ORDER_H
 
+#include "fmi/call_order.h"
 #include "fmi2/instance.h"
 
 #define PHASES_SETTABLE (PHASE_INSTANTIATED | PHASE_INITIALIZATION | PHASE_STEP)
 #define PHASES_STEPPED (PHASE_STEP | PHASE_TERMINATED | PHASE_ERROR)
 #define PHASES_INITIALIZED (PHASE_INITIALIZATION | PHASES_STEPPED)
 #define PHASES_ALL (PHASE_INSTANTIATED | PHASES_INITIALIZED)
-/* Of functions that only read: a logger may call them on the instance that is telling it something. */
-#define PHASES_READ(phases) ((unsigned)(phases) | PHASE_TELLING)
 
 /*
  * After the table "calling sequence of co-simulation functions" of FMI 2.0.5, section 4.2.4. Two harmless
@@ -49,19 +48,11 @@
     ROW(GetStringStatus, PHASES_READ(PHASES_STEPPED))
 
 #define CALL_NAME(function, phases) CALL_##function,
-enum call { CALL_TABLE(CALL_NAME) CALL_COUNT };
+enum fmi2_call { CALL_TABLE(CALL_NAME) CALL_COUNT };
 #undef CALL_NAME
 
-/* "fmi2DoStep" */
-const char *call_name(enum call call);
+extern const struct call calls_of_fmi2[];
 
-/*
- * Whether the call is in order now; if not, says so through the logger. A null component is never in order.
- */
-bool call_allowed(struct instance *instance, enum call call);
-
-/* Whether an array of count elements was really given; if not, says which one. */
-bool call_array_given(struct instance *instance, enum call call, const char *argument, const void *array,
-                      size_t count);
+#define CALL(function) (&calls_of_fmi2[CALL_##function])
 
 #endif

@@ -1,11 +1,12 @@
 /* Creating, setting up, starting, ending and resetting an instance. */
-#include <math.h>
+#include "fmi/lifecycle.h"
+
 #include <stdlib.h>
 #include <string.h>
 
+#include "fmi/log.h"
+#include "fmi2/adapter.h"
 #include "fmi2/call_order.h"
-#include "fmi2/log.h"
-#include "fmi2/state_list.h"
 #include "scene.h"
 
 const char *fmi2GetTypesPlatform(void)
@@ -18,60 +19,25 @@ const char *fmi2GetVersion(void)
     return fmi2Version;
 }
 
-static void forget_experiment(struct instance *instance)
-{
-    instance->experiment =
-        (struct experiment){.start_time = 0.0, .stop_time = (double)INFINITY, .set_up = false};
-    instance->phase = PHASE_INSTANTIATED;
-    instance->step_status = fmi2OK;
-    instance->log_categories = log_default_categories(instance->logging_on);
-}
-
 /* The importer's memory functions where it gives both; one without the other would mix two heaps. */
 static struct model_host host_of(const fmi2CallbackFunctions *callbacks)
 {
     const bool given = callbacks->allocateMemory != NULL && callbacks->freeMemory != NULL;
-    return (struct model_host){.context = NULL,
-                               .log = log_from_model,
-                               .wants = log_wanted_by_importer,
-                               .allocate = given ? callbacks->allocateMemory : calloc,
+    return (struct model_host){.allocate = given ? callbacks->allocateMemory : calloc,
                                .release = given ? callbacks->freeMemory : free};
 }
 
-/* Tells why there is no instance, through one that lives only for the message. */
-static fmi2Component refuse_instance(const char *name, const fmi2CallbackFunctions *callbacks,
-                                     const char *argument, const char *given, const char *expected)
+/* Whether the arguments are in order; else says what is not, through an instance that lives only for that. */
+static bool arguments_in_order(struct instance *nobody, const char *name, fmi2Type type, const char *guid)
 {
-    struct instance nobody = {
-        .name = name == NULL ? "" : name, .callbacks = *callbacks, .log_categories = LOG_STATUS_ALL};
-    log_report(&nobody, fmi2Error, "fmi2Instantiate: %s is \"%.300s\", expected \"%.300s\"", argument,
-               given == NULL ? "(null)" : given, expected);
-    return NULL;
-}
-
-static struct instance *create_instance(const char *name, const fmi2CallbackFunctions *callbacks,
-                                        bool logging_on)
-{
-    const struct model_host host = host_of(callbacks);
-    const size_t name_size = strlen(name) + 1;
-    const size_t size = sizeof(struct instance) + name_size;
-    struct instance *instance = host.allocate(1, size);
-    if (instance == NULL) {
-        return NULL;
-    }
-    memset(instance, 0, size);
-    instance->name = memcpy(instance + 1, name, name_size);
-    instance->callbacks = *callbacks;
-    instance->host = host;
-    instance->host.context = instance;
-    instance->logging_on = logging_on;
-    forget_experiment(instance);
-    instance->model = model_create(&instance->host);
-    if (instance->model == NULL) {
-        host.release(instance);
-        return NULL;
-    }
-    return instance;
+    const char *function = "fmi2Instantiate";
+    return instance_expects(nobody, function, name != NULL && name[0] != '\0', "instanceName", name,
+                            "any name") &&
+           instance_expects(nobody, function, type == fmi2CoSimulation, "fmuType",
+                            type == fmi2ModelExchange ? "fmi2ModelExchange" : "(unknown)",
+                            "fmi2CoSimulation") &&
+           instance_expects(nobody, function, guid != NULL && strcmp(guid, SCENE_GUID) == 0, "fmuGUID", guid,
+                            SCENE_GUID);
 }
 
 /*
@@ -86,131 +52,80 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     if (functions == NULL) {
         return NULL;
     }
-    if (instanceName == NULL || instanceName[0] == '\0') {
-        return refuse_instance(instanceName, functions, "instanceName", instanceName, "any name");
+    struct fmi2_instance nobody = {
+        .shared = {.adapter = &adapter_of_fmi2,
+                   .name = instanceName == NULL ? "" : instanceName,
+                   .logger_given = functions->logger != NULL,
+                   .log_categories = LOG_STATUS_ALL},
+        .callbacks = *functions,
+    };
+    if (!arguments_in_order(&nobody.shared, instanceName, fmuType, fmuGUID)) {
+        return NULL;
     }
-    if (fmuType != fmi2CoSimulation) {
-        return refuse_instance(instanceName, functions, "fmuType",
-                               fmuType == fmi2ModelExchange ? "fmi2ModelExchange" : "(unknown)",
-                               "fmi2CoSimulation");
+    const struct model_host host = host_of(functions);
+    struct instance *instance = instance_create(&adapter_of_fmi2, &host, sizeof(struct fmi2_instance),
+                                                instanceName, loggingOn != fmi2False);
+    if (!instance_expects(&nobody.shared, "fmi2Instantiate", instance != NULL, "memory", "exhausted",
+                          "room for an instance")) {
+        return NULL;
     }
-    if (fmuGUID == NULL || strcmp(fmuGUID, SCENE_GUID) != 0) {
-        return refuse_instance(instanceName, functions, "fmuGUID", fmuGUID, SCENE_GUID);
-    }
-    struct instance *instance = create_instance(instanceName, functions, loggingOn != fmi2False);
-    return instance != NULL
-               ? instance
-               : refuse_instance(instanceName, functions, "memory", "exhausted", "room for an instance");
+    ((struct fmi2_instance *)instance)->callbacks = *functions;
+    instance->logger_given = functions->logger != NULL;
+    return instance;
 }
 
 void fmi2FreeInstance(fmi2Component c)
 {
-    struct instance *instance = c;
-    if (instance != NULL && (instance->phase & PHASE_TELLING) == 0) {
-        void (*release)(void *) = instance->host.release;
-        state_list_clear(instance); /* what the importer forgot */
-        model_destroy(instance->model);
-        release(instance);
-    }
+    instance_free(c);
 }
 
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories,
                                const fmi2String categories[])
 {
     struct instance *instance = c;
-    if (!call_allowed(instance, CALL_SetDebugLogging) ||
-        !call_array_given(instance, CALL_SetDebugLogging, "categories", categories, nCategories)) {
-        return fmi2Error;
-    }
     unsigned chosen = 0;
-    for (size_t i = 0; i < nCategories; ++i) {
-        if (categories[i] == NULL || !log_category_bits(categories[i], &chosen)) {
-            return log_report(instance, fmi2Error,
-                              "fmi2SetDebugLogging: unknown category \"%.100s\" (allowed: %s)",
-                              categories[i] == NULL ? "(null)" : categories[i], log_category_names());
-        }
+    const enum model_status status =
+        instance_categories(instance, CALL(SetDebugLogging), nCategories, categories, &chosen);
+    if (status == MODEL_OK) {
+        /* Switching off means: no more than what everybody gets, never silence by accident. */
+        const bool all = loggingOn == fmi2False || nCategories == 0;
+        instance->log_categories = all ? log_default_categories(loggingOn != fmi2False) : chosen;
     }
-    /* Switching off means: no more than what everybody gets, never silence by accident. */
-    const bool all = loggingOn == fmi2False || nCategories == 0;
-    instance->log_categories = all ? log_default_categories(loggingOn != fmi2False) : chosen;
-    return fmi2OK;
+    return status_of(status);
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance,
                                fmi2Real startTime, fmi2Boolean stopTimeDefined, fmi2Real stopTime)
 {
-    struct instance *instance = c;
-    if (!call_allowed(instance, CALL_SetupExperiment)) {
-        return fmi2Error;
-    }
-    if (!isfinite(startTime)) {
-        return log_report(instance, fmi2Error, "fmi2SetupExperiment: startTime = %g s, allowed: finite",
-                          startTime);
-    }
-    if (stopTimeDefined != fmi2False && !(stopTime >= startTime && isfinite(stopTime))) {
-        return log_report(
-            instance, fmi2Error,
-            "fmi2SetupExperiment: stopTime = %.17g s, allowed: finite, from startTime = %.17g s on", stopTime,
-            startTime);
-    }
-    const fmi2Status status =
-        status_of(model_setup(instance->model, toleranceDefined != fmi2False, tolerance, startTime));
-    if (status <= fmi2Warning) {
-        instance->experiment.start_time = startTime;
-        instance->experiment.stop_time = stopTimeDefined != fmi2False ? stopTime : (double)INFINITY;
-        instance->experiment.set_up = true;
-    }
-    return status;
+    return status_of(instance_set_up(c, CALL(SetupExperiment), toleranceDefined != fmi2False, tolerance,
+                                     startTime, stopTimeDefined != fmi2False, stopTime));
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 {
     struct instance *instance = c;
-    if (!call_allowed(instance, CALL_EnterInitializationMode)) {
+    if (!call_allowed(instance, CALL(EnterInitializationMode))) {
         return fmi2Error;
     }
     if (!instance->experiment.set_up) {
-        return log_report(instance, fmi2Error,
-                          "fmi2EnterInitializationMode called before fmi2SetupExperiment");
+        return status_of(log_report(instance, MODEL_ERROR,
+                                    "fmi2EnterInitializationMode called before fmi2SetupExperiment"));
     }
     instance->phase = PHASE_INITIALIZATION;
     return fmi2OK;
 }
 
-/*
- * What is refused here (contradictory parameters) leaves the phase, so that the importer can set better
- * values.
- */
 fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
-    struct instance *instance = c;
-    if (!call_allowed(instance, CALL_ExitInitializationMode)) {
-        return fmi2Error;
-    }
-    const fmi2Status status = status_of(model_exit_initialization(instance->model));
-    if (status <= fmi2Warning) {
-        instance->phase = PHASE_STEP;
-    }
-    return status;
+    return status_of(instance_exit_initialization(c, CALL(ExitInitializationMode), PHASE_STEP));
 }
 
 fmi2Status fmi2Terminate(fmi2Component c)
 {
-    struct instance *instance = c;
-    if (!call_allowed(instance, CALL_Terminate)) {
-        return fmi2Error;
-    }
-    instance->phase = PHASE_TERMINATED;
-    return fmi2OK;
+    return status_of(instance_enter(c, CALL(Terminate), PHASE_TERMINATED));
 }
 
 fmi2Status fmi2Reset(fmi2Component c)
 {
-    struct instance *instance = c;
-    if (!call_allowed(instance, CALL_Reset)) {
-        return fmi2Error;
-    }
-    model_reset(instance->model);
-    forget_experiment(instance);
-    return fmi2OK;
+    return status_of(instance_reset(c, CALL(Reset)));
 }

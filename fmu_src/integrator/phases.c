@@ -117,10 +117,37 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
     return cvode_advance(s->cvode, v, q, step);
 }
 
-static enum integrator_status run_phases(struct integrator *s, const struct scene_values *v,
-                                         struct scene_state *q, struct advance *step, double end_time)
+/* Puts a contact into its next regime; whether it begins or ends with that. */
+static bool change_regime(const struct scene_values *v, struct scene_state *q, struct advance *step,
+                          int contact, enum contact_regime regime)
 {
+    const bool touched = q->contact[contact].regime != (int32_t)REGIME_APART;
+    transition_change_regime(v, q, contact, regime, &step->now);
+    step->is_now = true;
+    return touched != (q->contact[contact].regime != (int32_t)REGIME_APART);
+}
+
+/* When the step shall end, now that a contact has begun or ended: who asked for the step may look at the
+ * outputs, and may want it to end earlier. Not asked where the step began, so that steps get on. */
+static double end_after_event(const struct step_request *request, struct scene_state *q, double start,
+                              double end_time)
+{
+    const double time = scene_time(q);
+    if (request->at_event == NULL || !(time > start)) {
+        return end_time;
+    }
+    q->step_length = time - start;
+    return fmin(end_time, request->at_event(request->context, end_time));
+}
+
+static enum integrator_status run_phases(struct integrator *s, const struct scene_values *v,
+                                         struct scene_state *q, struct advance *step,
+                                         const struct step_request *request)
+{
+    const double start = scene_time(q);
+    double end_time = request->end_time;
     for (;;) {
+        bool begins_or_ends = false;
         const double remaining = scene_remaining(q, end_time);
         if (!(remaining > 0.0)) {
             return INTEGRATOR_DONE;
@@ -135,9 +162,8 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         switch (result) {
         case ADVANCE_REACHED:
             if (step->clock_end >= change) {
-                transition_change_regime(
-                    v, q, next, (enum contact_regime)q->contact[next].schedule.change_regime, &step->now);
-                step->is_now = true;
+                begins_or_ends = change_regime(v, q, step, next,
+                                               (enum contact_regime)q->contact[next].schedule.change_regime);
                 break;
             }
             if (step->clock_end >= end) {
@@ -145,14 +171,16 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
             }
             break;
         case ADVANCE_EVENT:
-            transition_change_regime(v, q, step->contact, step->regime, &step->now);
-            step->is_now = true;
+            begins_or_ends = change_regime(v, q, step, step->contact, step->regime);
             break;
         case ADVANCE_STEP_LIMIT:
             return INTEGRATOR_STEP_LIMIT;
         case ADVANCE_FAILED:
         default:
             return INTEGRATOR_FAILED;
+        }
+        if (begins_or_ends) {
+            end_time = end_after_event(request, q, start, end_time);
         }
         /* An event counts as a step, so that the limit of steps ends any number of events. */
         if (--step->budget <= 0) {
@@ -162,7 +190,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
 }
 
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
-                                      struct scene_state *q, double end_time)
+                                      struct scene_state *q, const struct step_request *request)
 {
     const double start = scene_time(q);
     struct advance step;
@@ -172,7 +200,7 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN) {
         q->integrator_fresh = 1; /* CVODE's history is in no saved state: each step does without it */
     }
-    const enum integrator_status status = run_phases(s, v, q, &step, end_time);
+    const enum integrator_status status = run_phases(s, v, q, &step, request);
     q->step_length = scene_time(q) - start;
     transition_end_step(v, q);
     q->deferrable_clock =

@@ -15,6 +15,7 @@
 #include <stddef.h>
 
 #include "integrator/advance.h"
+#include "integrator/step_request.h"
 
 enum integrator_status {
     INTEGRATOR_DONE,       /* arrived at the end time */
@@ -44,9 +45,9 @@ bool integrator_open(struct integrator *s, const struct scene_values *v,
 
 void integrator_close(struct integrator *s);
 
-/* Integrates to end_time [s], through as many phases as there are. Tolerances are those of v; a deferred
- * flight must have been caught up (flight.h). */
+/* Integrates to the end of the step, through as many phases as there are. Tolerances are those of v; a
+ * deferred flight must have been caught up (flight.h). */
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
-                                      struct scene_state *q, double end_time);
+                                      struct scene_state *q, const struct step_request *request);
 
 #endif

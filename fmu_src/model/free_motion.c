@@ -56,20 +56,28 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     return false;
 }
 
-enum model_status motion_advance(struct model *m, double end_time)
+static enum model_status report_step_limit(const struct model *m, const struct step_request *request)
 {
+    return model_report(
+        m, MODEL_DISCARD,
+        "The step to %.17g s %s at %.17g s: solver.max_internal_steps = %d are used up "
+        "(allowed: 1 .. 2147483647). Go on from %s, if need be in smaller steps, or start with a "
+        "larger limit.",
+        request->end_time, request->whole ? "is undone, it got stuck" : "stopped",
+        scene_time(&m->state.motion), (int)solver_max_internal_steps(&m->state.values),
+        request->whole ? "where it began" : "there");
+}
+
+enum model_status motion_advance(struct model *m, const struct step_request *request)
+{
+    const double end_time = request->end_time;
     const struct scene_values *v = &m->state.values;
     const int32_t events = m->state.motion.counters.events;
-    switch (integrator_run(&m->integrator, v, &m->state.motion, end_time)) {
+    switch (integrator_run(&m->integrator, v, &m->state.motion, request)) {
     case INTEGRATOR_DONE:
         break;
     case INTEGRATOR_STEP_LIMIT:
-        return model_report(
-            m, MODEL_DISCARD,
-            "The step to %.17g s stopped at %.17g s: solver.max_internal_steps = %d are used up "
-            "(allowed: 1 .. 2147483647). Go on from there, if need be in smaller steps, or start with a "
-            "larger limit.",
-            end_time, scene_time(&m->state.motion), (int)solver_max_internal_steps(v));
+        return report_step_limit(m, request);
     case INTEGRATOR_FAILED:
     default:
         return model_report(m, MODEL_ERROR, "The step to %.17g s failed at %.17g s: %s", end_time,

@@ -38,10 +38,10 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     return true;
 }
 
-enum model_status motion_advance(struct model *m, double end_time)
+enum model_status motion_advance(struct model *m, const struct step_request *request)
 {
     struct scene_state *q = &m->state.motion;
-    q->clock += scene_remaining(q, end_time);
+    q->clock += scene_remaining(q, request->end_time);
     scene_rebase(&m->state.values, q);
     return MODEL_OK;
 }

@@ -97,11 +97,16 @@ static bool motion_is_finite(const struct model *m)
     return isfinite(sum);
 }
 
-/* Undoes the step: the motion is as before, the integrator restarts. */
-static enum model_status step_refused(struct model *m, const struct scene_state *before, double end_time)
+/* The motion is as before, the integrator restarts. */
+static void undo_step(struct model *m, const struct scene_state *before)
 {
     m->state.motion = *before;
     scene_rebase(&m->state.values, &m->state.motion);
+}
+
+static enum model_status step_refused(struct model *m, const struct scene_state *before, double end_time)
+{
+    undo_step(m, before);
     return model_report(
         m, MODEL_DISCARD,
         "The step to %.17g s takes the motion beyond the range of numbers; it stays at %.17g s "
@@ -109,13 +114,19 @@ static enum model_status step_refused(struct model *m, const struct scene_state 
         end_time, model_time(m));
 }
 
-/* The state before is kept for the case that the step ends beyond the range of numbers. */
-static enum model_status take_step(struct model *m, double end_time)
+/* The state before is kept for the case that the step ends beyond the range of numbers, or too early. */
+static enum model_status take_step(struct model *m, const struct step_request *request)
 {
     motion_catch_up(&m->state.values, &m->state.motion);
     const struct scene_state before = m->state.motion;
-    const enum model_status status = motion_advance(m, end_time);
-    return motion_is_finite(m) ? status : step_refused(m, &before, end_time);
+    const enum model_status status = motion_advance(m, request);
+    if (!motion_is_finite(m)) {
+        return step_refused(m, &before, request->end_time);
+    }
+    if (status == MODEL_DISCARD && request->whole) {
+        undo_step(m, &before);
+    }
+    return status;
 }
 
 bool model_step_deferred(struct model *m, double end_time)
@@ -130,11 +141,34 @@ static void forget_outputs(struct model *m)
     }
 }
 
+/* A request whose asker may read outputs: they are of the instant, and reading changes nothing of the run. */
+struct readable_request {
+    struct model *model;
+    const struct step_request *asked;
+};
+
+static double ask_readable(void *context, double end_time)
+{
+    const struct readable_request *readable = context;
+    struct model *m = readable->model;
+    const struct scene_state kept = m->state.motion;
+    forget_outputs(m);
+    end_time = readable->asked->at_event(readable->asked->context, end_time);
+    m->state.motion = kept;
+    return end_time;
+}
+
 enum model_status model_step(struct model *m, double end_time)
+{
+    const struct step_request request = {.end_time = end_time};
+    return model_step_requested(m, &request);
+}
+
+enum model_status model_step_requested(struct model *m, const struct step_request *request)
 {
     if (!m->state.initialized) {
         return model_report(m, MODEL_ERROR, "A step to %.17g s before the end of the initialization.",
-                            end_time);
+                            request->end_time);
     }
     if (m->state.signals_open) {
         if (!model_apply_inputs(m)) {
@@ -143,11 +177,15 @@ enum model_status model_step(struct model *m, double end_time)
         model_close_inputs(m);
         model_warn_of_rates(m);
     }
-    if (model_step_deferred(m, end_time)) {
+    if (model_step_deferred(m, request->end_time)) {
         return MODEL_OK;
     }
     forget_outputs(m); /* whoever is told of the step may read in the midst of it */
-    const enum model_status status = take_step(m, end_time);
+    struct readable_request readable = {m, request};
+    struct step_request inner = *request;
+    inner.at_event = request->at_event != NULL ? ask_readable : NULL;
+    inner.context = &readable;
+    const enum model_status status = take_step(m, &inner);
     forget_outputs(m);
     return status;
 }

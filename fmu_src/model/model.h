@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "integrator/step_request.h"
 #include "model/variable.h"
 
 /* In the order of fmi2Status. */
@@ -49,6 +50,10 @@ enum model_status model_exit_initialization(struct model *m);
 /* Integrates to end_time > model_time. MODEL_DISCARD: solver.max_internal_steps ended it earlier, at
  * model_time; the values are those of that time and the next step may go on from there. */
 enum model_status model_step(struct model *m, double end_time);
+
+/* The same with more to ask for. Outputs may be read while at_event is asked; they are those of that instant,
+ * and nothing else may be called. */
+enum model_status model_step_requested(struct model *m, const struct step_request *request);
 
 /* model_step for a deferred flight: only the clock advances (segment/flight.h). False, and nothing done,
  * where model_step is needed. */
@@ -93,6 +98,13 @@ __attribute__((cold)) enum model_status
 model_get_directional_derivative(struct model *m, const uint32_t *unknowns, size_t unknown_count,
                                  const uint32_t *knowns, size_t known_count, const double *direction,
                                  double *values);
+
+/* The other way round, seed J: what the sum of the unknowns, each times its seed, changes by for each known.
+ * At most MODEL_ADJOINT_MOST unknowns. */
+enum { MODEL_ADJOINT_MOST = 64 };
+__attribute__((cold)) enum model_status
+model_get_adjoint_derivative(struct model *m, const uint32_t *unknowns, size_t unknown_count,
+                             const uint32_t *knowns, size_t known_count, const double *seed, double *values);
 
 size_t model_state_size(void);
 

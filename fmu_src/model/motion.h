@@ -25,8 +25,8 @@ void motion_begin(const struct scene_values *v, struct scene_state *q);
  * the work is not finite. */
 bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next);
 
-/* Moves to end_time [s]. */
-enum model_status motion_advance(struct model *m, double end_time);
+/* Moves to the end of the step. */
+enum model_status motion_advance(struct model *m, const struct step_request *request);
 
 /* Deferred flight (segment/flight.h): whether the step was such, and computing what was deferred. */
 bool motion_defer(struct model *m, double end_time);

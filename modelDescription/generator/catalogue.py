@@ -9,7 +9,7 @@ from .errors import InputError, allowed
 
 ROW_KEYS = {
     "vr", "type", "causality", "start", "start_destination", "min", "max", "dim", "symbol", "description",
-    "shape", "when", "tolerance", "depends",
+    "shape", "when", "tolerance", "depends", "discrete",
 }  # fmt: skip
 TYPE_KEYS = {"base", "quantity", "unit", "display", "min", "max", "nominal", "description", "items"}
 CAUSALITIES = ("parameter", "calculatedParameter", "input", "output")
@@ -61,6 +61,7 @@ class Row:
     shape: str | None = None
     when: tuple[dict, ...] = ()
     tolerance: bool = False
+    discrete: bool = False  # an output that changes at communication points and events only
     depends: dict[str, str] = field(default_factory=dict)  # inputs felt at once -> dependenciesKind
 
     @property

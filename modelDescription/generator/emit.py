@@ -6,7 +6,7 @@ from pathlib import Path
 
 import jinja2
 
-from . import c_code, page
+from . import arrays, c_code, page
 from .resolve import Resolved
 
 # Namespace of the guids; a guid is the version-5 UUID of what the FMU is: equal FMUs have equal guids.
@@ -42,9 +42,12 @@ def render(resolved: Resolved) -> dict[str, str]:
     xml = templates.get_template("modelDescription.xml")
     identity = _identity(resolved, xml.render(context, guid=""))
     context["guid"] = f"{{{identity}}}"
+    third = templates.get_template("modelDescription3.xml").render(context, token="")
+    context["token"] = f"{{{_identity(resolved, third)}}}"
     context["hash"] = f"0x{identity.int >> 96:08x}u"
+    descriptions = ("modelDescription.xml", "modelDescription3.xml")
     names = (
-        "modelDescription.xml",
+        *descriptions,
         "scene.h",
         "scene_variables.c",
         "scene.cmake",
@@ -52,9 +55,8 @@ def render(resolved: Resolved) -> dict[str, str]:
     )
     files = {name: templates.get_template(name).render(context) for name in names}
     # Symbols as character references: some readers of descriptions take one byte for one character.
-    files["modelDescription.xml"] = (
-        files["modelDescription.xml"].encode("ascii", "xmlcharrefreplace").decode()
-    )
+    for name in descriptions:
+        files[name] = files[name].encode("ascii", "xmlcharrefreplace").decode()
     return files
 
 
@@ -97,22 +99,21 @@ def _context(resolved: Resolved) -> dict:
     rows = resolved.catalogue.rows.values()
     variables = resolved.variables
     types = [t for t in resolved.catalogue.types.values() if any(v.cell.row.type is t for v in variables)]
+    units, used = resolved.catalogue.units, {t.unit for t in types}
     return {
         "scene": resolved.scene,
         "project": resolved.catalogue.project,
         "resolved": resolved,
         "variables": variables,
         "types": types,
-        "units": {
-            name: unit
-            for name, unit in resolved.catalogue.units.items()
-            if any(t.unit == name for t in types)
-        },
+        "units": {name: unit for name, unit in units.items() if name in used},
+        "units_with_time": {name: unit for name, unit in units.items() if name in used | {"s"}},
         "outputs": [
             (i, resolved.dependencies(variable))
             for i, variable in enumerate(variables, 1)
             if variable.cell.row.causality == "output"
         ],
+        "arrays": arrays.arrays(resolved),
         "unknowns": _positions(variables, ("output", "calculatedParameter")),
         "has_inputs": any(v.cell.row.causality == "input" for v in variables),
         "has_derivatives": any(

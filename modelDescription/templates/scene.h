@@ -41,7 +41,8 @@
 
 #define SCENE_NAME "{{ scene.name }}"
 #define SCENE_GUID "{{ guid }}"
-#define SCENE_HASH {{ hash }} /* the first 32 bits of the guid */
+#define SCENE_TOKEN "{{ token }}" /* the instantiation token of FMI 3.0 */
+#define SCENE_HASH {{ hash }} /* the first 32 bits of SCENE_GUID */
 #define SCENE_BODIES {{ scene.bodies | length }}
 #define SCENE_CONTACTS {{ scene.contacts | length }}
 #define SCENE_REFERENCES {{ variables | map(attribute="reference") | max + 1 }} /* one more than the largest */

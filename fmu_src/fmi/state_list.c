@@ -1,4 +1,4 @@
-#include "fmi2/state_list.h"
+#include "fmi/state_list.h"
 
 struct state_block *state_list_find(const struct instance *instance, const void *address)
 {

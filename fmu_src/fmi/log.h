@@ -1,8 +1,8 @@
 /* Messages to the importer's logger: complete sentences, bounded length, categories of the standard. */
-#ifndef CONTACT_FMI2_LOG_H
-#define CONTACT_FMI2_LOG_H
+#ifndef CONTACT_FMI_LOG_H
+#define CONTACT_FMI_LOG_H
 
-#include "fmi2/instance.h"
+#include "fmi/instance.h"
 
 #if defined __GNUC__
 #define CONTACT_PRINTF_LIKE(text, first) __attribute__((format(printf, text, first)))
@@ -11,7 +11,7 @@
 #endif
 
 /*
- * Warnings and worse are always told, unless fmi2SetDebugLogging named categories that leave them out; events
+ * Warnings and worse are always told, unless the importer named categories that leave them out; events
  * only when logging is on.
  */
 enum log_category {
@@ -36,9 +36,9 @@ const char *log_category_names(void);
 /*
  * Tells the importer, and returns the status so that a caller can say `return log_report(...)`. Until the
  * logger is back the instance is in the midst of something: functions that only read are answered, all others
- * give fmi2Error and change nothing (fmi2FreeInstance too does nothing), and nothing is told of it.
+ * give an error and change nothing (freeing the instance too does nothing), and nothing is told of it.
  */
-fmi2Status log_report(struct instance *instance, fmi2Status status, const char *format, ...)
+enum model_status log_report(struct instance *instance, enum model_status status, const char *format, ...)
     CONTACT_PRINTF_LIKE(3, 4);
 
 /* The model's side of it (struct model_host); the context is the instance. */

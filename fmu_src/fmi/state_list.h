@@ -1,19 +1,19 @@
 /*
  * The saved states an instance has handed out and the importer has not freed: a list through the blocks
- * themselves. An fmi2FMUstate is the address of such a block. What the importer brings is looked up by
+ * themselves. What the importer holds is the address of such a block. What the importer brings is looked up by
  * comparing addresses and never read before it is found: it may be uninitialised, freed, or another
  * instance's.
  */
-#ifndef CONTACT_FMI2_STATE_LIST_H
-#define CONTACT_FMI2_STATE_LIST_H
+#ifndef CONTACT_FMI_STATE_LIST_H
+#define CONTACT_FMI_STATE_LIST_H
 
 #include <stddef.h>
 
-#include "fmi2/instance.h"
+#include "fmi/instance.h"
 
 struct state_block {
     struct state_block *next;
-    _Alignas(double) unsigned char bytes[]; /* a header and the model's state, see state.c */
+    _Alignas(double) unsigned char bytes[]; /* a header and the model's state, see saved_state.c */
 };
 
 /* The block at an address, or NULL when this instance has none there. */

@@ -1,4 +1,4 @@
-#include "fmi2/log.h"
+#include "fmi/log.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -46,19 +46,18 @@ const char *log_category_names(void)
     return "logEvents, logStatusWarning, logStatusDiscard, logStatusError, logStatusFatal, logAll";
 }
 
-static const struct log_category_name *category_of_status(fmi2Status status)
+static const struct log_category_name *category_of_status(enum model_status status)
 {
     switch (status) {
-    case fmi2Warning:
+    case MODEL_WARNING:
         return &known_categories[1];
-    case fmi2Discard:
+    case MODEL_DISCARD:
         return &known_categories[2];
-    case fmi2Error:
+    case MODEL_ERROR:
         return &known_categories[3];
-    case fmi2Fatal:
+    case MODEL_FATAL:
         return &known_categories[4];
-    case fmi2OK:
-    case fmi2Pending:
+    case MODEL_OK:
         break;
     }
     return &known_categories[0];
@@ -78,15 +77,13 @@ static size_t character_length(const char *text)
     return first < 0xF5u ? length : 0;
 }
 
-/*
- * The logger takes a printf format in which '#' marks value references (FMI 2.0.5, fmi2CallbackLogger): both
- * are doubled. What is no UTF-8, a character cut in two among it, becomes question marks.
- */
-static void escape_message(const char *text, char *escaped)
+/* What is no UTF-8, a character cut in two among it, becomes question marks; the characters of `doubled` are
+ * written twice. */
+static void escape_message(const char *text, const char *doubled, char *escaped)
 {
     while (*text != '\0') {
         const size_t length = character_length(text);
-        if (*text == '%' || *text == '#') {
+        if (strchr(doubled, *text) != NULL) {
             *escaped++ = *text;
         }
         *escaped++ = *text++;
@@ -101,7 +98,7 @@ static void escape_message(const char *text, char *escaped)
 }
 
 /* "ball at 0.25 s: " followed by the message, then handed over. */
-static void send_message(struct instance *instance, fmi2Status status, const char *category,
+static void send_message(struct instance *instance, enum model_status status, const char *category,
                          const char *message)
 {
     char text[MESSAGE_SIZE];
@@ -112,11 +109,10 @@ static void send_message(struct instance *instance, fmi2Status status, const cha
     } else {
         (void)snprintf(text, sizeof text, "%.*s: %s", NAME_SHOWN, instance->name, message);
     }
-    escape_message(text, escaped);
+    escape_message(text, instance->adapter->doubled, escaped);
     const enum phase phase = instance->phase;
     instance->phase = (enum phase)(phase | PHASE_TELLING);
-    instance->callbacks.logger(instance->callbacks.componentEnvironment, instance->name, status, category,
-                               escaped);
+    instance->adapter->send(instance, status, category, escaped);
     instance->phase = phase;
 }
 
@@ -124,11 +120,11 @@ static void send_message(struct instance *instance, fmi2Status status, const cha
  * end. */
 static bool is_heard(const struct instance *instance, unsigned category_bits)
 {
-    return instance->callbacks.logger != NULL && (instance->phase & PHASE_TELLING) == 0 &&
+    return instance->logger_given && (instance->phase & PHASE_TELLING) == 0 &&
            (instance->log_categories & category_bits) != 0;
 }
 
-fmi2Status log_report(struct instance *instance, fmi2Status status, const char *format, ...)
+enum model_status log_report(struct instance *instance, enum model_status status, const char *format, ...)
 {
     const struct log_category_name *category = category_of_status(status);
     if (!is_heard(instance, category->bits)) {
@@ -153,6 +149,6 @@ bool log_wanted_by_importer(void *context, const char *category)
 void log_from_model(void *context, enum model_status status, const char *category, const char *message)
 {
     if (log_wanted_by_importer(context, category)) {
-        send_message(context, status_of(status), category, message);
+        send_message(context, status, category, message);
     }
 }

@@ -1,0 +1,97 @@
+/* Which function of FMI 3.0 may be called in which phase: one row, one mask a function. */
+#ifndef CONTACT_FMI3_CALL_ORDER_H
+#define CONTACT_FMI3_CALL_ORDER_H
+
+#include "fmi/call_order.h"
+#include "fmi3/instance.h"
+
+#define PHASES_SETTABLE (PHASE_INSTANTIATED | PHASE_INITIALIZATION | PHASE_STEP | PHASE_EVENT)
+#define PHASES_STEPPED (PHASE_STEP | PHASE_TERMINATED | PHASE_ERROR)
+#define PHASES_INITIALIZED (PHASE_INITIALIZATION | PHASE_EVENT | PHASES_STEPPED)
+#define PHASES_ALL (PHASE_INSTANTIATED | PHASES_INITIALIZED)
+/* In an intermediate update outputs are read, and the logger may be told of it. */
+#define PHASES_WITHIN(phases) (PHASES_READ(phases) | PHASE_INTERMEDIATE)
+
+/* Rows of all types of variables, whether there are such variables or not. */
+#define CALL_TYPES(ROW, Verb, phases)                                                                        \
+    ROW(Verb##Float32, phases)                                                                               \
+    ROW(Verb##Float64, phases)                                                                               \
+    ROW(Verb##Int8, phases)                                                                                  \
+    ROW(Verb##UInt8, phases)                                                                                 \
+    ROW(Verb##Int16, phases)                                                                                 \
+    ROW(Verb##UInt16, phases)                                                                                \
+    ROW(Verb##Int32, phases)                                                                                 \
+    ROW(Verb##UInt32, phases)                                                                                \
+    ROW(Verb##Int64, phases)                                                                                 \
+    ROW(Verb##UInt64, phases)                                                                                \
+    ROW(Verb##Boolean, phases)                                                                               \
+    ROW(Verb##String, phases)                                                                                \
+    ROW(Verb##Binary, phases)
+
+/* What is never in order: there are no clocks, no structural parameters, and only Co-Simulation is provided
+ * (absent.c). */
+#define CALL_ABSENT(ROW)                                                                                     \
+    ROW(GetClock, 0)                                                                                         \
+    ROW(SetClock, 0)                                                                                         \
+    ROW(GetIntervalDecimal, 0)                                                                               \
+    ROW(GetIntervalFraction, 0)                                                                              \
+    ROW(GetShiftDecimal, 0)                                                                                  \
+    ROW(GetShiftFraction, 0)                                                                                 \
+    ROW(SetIntervalDecimal, 0)                                                                               \
+    ROW(SetIntervalFraction, 0)                                                                              \
+    ROW(SetShiftDecimal, 0)                                                                                  \
+    ROW(SetShiftFraction, 0)                                                                                 \
+    ROW(ActivateModelPartition, 0)                                                                           \
+    ROW(EnterConfigurationMode, 0)                                                                           \
+    ROW(ExitConfigurationMode, 0)                                                                            \
+    ROW(EvaluateDiscreteStates, 0)                                                                           \
+    ROW(GetNumberOfVariableDependencies, 0)                                                                  \
+    ROW(GetVariableDependencies, 0)                                                                          \
+    ROW(EnterContinuousTimeMode, 0)                                                                          \
+    ROW(CompletedIntegratorStep, 0)                                                                          \
+    ROW(SetTime, 0)                                                                                          \
+    ROW(SetContinuousStates, 0)                                                                              \
+    ROW(GetContinuousStateDerivatives, 0)                                                                    \
+    ROW(GetEventIndicators, 0)                                                                               \
+    ROW(GetContinuousStates, 0)                                                                              \
+    ROW(GetNominalsOfContinuousStates, 0)                                                                    \
+    ROW(GetNumberOfEventIndicators, 0)                                                                       \
+    ROW(GetNumberOfContinuousStates, 0)
+
+/*
+ * After the state machine for Co-Simulation of FMI 3.0.2, sections 2.3 and 4.2. Harmless extensions: values may
+ * be read while instantiated (only those that have a start value), and between setting an input and the next
+ * step; states are saved and set in every phase but the fatal one.
+ */
+#define CALL_TABLE(ROW)                                                                                      \
+    ROW(SetDebugLogging, PHASES_ALL)                                                                         \
+    ROW(EnterInitializationMode, PHASE_INSTANTIATED)                                                         \
+    ROW(ExitInitializationMode, PHASE_INITIALIZATION)                                                        \
+    ROW(EnterEventMode, PHASE_STEP)                                                                          \
+    ROW(UpdateDiscreteStates, PHASE_EVENT)                                                                   \
+    ROW(EnterStepMode, PHASE_EVENT)                                                                          \
+    ROW(Terminate, PHASE_STEP | PHASE_EVENT)                                                                 \
+    ROW(Reset, PHASES_ALL)                                                                                   \
+    CALL_TYPES(ROW, Get, PHASES_WITHIN(PHASES_ALL))                                                          \
+    CALL_TYPES(ROW, Set, PHASES_SETTABLE)                                                                    \
+    ROW(GetFMUState, PHASES_ALL)                                                                             \
+    ROW(SetFMUState, PHASES_ALL)                                                                             \
+    ROW(FreeFMUState, PHASES_ALL)                                                                            \
+    ROW(SerializedFMUStateSize, PHASES_READ(PHASES_ALL))                                                     \
+    ROW(SerializeFMUState, PHASES_READ(PHASES_ALL))                                                          \
+    ROW(DeserializeFMUState, PHASES_ALL)                                                                     \
+    ROW(GetDirectionalDerivative, PHASES_READ(PHASES_INITIALIZED))                                           \
+    ROW(GetAdjointDerivative, PHASES_READ(PHASES_INITIALIZED))                                               \
+    ROW(GetOutputDerivatives, PHASES_WITHIN(PHASES_STEPPED))                                                 \
+    ROW(DoStep, PHASE_STEP)                                                                                  \
+    CALL_ABSENT(ROW)
+
+#define CALL_NAME(function, phases) CALL_##function,
+enum fmi3_call { CALL_TABLE(CALL_NAME) CALL_COUNT };
+#undef CALL_NAME
+
+extern const struct call calls_of_fmi3[];
+
+#define CALL(function) (&calls_of_fmi3[CALL_##function])
+
+#endif

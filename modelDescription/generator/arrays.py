@@ -1,0 +1,55 @@
+"""The variables as FMI 3.0 has them: a vector is one array, with the value reference of its first component."""
+
+from dataclasses import dataclass
+
+from .resolve import Cell, Resolved
+
+# Types of FMI 3.0 by the base of ours; Int32 is what the model counts with.
+ELEMENTS = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean", "Enumeration": "Enumeration"}
+
+
+@dataclass(frozen=True)
+class Array:
+    """A variable of FMI 3.0, scalar where its row has one dimension."""
+
+    cell: Cell
+    element: str  # Float64, Int32, ...
+    variability: str
+    initial: str | None
+    start: tuple  # one value for each component; empty for what the FMU computes
+    dependencies: tuple[tuple[int, str], ...]  # of outputs: inputs felt at once, dependenciesKind
+
+    @property
+    def description(self) -> str:
+        return self.cell.description + (f" ({self.cell.symbol})" if self.cell.symbol else "")
+
+    @property
+    def intermediate(self) -> bool:
+        """Whether it may be asked for within a step: outputs that do not sum up the step."""
+        return self.cell.row.causality == "output" and self.variability == "continuous"
+
+
+def arrays(resolved: Resolved) -> list[Array]:
+    """In the order of the scalars of modelDescription.xml."""
+    cells = [variable.cell for variable in resolved.variables if variable.component == 0]
+    return [_array(resolved, cell) for cell in cells]
+
+
+def _array(resolved: Resolved, cell: Cell) -> Array:
+    row = cell.row
+    values = cell.value if isinstance(cell.value, tuple) else (cell.value,)
+    continuous = row.type.base == "Real" and not row.discrete
+    fixed = row.causality in ("parameter", "calculatedParameter")
+    variability = "fixed" if fixed else "continuous" if continuous else "discrete"
+    initial = {"parameter": "exact", "input": None}.get(row.causality, "calculated")
+    return Array(
+        cell, ELEMENTS[row.type.base], variability, initial, values if row.has_start else (),
+        tuple(_dependencies(resolved, cell)),
+    )  # fmt: skip
+
+
+def _dependencies(resolved: Resolved, cell: Cell) -> list[tuple[int, str]]:
+    """As Resolved.dependencies, between arrays."""
+    first = next(v for v in resolved.variables if v.cell is cell)
+    inputs = {resolved.variables[index - 1].cell.name: kind for index, kind in resolved.dependencies(first)}
+    return [(other.reference, inputs[other.name]) for other in resolved.cells if other.name in inputs]

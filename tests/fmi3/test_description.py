@@ -1,0 +1,109 @@
+"""The FMI 3.0 FMU as a file: valid, and the same variables as the FMI 2.0 FMU of its scene."""
+
+import re
+import subprocess
+import xml.etree.ElementTree as ElementTree
+import zipfile
+
+import numpy as np
+from fmpy.validation import validate_fmu
+
+from contact_fmus.fmu.files import fmu_file, unpack
+from support.fmi3 import raw
+from support.fmi3.prototypes import ARGUMENTS
+
+SUMS_UP = {"mean_force", "peak_force", "peak_penetration", "last_onset_time", "last_duration"}
+TYPES = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean", "Enumeration": "Enumeration"}
+
+
+def second(fmu):
+    """The description of the FMI 2.0 FMU of the scene"""
+    return unpack(fmu_file(fmu.name))[1]
+
+
+def of_array(description, name):
+    """Its scalars in the description of FMI 2.0"""
+    return [one for one in description.modelVariables if one.name.partition("[")[0] == name]
+
+
+def test_fmpy_and_the_schema_find_nothing(fmu):
+    assert validate_fmu(str(raw.FMUS / f"{fmu.name}.fmu")) == []
+
+
+def test_the_library_exports_the_functions_of_the_standard_and_nothing_else(fmu):
+    command = ["nm", "-D", "--defined-only", fmu.library_file]
+    told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert {line.split()[-1] for line in told.splitlines()} == {f"fmi3{name}" for name in ARGUMENTS}
+
+
+def test_an_array_stands_for_the_scalars_of_fmi2(fmu):
+    scalars = second(fmu)
+    names = {one.name.partition("[")[0] for one in scalars.modelVariables}
+    assert names | {"time"} == {one.name for one in fmu.description.modelVariables}
+    for array in fmu.description.modelVariables[1:]:
+        same = of_array(scalars, array.name)
+        assert len(same) == fmu.variables[array.name].length
+        first = same[0]
+        assert array.valueReference == first.valueReference
+        assert (TYPES[array.type], array.causality) == (first.type, first.causality)
+        assert (array.unit, array.displayUnit, array.min, array.max, array.nominal) == (
+            *(first.unit, first.displayUnit, first.min, first.max, first.nominal),
+        )
+        starts = [one.start for one in same]
+        given = array.start if isinstance(array.start, list) else (array.start or "").split()
+        assert [str(value) for value in given] == [value for value in starts if value is not None]
+
+
+def test_what_sums_up_a_step_is_discrete(fmu):
+    for variable in fmu.description.modelVariables[1:]:
+        sums_up = variable.name.rpartition(".")[2] in SUMS_UP
+        if variable.causality == "output":
+            continuous = variable.type == "Float64" and not sums_up
+            assert variable.variability == ("continuous" if continuous else "discrete"), variable.name
+
+
+def dependencies(description):
+    """Output -> {input: kind}, vectors as a whole"""
+    return {
+        (entry.variable.name.partition("[")[0]): {
+            one.name.partition("[")[0]: kind
+            for one, kind in zip(entry.dependencies, entry.dependenciesKind or [], strict=True)
+        }
+        for entry in description.outputs
+    }
+
+
+def test_the_model_structure_is_that_of_fmi2(fmu):
+    assert dependencies(fmu.description) == dependencies(second(fmu))
+
+
+def test_what_is_declared_of_steps(fmu):
+    root = ElementTree.parse(fmu.folder / "modelDescription.xml").getroot()
+    declared = root.find("CoSimulation").attrib
+    events = "false" if fmu.name == "ForceElement" else "true"  # which has no state, and so no event
+    for name in ("hasEventMode", "providesIntermediateUpdate", "mightReturnEarlyFromDoStep"):
+        assert declared[name] == events
+    assert declared["canReturnEarlyAfterIntermediateUpdate"] == events
+    assert declared["providesAdjointDerivatives"] == declared["providesDirectionalDerivatives"] == "true"
+
+
+def test_the_description_speaks_of_fmi3_only(fmu):
+    text = (fmu.folder / "modelDescription.xml").read_text()
+    assert re.findall(r"fmi2\w*|Slave", text) == []
+
+
+def test_documentation_and_licences_are_inside(fmu):
+    names = zipfile.ZipFile(raw.FMUS / f"{fmu.name}.fmu").namelist()
+    assert "documentation/index.html" in names
+    assert "documentation/licenses/license.txt" in names
+    assert f"binaries/x86_64-linux/{fmu.name}.so" in names
+
+
+def test_start_values_are_those_of_the_description(fmu):
+    words = {"true": 1.0, "false": 0.0}
+    with raw.Instance(fmu) as instance:
+        for variable in fmu.description.modelVariables:
+            if variable.causality in ("parameter", "input"):
+                text = variable.start if isinstance(variable.start, list) else str(variable.start).split()
+                numbers = [words[one] if one in words else float(one) for one in text]
+                assert np.array_equal(np.ravel(instance.get(variable.name)), numbers), variable.name

@@ -1,0 +1,255 @@
+"""FMI 3.0 calls by ctypes, without an importer's kindness: any function, any arguments, statuses as they are.
+
+An Instance records what the FMU told its logger; it never raises for a refused call, `ok` does.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import functools
+import os
+from collections.abc import Callable, Iterable
+from ctypes import byref, c_bool, c_double, c_int32, c_size_t, c_uint32, c_void_p
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from contact_fmus.fmu.files import repository, unpack
+from support.fmi3.prototypes import ERROR, INTERMEDIATE, LOGGER, OK, TYPES, WARNING, bind
+
+BUILD = Path(os.environ.get("CONTACT_BUILD", repository() / "build")).resolve()
+FMUS = BUILD / "fmus-fmi3"
+SCENES = sorted(path.stem for path in (repository() / "modelDescription" / "scenes").glob("*.toml"))
+
+
+class Variable(NamedTuple):
+    """A variable of the model description"""
+
+    name: str
+    reference: int
+    type: str  # Float64 | Int32 | Boolean | Enumeration
+    causality: str
+    length: int  # 1 for a scalar
+    items: tuple[str, ...]  # an enumeration's item names, whose values run from 1 on
+
+    @property
+    def call_type(self) -> str:
+        """The part of fmi3Get... and fmi3Set... that fits"""
+        return "Int64" if self.type == "Enumeration" else self.type
+
+
+class Fmu:
+    """An unpacked FMU with its loaded library"""
+
+    def __init__(self, path: Path):
+        self.folder, self.description = unpack(path)
+        self.name = self.description.coSimulation.modelIdentifier
+        self.token = self.description.instantiationToken
+        self.library_file = next(self.folder.glob(f"binaries/*/{self.name}.so"))
+        self.library = bind(self.library_file)
+        self.variables = {one.name: _variable(one) for one in self.description.modelVariables}
+
+    def select(self, *causalities: str, kind: str | None = None) -> list[Variable]:
+        return [
+            variable
+            for variable in self.variables.values()
+            if variable.causality in causalities and kind in (None, variable.type)
+        ]
+
+
+def _variable(found: Any) -> Variable:
+    length = int(np.prod([int(one.start) for one in found.dimensions])) if found.dimensions else 1
+    items = tuple(item.name for item in found.declaredType.items) if found.type == "Enumeration" else ()
+    return Variable(found.name, found.valueReference, found.type, found.causality, length, items)
+
+
+@functools.cache
+def load(name: str) -> Fmu:
+    return Fmu(FMUS / f"{name}.fmu")
+
+
+class Step(NamedTuple):
+    """What fmi3DoStep said"""
+
+    status: int
+    event: bool
+    terminate: bool
+    early: bool
+    time: float
+
+
+def references(variables: Iterable[Variable]) -> Any:
+    values = [variable.reference for variable in variables]
+    return (c_uint32 * len(values))(*values)
+
+
+def reals(values: Iterable[float]) -> Any:
+    values = list(values)
+    return (c_double * len(values))(*values)
+
+
+class Instance:
+    """An instance and everything its logger was told"""
+
+    def __init__(
+        self,
+        fmu: Fmu,
+        name: bytes | None = b"tested",
+        token: bytes | None = b"",
+        logging: bool = False,
+        event_mode: bool = False,
+        early_return: bool = False,
+        required: Iterable[int] = (),
+        update: Callable | None = None,
+    ):
+        self.fmu = fmu
+        self.messages: list[tuple[int, str, str]] = []  # status, category, text
+        self.logger = LOGGER(self._log)
+        self.update = INTERMEDIATE(functools.partial(self._update, update)) if update else INTERMEDIATE()
+        required = list(required)
+        self.component = fmu.library.fmi3InstantiateCoSimulation(
+            *(name, fmu.token.encode() if token == b"" else token, b"", False, logging),
+            *(event_mode, early_return, (c_uint32 * len(required))(*required), len(required), None),
+            *(self.logger, self.update),
+        )
+
+    def _log(self, _environment, status, category, message) -> None:
+        self.messages.append((status, category.decode(), message.decode()))
+
+    def _update(self, update, _environment, time, *told) -> None:
+        """`update(time, set_requested, get_allowed, finished, can_return)` answers when to return, or None"""
+        *flags, requested, when = told
+        answer = update(time, *flags)
+        if answer is not None:
+            requested[0], when[0] = True, answer
+
+    def __enter__(self) -> Instance:
+        return self
+
+    def __exit__(self, *_exception) -> None:
+        self.free()
+
+    def free(self) -> None:
+        if self.component is not None:
+            self.fmu.library.fmi3FreeInstance(self.component)
+            self.component = None
+
+    def call(self, function: str, *arguments: Any) -> int:
+        """The status of fmi3<function>(instance, ...)"""
+        return getattr(self.fmu.library, f"fmi3{function}")(self.component, *arguments)
+
+    def ok(self, function: str, *arguments: Any) -> None:
+        status = self.call(function, *arguments)
+        assert status <= WARNING, f"fmi3{function}{arguments}: status {status}, {self.texts()}"
+
+    def texts(self) -> list[str]:
+        return [text for _, _, text in self.messages]
+
+    @contextlib.contextmanager
+    def expect(self, status: int, *words: str):
+        """`with instance.expect(DISCARD, "radius") as got: got(status)`: one message, with the words"""
+        del self.messages[:]
+        got: list[int] = []
+        yield got.append
+        assert got == [status], f"status {got}, expected {status}: {self.texts()}"
+        assert [told for told, _, _ in self.messages] == [status], self.messages
+        missing = [word for word in words if word not in self.messages[0][2]]
+        assert not missing, f"{missing} not in '{self.messages[0][2]}'"
+
+    # by names
+
+    def set_one(self, name: str, value: Any) -> int:
+        variable = self.fmu.variables[name]
+        if isinstance(value, str):
+            value = 1 + variable.items.index(value)
+        values = list(value) if isinstance(value, list | tuple | np.ndarray) else [value]
+        array = (TYPES[variable.call_type] * len(values))(*values)
+        return self.call(f"Set{variable.call_type}", references([variable]), 1, array, len(values))
+
+    def set(self, values: dict[str, Any]) -> None:
+        for name, value in values.items():
+            assert self.set_one(name, value) <= WARNING, f"{name} = {value}: {self.texts()}"
+
+    def get(self, name: str) -> Any:
+        variable = self.fmu.variables[name]
+        values = (TYPES[variable.call_type] * variable.length)()
+        self.ok(f"Get{variable.call_type}", references([variable]), 1, values, variable.length)
+        return values[0] if variable.length == 1 else list(values)
+
+    def bits(self, *causalities: str) -> dict[str, bytes]:
+        """Name -> bytes of every value of the given causalities"""
+        return {one.name: np.asarray(self.get(one.name)).tobytes() for one in self.fmu.select(*causalities)}
+
+    # life cycle
+
+    def initialize(
+        self, values: dict[str, Any] | None = None, tolerance: float | None = None, stop: float | None = None
+    ) -> Instance:
+        self.set(values or {})
+        self.ok(
+            *("EnterInitializationMode", tolerance is not None, tolerance or 0.0, 0.0),
+            *(stop is not None, stop or 0.0),
+        )
+        self.ok("ExitInitializationMode")
+        return self
+
+    def step(self, time: float, size: float) -> Step:
+        event, terminate, early, last = c_bool(True), c_bool(True), c_bool(True), c_double(np.nan)
+        status = self.call(
+            "DoStep", time, size, True, byref(event), byref(terminate), byref(early), byref(last)
+        )
+        return Step(status, event.value, terminate.value, early.value, last.value)
+
+    def handle_event(self, enter: bool = True) -> None:
+        """One visit of event mode, as an importer makes it"""
+        if enter:
+            self.ok("EnterEventMode")
+        flags = [c_bool(True) for _ in range(5)]
+        self.ok("UpdateDiscreteStates", *map(byref, flags), byref(c_double()))
+        assert not any(flag.value for flag in flags)
+        self.ok("EnterStepMode")
+
+    # derivatives
+
+    def product(self, kind: str, unknowns: list[Variable], knowns: list[Variable], seed) -> np.ndarray:
+        """kind: Directional or Adjoint"""
+        result = unknowns if kind == "Directional" else knowns
+        count = sum(one.length for one in result)
+        values = (c_double * count)()
+        self.ok(
+            f"Get{kind}Derivative",
+            *(references(unknowns), len(unknowns), references(knowns), len(knowns)),
+            *(reals(seed), len(seed), values, count),
+        )
+        return np.array(values)
+
+    def output_derivative(self, name: str, order: int) -> list[float]:
+        variable = self.fmu.variables[name]
+        values = (c_double * variable.length)()
+        orders = (c_int32 * 1)(order)
+        self.ok("GetOutputDerivatives", references([variable]), 1, orders, values, variable.length)
+        return list(values)
+
+    # states
+
+    def save(self) -> bytes:
+        state, size = c_void_p(), c_size_t()
+        self.ok("GetFMUState", byref(state))
+        self.ok("SerializedFMUStateSize", state, byref(size))
+        buffer = ctypes.create_string_buffer(size.value)
+        self.ok("SerializeFMUState", state, buffer, size)
+        self.ok("FreeFMUState", byref(state))
+        return buffer.raw
+
+    def restore(self, blob: bytes) -> int:
+        state = c_void_p()
+        status = self.call("DeserializeFMUState", blob, len(blob), byref(state))
+        if status == OK:
+            self.ok("SetFMUState", state)
+            self.ok("FreeFMUState", byref(state))
+        return status
+
+
+__all__ = ["BUILD", "ERROR", "FMUS", "OK", "SCENES", "Fmu", "Instance", "Step", "Variable", "load"]
