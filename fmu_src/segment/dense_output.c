@@ -75,18 +75,19 @@ static struct root_bracket_end value_end(const struct probe *probe, int i)
                                      slope_of(probe->what, at)};
 }
 
-static struct root_bracket_end slope_end(const struct probe *probe, int i)
+static struct root_bracket_end slope_end(const struct event_function *what, double s,
+                                         const struct pair_sample *at)
 {
-    const struct pair_sample *at = &probe->output->at[i];
-    return (struct root_bracket_end){probe->output->s[i], slope_of(probe->what, at),
-                                     probe->what->factor * at->of[probe->what->quantity][2]};
+    return (struct root_bracket_end){s, slope_of(what, at), what->factor * at->of[what->quantity][2]};
 }
 
 /* Where the quantity has its extremum between two places. */
 static struct root_bracket_end extremum_between(const struct probe *probe, int i)
 {
     struct root_bracket_end extremum = {
-        .s = root_between(probe_slope, probe, slope_end(probe, i), slope_end(probe, i + 1))};
+        .s = root_between(probe_slope, probe,
+                          slope_end(probe->what, probe->output->s[i], &probe->output->at[i]),
+                          slope_end(probe->what, probe->output->s[i + 1], &probe->output->at[i + 1]))};
     probe_value(probe, extremum.s, &extremum.value, &extremum.slope);
     return extremum;
 }
@@ -143,36 +144,35 @@ double dense_output_first_event(const struct dense_output *w, const struct event
  * rounding. */
 static const double NEAR_TOP = 1e-10;
 
+enum { CLIMBS = 6 };
+
+bool dense_output_climb(const struct dense_output *w, const struct event_function *what, double s, double low,
+                        double high, double *largest)
+{
+    for (int k = 0; k < CLIMBS; ++k) {
+        struct pair_sample at;
+        w->sampler(w->segment, s, &at);
+        const double value = value_of(what, &at);
+        const double slope = slope_of(what, &at);
+        const double step = -slope / (what->factor * at.of[what->quantity][2]);
+        *largest = fmax(*largest, value);
+        if (!(s + step >= low && s + step <= high && slope * step >= 0.0)) {
+            return false;
+        }
+        if (slope * step <= NEAR_TOP * fabs(value)) {
+            *largest = fmax(*largest, value + 0.5 * slope * step);
+            return true;
+        }
+        s += step;
+    }
+    return false;
+}
+
 /* Whether a place is itself the top, to rounding. */
 static bool is_top(const struct event_function *what, const struct pair_sample *at)
 {
     const double slope = slope_of(what, at);
     return slope * slope <= DBL_EPSILON * fabs(at->of[what->quantity][2] * value_of(what, at));
-}
-
-/* The value at the top between two places and where it is. */
-static double top_between(const struct probe *probe, struct root_bracket_end low,
-                          struct root_bracket_end high, double *top)
-{
-    const struct dense_output *w = probe->output;
-    double s = root_guess(low, high);
-    for (int k = 0; k < 4; ++k) {
-        struct pair_sample at;
-        w->sampler(w->segment, s, &at);
-        const double slope = slope_of(probe->what, &at);
-        const double step = -slope / (probe->what->factor * at.of[probe->what->quantity][2]);
-        const double value = value_of(probe->what, &at);
-        if (!(s + step >= low.s && s + step <= high.s)) {
-            break;
-        }
-        s += step;
-        if (fabs(slope * step) <= NEAR_TOP * fabs(value)) {
-            *top = s;
-            return value + 0.5 * slope * step;
-        }
-    }
-    *top = root_in_bracket(probe_slope, probe, low.s, high.s);
-    return value_at(probe, *top);
 }
 
 /* The bend of a quantity; root_in_bracket then bisects. */
@@ -197,44 +197,75 @@ static bool stays_clear(const struct root_bracket_end *low, const struct root_br
     return low->value > 0.0 ? between > least : between < -least;
 }
 
-/* Whether there is a top between two places, and between which ends its slope falls through zero: the places
- * themselves, or, where the quantity goes the same way at both, one of them and the place at which its slope
- * turns. */
-static bool brackets_top(const struct probe *probe, int i, struct root_bracket_end *low,
+/* Whether there is a top between two places, given the slope at both, and between which ends the slope falls
+ * through zero: the places themselves, or, where the quantity goes the same way at both, one of them and the
+ * place at which its slope turns. */
+static bool brackets_top(const struct probe *probe, struct root_bracket_end *low,
                          struct root_bracket_end *high)
 {
-    *low = slope_end(probe, i);
-    *high = slope_end(probe, i + 1);
-    if (low->value > 0.0 && high->value < 0.0) {
-        return !is_top(probe->what, &probe->output->at[i]) && !is_top(probe->what, &probe->output->at[i + 1]);
-    }
     const bool falls = low->value < 0.0 && high->value < 0.0 && low->slope > 0.0 && high->slope < 0.0;
     const bool rises = low->value > 0.0 && high->value > 0.0 && low->slope < 0.0 && high->slope > 0.0;
-    if ((!falls && !rises) || stays_clear(low, high)) {
-        return false;
+    if ((falls || rises) && !stays_clear(low, high)) {
+        struct root_bracket_end extremum = {.s = root_in_bracket(probe_bend, probe, low->s, high->s)};
+        probe_slope(probe, extremum.s, &extremum.value, &extremum.slope);
+        *(falls ? low : high) = extremum;
     }
-    struct root_bracket_end extremum = {.s = root_in_bracket(probe_bend, probe, low->s, high->s)};
-    probe_slope(probe, extremum.s, &extremum.value, &extremum.slope);
-    *(falls ? low : high) = extremum;
     return low->value > 0.0 && high->value < 0.0;
 }
 
+/* Between tops less than this part of the largest value known is not worth a search: it is less than the
+ * tolerance that anybody asks for (1e-8 is the start value). */
+static const double WORTH_A_SEARCH = 1e-9;
+
+bool dense_output_is_larger(double value, double largest)
+{
+    return value > largest + WORTH_A_SEARCH * fabs(largest);
+}
+
+/* Whether a top between two places may be larger than what is known: where the quantity bends down at both it
+ * lies below both tangents. */
+static bool may_be_larger(const struct event_function *what, const struct root_bracket_end *low,
+                          const struct root_bracket_end *high, const struct pair_sample *at,
+                          const struct pair_sample *next, double largest)
+{
+    const double width = high->s - low->s;
+    const double rise = value_of(what, next) - value_of(what, at);
+    const double meet = (rise - high->value * width) / (low->value - high->value);
+    return !(low->slope < 0.0 && high->slope < 0.0) ||
+           dense_output_is_larger(value_of(what, at) + low->value * meet, largest);
+}
+
+/* The larger of `largest` and of the top between the samples at low and high. */
+static double larger_between(const struct probe *probe, struct root_bracket_end low,
+                             struct root_bracket_end high, const struct pair_sample *at,
+                             const struct pair_sample *next, double largest)
+{
+    const struct event_function *what = probe->what;
+    const bool turns = low.value > 0.0 && high.value < 0.0;
+    if (turns &&
+        (is_top(what, at) || is_top(what, next) || !may_be_larger(what, &low, &high, at, next, largest))) {
+        return largest;
+    }
+    if (brackets_top(probe, &low, &high) &&
+        !dense_output_climb(probe->output, what, root_guess(low, high), low.s, high.s, &largest)) {
+        const double top = root_in_bracket(probe_slope, probe, low.s, high.s);
+        largest = fmax(largest, value_at(probe, top));
+    }
+    return largest;
+}
+
 double dense_output_largest(const struct dense_output *w, const struct event_function *what, double end,
-                            const struct pair_sample *then)
+                            const struct pair_sample *then, double known)
 {
     const struct probe probe = {w, what};
-    double largest = fmax(value_of(what, &w->at[0]), value_of(what, then));
+    double largest = fmax(known, fmax(value_of(what, &w->at[0]), value_of(what, then)));
     for (int i = 0; i + 1 < w->count && w->s[i] < end; ++i) {
-        struct root_bracket_end low;
-        struct root_bracket_end high;
-        if (brackets_top(&probe, i, &low, &high)) {
-            double top;
-            const double value = top_between(&probe, low, high, &top);
-            largest = top <= end ? fmax(largest, value) : largest;
-        }
-        if (w->s[i + 1] <= end) {
-            largest = fmax(largest, value_of(what, &w->at[i + 1]));
-        }
+        const bool whole = w->s[i + 1] <= end;
+        const struct pair_sample *next = whole ? &w->at[i + 1] : then;
+        const struct root_bracket_end low = slope_end(what, w->s[i], &w->at[i]);
+        const struct root_bracket_end high = slope_end(what, whole ? w->s[i + 1] : end, next);
+        largest = fmax(largest, value_of(what, next));
+        largest = larger_between(&probe, low, high, &w->at[i], next, largest);
     }
     return largest;
 }

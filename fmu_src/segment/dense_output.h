@@ -38,9 +38,17 @@ struct event_function {
  * if it starts below zero and stays there; INFINITY if there is no event. */
 double dense_output_first_event(const struct dense_output *w, const struct event_function *what);
 
-/* Largest value of factor quantity up to `end`, which may be before the last sample; `then` is the sample at
- * `end`. */
+/* Newton's method from s towards a top of factor quantity, inside [low, high]. `largest` becomes the largest
+ * value met; false where no top was reached. */
+bool dense_output_climb(const struct dense_output *w, const struct event_function *what, double s, double low,
+                        double high, double *largest);
+
+/* Whether a value is larger than the largest known by so much that it is worth a search. */
+bool dense_output_is_larger(double value, double largest);
+
+/* The larger of `known` and of factor quantity up to `end`, which may be before the last sample; `then` is
+ * the sample at `end`. */
 double dense_output_largest(const struct dense_output *w, const struct event_function *what, double end,
-                            const struct pair_sample *then);
+                            const struct pair_sample *then, double known);
 
 #endif

@@ -167,27 +167,31 @@ void pair_collocation_sample_node(const struct pair_collocation *p, int node, st
 }
 
 /* y, its rate and its force all solve the oscillator's equation. */
-struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, enum pair_quantity quantity)
+void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,
+                           double *rate)
 {
     const struct oscillator *o = &p->step.result.oscillator;
     const double half = p->step.half;
     const double y = p->step.result.y;
-    const double rate = p->step.result.y_rate;
-    const double bend = -o->damping_rate * rate - o->omega2 * y;
+    const double y_rate = p->step.result.y_rate;
+    const double bend = -o->damping_rate * y_rate - o->omega2 * y;
     const double k = p->from->coefficients.k;
     const double c = p->from->coefficients.c / half;
-    switch (quantity) {
-    case PAIR_GAP_RATE:
-        return oscillator_envelope_of(o, rate / half, bend / half);
-    case PAIR_FORCE:
-        return oscillator_envelope_of(o, k * y + c * rate, k * rate + c * bend);
-    default:
-        return oscillator_envelope_of(o, y, rate);
-    }
+    *start = quantity == PAIR_GAP ? y : quantity == PAIR_GAP_RATE ? y_rate / half : k * y + c * y_rate;
+    *rate = quantity == PAIR_GAP ? y_rate : quantity == PAIR_GAP_RATE ? bend / half : k * y_rate + c * bend;
 }
 
-void pair_collocation_sample_averaged(const struct pair_collocation *p, double s, struct pair_sample *sample)
+struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, enum pair_quantity quantity)
 {
+    double start;
+    double rate;
+    pair_free_oscillation(p, quantity, &start, &rate);
+    return oscillator_envelope_of(&p->step.result.oscillator, start, rate);
+}
+
+void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample)
+{
+    const struct pair_collocation *p = pair_collocation;
     double x[4];
     collocation_averaged_deviation(&p->step, s, x);
     fill_sample(p, x, s, sample);

@@ -40,7 +40,7 @@ void pair_collocation_sample(const void *pair_collocation, double s, struct pair
 void pair_collocation_sample_node(const struct pair_collocation *p, int node, struct pair_sample *sample);
 
 /* Of the averaged motion, the oscillation left out. */
-void pair_collocation_sample_averaged(const struct pair_collocation *p, double s, struct pair_sample *sample);
+void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample);
 
 /* Lower bound of factor quantity + offset in an averaged step: the averaged quantity less the envelope of the
  * oscillation. */
@@ -58,7 +58,12 @@ void pair_lower_bound_at(const void *pair_lower_bound, double s, double *value, 
 void pair_lower_bound_from(const struct pair_lower_bound *bound, const struct oscillator_envelope *envelope,
                            double s, const struct pair_sample *slow, double *value, double *slope);
 
-/* Bound of what the oscillation alone adds to a quantity. */
+/* What the oscillation alone adds to a quantity but for its sign (the force is minus it): its value at the
+ * start and its rate per s. */
+void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,
+                           double *rate);
+
+/* Bound of it. */
 struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, enum pair_quantity quantity);
 
 struct pair_change pair_collocation_change(const void *pair_collocation, double s);

@@ -4,19 +4,6 @@
 
 #include "math/pi.h"
 
-/* Places in one period of the oscillation: no quantity has two extrema in a quarter of it. */
-enum { PERIOD_PLACES = 5 };
-
-/* An oscillation of less than this part of what it is added to adds nothing that is worth the search. */
-static const double NEGLIGIBLE = 1e-12;
-
-/* A node whose bound is above the largest value found by less than this part is not searched: what it could
- * add is less than the tolerance that anybody asks for (1e-8 is the start value). */
-static const double WORTH_A_SEARCH = 1e-9;
-
-/* Maxima that are less than this many periods apart are searched together. */
-static const double NEAR = 0.125;
-
 /* A turn of fewer representable places than this is not searched: its largest value could no longer be told
  * to rounding, for it is missed by (2 pi / places)^2 / 8 of the oscillation at most. */
 static const double PLACES_OF_TURN = 4096.0;
@@ -25,54 +12,92 @@ static const double PLACES_OF_TURN = 4096.0;
  * part of that of its decay (oscillator_envelope_of): it dies away within a period. */
 static const double HARDLY_TURNS = 1.0 / 16.0;
 
+/* A top foreseen outside the segment by less than this part of a turn may be inside: the slope of the slow
+ * part changes. */
+static const double JUST_OUTSIDE = 0.25;
+
 static const struct event_function peak_force = {PAIR_FORCE, 1.0, 0.0};
 static const struct event_function peak_penetration = {PAIR_GAP, -1.0, 0.0};
 
-struct peaks {
-    double deepest, strongest;
+/*
+ * A quantity of an averaged segment and its largest value so far: slow(s) + u(s), of which u oscillates,
+ * |u| <= amplitude exp(-decay_rate s). u alone has its tops at omega s = phase + 2 pi n, and is steepest by
+ * `steepness` times its bound.
+ */
+struct search {
+    const struct segment *p;
+    const struct event_function *what;
+    struct pair_lower_bound bound; /* of minus the quantity */
+    struct oscillator_envelope envelope;
+    double omega, phase, steepness;
+    double end, largest;
 };
 
-/* Without a dashpot the largest force is that of the largest penetration. */
-static void peaks_add(struct peaks *peaks, const struct segment *p, const struct dense_output *w, double end,
-                      const struct pair_sample *then)
+/* A positive deviation outside is a positive gap; penetration and force are minus that. */
+static double sign_of_oscillation(const struct segment *p)
 {
-    const double deepest = dense_output_largest(w, &peak_penetration, end, then);
-    const double strongest = p->pair.coefficients.c > 0.0 ? dense_output_largest(w, &peak_force, end, then)
-                                                          : p->pair.coefficients.k * deepest;
-    peaks->deepest = fmax(peaks->deepest, deepest);
-    peaks->strongest = fmax(peaks->strongest, strongest);
+    return -p->pair.shape.side;
 }
 
-/* Within one period about a place, inside the step. */
-static void peaks_in_period(struct peaks *peaks, const struct segment *p, double place, double period)
+static double slow_of(const struct search *f, const struct pair_sample *slow, int derivative)
 {
-    struct dense_output w = {
-        .sampler = p->output.sampler, .segment = p->output.segment, .count = PERIOD_PLACES};
-    const double low = fmax(0.0, fmin(place - 0.5 * period, p->end - period));
-    const double high = fmin(p->end, low + period);
-    for (int i = 0; i < PERIOD_PLACES; ++i) {
-        w.s[i] = low + (high - low) * i / (PERIOD_PLACES - 1);
+    return f->what->factor * slow->of[f->what->quantity][derivative];
+}
+
+static struct search search_of(struct segment *p, const struct event_function *what, double omega, double end,
+                               double known)
+{
+    const struct pair_collocation *made = &p->as.collocation;
+    struct search f = {.p = p, .what = what, .omega = omega, .end = end};
+    double u;
+    double rate;
+    pair_free_oscillation(made, what->quantity, &u, &rate);
+    u *= sign_of_oscillation(p);
+    rate *= sign_of_oscillation(p);
+    f.bound = (struct pair_lower_bound){made, what->quantity, -what->factor, 0.0};
+    f.envelope = pair_envelope_of(made, what->quantity);
+    f.phase = atan2((rate + f.envelope.decay_rate * u) / omega, u) - atan2(f.envelope.decay_rate, omega);
+    f.steepness = sqrt(omega * omega + f.envelope.decay_rate * f.envelope.decay_rate);
+    const double last = slow_of(&f, dense_output_at(&p->output, end), 0);
+    f.largest = fmax(known, fmax(slow_of(&f, &p->output.at[0], 0) + u, last));
+    return f;
+}
+
+static void climb(struct search *f, double top, double turn)
+{
+    if (top > -JUST_OUTSIDE * turn && top < f->end + JUST_OUTSIDE * turn) {
+        (void)dense_output_climb(&f->p->output, f->what, fmin(fmax(top, 0.0), f->end), 0.0, f->end,
+                                 &f->largest);
     }
-    dense_output_sample(&w);
-    peaks_add(peaks, p, &w, high, &w.at[PERIOD_PLACES - 1]);
 }
 
-/* Where load and envelope together are largest. */
-struct summit {
-    double place;
-    bool oscillates; /* the oscillation matters */
-    bool first;      /* it may be larger in the first period, if it decays */
-};
+/* The two tops next to a place; where the slow part is steeper than the oscillation, its top; or, where a turn has no places to speak of, the top of one. */
+static void climb_about(struct search *f, double place, const struct pair_sample *slow)
+{
+    const double turn = 2.0 * PI / f->omega;
+    const double still = f->envelope.amplitude * exp(-f->envelope.decay_rate * place);
+    const double slope =
+        slow_of(f, slow, 1) / (f->steepness * still); /* against the oscillation's steepest */
+    if (turn <= PLACES_OF_TURN * DBL_EPSILON * place) {
+        f->largest = fmax(f->largest, slow_of(f, slow, 0) + still);
+    } else if (fabs(slope) < 1.0) {
+        const double beyond = remainder(f->omega * place - f->phase - asin(slope), 2.0 * PI) / f->omega;
+        climb(f, place - beyond, turn);
+        climb(f, place - beyond + (beyond > 0.0 ? turn : -turn), turn);
+    } else if (place > 0.0 && place < f->end) { /* the slow part's own top, or none */
+        climb(f, place, turn);
+    }
+}
 
-/* Up to half a period, for within a period about it is searched, or to the last digit. The reserve falls
- * towards it and rises beyond. */
-static double summit_between(const struct pair_lower_bound *bound, double low, double high, double period)
+/* Where slow part and envelope together are highest between two places: up to half a turn, for the tops next
+ * to it are searched, or to the last digit. The lower bound falls towards it and rises beyond. */
+static double summit_between(const struct search *f, double low, double high)
 {
     double middle = 0.5 * (low + high);
-    while (high - low > 0.5 * period && middle > low && middle < high) {
+    while (high - low > PI / f->omega && middle > low && middle < high) {
         double left;
         double slope;
-        pair_lower_bound_at(bound, middle, &left, &slope);
+        pair_lower_bound_at(&f->bound, middle, &left, &slope);
         low = slope < 0.0 ? middle : low;
         high = slope < 0.0 ? high : middle;
         middle = 0.5 * (low + high);
@@ -80,99 +105,63 @@ static double summit_between(const struct pair_lower_bound *bound, double low, d
     return middle;
 }
 
-static struct summit summit_of(const struct segment *p, const struct event_function *what, double period)
+/* About the summit; then about every other node where the bound is above the largest found: an oscillation
+ * that decays may not reach its envelope where that is highest. */
+static void search_swinging(struct search *f)
 {
-    const struct dense_output *w = &p->output;
-    const struct pair_lower_bound bound = {&p->as.collocation, what->quantity, -what->factor, 0.0};
-    const struct oscillator_envelope envelope = pair_envelope_of(&p->as.collocation, what->quantity);
-    struct summit summit = {.place = 0.0};
+    const struct dense_output *w = &f->p->output;
     double left[DENSE_OUTPUT_POINTS] = {0.0};
     double slope[DENSE_OUTPUT_POINTS] = {0.0};
-    double oscillation = 0.0;
     int best = 0;
     for (int i = 0; i < w->count; ++i) {
-        pair_lower_bound_from(&bound, &envelope, w->s[i], &w->at[i], &left[i], &slope[i]);
-        oscillation = fmax(oscillation, -left[i] - what->factor * w->at[i].of[what->quantity][0]);
+        pair_lower_bound_from(&f->bound, &f->envelope, w->s[i], &w->at[i], &left[i], &slope[i]);
         best = left[i] < left[best] ? i : best;
     }
-    summit.oscillates = oscillation > -NEGLIGIBLE * left[best];
-    summit.place = w->s[best];
-    if (summit.oscillates && slope[best] < 0.0 && best + 1 < w->count) {
-        summit.place = summit_between(&bound, w->s[best], w->s[best + 1], period);
-    } else if (summit.oscillates && slope[best] > 0.0 && best > 0) {
-        summit.place = summit_between(&bound, w->s[best - 1], w->s[best], period);
+    const int next = slope[best] < 0.0 ? best + 1 : best - 1;
+    if (slope[best] != 0.0 && next >= 0 && next < w->count) {
+        const double place = summit_between(f, fmin(w->s[best], w->s[next]), fmax(w->s[best], w->s[next]));
+        struct pair_sample slow;
+        pair_collocation_sample_averaged(&f->p->as.collocation, place, &slow);
+        climb_about(f, place, &slow);
     }
-    /* An upper bound of the first period's largest value, compared with the largest without the
-     * oscillation. */
-    const double early = -left[0] + period * fabs(what->factor * w->at[0].of[what->quantity][1]);
-    summit.first = summit.place > period && early > what->factor * w->at[best].of[what->quantity][0];
-    return summit;
-}
-
-/* Load and envelope together. */
-static double height_at(const struct segment *p, const struct event_function *what, double place)
-{
-    const struct pair_lower_bound bound = {&p->as.collocation, what->quantity, -what->factor, 0.0};
-    double left;
-    double slope;
-    pair_lower_bound_at(&bound, place, &left, &slope);
-    return -left;
-}
-
-/* About a place: within a period, or, where a turn has no places to speak of, at the top of one. */
-static void peaks_about(struct peaks *peaks, const struct segment *p, double place, double period)
-{
-    if (period > PLACES_OF_TURN * DBL_EPSILON * place) {
-        peaks_in_period(peaks, p, place, period);
-        return;
-    }
-    const double deepest = height_at(p, &peak_penetration, place);
-    const double strongest =
-        p->pair.coefficients.c > 0.0 ? height_at(p, &peak_force, place) : p->pair.coefficients.k * deepest;
-    peaks->deepest = fmax(peaks->deepest, deepest);
-    peaks->strongest = fmax(peaks->strongest, strongest);
-}
-
-/* Further nodes at which a quantity might be larger than the largest so far: one whose oscillation decays may
- * not reach its envelope where that is highest. */
-static void peaks_elsewhere(struct peaks *peaks, const struct segment *p, const struct event_function *what,
-                            const double *largest, double period)
-{
-    const struct pair_lower_bound bound = {&p->as.collocation, what->quantity, -what->factor, 0.0};
-    const struct oscillator_envelope envelope = pair_envelope_of(&p->as.collocation, what->quantity);
-    for (int i = 0; i < p->output.count; ++i) {
-        double left;
-        double slope;
-        pair_lower_bound_from(&bound, &envelope, p->output.s[i], &p->output.at[i], &left, &slope);
-        if (-left > *largest + WORTH_A_SEARCH * fabs(*largest)) {
-            peaks_about(peaks, p, p->output.s[i], period);
+    for (int i = 0; i < w->count; ++i) {
+        const int node = i == 0 ? best : i <= best ? i - 1 : i;
+        if (dense_output_is_larger(-left[node], f->largest)) {
+            climb_about(f, w->s[node], &w->at[node]);
         }
     }
 }
 
-static void peaks_of_swinging(struct peaks *peaks, const struct segment *p, double period)
+/* Of the slow part alone. */
+static double largest_of_slow(struct segment *p, const struct event_function *what)
 {
-    const struct summit deepest = summit_of(p, &peak_penetration, period);
-    const struct summit strongest = summit_of(p, &peak_force, period);
-    if (!deepest.oscillates && !strongest.oscillates) {
-        peaks_add(peaks, p, &p->output, p->end, &p->output.at[p->output.count - 1]);
-        return;
+    struct dense_output *w = &p->output;
+    dense_output_sampler *whole = w->sampler;
+    w->sampler = pair_collocation_sample_averaged;
+    const double largest = dense_output_largest(w, what, p->end, &w->at[w->count - 1], -(double)INFINITY);
+    w->sampler = whole;
+    return largest;
+}
+
+static double largest_of_swinging(struct segment *p, const struct event_function *what, double omega,
+                                  double end, double known)
+{
+    struct search f = search_of(p, what, omega, end, known);
+    const double slow = largest_of_slow(p, what);
+    if (!dense_output_is_larger(fabs(slow) + f.envelope.amplitude, fabs(slow))) {
+        return fmax(f.largest, slow);
     }
-    peaks_about(peaks, p, deepest.place, period);
-    if (fabs(strongest.place - deepest.place) > NEAR * period) {
-        peaks_about(peaks, p, strongest.place, period);
+    if (dense_output_is_larger(slow + f.envelope.amplitude, f.largest)) {
+        search_swinging(&f);
     }
-    if (deepest.first || strongest.first) {
-        peaks_about(peaks, p, 0.0, period);
-    }
-    peaks_elsewhere(peaks, p, &peak_penetration, &peaks->deepest, period);
-    peaks_elsewhere(peaks, p, &peak_force, &peaks->strongest, period);
+    return f.largest;
 }
 
 /* Between places that double, from half the fast decay's time on, and the nodes: what decays turns as the
  * exponentials do, what follows the load as the nodes show. In portions of the places that there is room
  * for. */
-static void peaks_of_decaying(struct peaks *peaks, const struct segment *p, double faster)
+static double largest_of_decaying(const struct segment *p, const struct event_function *what, double faster,
+                                  double largest)
 {
     struct dense_output w = {.sampler = p->output.sampler, .segment = p->output.segment, .count = 0};
     double place = 0.0;
@@ -180,13 +169,13 @@ static void peaks_of_decaying(struct peaks *peaks, const struct segment *p, doub
     for (;;) {
         dense_output_add(&w, place);
         if (w.count == DENSE_OUTPUT_POINTS || !(place < p->end)) {
-            peaks_add(peaks, p, &w, place, &w.at[w.count - 1]);
+            largest = dense_output_largest(&w, what, place, &w.at[w.count - 1], largest);
             w.s[0] = w.s[w.count - 1];
             w.at[0] = w.at[w.count - 1];
             w.count = 1;
         }
         if (!(place < p->end)) {
-            return;
+            return largest;
         }
         while (next < p->output.count && !(p->output.s[next] > place)) {
             next += 1;
@@ -196,26 +185,26 @@ static void peaks_of_decaying(struct peaks *peaks, const struct segment *p, doub
 }
 
 /* The nodes of an averaged step do not see the oscillation. */
-static void peaks_of_averaged(struct peaks *peaks, const struct segment *p)
+static double largest_of(struct segment *p, const struct event_function *what, double end, double known)
 {
     const struct oscillator *o = &p->as.collocation.step.result.oscillator;
+    if (p->kind != SEGMENT_AVERAGED) {
+        return dense_output_largest(&p->output, what, end, dense_output_at(&p->output, end), known);
+    }
     const double decay_square = 0.25 * o->damping_rate * o->damping_rate;
     const double omega_d2 = o->omega2 - decay_square;
-    if (omega_d2 > HARDLY_TURNS * decay_square) {
-        peaks_of_swinging(peaks, p, 2.0 * PI / sqrt(omega_d2));
-    } else {
-        peaks_of_decaying(peaks, p, oscillator_rates_of(o).faster);
-    }
+    return omega_d2 > HARDLY_TURNS * decay_square
+               ? largest_of_swinging(p, what, sqrt(omega_d2), end, known)
+               : largest_of_decaying(p, what, oscillator_rates_of(o).faster, known);
 }
 
 void peaks_note(struct segment *p, struct contact_state *state, double end)
 {
-    struct peaks peaks = {-(double)INFINITY, -(double)INFINITY};
-    if (p->kind == SEGMENT_AVERAGED) {
-        peaks_of_averaged(&peaks, p);
-    } else {
-        peaks_add(&peaks, p, &p->output, end, dense_output_at(&p->output, end));
+    struct contact_record *record = &state->record;
+    record->peak_penetration = largest_of(p, &peak_penetration, end, record->peak_penetration);
+    if (p->pair.coefficients.c > 0.0) {
+        record->peak_force = largest_of(p, &peak_force, end, record->peak_force);
+    } else { /* the largest force of a spring is that of the largest penetration */
+        record->peak_force = fmax(record->peak_force, p->pair.coefficients.k * record->peak_penetration);
     }
-    state->record.peak_force = fmax(state->record.peak_force, peaks.strongest);
-    state->record.peak_penetration = fmax(state->record.peak_penetration, peaks.deepest);
 }

@@ -137,7 +137,7 @@ static void the_largest_value_of_a_wave_is_found_up_to_any_end(void)
         const double end = k % 4 == 0 ? last : random_between(&r, w.s[0], last);
         struct pair_sample then;
         sample_waves(&waves, end, &then);
-        CHECK_CLOSE("largest", dense_output_largest(&w, &wave.what, end, &then),
+        CHECK_CLOSE("largest", dense_output_largest(&w, &wave.what, end, &then, -(double)INFINITY),
                     expected_largest(&wave, &w, end),
                     64.0L * DBL_EPSILON * wave.size * (1.0 + wave.rate * last));
     }
