@@ -71,7 +71,8 @@ static void climb(struct search *f, double top, double turn)
     }
 }
 
-/* The two tops next to a place; where the slow part is steeper than the oscillation, its top; or, where a turn has no places to speak of, the top of one. */
+/* The two tops next to a place; where the slow part is steeper than the oscillation, its top; or, where a turn
+ * has no places to speak of, the top of one. */
 static void climb_about(struct search *f, double place, const struct pair_sample *slow)
 {
     const double turn = 2.0 * PI / f->omega;
