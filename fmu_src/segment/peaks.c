@@ -202,10 +202,12 @@ static double largest_of(struct segment *p, const struct event_function *what, d
 void peaks_note(struct segment *p, struct contact_state *state, double end)
 {
     struct contact_record *record = &state->record;
-    record->peak_penetration = largest_of(p, &peak_penetration, end, record->peak_penetration);
     if (p->pair.coefficients.c > 0.0) {
+        record->peak_penetration = largest_of(p, &peak_penetration, end, record->peak_penetration);
         record->peak_force = largest_of(p, &peak_force, end, record->peak_force);
-    } else { /* the largest force of a spring is that of the largest penetration */
-        record->peak_force = fmax(record->peak_force, p->pair.coefficients.k * record->peak_penetration);
+    } else { /* the largest force of a spring is that of its largest penetration */
+        const double deepest = largest_of(p, &peak_penetration, end, -(double)INFINITY);
+        record->peak_penetration = fmax(record->peak_penetration, deepest);
+        record->peak_force = fmax(record->peak_force, p->pair.coefficients.k * deepest);
     }
 }
