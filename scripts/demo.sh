@@ -17,7 +17,7 @@ printf 'built: %s\n' build/fmus/*.fmu
 
 claims=0
 say "Scenarios"
-contact_fmus run --output build/scenarios || claims=$?
+contact_fmus scenarios --output build/scenarios || claims=$?
 
 say "Leave out"
 contact_fmus leave-out

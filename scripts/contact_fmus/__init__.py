@@ -2,7 +2,9 @@
 
 A package uses those above it in this list, never the other way round:
 
+errors      expected errors, the command's statuses
 fmu         one FMU by the names of its variables; the C program that times FMUs
+results     values of a run over time, and their file
 pages       what all pages of results share
 scenarios   experiments (scripts/scenarios/*.toml) and what they claim
 bench       benchmark problems, ratios of run times for developers
@@ -11,5 +13,29 @@ peers, coupling, lasting
             other simulators; the FMU as a force element; lasting contact by two methods
 stability   the atlas of stiff and extreme scenes (docs/stability)
 
-`python -m contact_fmus --help` lists the commands.
+`contact-fmus --help` lists the commands.
+
+    from contact_fmus import ContactFmu, fmu_file
 """
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+# Names of the package itself; their modules are imported when asked for, since fmpy takes half a second.
+NAMES = {
+    "ContactFmu": "fmu.contact_fmu",
+    "FmuError": "fmu.contact_fmu",
+    "Result": "results",
+    "UserError": "errors",
+    "fmu_file": "fmu.files",
+    "fmus_folder": "fmu.files",
+}
+__all__ = list(NAMES)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in NAMES:
+        raise AttributeError(f"module 'contact_fmus' has no attribute '{name}'")
+    return getattr(importlib.import_module(f"contact_fmus.{NAMES[name]}"), name)

@@ -1,13 +1,18 @@
-"""python -m contact_fmus COMMAND [OPTION ...]"""
+"""contact-fmus COMMAND [OPTION ...]
+
+Contact of spheres and cylinders as FMUs: build them from scenes, run them, check them, measure them."""
 
 from __future__ import annotations
 
 import importlib
+import os
 import sys
+
+from .errors import BAD_REQUEST, INTERRUPTED, OUTPUT_CLOSED, RUN_FAILED, UserError, similar
 
 # name: (module and function, what it does). Modules are imported when asked for: some take a while.
 COMMANDS = {
-    "run": ("scenarios.command:run", "run scenarios, check their claims, write plots and index.html"),
+    "scenarios": ("scenarios.command:run", "run scenarios, check their claims, write plots and index.html"),
     "picture": ("scenarios.command:picture", "draw one scenario"),
     "leave-out": ("scenarios.command:leave_out", "compare the sizes and speeds of the FMUs"),
     "bench": ("bench.command:main", "ratios of run times for developers"),
@@ -17,28 +22,92 @@ COMMANDS = {
     "page": ("report.command:page", "draw the report's page from what is in the folder"),
     "lasting": ("lasting.study:main", "lasting stiff contact by Radau IIA and by this project's method"),
     "stability": ("stability.command:main", "the atlas of stiff and extreme scenes"),
-    "mutate": ("mutation.command:main", "break the C code in small ways and list what no test notices"),
     "beyond": ("stability.beyond:main", "random scenes far beyond the atlas"),
+    "mutate": ("mutation.command:main", "break the C code in small ways and list what no test notices"),
 }
+
+# The extra of the Python package that brings a module
+EXTRAS = {
+    "matplotlib": "plot",
+    "scipy": "plot",
+    "mpmath": "dev",
+    "ziglang": "zig",
+}
+
+STATUSES = """status: 0 done, 1 a claim does not hold or a check found something,
+        2 the request makes no sense, 3 a run failed, 130 interrupted"""
 
 
 def usage() -> str:
     """One line for each command"""
     lines = [f"  {name:14} {text}" for name, (_, text) in COMMANDS.items()]
-    return "\n".join([__doc__, "", *lines, "", "python -m contact_fmus COMMAND --help: its options"])
+    return "\n".join([__doc__, "", *lines, "", "contact-fmus COMMAND --help: its options", STATUSES])
+
+
+def version() -> str:
+    """That of the installed package, or of the sources where it is not installed"""
+    from importlib.metadata import PackageNotFoundError
+    from importlib.metadata import version as installed
+
+    try:
+        return installed("contact-fmus")
+    except PackageNotFoundError:
+        return "not installed, run from its sources"
+
+
+def missing_module(error: ModuleNotFoundError) -> str:
+    """What to install for a module that is not there"""
+    name = (error.name or "").partition(".")[0]
+    if name in EXTRAS:
+        return f"this needs {name}: pip install 'contact-fmus[{EXTRAS[name]}]'"
+    return f"the Python package {name} is not installed: pip install {name}"
+
+
+def os_error(error: OSError) -> tuple[str, int]:
+    """The sentence and the status of a failed file operation: a wrong name is a bad request"""
+    names = [str(name) for name in (error.filename, error.filename2) if name is not None]
+    text = ": ".join([*names, error.strerror]) if error.strerror else str(error)
+    asked = (FileNotFoundError, FileExistsError, IsADirectoryError, NotADirectoryError, PermissionError)
+    return text, BAD_REQUEST if isinstance(error, asked) else RUN_FAILED
+
+
+def guarded(name: str, arguments: list[str]) -> int:
+    """The command's status; an expected error is one sentence on stderr"""
+    module, _, function = COMMANDS[name][0].partition(":")
+    try:
+        return getattr(importlib.import_module(f"contact_fmus.{module}"), function)(arguments)
+    except UserError as error:
+        text, status = str(error), error.status
+    except ModuleNotFoundError as error:
+        if (error.name or "").startswith("contact_fmus"):
+            raise  # a fault of this package
+        text, status = missing_module(error), BAD_REQUEST
+    except BrokenPipeError:
+        # Python would complain once more when it flushes at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return OUTPUT_CLOSED
+    except OSError as error:
+        text, status = os_error(error)
+    except KeyboardInterrupt:
+        text, status = "interrupted", INTERRUPTED
+    print(f"contact-fmus {name}: {text}", file=sys.stderr)
+    return status
 
 
 def main(arguments: list[str] | None = None) -> int:
     """The command's status; 2 where there is no such command"""
     name, *rest = (sys.argv[1:] if arguments is None else arguments) or [""]
-    if name in ("-h", "--help"):
+    if name in ("-h", "--help", "help"):
         print(usage())
         return 0
+    if name == "--version":
+        print(f"contact-fmus {version()}")
+        return 0
     if name not in COMMANDS:
-        print(f"unknown command '{name}'\n{usage()}", file=sys.stderr)
-        return 2
-    module, _, function = COMMANDS[name][0].partition(":")
-    return getattr(importlib.import_module(f"contact_fmus.{module}"), function)(rest)
+        text = f"unknown command '{name}'{similar(name, COMMANDS)}" if name else "a command is missing"
+        print(f"contact-fmus: {text}; contact-fmus --help lists them", file=sys.stderr)
+        return BAD_REQUEST
+    return guarded(name, rest)
 
 
 if __name__ == "__main__":

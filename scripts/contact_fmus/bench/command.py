@@ -29,7 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     text = "How many instructions the FMUs execute, and ratios of run times."
-    parser = argparse.ArgumentParser(prog="contact_fmus bench", description=text)
+    parser = argparse.ArgumentParser(prog="contact-fmus bench", description=text)
     parser.add_argument("--quick", action="store_true", help="few runs, to see that it works")
     parser.add_argument("--instructions", action="store_true", help="the instruction counts only")
     parser.add_argument(

@@ -122,7 +122,7 @@ def _plain(value: float | None) -> float | str | None:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="contact_fmus force-element", description=__doc__)
+    parser = argparse.ArgumentParser(prog="contact-fmus force-element", description=__doc__)
     parser.add_argument("--output", type=Path, required=True, help="folder of JSON and figure")
     parser.add_argument("--quick", action="store_true", help="few steps, to see that it works")
     options = parser.parse_args(arguments)

@@ -82,7 +82,7 @@ def in_turns(damping: float, penalty: float, count: int, runs: int, rounds: int)
 
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
-        prog="contact_fmus lasting", description="Radau IIA against exponential collocation"
+        prog="contact-fmus lasting", description="Radau IIA against exponential collocation"
     )
     parser.add_argument("--output", type=Path, required=True, help="folder of the results")
     parser.add_argument("--quick", action="store_true", help="each once, to see that it works")

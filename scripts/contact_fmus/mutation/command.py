@@ -21,7 +21,7 @@ LEFT_OUT = ["physics/test_lists", "fmu/test_determinism", "fmu/test_leave_out", 
 
 def main(arguments: list[str]) -> int:
     """0 when every change that compiles was noticed, is the same code or has its reason in reasons.toml"""
-    parser = argparse.ArgumentParser(prog="contact_fmus mutate")
+    parser = argparse.ArgumentParser(prog="contact-fmus mutate")
     parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="")

@@ -17,7 +17,7 @@ from .run import NAMES, module_of, run, versions
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="contact_fmus peers", description=__doc__)
+    parser = argparse.ArgumentParser(prog="contact-fmus peers", description=__doc__)
     parser.add_argument("--output", type=Path, required=True, metavar="FOLDER")
     parser.add_argument("--quick", action="store_true", help="few runs, to see that it works")
     parser.add_argument("--only", action="append", choices=NAMES, metavar="NAME", help=", ".join(NAMES))

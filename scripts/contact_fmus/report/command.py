@@ -38,7 +38,7 @@ def page(arguments: list[str] | None = None) -> int:
 
 
 def _parser(name: str, text: str) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog=f"contact_fmus {name}", description=text)
+    parser = argparse.ArgumentParser(prog=f"contact-fmus {name}", description=text)
     parser.add_argument("--output", type=Path, default=repository() / "docs" / "report", metavar="FOLDER")
     return parser
 

@@ -21,7 +21,7 @@ from .scenario import ScenarioError, read_scenario
 def run(arguments: list[str] | None = None) -> int:
     """0: all claims hold; 1: one does not, or an FMU refused; 2: the request makes no sense"""
     text = "Runs scenarios, checks their claims, writes plots and index.html."
-    parser = argparse.ArgumentParser(prog="contact_fmus run", description=text)
+    parser = argparse.ArgumentParser(prog="contact-fmus scenarios", description=text)
     parser.add_argument(
         "files", nargs="*", type=Path, help="scenario files; default all of scripts/scenarios"
     )
@@ -32,7 +32,7 @@ def run(arguments: list[str] | None = None) -> int:
 
 def picture(arguments: list[str] | None = None) -> int:
     """0: drawn; 1: an FMU refused; 2: the request makes no sense"""
-    parser = argparse.ArgumentParser(prog="contact_fmus picture", description="Draws one scenario.")
+    parser = argparse.ArgumentParser(prog="contact-fmus picture", description="Draws one scenario.")
     parser.add_argument("file", type=Path)
     parser.add_argument("--output", type=Path, required=True, metavar="PNG")
     return _guarded(_picture, parser.parse_args(arguments))
@@ -41,7 +41,7 @@ def picture(arguments: list[str] | None = None) -> int:
 def leave_out(arguments: list[str] | None = None) -> int:
     """0: compared; 1: an FMU refused, or none is built"""
     text = "Compares the sizes and speeds of the FMUs."
-    parser = argparse.ArgumentParser(prog="contact_fmus leave-out", description=text)
+    parser = argparse.ArgumentParser(prog="contact-fmus leave-out", description=text)
     return _guarded(_leave_out, parser.parse_args(arguments))
 
 

@@ -116,7 +116,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="contact_fmus beyond",
+        prog="contact-fmus beyond",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -56,7 +56,7 @@ def _measured(options: argparse.Namespace) -> list[SceneRun]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="contact_fmus stability", description=__doc__)
+    parser = argparse.ArgumentParser(prog="contact-fmus stability", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="few of the scenes")
     parser.add_argument(
         "--check", action="store_true", help="the status is 1 unless event_driven is right everywhere"

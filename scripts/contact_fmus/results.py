@@ -1,0 +1,115 @@
+"""What a run leaves: values over time, with units, and the file they are kept in.
+
+    result = Result.read("bounce.csv")
+    result.time                              # s, numpy array
+    result.columns["contact.gap"]            # a scalar variable at those times
+    result.vector("source.position")         # the three scalars of a vector, one row a time
+    result.units["contact.gap"]              # "m"; "" where a variable has none
+    result.parameters["source.radius"]       # value during the run; an enumeration's is its item's name
+    result.fmu                               # the FMU that ran, None where the file does not say
+
+A file is a CSV table with a row of names; time comes first. Lines that start with # stand before it: one JSON
+text each for the units, the parameters and the FMU. Enumerations are written by name, Booleans as 0 and 1.
+pandas.read_csv(file, comment="#") reads it too.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from .errors import UserError, similar
+
+HEADINGS = ("fmu", "units", "parameters")
+
+
+@dataclass
+class Result:
+    """Values of one run over time"""
+
+    time: np.ndarray  # s
+    columns: dict[str, np.ndarray]  # by the variable's name; text where it is an enumeration
+    units: dict[str, str] = field(default_factory=dict)
+    fmu: Path | None = None
+    parameters: dict[str, Any] = field(default_factory=dict)
+
+    def column(self, name: str) -> np.ndarray:
+        """UserError with likely names where there is none of this name"""
+        if name not in self.columns:
+            raise UserError(f"the result has no variable '{name}'{similar(name, self.columns)}")
+        return self.columns[name]
+
+    def vector(self, name: str) -> np.ndarray:
+        """The scalars name[1], name[2], name[3] as one row a time"""
+        return np.column_stack([self.column(f"{name}[{index}]") for index in (1, 2, 3)])
+
+    def write_csv(self, path: str | Path) -> None:
+        """Numbers with all digits: reading the file gives the same bits"""
+        values = {
+            "fmu": str(self.fmu) if self.fmu is not None else None,
+            "units": {"time": "s"} | {name: self.units.get(name, "") for name in self.columns},
+            "parameters": self.parameters,
+        }
+        with open(path, "w", newline="", encoding="utf-8") as file:
+            for heading in HEADINGS:
+                file.write(f"# {heading}: {json.dumps(values[heading], ensure_ascii=False)}\n")
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(["time", *self.columns])
+            columns = [self.time.tolist(), *(_writable(values) for values in self.columns.values())]
+            writer.writerows(zip(*columns, strict=True))
+
+    @classmethod
+    def read(cls, path: str | Path) -> Self:
+        """UserError where the file is no such table"""
+        try:
+            with open(path, newline="", encoding="utf-8-sig") as file:
+                lines = file.read().splitlines()
+        except UnicodeDecodeError:
+            raise UserError(f"{path}: this is no CSV file of results, but binary") from None
+        about = _headings(path, [line for line in lines if line.startswith("#")])
+        rows = list(csv.reader(line for line in lines if line and not line.startswith("#")))
+        if not rows or rows[0][0] != "time":
+            raise UserError(f"{path}: this is no CSV file of results: its first column is not 'time'")
+        names, table = rows[0], rows[1:]
+        for number, row in enumerate(table, 1):
+            if len(row) != len(names):
+                raise UserError(f"{path}: row {number} has {len(row)} values instead of {len(names)}")
+        columns = {
+            name: _column(path, name, [row[index] for row in table]) for index, name in enumerate(names)
+        }
+        time = columns.pop("time")
+        fmu = Path(about["fmu"]) if about.get("fmu") else None
+        return cls(time, columns, about.get("units", {}), fmu, about.get("parameters", {}))
+
+
+def _writable(values: Iterable[Any]) -> list[Any]:
+    array = np.asarray(values)
+    return (array.astype(int) if array.dtype == bool else array).tolist()
+
+
+def _headings(path: str | Path, lines: list[str]) -> dict[str, Any]:
+    found = {}
+    for line in lines:
+        heading, _, text = line[1:].strip().partition(":")
+        if heading in HEADINGS:
+            try:
+                found[heading] = json.loads(text)
+            except json.JSONDecodeError as error:
+                raise UserError(f"{path}: the line '# {heading}: ...' is no JSON text: {error}") from None
+    return found
+
+
+def _column(path: str | Path, name: str, texts: list[str]) -> np.ndarray:
+    """Numbers, or text where an enumeration's items stand"""
+    try:
+        return np.array([float(text) for text in texts])
+    except ValueError:
+        if name == "time":
+            raise UserError(f"{path}: column time holds something that is no number") from None
+        return np.array(texts)
