@@ -1,7 +1,7 @@
 /*
  * The saved states an instance has handed out and the importer has not freed: a list through the blocks
- * themselves. What the importer holds is the address of such a block. What the importer brings is looked up by
- * comparing addresses and never read before it is found: it may be uninitialised, freed, or another
+ * themselves. What the importer holds is the address of such a block. What the importer brings is looked up
+ * by comparing addresses and never read before it is found: it may be uninitialised, freed, or another
  * instance's.
  */
 #ifndef CONTACT_FMI_STATE_LIST_H
@@ -13,7 +13,7 @@
 
 struct state_block {
     struct state_block *next;
-    _Alignas(double) unsigned char bytes[]; /* a header and the model's state, see saved_state.c */
+    _Alignas(double) unsigned char bytes[]; /* a header and the model's state, see state_block.c */
 };
 
 /* The block at an address, or NULL when this instance has none there. */

@@ -10,7 +10,7 @@ static void send(struct instance *instance, enum model_status status, const char
 
 const struct adapter adapter_of_fmi2 = {
     .send = send,
-    /* The logger takes a printf format in which '#' marks value references (FMI 2.0.5, fmi2CallbackLogger). */
+    /* The logger takes a printf format in which '#' marks value references (FMI 2.0.5). */
     .doubled = "%#",
     .type_names = {[VARIABLE_REAL] = "Real",
                    [VARIABLE_INTEGER] = "Integer",

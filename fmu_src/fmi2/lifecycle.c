@@ -65,8 +65,9 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     const struct model_host host = host_of(functions);
     struct instance *instance = instance_create(&adapter_of_fmi2, &host, sizeof(struct fmi2_instance),
                                                 instanceName, loggingOn != fmi2False);
-    if (!instance_expects(&nobody.shared, "fmi2Instantiate", instance != NULL, "memory", "exhausted",
-                          "room for an instance")) {
+    if (instance == NULL) {
+        instance_expects(&nobody.shared, "fmi2Instantiate", false, "memory", "exhausted",
+                         "room for an instance");
         return NULL;
     }
     ((struct fmi2_instance *)instance)->callbacks = *functions;

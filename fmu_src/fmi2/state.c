@@ -1,35 +1,35 @@
 /* Saved states by the names of FMI 2.0. */
-#include "fmi/saved_state.h"
+#include "fmi/state_block.h"
 #include "fmi2/call_order.h"
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 {
-    return status_of(saved_state_get(c, CALL(GetFMUstate), FMUstate));
+    return status_of(state_block_get(c, CALL(GetFMUstate), FMUstate));
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate)
 {
-    return status_of(saved_state_set(c, CALL(SetFMUstate), FMUstate));
+    return status_of(state_block_set(c, CALL(SetFMUstate), FMUstate));
 }
 
 fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate)
 {
-    return status_of(saved_state_free(c, CALL(FreeFMUstate), FMUstate));
+    return status_of(state_block_free(c, CALL(FreeFMUstate), FMUstate));
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size)
 {
-    return status_of(saved_state_size(c, CALL(SerializedFMUstateSize), FMUstate, size));
+    return status_of(state_block_size(c, CALL(SerializedFMUstateSize), FMUstate, size));
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[],
                                  size_t size)
 {
-    return status_of(saved_state_serialize(c, CALL(SerializeFMUstate), FMUstate, serializedState, size));
+    return status_of(state_block_serialize(c, CALL(SerializeFMUstate), FMUstate, serializedState, size));
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
                                    fmi2FMUstate *FMUstate)
 {
-    return status_of(saved_state_deserialize(c, CALL(DeSerializeFMUstate), serializedState, size, FMUstate));
+    return status_of(state_block_deserialize(c, CALL(DeSerializeFMUstate), serializedState, size, FMUstate));
 }

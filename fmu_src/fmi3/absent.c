@@ -1,6 +1,6 @@
 /*
- * Functions of the standard for what these FMUs do not have: there, because importers look for all of them, and
- * refused in words.
+ * Functions of the standard for what these FMUs do not have: there, because importers look for all of them,
+ * and refused in words.
  */
 #include "fmi3/call_order.h"
 

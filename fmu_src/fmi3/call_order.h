@@ -59,9 +59,9 @@
     ROW(GetNumberOfContinuousStates, 0)
 
 /*
- * After the state machine for Co-Simulation of FMI 3.0.2, sections 2.3 and 4.2. Harmless extensions: values may
- * be read while instantiated (only those that have a start value), and between setting an input and the next
- * step; states are saved and set in every phase but the fatal one.
+ * After the state machine for Co-Simulation of FMI 3.0.2, sections 2.3 and 4.2. Two harmless extensions:
+ * values may be read while instantiated (only those that have a start value), and between setting an input
+ * and the next step.
  */
 #define CALL_TABLE(ROW)                                                                                      \
     ROW(SetDebugLogging, PHASES_ALL)                                                                         \

@@ -1,6 +1,6 @@
 /*
- * Event mode. A contact that begins or ends has changed its regime when fmi3DoStep returns: nothing is left to
- * iterate, and nothing is scheduled.
+ * Event mode. A contact that begins or ends has changed its regime when fmi3DoStep returns: nothing is left
+ * to iterate, and nothing is scheduled.
  */
 #include "fmi/lifecycle.h"
 #include "fmi3/call_order.h"

@@ -43,9 +43,9 @@ static bool identity_in_order(struct instance *nobody, const char *function, con
 static bool intermediate_in_order(struct instance *nobody, const char *function,
                                   const fmi3ValueReference required[], size_t count)
 {
-    if (!instance_expects(nobody, function, required != NULL || count == 0, "requiredIntermediateVariables",
-                          "(null)", "as many value references as told")) {
-        return false;
+    if (required == NULL && count > 0) {
+        return instance_expects(nobody, function, false, "requiredIntermediateVariables", "(null)",
+                                "as many value references as told");
     }
     for (size_t i = 0; i < count; ++i) {
         char given[16]; /* 32 bits in decimal */
@@ -84,8 +84,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     const struct model_host host = {.allocate = calloc, .release = free};
     struct instance *instance =
         instance_create(&adapter_of_fmi3, &host, sizeof(struct fmi3_instance), instanceName, loggingOn);
-    if (!instance_expects(&nobody.shared, function, instance != NULL, "memory", "exhausted",
-                          "room for an instance")) {
+    if (instance == NULL) {
+        instance_expects(&nobody.shared, function, false, "memory", "exhausted", "room for an instance");
         return NULL;
     }
     struct fmi3_instance *own = (struct fmi3_instance *)instance;
@@ -133,7 +133,8 @@ void fmi3FreeInstance(fmi3Instance c)
     instance_free(c);
 }
 
-/* Named categories are switched on or off beside the others; none are all of them (FMI 3.0.2, section 2.3.1). */
+/* Named categories are switched on or off beside the others; none are all of them (FMI 3.0.2, section
+ * 2.3.1). */
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean loggingOn, size_t nCategories,
                                const fmi3String categories[])
 {

@@ -1,6 +1,6 @@
 /*
- * Derivatives of outputs with respect to inputs, along a direction of inputs and, adjoint, of outputs. Vectors
- * are taken apart into chunks of components on the stack, and the products of the chunks summed up.
+ * Derivatives of outputs with respect to inputs, along a direction of inputs and, adjoint, of outputs.
+ * Vectors are taken apart into chunks of components on the stack, and the products of the chunks summed up.
  */
 #include "fmi/derivatives.h"
 #include "fmi3/call_order.h"
@@ -111,8 +111,15 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference
                                         const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[],
                                         size_t nSensitivity)
 {
-    const struct product p = {false,        unknowns, knowns, nUnknowns,  nKnowns,
-                              nSensitivity, nSeed,    seed,   sensitivity};
+    const struct product p = {.adjoint = false,
+                              .unknowns = unknowns,
+                              .knowns = knowns,
+                              .unknown_count = nUnknowns,
+                              .known_count = nKnowns,
+                              .unknown_components = nSensitivity,
+                              .known_components = nSeed,
+                              .seed = seed,
+                              .sensitivity = sensitivity};
     return product(c, CALL(GetDirectionalDerivative), &p);
 }
 
@@ -121,7 +128,14 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unk
                                     const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[],
                                     size_t nSensitivity)
 {
-    const struct product p = {true,  unknowns,     knowns, nUnknowns,  nKnowns,
-                              nSeed, nSensitivity, seed,   sensitivity};
+    const struct product p = {.adjoint = true,
+                              .unknowns = unknowns,
+                              .knowns = knowns,
+                              .unknown_count = nUnknowns,
+                              .known_count = nKnowns,
+                              .unknown_components = nSeed,
+                              .known_components = nSensitivity,
+                              .seed = seed,
+                              .sensitivity = sensitivity};
     return product(c, CALL(GetAdjointDerivative), &p);
 }

@@ -1,17 +1,17 @@
 /* Saved states by the names of FMI 3.0. */
-#include "fmi/saved_state.h"
+#include "fmi/state_block.h"
 #include "fmi3/call_order.h"
 
 fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *FMUState)
 {
-    return status_of(saved_state_get(c, CALL(GetFMUState), FMUState));
+    return status_of(state_block_get(c, CALL(GetFMUState), FMUState));
 }
 
 /* A state of another instance may be one of event mode, which this one may not have. */
 fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState FMUState)
 {
     struct fmi3_instance *own = c;
-    const enum model_status status = saved_state_set(c, CALL(SetFMUState), FMUState);
+    const enum model_status status = state_block_set(c, CALL(SetFMUState), FMUState);
     if (status <= MODEL_WARNING && own->shared.phase == PHASE_EVENT && !own->event_mode_used) {
         own->shared.phase = PHASE_STEP;
     }
@@ -20,22 +20,22 @@ fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState FMUState)
 
 fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *FMUState)
 {
-    return status_of(saved_state_free(c, CALL(FreeFMUState), FMUState));
+    return status_of(state_block_free(c, CALL(FreeFMUState), FMUState));
 }
 
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState FMUState, size_t *size)
 {
-    return status_of(saved_state_size(c, CALL(SerializedFMUStateSize), FMUState, size));
+    return status_of(state_block_size(c, CALL(SerializedFMUStateSize), FMUState, size));
 }
 
 fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState FMUState, fmi3Byte serializedState[],
                                  size_t size)
 {
-    return status_of(saved_state_serialize(c, CALL(SerializeFMUState), FMUState, serializedState, size));
+    return status_of(state_block_serialize(c, CALL(SerializeFMUState), FMUState, serializedState, size));
 }
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte serializedState[], size_t size,
                                    fmi3FMUState *FMUState)
 {
-    return status_of(saved_state_deserialize(c, CALL(DeserializeFMUState), serializedState, size, FMUState));
+    return status_of(state_block_deserialize(c, CALL(DeserializeFMUState), serializedState, size, FMUState));
 }

@@ -33,32 +33,23 @@ static double at_event(void *context, double end_time)
     return own->event_mode_used && own->early_return_allowed ? own->event_time : end_time;
 }
 
-/* Where the step ended. */
-struct outcome {
+/* Where to put what a step tells besides its status. */
+struct results {
     fmi3Boolean *event, *terminate, *early;
-    fmi3Float64 *time;
+    fmi3Float64 *time; /* reached [s] */
 };
 
 /* The model never ends a run by itself. */
-static void put_outcome(const struct outcome *out, bool event, bool early, double time)
+static inline void put_results(const struct results *to, bool event, bool early, double time)
 {
-    *out->event = event;
-    *out->terminate = fmi3False;
-    *out->early = early;
-    *out->time = time;
+    *to->event = event;
+    *to->terminate = fmi3False;
+    *to->early = early;
+    *to->time = time;
 }
 
-static bool outcome_wanted(struct instance *instance, const struct outcome *out)
-{
-    const struct call *call = CALL(DoStep);
-    return call_array_given(instance, call, "eventHandlingNeeded", out->event, 1) &&
-           call_array_given(instance, call, "terminateSimulation", out->terminate, 1) &&
-           call_array_given(instance, call, "earlyReturn", out->early, 1) &&
-           call_array_given(instance, call, "lastSuccessfulTime", out->time, 1);
-}
-
-/* Without early return a step that gets stuck is undone: FMI 3.0 knows no other fmi3Discard. */
-static enum model_status take_checked_step(struct fmi3_instance *own, double end, const struct outcome *out)
+/* A step that gets stuck is undone: fmi3Discard leaves an instance as it was. */
+static enum model_status take_checked_step(struct fmi3_instance *own, double end, const struct results *to)
 {
     struct instance *instance = &own->shared;
     const struct step_request request = {
@@ -70,46 +61,62 @@ static enum model_status take_checked_step(struct fmi3_instance *own, double end
     own->event_time = (double)NAN;
     const enum model_status status = step_end(instance, model_step_requested(instance->model, &request));
     const double time = model_time(instance->model);
-    const bool event = own->event_mode_used && own->event_time == time;
-    put_outcome(out, event, status <= MODEL_WARNING && end - time > 4.0 * DBL_EPSILON * fabs(end), time);
+    const bool early = status <= MODEL_WARNING && end - time > 4.0 * DBL_EPSILON * fabs(end);
+    put_results(to, own->event_mode_used && own->event_time == time, early, time);
     return status;
 }
 
-/* Any step, with messages. */
-static enum model_status do_step(struct instance *instance, double point, double size,
-                                 const struct outcome *out)
+static bool results_wanted(struct instance *instance, const struct results *to)
 {
-    if (!call_allowed(instance, CALL(DoStep)) || !outcome_wanted(instance, out)) {
-        return MODEL_ERROR;
+    const struct call *call = CALL(DoStep);
+    return call_array_given(instance, call, "eventHandlingNeeded", to->event, 1) &&
+           call_array_given(instance, call, "terminateSimulation", to->terminate, 1) &&
+           call_array_given(instance, call, "earlyReturn", to->early, 1) &&
+           call_array_given(instance, call, "lastSuccessfulTime", to->time, 1);
+}
+
+/* Any step, with messages. Apart from fmi3DoStep, so that a deferred flight does not save registers for it; so
+ * few arguments that all of them are in registers. */
+__attribute__((noinline)) static fmi3Status do_step(struct instance *instance, double point, double size,
+                                                    fmi3Boolean *event, fmi3Boolean *terminate,
+                                                    fmi3Boolean *early, fmi3Float64 *time)
+{
+    const struct results to = {event, terminate, early, time};
+    if (!call_allowed(instance, CALL(DoStep)) || !results_wanted(instance, &to)) {
+        return fmi3Error;
     }
     enum model_status status = step_check(instance, CALL(DoStep), point, size);
     if (status == MODEL_OK) {
-        status = take_checked_step((struct fmi3_instance *)instance, point + size, out);
+        status = take_checked_step((struct fmi3_instance *)instance, point + size, &to);
     } else {
-        put_outcome(out, false, false, model_time(instance->model));
+        put_results(&to, false, false, model_time(instance->model));
     }
     instance->step_status = status;
-    return status;
+    return status_of(status);
 }
 
 /*
  * Nothing is kept for going back (states are saved on request), so noSetFMUStatePriorToCurrentPoint is idle.
+ * Flattened, because calls would be a good part of what a deferred flight costs.
  */
-fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint,
-                      fmi3Float64 communicationStepSize, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
-                      fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
-                      fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
+__attribute__((flatten)) fmi3Status
+fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
+           fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
+           fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
 {
     struct instance *instance = c;
     (void)noSetFMUStatePriorToCurrentPoint;
-    const struct outcome out = {eventHandlingNeeded, terminateSimulation, earlyReturn, lastSuccessfulTime};
-    const double end = currentCommunicationPoint + communicationStepSize;
-    if (instance != NULL && eventHandlingNeeded != NULL && terminateSimulation != NULL &&
-        earlyReturn != NULL && lastSuccessfulTime != NULL &&
+    if (instance == NULL) {
+        return fmi3Error;
+    }
+    if (eventHandlingNeeded != NULL && terminateSimulation != NULL && earlyReturn != NULL &&
+        lastSuccessfulTime != NULL &&
         step_plainly_in_order(instance, currentCommunicationPoint, communicationStepSize) &&
-        model_step_deferred(instance->model, end)) {
-        put_outcome(&out, false, false, model_time(instance->model));
+        model_step_deferred(instance->model, currentCommunicationPoint + communicationStepSize)) {
+        const struct results to = {eventHandlingNeeded, terminateSimulation, earlyReturn, lastSuccessfulTime};
+        put_results(&to, false, false, model_time(instance->model));
         return fmi3OK; /* as the step before, so that step_status need not be written */
     }
-    return status_of(do_step(instance, currentCommunicationPoint, communicationStepSize, &out));
+    return do_step(instance, currentCommunicationPoint, communicationStepSize, eventHandlingNeeded,
+                   terminateSimulation, earlyReturn, lastSuccessfulTime);
 }

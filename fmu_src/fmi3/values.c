@@ -106,8 +106,10 @@ static enum model_status check_readable(struct instance *instance, const struct 
     return components == count ? MODEL_OK : report_count(instance, call, count, components);
 }
 
-static enum model_status get_values(struct instance *instance, const struct call *call, unsigned types,
-                                    const fmi3ValueReference vr[], size_t nvr, void *values, size_t count)
+__attribute__((noinline)) static enum model_status get_values(struct instance *instance,
+                                                              const struct call *call, unsigned types,
+                                                              const fmi3ValueReference vr[], size_t nvr,
+                                                              void *values, size_t count)
 {
     if (!ready(instance, call, vr, nvr, values, count)) {
         return MODEL_ERROR;
@@ -196,9 +198,10 @@ static enum model_status set_values(struct instance *instance, const struct call
     return status;
 }
 
-/* One vector, as they are mostly read in a run. */
-fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, fmi3Float64 values[],
-                          size_t count)
+/* One vector, as they are mostly read in a run. Flattened, because calls would be a good part of what that
+ * costs. */
+__attribute__((flatten)) fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference vr[], size_t nvr,
+                                                   fmi3Float64 values[], size_t count)
 {
     struct instance *instance = c;
     if (instance != NULL && instance->phase == PHASE_STEP && nvr == 1 && count == 3 && vr != NULL) {

@@ -1,5 +1,5 @@
-/* Adjoint derivatives, column by column of the directional ones: there are few inputs, and each column costs as
- * much as reading all outputs. */
+/* Adjoint derivatives, column by column of the directional ones: there are few inputs, and each column costs
+ * as much as reading all outputs. */
 #include <math.h>
 
 #include "model/state.h"

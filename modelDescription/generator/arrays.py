@@ -1,4 +1,4 @@
-"""The variables as FMI 3.0 has them: a vector is one array, with the value reference of its first component."""
+"""The variables as FMI 3.0 has them: a vector is one array, with the value reference of its first scalar."""
 
 from dataclasses import dataclass
 

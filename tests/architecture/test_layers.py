@@ -1,8 +1,11 @@
-"""Data flows math -> contact -> scene -> segment -> integrator -> model -> fmi2; no include points back."""
+"""Data flows math -> contact -> scene -> segment -> integrator -> model -> fmi -> fmi2 or fmi3; no include
+points back.
+"""
 
 import pytest
 
 from support.sources import (
+    ADAPTERS,
     COMPILERS,
     HEADERS,
     LAYERS,
@@ -34,18 +37,20 @@ def test_an_include_never_points_back(file):
         if quoted and "/" in name:
             assert LAYERS.index(name.partition("/")[0]) <= own, name
             assert (SOURCE / name).is_file()
+            others = set(ADAPTERS) - {layer(file)} if layer(file) in ADAPTERS else set()
+            assert name.partition("/")[0] not in others
 
 
 @every_file
 def test_each_layer_includes_only_the_libraries_it_may(file):
-    """The FMI headers are the adapter's, SUNDIALS the integrator's, the scene not for math, contact."""
+    """The FMI headers are their adapter's, SUNDIALS the integrator's, the scene not for math, contact."""
     for name, quoted in includes(file):
         if name in C_LIBRARY or (quoted and "/" in name):
             continue
         if name == "scene.h":
             assert layer(file) not in ("math", "contact")
-        elif name.startswith("fmi2"):
-            assert layer(file) == "fmi2"
+        elif name.startswith(ADAPTERS):
+            assert layer(file) == name[:4]
         else:
             assert name.partition("/")[0] in {
                 "cvode",

@@ -15,6 +15,7 @@ import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from support.fmi2 import elf
+from support.sources import units_of
 
 ROOT = Path(__file__).resolve().parents[2]
 LIBRARIES = Path(os.environ.get("CONTACT_BUILD", ROOT / "build")).resolve() / "libraries"
@@ -75,13 +76,16 @@ def matching(names, pattern):
 
 def code_of_lines(scene, pattern, folder="."):
     """Lines of fmu_src with the pattern that left an instruction in the scene's library."""
-    files = {file.name: file for file in (ROOT / "fmu_src" / folder).rglob("*.c")}
-    text = {name: file.read_text().splitlines() for name, file in files.items()}
-    found = []
-    for name, line in sorted(elf.lines_with_code(LIBRARIES / f"{scene}.so")):
-        if name in files and re.search(pattern, text[name][line - 1]):
-            found.append(f"{name}:{line}: {text[name][line - 1].strip()}")
-    return found
+    texts = {}  # the debug information has no folders, and files of two folders may have one name
+    for file in units_of(scene, "fmi2"):
+        if file.is_relative_to(ROOT / "fmu_src" / folder):
+            texts.setdefault(file.name, []).append(file.read_text().splitlines())
+    return [
+        f"{name}:{line}: {lines[line - 1].strip()}"
+        for name, line in sorted(elf.lines_with_code(LIBRARIES / f"{scene}.so"))
+        for lines in texts.get(name, [])
+        if line <= len(lines) and re.search(pattern, lines[line - 1])
+    ]
 
 
 @pinned_scenes

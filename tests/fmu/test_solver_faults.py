@@ -26,7 +26,7 @@ CRASHES = {
     "SUNNonlinSolNewEmpty",
     "SUNNonlinSol_Newton",
 }
-OWN = {"create_instance", "model_create", "state_list_add"}
+OWN = {"instance_create", "model_create", "state_list_add"}
 EVENT_DRIVEN = 1
 
 

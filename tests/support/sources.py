@@ -11,7 +11,8 @@ SOURCE = ROOT / "fmu_src"
 BUILD = Path(os.environ.get("CONTACT_BUILD", ROOT / "build")).resolve()
 
 # The order in which data flows; a file includes its own layer and those before it.
-LAYERS = ("math", "contact", "scene", "segment", "integrator", "model", "fmi2")
+LAYERS = ("math", "contact", "scene", "segment", "integrator", "model", "fmi", "fmi2", "fmi3")
+ADAPTERS = ("fmi2", "fmi3")  # side by side: neither includes the other
 COMPILERS = ("gcc", "clang")
 WARNINGS = [
     "-Wall",
@@ -38,9 +39,13 @@ def layer(path):
     return path.relative_to(SOURCE).parts[0]
 
 
-def units_of(scene):
-    """The sources that CMake compiles for the scene, the generated one included."""
-    return [Path(line) for line in (BUILD / "scenes" / scene / "units.txt").read_text().splitlines()]
+def units_of(scene, adapter=None):
+    """The sources that CMake compiles for the scene, for one adapter or all, the generated one included."""
+    files = {"fmi2": "units.txt", "fmi3": "units3.txt"}
+    lists = [
+        (BUILD / "scenes" / scene / files[one]).read_text() for one in ADAPTERS if adapter in (None, one)
+    ]
+    return [Path(line) for line in dict.fromkeys(line for text in lists for line in text.splitlines())]
 
 
 def headers_of(scene):

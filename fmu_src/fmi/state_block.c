@@ -4,7 +4,7 @@
  * before it is used. In memory they follow a link (state_list.h), by which the importer's pointers are
  * recognised.
  */
-#include "fmi/saved_state.h"
+#include "fmi/state_block.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -158,7 +158,7 @@ static struct state_block *block_to_write(struct instance *instance, const struc
     return block;
 }
 
-enum model_status saved_state_get(struct instance *instance, const struct call *call, void **state)
+enum model_status state_block_get(struct instance *instance, const struct call *call, void **state)
 {
     if (!call_allowed(instance, call) ||
         !call_array_given(instance, call, instance->adapter->state_name, state, 1)) {
@@ -172,7 +172,7 @@ enum model_status saved_state_get(struct instance *instance, const struct call *
     return MODEL_OK;
 }
 
-enum model_status saved_state_set(struct instance *instance, const struct call *call, void *state)
+enum model_status state_block_set(struct instance *instance, const struct call *call, void *state)
 {
     if (!call_allowed(instance, call)) {
         return MODEL_ERROR;
@@ -194,7 +194,7 @@ enum model_status saved_state_set(struct instance *instance, const struct call *
     return status;
 }
 
-enum model_status saved_state_free(struct instance *instance, const struct call *call, void **state)
+enum model_status state_block_free(struct instance *instance, const struct call *call, void **state)
 {
     if (!call_allowed(instance, call)) {
         return MODEL_ERROR;
@@ -211,7 +211,7 @@ enum model_status saved_state_free(struct instance *instance, const struct call 
     return MODEL_OK;
 }
 
-enum model_status saved_state_size(struct instance *instance, const struct call *call, void *state,
+enum model_status state_block_size(struct instance *instance, const struct call *call, void *state,
                                    size_t *size)
 {
     if (!call_allowed(instance, call) || given_block(instance, call, state) == NULL ||
@@ -222,7 +222,7 @@ enum model_status saved_state_size(struct instance *instance, const struct call 
     return MODEL_OK;
 }
 
-enum model_status saved_state_serialize(struct instance *instance, const struct call *call, void *state,
+enum model_status state_block_serialize(struct instance *instance, const struct call *call, void *state,
                                         void *bytes, size_t size)
 {
     if (!call_allowed(instance, call)) {
@@ -240,7 +240,7 @@ enum model_status saved_state_serialize(struct instance *instance, const struct 
     return MODEL_OK;
 }
 
-enum model_status saved_state_deserialize(struct instance *instance, const struct call *call,
+enum model_status state_block_deserialize(struct instance *instance, const struct call *call,
                                           const void *bytes, size_t size, void **state)
 {
     if (!call_allowed(instance, call) || !call_array_given(instance, call, "serializedState", bytes, size) ||

@@ -1,0 +1,276 @@
+"""Wrong references, counts, pointers and values: answered as by the FMI 2.0 FMUs, in the same words."""
+
+import math
+from ctypes import c_double, c_int64, c_uint32, c_void_p
+
+import numpy as np
+import pytest
+
+from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError
+from contact_fmus.fmu.files import fmu_file
+from support.fmi3 import raw
+from support.fmi3.prototypes import DISCARD, ERROR, OK, TYPES
+from support.fmi3.raw import Instance, reals, references
+
+UNKNOWN = 4_000_000_000
+OWN = {
+    "Float64": TYPES["Float64"],
+    "Int32": TYPES["Int32"],
+    "Int64": TYPES["Int64"],
+    "Boolean": TYPES["Boolean"],
+}
+
+
+@pytest.fixture
+def instance(fmu):
+    with Instance(fmu) as made:
+        yield made
+
+
+@pytest.mark.parametrize("function", [f"{verb}{name}" for verb in ("Get", "Set") for name in TYPES])
+def test_an_unknown_value_reference_is_named(instance, function):
+    value = (TYPES[function[3:]] * 3)()
+    for reference in (1_000, UNKNOWN, 2**32 - 1, instance.fmu.variables["source.center"].reference + 1):
+        with instance.expect(ERROR, f"fmi3{function}", "unknown value reference", str(reference)) as got:
+            got(instance.call(function, (c_uint32 * 1)(reference), 1, value, 1))
+
+
+def test_a_wrong_type_names_the_variable_and_its_type(instance):
+    instance.initialize()
+    before = instance.bits("parameter", "input", "output")
+    for variable in list(instance.fmu.variables.values())[1:]:
+        for name, kind in TYPES.items():
+            if name == variable.call_type:
+                continue
+            for verb in ("Get", "Set"):
+                with instance.expect(ERROR, f"fmi3{verb}{name}", variable.name, variable.type) as got:
+                    got(
+                        instance.call(
+                            f"{verb}{name}", references([variable]), 1, (kind * 3)(), variable.length
+                        )
+                    )
+    assert instance.bits("parameter", "input", "output") == before
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 4])
+def test_an_array_is_read_and_written_as_a_whole(instance, count):
+    center = instance.fmu.variables["source.center"]
+    before = instance.get("source.center")
+    for verb in ("Get", "Set"):
+        with instance.expect(ERROR, f"fmi3{verb}Float64", f"nValues = {count}", "expected 3") as got:
+            got(instance.call(f"{verb}Float64", references([center]), 1, reals([7.0] * count), count))
+    assert instance.get("source.center") == before
+
+
+def test_many_variables_in_one_call(instance):
+    """A scalar between two arrays, and time"""
+    names = ["source.center", "source.radius", "destination.center"]
+    chosen = [instance.fmu.variables[name] for name in names]
+    values = [1.5, 2.5, 3.5, 0.25, -1.0, -2.0, -3.0]
+    instance.ok("SetFloat64", references(chosen), 3, reals(values), 7)
+    chosen.insert(1, instance.fmu.variables["time"])
+    told = reals([math.nan] * 8)
+    instance.ok("GetFloat64", references(chosen), 4, told, 8)
+    assert list(told) == [1.5, 2.5, 3.5, 0.0, 0.25, -1.0, -2.0, -3.0]
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, -1e200])
+def test_one_bad_component_spoils_the_whole_call(instance, bad):
+    before = instance.get("source.center"), instance.get("source.radius")
+    chosen = references([instance.fmu.variables[name] for name in ("source.radius", "source.center")])
+    with instance.expect(DISCARD, "source.center[2]", "allowed:", "it stays as it was") as got:
+        got(instance.call("SetFloat64", chosen, 2, reals([0.2, 1.0, bad, 2.0]), 4))
+    assert (instance.get("source.center"), instance.get("source.radius")) == before
+
+
+@pytest.mark.parametrize("value", [0, 9, -1, 2**31, 2**40, -(2**63), 2**63 - 1])
+def test_an_enumeration_takes_its_items_only(pair, value):
+    with Instance(pair) as instance:
+        motion = instance.fmu.variables["source.motion"]
+        before = instance.get("source.motion")
+        with instance.expect(DISCARD, "source.motion", str(value), "allowed: 1 .. 3") as got:
+            got(instance.call("SetInt64", references([motion]), 1, (c_int64 * 1)(value), 1))
+        assert instance.get("source.motion") == before
+
+
+def test_time_is_read_and_never_set(instance):
+    instance.initialize()
+    instance.step(0.0, 0.25)
+    assert instance.get("time") == 0.25
+    time = references([instance.fmu.variables["time"]])
+    with instance.expect(ERROR, "fmi3SetFloat64", "time", "independent") as got:
+        got(instance.call("SetFloat64", time, 1, reals([1.0]), 1))
+
+
+def test_null_arrays_are_refused_unless_empty(instance):
+    instance.initialize()
+    gap = references([instance.fmu.variables["contact.gap"]])
+    for name, kind in TYPES.items():
+        for verb in ("Get", "Set"):
+            instance.ok(f"{verb}{name}", None, 0, None, 0)
+            with instance.expect(ERROR, f"fmi3{verb}{name}", "valueReferences", "null") as got:
+                got(instance.call(f"{verb}{name}", None, 1, (kind * 1)(), 1))
+            with instance.expect(ERROR, f"fmi3{verb}{name}", "values", "null") as got:
+                got(instance.call(f"{verb}{name}", gap, 1, None, 1))
+
+
+def test_null_pointers_of_a_step_are_refused(instance):
+    instance.initialize()
+    flag, time = (TYPES["Boolean"] * 1)(), (c_double * 1)()
+    names = ["eventHandlingNeeded", "terminateSimulation", "earlyReturn", "lastSuccessfulTime"]
+    for missing, name in enumerate(names):
+        results = [flag, flag, flag, time]
+        results[missing] = None
+        with instance.expect(ERROR, "fmi3DoStep", name, "null") as got:
+            got(instance.call("DoStep", 0.0, 0.1, True, *results))
+    assert instance.get("time") == 0.0
+
+
+def refusals():
+    """Settings, steps and calls that both versions refuse: (what is done with an adapter's methods, name)"""
+    return {
+        "a radius of nothing": lambda one: one.set("source.radius", 0.0),
+        "a force that is no number": lambda one: one.set("source.external_force", [math.nan, 0.0, 0.0]),
+        "an output set": lambda one: one.set("contact.gap", 1.0),
+        "a parameter after the start": lambda one: (one.begin(), one.set("source.radius", 0.3)),
+        "an output before the start": lambda one: one.get("contact.gap"),
+        "a step backwards": lambda one: (one.begin(), one.step(0.0, -0.1)),
+        "a step of no length": lambda one: (one.begin(), one.step(0.0, 0.0)),
+        "a step without end": lambda one: (one.begin(), one.step(0.0, math.inf)),
+        "a step from elsewhere": lambda one: (one.begin(), one.step(0.5, 0.1)),
+        "a step past the stop time": lambda one: (one.begin(stop=1.0), one.step(0.0, 2.0)),
+        "contradictory parameters": lambda one: (
+            *(one.set("contact.location", "inside"), one.set("source.radius", 0.6), one.begin()),
+        ),
+        "a stop before the start": lambda one: one.begin(stop=-1.0),
+    }  # fmt: skip
+
+
+class Second:
+    """FMI 2.0, by names; the message of what is refused"""
+
+    def __init__(self, fmu):
+        self.fmu = fmu
+        self.get = fmu.__getitem__
+        self.set = fmu.__setitem__
+
+    def begin(self, stop=None):
+        self.fmu.start({}, stop_time=stop)
+
+    def step(self, time, size):
+        self.fmu.call("doStep", time, size)
+
+
+class Third:
+    """The same for FMI 3.0"""
+
+    def __init__(self, instance):
+        self.instance = instance
+
+    def get(self, name):
+        self.instance.get(name)
+
+    def set(self, name, value):
+        assert self.instance.set_one(name, value) == OK
+
+    def begin(self, stop=None):
+        self.instance.initialize(stop=stop)
+
+    def step(self, time, size):
+        assert self.instance.step(time, size).status == OK
+
+
+@pytest.mark.parametrize("what", refusals())
+def test_both_versions_refuse_in_the_same_words(what):
+    attempt = refusals()[what]
+    with (
+        ContactFmu(fmu_file("SphereSphere")) as second,
+        Instance(raw.load("SphereSphere"), b"SphereSphere") as third,
+    ):
+        with pytest.raises(FmuError) as refused:
+            attempt(Second(second))
+        with pytest.raises(AssertionError):
+            attempt(Third(third))
+        (status, category, text), (other,) = third.messages[-1], refused.value.messages
+        assert (status, category) == (int(other.status), other.category)
+        names = {"SetupExperiment": "EnterInitializationMode", "fmi2": "fmi3", "Real": "Float64", "[1]": ""}
+        words = other.text
+        for ours, theirs in names.items():
+            words, text = words.replace(ours, theirs), text.replace("[1]", "")
+        assert text == words
+
+
+def test_contradictions_leave_initialization_mode_open(pair):
+    with Instance(pair) as instance:
+        instance.set({"contact.location": "inside", "source.radius": 0.6})
+        instance.ok("EnterInitializationMode", False, 0.0, 0.0, False, 0.0)
+        assert instance.call("ExitInitializationMode") > OK
+        instance.set({"source.radius": 0.1})
+        instance.ok("ExitInitializationMode")
+
+
+@pytest.mark.parametrize("scene", ["SphereSphere", "BallOnSphere"])
+def test_a_step_that_gets_stuck_is_undone(scene):
+    """fmi3Discard leaves the instance as it was before the call, and smaller steps go on."""
+    values = {"solver.method": "cvode_bdf", "solver.max_internal_steps": 5, "gravity": [0.0, 0.0, -9.81]}
+    fmu = raw.load(scene)
+    with Instance(fmu) as instance:
+        instance.initialize({name: value for name, value in values.items() if name in fmu.variables})
+        assert instance.step(0.0, 0.01).status == OK
+        before = instance.bits("output")
+        with instance.expect(DISCARD, "is undone", "solver.max_internal_steps = 5") as got:
+            told = instance.step(0.01, 3.0)
+            got(told.status)
+        assert (told.time, told.early, instance.get("time")) == (0.01, False, 0.01)
+        after = {
+            name: np.frombuffer(value)
+            for name, value in instance.bits("output").items()
+            if len(value) % 8 == 0
+        }
+        for name, value in after.items():
+            assert np.allclose(value, np.frombuffer(before[name]), rtol=1e-14, atol=1e-15), name
+        assert instance.step(0.01, 0.001).status == OK
+
+
+def test_categories_are_switched_one_by_one(pair):
+    with Instance(pair) as instance:
+        bad = (references([instance.fmu.variables["source.radius"]]), 1, reals([-1.0]), 1)
+        unknown = ((c_uint32 * 1)(UNKNOWN), 1, reals([0.0]), 1)
+
+        def heard():
+            del instance.messages[:]
+            instance.call("SetFloat64", *bad)
+            instance.call("SetFloat64", *unknown)
+            return [category for _, category, _ in instance.messages]
+
+        both = ["logStatusDiscard", "logStatusError"]
+        assert heard() == both
+        instance.ok("SetDebugLogging", False, 1, (TYPES["String"] * 1)(b"logStatusDiscard"))
+        assert heard() == ["logStatusError"]
+        instance.ok("SetDebugLogging", False, 0, None)
+        assert heard() == []
+        instance.ok("SetDebugLogging", True, 1, (TYPES["String"] * 1)(b"logStatusDiscard"))
+        assert heard() == ["logStatusDiscard"]
+        instance.ok("SetDebugLogging", True, 0, None)
+        assert heard() == both
+        with instance.expect(ERROR, "fmi3SetDebugLogging", "unknown category", "nonsense") as got:
+            got(instance.call("SetDebugLogging", True, 1, (TYPES["String"] * 1)(b"nonsense")))
+
+
+def test_a_message_is_plain_text():
+    """FMI 3.0 has no printf format: nothing is doubled."""
+    with Instance(raw.load("SphereSphere"), name=b"100 % #1#") as instance:
+        assert instance.call("SetFloat64", (c_uint32 * 1)(UNKNOWN), 1, reals([0.0]), 1) == ERROR
+        assert instance.texts()[0].startswith("100 % #1# at 0 s: fmi3SetFloat64")
+
+
+def test_a_state_of_the_other_version_is_refused(pair):
+    with ContactFmu(fmu_file("SphereSphere")) as second, Instance(pair) as third:
+        second.start({})
+        third.initialize()
+        state, blob = c_void_p(), second.save()
+        with third.expect(ERROR, "fmi3DeserializeFMUState", "magic number") as got:
+            got(third.restore(blob))
+        assert state.value is None
+        with pytest.raises(FmuError, match="magic number"):
+            second.restore(third.save())

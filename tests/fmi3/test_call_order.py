@@ -1,0 +1,160 @@
+"""Every function in every state of the standard: allowed calls work, others are refused in words."""
+
+import ctypes
+from ctypes import byref, c_bool, c_double, c_size_t, c_void_p
+
+import pytest
+
+from support.fmi2.blob import PHASES, forge
+from support.fmi3 import raw
+from support.fmi3.call_table import FUNCTIONS, STATES, allowed
+from support.fmi3.prototypes import ARGUMENTS, ERROR, OK, WITHOUT_INSTANCE
+from support.fmi3.raw import Instance
+
+NAMES = {
+    "instantiated": "instantiated",
+    "initialization": "initialization mode",
+    "event": "event mode",
+    "step": "step mode",
+    "terminated": "terminated",
+    "error": "error",
+    "fatal": "fatal",
+}
+REASONS = {
+    "Clock": "no clocks",
+    "Interval": "no clocks",
+    "Shift": "no clocks",
+    "Configuration": "no structural parameters",
+    "ModelPartition": "Scheduled Execution is not provided",
+    "Evaluate": "providesEvaluateDiscreteStates is false",
+    "Dependencies": "providesPerElementDependencies is false",
+    "Continuous": "Model Exchange is not provided",
+    "Indicators": "Model Exchange is not provided",
+    "Completed": "Model Exchange is not provided",
+    "SetTime": "Model Exchange is not provided",
+}
+SCENES = ["SphereCylinder", "PinnedEvent"]
+
+
+def bring_to(instance, state):
+    """From instantiated on, as an importer goes; `error` and `fatal` are enter_forged's"""
+    if state == "instantiated":
+        return
+    instance.ok("EnterInitializationMode", False, 0.0, 0.0, False, 0.0)
+    if state == "initialization":
+        return
+    instance.ok("ExitInitializationMode")
+    if state == "event":
+        return
+    instance.handle_event(enter=False)
+    assert instance.step(0.0, 0.001).status == OK
+    if state == "terminated":
+        instance.ok("Terminate")
+
+
+def enter_forged(instance, state):
+    """Into a phase that only a forged state leads to; nothing can be freed any more in a fatal one."""
+    blob = forge(instance.save(), phase=PHASES[state])
+    handle = c_void_p()
+    instance.ok("DeserializeFMUState", blob, len(blob), byref(handle))
+    instance.ok("SetFMUState", handle)
+
+
+def arguments_of(instance, function, kept):
+    """Arguments with which the call is in order in some state; no values where they are values"""
+    flags = [byref(c_bool()) for _ in range(5)]
+    special = {
+        "SetDebugLogging": (False, 0, None),
+        "EnterInitializationMode": (False, 0.0, 0.0, False, 0.0),
+        "UpdateDiscreteStates": (*flags, byref(c_double())),
+        "DoStep": (0.001, 0.001, True, *flags[:3], byref(c_double())),
+        "GetFMUState": (byref(c_void_p()),),
+        "SetFMUState": (kept["state"],),
+        "FreeFMUState": (byref(c_void_p()),),
+        "SerializedFMUStateSize": (kept["state"], byref(c_size_t())),
+        "SerializeFMUState": (
+            kept["state"],
+            ctypes.create_string_buffer(len(kept["blob"])),
+            len(kept["blob"]),
+        ),
+        "DeserializeFMUState": (kept["blob"], len(kept["blob"]), byref(c_void_p())),
+    }
+    return special.get(function, [nothing(kind) for kind in ARGUMENTS[function]])
+
+
+def nothing(kind):
+    return 0 if kind in (c_bool, c_double, c_size_t, ctypes.c_uint32, ctypes.c_int) else None
+
+
+def fault_of(fmu, state, function):
+    """What is wrong about the answer, or None"""
+    with Instance(fmu, event_mode=True, early_return=True) as instance:
+        bring_to(instance, state)
+        kept = {"state": c_void_p(), "blob": instance.save()}
+        instance.ok("GetFMUState", byref(kept["state"]))
+        if state in ("error", "fatal"):
+            enter_forged(instance, state)
+        arguments = arguments_of(instance, function, kept)
+        del instance.messages[:]
+        status = instance.call(function, *arguments)
+        if allowed(function, state):
+            return None if status == OK else f"{function}: status {status}, {instance.texts()}"
+        if status != ERROR or len(instance.texts()) != 1:
+            return f"{function}: status {status}, messages {instance.texts()}"
+        words = f"fmi3{function} called in phase {NAMES[state]}"
+        return None if words in instance.texts()[0] else f"{function}: {instance.texts()}"
+
+
+@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize("scene", SCENES)
+def test_every_function_in_every_state(scene, state):
+    fmu = raw.load(scene)
+    assert [fault for name in FUNCTIONS if (fault := fault_of(fmu, state, name))] == []
+
+
+def test_what_is_not_provided_says_so(fmu):
+    said = 0
+    with Instance(fmu) as instance:
+        instance.initialize()
+        for function in FUNCTIONS:
+            reason = next((text for part, text in REASONS.items() if part in function), None)
+            if reason and not any(allowed(function, state) for state in STATES):
+                with instance.expect(ERROR, f"fmi3{function}", reason) as got:
+                    got(instance.call(function, *map(nothing, ARGUMENTS[function])))
+                said += 1
+    assert said == 26
+
+
+def test_no_function_crashes_without_an_instance(fmu):
+    for function in FUNCTIONS:
+        call = getattr(fmu.library, f"fmi3{function}")
+        assert call(None, *map(nothing, ARGUMENTS[function])) == ERROR, function
+    assert fmu.library.fmi3FreeInstance(None) is None
+
+
+def test_the_version_needs_no_instance(fmu):
+    assert fmu.library.fmi3GetVersion() == b"3.0"
+
+
+@pytest.mark.parametrize("kind", ["ModelExchange", "ScheduledExecution"])
+def test_only_co_simulation_is_offered(fmu, kind):
+    told = []
+    arguments = [nothing(argument) for argument in ARGUMENTS[f"Instantiate{kind}"]]
+    arguments[0] = b"tested"
+    logger = raw.LOGGER(lambda _environment, status, _category, text: told.append((status, text.decode())))
+    arguments[6] = logger
+    assert getattr(fmu.library, f"fmi3Instantiate{kind}")(*arguments) is None
+    ((status, text),) = told
+    assert status == ERROR and "Co-Simulation" in text and f"fmi3Instantiate{kind}" in text
+
+
+@pytest.mark.parametrize("wrong", [{"name": None}, {"name": b""}, {"token": None}, {"token": b"{other}"}])
+def test_a_nameless_instance_or_a_wrong_token_is_refused(fmu, wrong):
+    with Instance(fmu, **wrong) as instance:
+        assert instance.component is None
+        assert ("instanceName" if "name" in wrong else "instantiationToken") in instance.texts()[0]
+
+
+def test_the_table_names_every_function():
+    assert {*FUNCTIONS, *WITHOUT_INSTANCE, "FreeInstance"} == set(ARGUMENTS)
+    assert sum(allowed(name, "step") for name in FUNCTIONS) == 14 + 2 * 13
