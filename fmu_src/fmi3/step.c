@@ -75,8 +75,8 @@ static bool results_wanted(struct instance *instance, const struct results *to)
            call_array_given(instance, call, "lastSuccessfulTime", to->time, 1);
 }
 
-/* Any step, with messages. Apart from fmi3DoStep, so that a deferred flight does not save registers for it; so
- * few arguments that all of them are in registers. */
+/* Any step, with messages. Apart from fmi3DoStep, so that a deferred flight does not save registers for it;
+ * its arguments are so few that all of them are in registers. */
 __attribute__((noinline)) static fmi3Status do_step(struct instance *instance, double point, double size,
                                                     fmi3Boolean *event, fmi3Boolean *terminate,
                                                     fmi3Boolean *early, fmi3Float64 *time)
