@@ -66,13 +66,19 @@ static enum model_status take_checked_step(struct fmi3_instance *own, double end
     return status;
 }
 
-static bool results_wanted(struct instance *instance, const struct results *to)
+static bool has_room(struct instance *instance, const char *name, const void *room)
 {
-    const struct call *call = CALL(DoStep);
-    return call_array_given(instance, call, "eventHandlingNeeded", to->event, 1) &&
-           call_array_given(instance, call, "terminateSimulation", to->terminate, 1) &&
-           call_array_given(instance, call, "earlyReturn", to->early, 1) &&
-           call_array_given(instance, call, "lastSuccessfulTime", to->time, 1);
+    if (room == NULL) {
+        (void)call_array_given(instance, CALL(DoStep), name, NULL, 1); /* says so */
+    }
+    return room != NULL;
+}
+
+static bool have_room(struct instance *instance, const struct results *to)
+{
+    return has_room(instance, "eventHandlingNeeded", to->event) &&
+           has_room(instance, "terminateSimulation", to->terminate) &&
+           has_room(instance, "earlyReturn", to->early) && has_room(instance, "lastSuccessfulTime", to->time);
 }
 
 /* Any step, with messages. Apart from fmi3DoStep, so that a deferred flight does not save registers for it;
@@ -82,7 +88,7 @@ __attribute__((noinline)) static fmi3Status do_step(struct instance *instance, d
                                                     fmi3Boolean *early, fmi3Float64 *time)
 {
     const struct results to = {event, terminate, early, time};
-    if (!call_allowed(instance, CALL(DoStep)) || !results_wanted(instance, &to)) {
+    if (!call_allowed(instance, CALL(DoStep)) || !have_room(instance, &to)) {
         return fmi3Error;
     }
     enum model_status status = step_check(instance, CALL(DoStep), point, size);
