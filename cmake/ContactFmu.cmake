@@ -14,10 +14,18 @@ set(CONTACT_LIBRARY_FOLDER "${PROJECT_BINARY_DIR}/libraries")
 set(CONTACT_SCENE_FOLDER "${PROJECT_BINARY_DIR}/scenes")
 set(contact_description_folder "${PROJECT_SOURCE_DIR}/modelDescription")
 
-include(CheckIPOSupported)
-check_ipo_supported(RESULT CONTACT_IPO OUTPUT contact_ipo_complaint LANGUAGES C)
-if(NOT CONTACT_IPO)
-    message(STATUS "No link-time optimization: the libraries keep some code for what their scenes pin")
+# zig's compiler is clang, but it takes fewer options: no padding of pages to choose, and link-time optimization
+# without the tools that CMake asks clang for.
+get_filename_component(contact_compiler "${CMAKE_C_COMPILER}" NAME_WE)
+string(COMPARE EQUAL "${contact_compiler}" zig CONTACT_ZIG)
+
+set(CONTACT_IPO OFF)
+if(NOT CONTACT_ZIG)
+    include(CheckIPOSupported)
+    check_ipo_supported(RESULT CONTACT_IPO OUTPUT contact_ipo_complaint LANGUAGES C)
+    if(NOT CONTACT_IPO)
+        message(STATUS "No link-time optimization: the libraries keep some code for what their scenes pin")
+    endif()
 endif()
 
 # The folder for binaries inside an FMU, FMI 2.0.5 section 2.3 and FMI 3.0.2 section 2.5.1.
@@ -125,12 +133,19 @@ function(contact_fmu_library target folder fmi output)
     # Nothing here throws or is thrown through: no unwind tables, a tenth of a force element. The debug information
     # has its own. The linker's optimizer is told too.
     set(no_unwinding -fno-asynchronous-unwind-tables -fno-unwind-tables)
-    target_compile_options(${target} PRIVATE -gdwarf-4 -ffunction-sections -fdata-sections ${no_unwinding})
+    if(CONTACT_ZIG) # no debug information: there may be no program that strips it
+        target_compile_options(${target} PRIVATE -flto)
+        target_link_options(${target} PRIVATE -flto)
+    else()
+        target_compile_options(${target} PRIVATE -gdwarf-4)
+    endif()
+    target_compile_options(${target} PRIVATE -ffunction-sections -fdata-sections ${no_unwinding})
     target_link_options(${target} PRIVATE ${no_unwinding})
     # Code and constants share their pages: the padding between them would be a seventh of a force element.
     # The version script hides SUNDIALS too: a host that links its own would else take over the FMU's calls.
     target_link_options(${target} PRIVATE -Wl,--gc-sections -Wl,--as-needed -Wl,--build-id=none
-        -Wl,-z,noseparate-code "-Wl,--version-script=${exports}")
+        $<$<NOT:$<BOOL:${CONTACT_ZIG}>>:-Wl,-z,noseparate-code>
+        "-Wl,--version-script=${exports}")
     if(NOT CONTACT_SANITIZE) # whose functions only the host's process has
         target_link_options(${target} PRIVATE -Wl,-z,defs)
     endif()

@@ -1,5 +1,6 @@
 # Target contact::sundials: CVODE and serial vectors, static, position independent, without MPI.
-#   CONTACT_SUNDIALS=auto    the installed one when it is fit for an FMU, else upstream's
+#   CONTACT_SUNDIALS=auto    the bundled one of an installed Python package; else the installed one when it is fit
+#                            for an FMU; else upstream's
 #   CONTACT_SUNDIALS=system  the installed one or an error that says why not
 #   CONTACT_SUNDIALS=fetch   upstream at the commit below; -DFETCHCONTENT_SOURCE_DIR_SUNDIALS=<checkout> saves
 #                            the download
@@ -8,6 +9,21 @@ set_property(CACHE CONTACT_SUNDIALS PROPERTY STRINGS auto system fetch)
 
 set(contact_sundials_commit c298f0f56c48eb8ce687d399e981ce09b3d0c36e) # v7.5.0
 
+# In the Python package of this project (ContactPackage.cmake); a clone has none.
+set(contact_bundled_sundials "${PROJECT_SOURCE_DIR}/sundials")
+
+function(contact_use_bundled_sundials)
+    add_library(contact_sundials INTERFACE)
+    foreach(part cvode nvecserial core) # as in InstalledSundials.cmake
+        if(EXISTS "${contact_bundled_sundials}/lib/libsundials_${part}.a")
+            target_link_libraries(contact_sundials INTERFACE "${contact_bundled_sundials}/lib/libsundials_${part}.a")
+        endif()
+    endforeach()
+    target_link_libraries(contact_sundials INTERFACE m)
+    target_include_directories(contact_sundials SYSTEM INTERFACE "${contact_bundled_sundials}/include")
+    target_compile_definitions(contact_sundials INTERFACE SUNDIALS_STATIC_DEFINE)
+endfunction()
+
 # Tries the installed SUNDIALS in a build of its own: the targets of a refused one would stand in the
 # fallback's way.
 function(contact_probe_installed_sundials)
@@ -15,11 +31,14 @@ function(contact_probe_installed_sundials)
         return()
     endif()
     set(folder "${PROJECT_BINARY_DIR}/sundials_probe")
+    string(STRIP "${CMAKE_C_COMPILER_ARG1}" argument) # the cc of `zig cc`
+    set(compiler "${CMAKE_C_COMPILER}" ${argument})
     file(REMOVE_RECURSE "${folder}")
     execute_process(
         COMMAND "${CMAKE_COMMAND}" -S "${PROJECT_SOURCE_DIR}/cmake/sundials_probe" -B "${folder}"
             -G "${CMAKE_GENERATOR}"
-            "-DCMAKE_MAKE_PROGRAM=${CMAKE_MAKE_PROGRAM}" "-DCMAKE_C_COMPILER=${CMAKE_C_COMPILER}"
+            "-DCMAKE_MAKE_PROGRAM=${CMAKE_MAKE_PROGRAM}" "-DCMAKE_C_COMPILER=${compiler}"
+            "-DCMAKE_TRY_COMPILE_CONFIGURATION=${CMAKE_TRY_COMPILE_CONFIGURATION}"
             "-DCMAKE_C_FLAGS=${CMAKE_C_FLAGS}" "-DCMAKE_TOOLCHAIN_FILE=${CMAKE_TOOLCHAIN_FILE}"
             "-DCMAKE_PREFIX_PATH=${CMAKE_PREFIX_PATH}" "-DSUNDIALS_DIR=${SUNDIALS_DIR}"
             "-DSUNDIALS_ROOT=${SUNDIALS_ROOT}"
@@ -60,9 +79,11 @@ function(contact_build_sundials)
     add_subdirectory("${sundials_SOURCE_DIR}" "${sundials_BINARY_DIR}" EXCLUDE_FROM_ALL SYSTEM)
 endfunction()
 
-if(CONTACT_SUNDIALS STREQUAL "fetch")
-    set(contact_use_installed OFF)
-else()
+set(contact_use_installed OFF)
+set(contact_use_bundled OFF)
+if(CONTACT_SUNDIALS STREQUAL "auto" AND EXISTS "${contact_bundled_sundials}")
+    set(contact_use_bundled ON)
+elseif(NOT CONTACT_SUNDIALS STREQUAL "fetch")
     contact_probe_installed_sundials()
     set(contact_use_installed ${CONTACT_SUNDIALS_FIT})
     if(NOT CONTACT_SUNDIALS_FIT AND CONTACT_SUNDIALS STREQUAL "system")
@@ -72,7 +93,9 @@ else()
     endif()
 endif()
 
-if(contact_use_installed)
+if(contact_use_bundled)
+    contact_use_bundled_sundials()
+elseif(contact_use_installed)
     include("${PROJECT_SOURCE_DIR}/cmake/InstalledSundials.cmake")
     message(STATUS "SUNDIALS: ${SUNDIALS_VERSION}, installed at ${SUNDIALS_DIR}")
 else()
@@ -80,5 +103,6 @@ else()
     contact_build_sundials()
     add_library(contact_sundials INTERFACE)
     target_link_libraries(contact_sundials INTERFACE SUNDIALS::cvode_static SUNDIALS::nvecserial_static)
+    set(contact_sundials_headers "${sundials_SOURCE_DIR}/include" "${sundials_BINARY_DIR}/include")
 endif()
 add_library(contact::sundials ALIAS contact_sundials)

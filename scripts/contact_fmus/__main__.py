@@ -12,6 +12,9 @@ from .errors import BAD_REQUEST, INTERRUPTED, OUTPUT_CLOSED, RUN_FAILED, UserErr
 
 # name: (module and function, what it does). Modules are imported when asked for: some take a while.
 COMMANDS = {
+    "run": ("running.command:main", "run an FMU or a scenario: end values, CSV, a plot"),
+    "build": ("building.command:build", "make an FMU from a scene file"),
+    "new": ("building.command:new", "write a commented scene file to start from"),
     "scenarios": ("scenarios.command:run", "run scenarios, check their claims, write plots and index.html"),
     "picture": ("scenarios.command:picture", "draw one scenario"),
     "leave-out": ("scenarios.command:leave_out", "compare the sizes and speeds of the FMUs"),
@@ -77,7 +80,7 @@ def guarded(name: str, arguments: list[str]) -> int:
     try:
         return getattr(importlib.import_module(f"contact_fmus.{module}"), function)(arguments)
     except UserError as error:
-        text, status = str(error), error.status
+        text, status = str(error), error.exit_status
     except ModuleNotFoundError as error:
         if (error.name or "").startswith("contact_fmus"):
             raise  # a fault of this package

@@ -20,13 +20,13 @@ OUTPUT_CLOSED = 141  # who read the output went away: 128 + SIGPIPE
 class UserError(Exception):
     """A request that makes no sense; the text says what, where, and what is allowed"""
 
-    status = BAD_REQUEST
+    exit_status = BAD_REQUEST
 
 
 class RunFailure(UserError):
     """A sensible request that failed on the way: an FMU refused, a compiler ended with an error"""
 
-    status = RUN_FAILED
+    exit_status = RUN_FAILED
 
 
 def similar(word: str, known: Iterable[str]) -> str:

@@ -26,6 +26,8 @@ PACKAGES = (
     "lasting",
     "stability",
     "mutation",
+    "building",
+    "running",
 )
 SCRIPTS = sorted(file for file in (ROOT / "scripts").glob("*.sh") if file.stem != "prologue")
 

@@ -24,6 +24,8 @@ import numpy as np
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
+from contact_fmus.errors import RunFailure, UserError
+
 from .files import fmu_file, fmus_folder, repository, unpack
 from .variables import Variable, item_value, read_variables
 
@@ -53,7 +55,7 @@ class Message(NamedTuple):
     text: str
 
 
-class FmuError(FMICallException):
+class FmuError(RunFailure, FMICallException):
     """A call that returned fmi2Discard, fmi2Error or fmi2Fatal; `messages` are those the call logged"""
 
     def __init__(self, function: str, status: int, messages: list[Message]):
@@ -73,12 +75,15 @@ class ContactFmu:
         with _loading:
             self.folder, self.description = unpack(path)
             identifier = self.description.coSimulation.modelIdentifier
-            self.slave = fmi2.FMU2Slave(
-                guid=self.description.guid,
-                unzipDirectory=str(self.folder),
-                modelIdentifier=identifier,
-                instanceName=instance_name or identifier,
-            )
+            try:
+                self.slave = fmi2.FMU2Slave(
+                    guid=self.description.guid,
+                    unzipDirectory=str(self.folder),
+                    modelIdentifier=identifier,
+                    instanceName=instance_name or identifier,
+                )
+            except Exception as error:  # fmpy has no class of its own for a library that does not load
+                raise UserError(f"{path}: its library cannot be loaded: {error}") from None
         self.variables = read_variables(self.description)
         self._arguments: dict[str, tuple] = {}
         self._instantiate(debug)

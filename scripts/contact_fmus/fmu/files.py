@@ -6,16 +6,34 @@ import atexit
 import os
 import shutil
 import tempfile
+import zipfile
 from pathlib import Path
 from typing import Any
 
 import fmpy
 
+from contact_fmus.errors import UserError, similar
+
 _unpacked: dict[tuple[Path, int, int], tuple[Path, Any]] = {}
 
 
+PACKAGE = Path(__file__).resolve().parents[1]
+
+
 def repository() -> Path:
-    return Path(__file__).resolve().parents[3]
+    """This project's tree: the clone around the package, or the copy of it inside an installed package"""
+    share = PACKAGE / "share"  # cmake/ContactPackage.cmake fills it
+    return share if share.is_dir() else PACKAGE.parents[1]
+
+
+def is_clone() -> bool:
+    """False for an installed package, whose folders are not to be written to"""
+    return not (PACKAGE / "share").is_dir()
+
+
+def results_folder(name: str) -> Path:
+    """Where a command writes what it makes: in a clone its own folder, else one in the working directory"""
+    return repository() / name if is_clone() else Path("contact-fmus") / name
 
 
 def fmus_folder() -> Path:
@@ -26,6 +44,11 @@ def fmus_folder() -> Path:
 def fmu_file(name: str) -> Path:
     path = fmus_folder() / f"{name}.fmu"
     if not path.is_file():
+        known = sorted(file.stem for file in fmus_folder().glob("*.fmu"))
+        if known:
+            raise FileNotFoundError(
+                f"{path} does not exist{similar(name, known)}: there are {', '.join(known)}"
+            )
         raise FileNotFoundError(
             f"{path} does not exist: build the FMUs first (cmake --preset default && "
             "cmake --build --preset default), or name their folder in CONTACT_FMUS"
@@ -41,9 +64,33 @@ def unpack(path: str | os.PathLike) -> tuple[Path, Any]:
     if key not in _unpacked:
         folder = Path(tempfile.mkdtemp(prefix=f"{file.stem}-"))
         atexit.register(_remove_if_owner, folder, os.getpid())
-        fmpy.extract(file, folder)
-        _unpacked[key] = (folder, fmpy.read_model_description(folder))
+        _unpacked[key] = (folder, _extract(path, folder))
     return _unpacked[key]
+
+
+def _extract(path: str | os.PathLike, folder: Path) -> Any:
+    """The description of an FMI 2.0 co-simulation FMU, of any maker; UserError where it is something else"""
+    if not zipfile.is_zipfile(path):
+        raise UserError(f"{path}: this is no FMU: not a ZIP archive")
+    try:
+        fmpy.extract(path, folder)
+        if not (folder / "modelDescription.xml").is_file():
+            raise UserError(f"{path}: this is no FMU: it has no modelDescription.xml")
+        description = fmpy.read_model_description(folder)
+    except (UserError, OSError):
+        raise
+    except Exception as error:  # fmpy has no class of its own for a bad archive or description
+        text = " ".join(str(error).split())
+        raise UserError(f"{path}: this is no valid FMU: {text}") from None
+    if description.fmiVersion != "2.0" or description.coSimulation is None:
+        kinds = [("co-simulation", description.coSimulation), ("model exchange", description.modelExchange)]
+        offered = (
+            " and ".join(name for name, kind in kinds if kind is not None) or "neither kind of simulation"
+        )
+        raise UserError(
+            f"{path}: FMI 2.0 co-simulation is needed, this is FMI {description.fmiVersion} with {offered}"
+        )
+    return description
 
 
 def _remove_if_owner(folder: Path, owner: int) -> None:

@@ -24,13 +24,15 @@ from typing import Any
 
 import numpy as np
 
+from contact_fmus.errors import RunFailure
+
 from .files import repository, unpack
 from .variables import Variable, item_value, read_variables
 
 TYPES = {"Real": "real", "Integer": "integer", "Enumeration": "integer", "Boolean": "boolean"}
 
 
-class HostError(Exception):
+class HostError(RunFailure):
     """The host or an FMU refused; the text is what it said."""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any, NamedTuple
 
 
@@ -41,8 +42,11 @@ def read_variables(description: Any) -> dict[str, Variable]:
             tuple(int(item.value) for item in items),
         )
         variables[scalar.name] = variable
-        if scalar.name.endswith("]"):
-            components.setdefault(scalar.name[: scalar.name.rindex("[")], []).append(variable)
+        vector = re.fullmatch(
+            r"(.+)\[\d+\]", scalar.name
+        )  # not an entry of a matrix, which other FMUs may have
+        if vector:
+            components.setdefault(vector[1], []).append(variable)
     for name, parts in components.items():
         parts.sort(key=lambda part: int(part.name[len(name) + 1 : -1]))
         variables[name] = parts[0]._replace(name=name, references=tuple(part.references[0] for part in parts))

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from contact_fmus.errors import RunFailure
 from contact_fmus.fmu.files import repository
 
 from .inputs import InputSignal
@@ -84,7 +85,7 @@ def _describe(name: str, value: Any) -> str:
     return f"{name.split('.')[-1]} {text}"
 
 
-class RunError(Exception):
+class RunError(RunFailure):
     """The FMU refused something, or lacks a variable the scenario names"""
 
 

@@ -23,7 +23,7 @@
     # derivative_of = "another input": its time derivative
     derivatives = 1                   # how many time derivatives go to the FMU as well (0, 1 or 2)
 
-    [[claim]]
+    [[claim]]                         # none is needed: `contact-fmus run` shows any scenario
     check = "final_value"             # a function of claims.py; its other arguments stand here too
     text = "..."                      # the claim in words
     absolute = 1e-6                   # or relative: the error allowed
@@ -43,6 +43,8 @@ import itertools
 import tomllib
 from pathlib import Path
 from typing import Any
+
+from contact_fmus.errors import UserError
 
 from . import claims
 from .experiment import Claim, Scenario, Variant
@@ -77,8 +79,8 @@ PLOT = {"steps": int, "compare": str}
 VARIED_SETTINGS = ("steps", "tolerance")
 
 
-class ScenarioError(Exception):
-    pass
+class ScenarioError(UserError):
+    """The file says what it cannot mean"""
 
 
 def read_scenario(path: Path) -> Scenario:
@@ -89,7 +91,7 @@ def read_scenario(path: Path) -> Scenario:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ScenarioError(f"{path}: {error}") from None
     place = str(path)
-    _check(place, table, TOP, required=("title", "fmu", "experiment", "claim"))
+    _check(place, table, TOP, required=("title", "fmu", "experiment"))
     experiment = table["experiment"]
     _check(f"{place}: [experiment]", experiment, EXPERIMENT, required=("stop_time", "steps"))
     start_time, stop_time = float(experiment.get("start_time", 0.0)), float(experiment["stop_time"])
@@ -114,7 +116,7 @@ def read_scenario(path: Path) -> Scenario:
         _inputs(place, table.get("input", [])),
         [
             _claim(f"{place}: [[claim]] {number}", entry, table.get("vary", {}))
-            for number, entry in enumerate(table["claim"], 1)
+            for number, entry in enumerate(table.get("claim", []), 1)
         ],
         plot.get("steps", max(variant.steps for variant in variants)),
         plot.get("compare"),

@@ -1,0 +1,1 @@
+"""FMUs from scene files (build), and scene files to start from (new)"""

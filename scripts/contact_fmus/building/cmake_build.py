@@ -1,0 +1,131 @@
+"""Scene -> FMU by this project's own CMake files, in a folder of the user's cache
+
+A folder for each tree and compiler is kept: what CMake finds out about a compiler is found out once.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import platformdirs
+
+from contact_fmus.errors import RunFailure, UserError
+from contact_fmus.fmu.files import is_clone, repository
+
+# A user's own flags may let a compiler choose digits; cmake/ContactWarnings.cmake has those of all FMUs.
+FLAGS_OF_OTHERS = ("CFLAGS", "CPPFLAGS", "LDFLAGS", "CC")
+
+
+def check_scene(scene: Path, folder: Path) -> str:
+    """The scene's name, once the generator has no complaint; what it warns of goes to stderr"""
+    generator = repository() / "modelDescription" / "generate.py"
+    command = [sys.executable, "-B", str(generator), "--scene", str(scene), "--output", str(folder)]
+    run = subprocess.run(command, capture_output=True, text=True, check=False)
+    if run.returncode == 2:
+        raise UserError(" ".join(run.stderr.split()))
+    if run.returncode != 0:
+        raise RunFailure(f"{scene}: the generator failed: {run.stderr.strip().splitlines()[-1]}")
+    sys.stderr.write(run.stderr)
+    text = (folder / "scene.cmake").read_text(encoding="utf-8")
+    return text.partition("set(SCENE_NAME ")[2].partition(")")[0].strip('"')
+
+
+def build_fmu(scene: Path, name: str, compiler: list[str], say: Callable[[str], None]) -> Path:
+    """The FMU in the cache; RunFailure with the compiler's first error where it cannot be built"""
+    with _folder(compiler) as folder:
+        log = folder.with_suffix(".log")
+        say("configuring")
+        _run(_configuration(scene, compiler, folder), scene, log)
+        say("compiling")
+        _run([_program("cmake"), "--build", str(folder), "--target", f"{name}_fmu"], scene, log)
+        finished = folder.with_name(f"{name}.fmu")
+        shutil.copyfile(folder / "fmus" / f"{name}.fmu", finished)
+        return finished
+
+
+def _configuration(scene: Path, compiler: list[str], folder: Path) -> list[str]:
+    if ";" in str(scene):
+        raise UserError(f"{scene}: CMake takes no path with a semicolon")
+    values = {
+        "CMAKE_BUILD_TYPE": "Release",
+        # zig builds a run-time library for each configuration, half a minute for that of Debug
+        "CMAKE_TRY_COMPILE_CONFIGURATION": "Release",
+        "CMAKE_C_COMPILER": ";".join(compiler),
+        "CMAKE_MAKE_PROGRAM": _program("ninja"),
+        "Python3_EXECUTABLE": sys.executable,
+        "CONTACT_SCENES": str(scene.resolve()),
+    }
+    definitions = [f"-D{name}={value}" for name, value in values.items()]
+    return [
+        *(_program("cmake"), "-Wno-dev", "-G", "Ninja"),
+        *("-S", str(repository()), "-B", str(folder), *definitions),
+    ]
+
+
+def _program(name: str) -> str:
+    """That of the Python package, which is new enough; else the system's"""
+    package = importlib.util.find_spec(name)
+    if package is not None and package.origin is not None:
+        folder = Path(package.origin).parent
+        for file in (folder / "data" / "bin" / name, folder / name):
+            if file.is_file():
+                return str(file)
+    found = shutil.which(name, path=os.pathsep.join([str(Path(sys.executable).parent), os.defpath]))
+    found = found or shutil.which(name)
+    if found is None:
+        raise UserError(f"{name} is missing: pip install {name}")
+    return found
+
+
+@contextmanager
+def _folder(compiler: list[str]) -> Iterator[Path]:
+    """The build folder of this tree and compiler, for one build at a time; made anew after an update"""
+    about = "\n".join([str(repository()), *compiler, sys.executable])
+    name = hashlib.sha256(about.encode()).hexdigest()[:12]
+    folder = Path(platformdirs.user_cache_path("contact-fmus")) / name / "build"
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with (folder.parent / "lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        stamp = folder.parent / "tree"
+        if not stamp.is_file() or stamp.read_text(encoding="utf-8") != _tree():
+            shutil.rmtree(folder, ignore_errors=True)
+            stamp.write_text(_tree(), encoding="utf-8")
+        yield folder
+
+
+def _tree() -> str:
+    """Differs after an update of an installed package, whose files may be older than what was built before.
+
+    In a clone CMake sees by itself what has changed."""
+    if is_clone():
+        return "clone"
+    files = sorted(file for file in repository().rglob("*") if file.is_file())
+    about = "\n".join(f"{file} {file.stat().st_size} {file.stat().st_mtime_ns}" for file in files)
+    return hashlib.sha256(about.encode()).hexdigest()
+
+
+def _run(command: list[str], scene: Path, log: Path) -> None:
+    environment = {name: value for name, value in os.environ.items() if name not in FLAGS_OF_OTHERS}
+    run = subprocess.run(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+        env=environment,
+    )
+    log.write_text(run.stdout, encoding="utf-8")
+    if run.returncode != 0:
+        lines = [line.strip() for line in run.stdout.splitlines() if "error" in line.lower()]
+        first = lines[0] if lines else f"{Path(command[0]).name} ended with status {run.returncode}"
+        raise RunFailure(f"{scene}: building failed: {first} (all of it: {log})")

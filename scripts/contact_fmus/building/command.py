@@ -1,0 +1,87 @@
+"""The commands build and new"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import tempfile
+import time
+from pathlib import Path
+
+from rich.console import Console
+
+from contact_fmus.errors import UserError
+
+from .cmake_build import build_fmu, check_scene
+from .compiler import find_compiler
+from .template import SHAPES, scene_text
+
+
+def build(arguments: list[str] | None = None) -> int:
+    """0: the FMU is there; 2: the scene or the compiler will not do; 3: building failed"""
+    parser = argparse.ArgumentParser(prog="contact-fmus build", description="Makes an FMU from a scene file.")
+    parser.add_argument("scene", type=Path, metavar="SCENE.toml")
+    parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="DIR", help="default: here")
+    parser.add_argument(
+        "--compiler", metavar="CC", help="gcc, clang, zig or a path; default: CC, or the first that works"
+    )
+    parser.add_argument("--json", action="store_true", help="what was built, as JSON")
+    options = parser.parse_args(arguments)
+    if not options.scene.is_file():
+        raise UserError(f"{options.scene}: there is no such file")
+    begin = time.monotonic()
+    with tempfile.TemporaryDirectory() as folder:
+        name = check_scene(options.scene, Path(folder))
+    compiler = find_compiler(options.compiler)
+    console = Console(stderr=True)
+    with console.status(name) as status:
+        made = build_fmu(options.scene, name, compiler, lambda text: status.update(f"{name}: {text}"))
+    options.output.mkdir(parents=True, exist_ok=True)
+    fmu = options.output / f"{name}.fmu"
+    shutil.copyfile(made, fmu)
+    about = {
+        "fmu": str(fmu),
+        "bytes": fmu.stat().st_size,
+        "compiler": " ".join(compiler),
+        "seconds": round(time.monotonic() - begin, 1),
+    }
+    if options.json:
+        print(json.dumps(about))
+    else:
+        print(f"{fmu}: {about['bytes'] / 1e3:.0f} kB by {about['compiler']} in {about['seconds']} s")
+    return 0
+
+
+def new(arguments: list[str] | None = None) -> int:
+    """0: written; 2: the name or a pinned choice makes no sense"""
+    parser = argparse.ArgumentParser(
+        prog="contact-fmus new",
+        description="Writes a commented scene file to start from: NAME.toml, a ball that bounces.",
+    )
+    parser.add_argument("name", metavar="NAME", help="of the scene and its FMU: letters, digits and _")
+    parser.add_argument("--shape", choices=SHAPES, default="sphere", help="what the ball meets (sphere)")
+    parser.add_argument("--inside", action="store_true", help="the ball is in a hollow sphere or cylinder")
+    parser.add_argument(
+        "--pinned",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a choice fixed at build time, such as contact.dashpot=unclamped; may be repeated",
+    )
+    parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="DIR", help="default: here")
+    parser.add_argument("--force", action="store_true", help="overwrite a file that is there")
+    options = parser.parse_args(arguments)
+    file = options.output / f"{options.name}.toml"
+    if file.exists() and not options.force:
+        raise UserError(f"{file} exists: another name, or --force to overwrite it")
+    text = scene_text(options.name, options.shape, options.inside, options.pinned)
+    with tempfile.TemporaryDirectory() as folder:  # so that nothing is written that cannot be built
+        trial = Path(folder) / "new" / f"{options.name}.toml"
+        trial.parent.mkdir()
+        trial.write_text(text, encoding="utf-8")
+        check_scene(trial, Path(folder))
+    options.output.mkdir(parents=True, exist_ok=True)
+    file.write_text(text, encoding="utf-8")
+    print(f"{file}: build it with contact-fmus build {file}")
+    return 0

@@ -1,0 +1,157 @@
+"""The command run"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import math
+import sys
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import Progress
+
+from contact_fmus.errors import UserError
+from contact_fmus.fmu.files import unpack
+from contact_fmus.fmu.variables import read_variables
+from contact_fmus.results import Result
+
+from .settings import read_settings
+from .simulate import Interrupted, simulate
+from .target import Experiment, find_experiment
+
+EPILOG = """examples:
+  contact-fmus run SphereSphere --set contact.dashpot=unclamped --stop 1 --csv bounce.csv
+  contact-fmus run My.fmu --set source.center=0,0,1.2 --plot
+  contact-fmus run p1_head_on_bounces --json"""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """0: run to its end; 2: the request makes no sense; 3: the FMU refused on the way"""
+    options = _parser().parse_args(arguments)
+    experiment = _experiment(options)
+    if experiment.note:
+        print(experiment.note, file=sys.stderr)
+    try:
+        result = _with_progress(experiment, options.output_interval)
+    except Interrupted as stopped:
+        _write(stopped.result, experiment, options)  # what there is until then
+        raise
+    _write(result, experiment, options)
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="contact-fmus run",
+        description="Runs an FMU or a scenario and shows the values at the end.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "target", metavar="FMU|SCENARIO", help="file.fmu, a shipped FMU, a scenario or its .toml"
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="a start value; vectors as 0,0,1; repeatable",
+    )
+    parser.add_argument("--stop", type=number, metavar="S", help="end of the run, s")
+    parser.add_argument("--step", type=number, metavar="S", help="communication step, s")
+    parser.add_argument("--tolerance", type=number, metavar="R", help="relative, given to the FMU")
+    parser.add_argument(
+        "--output-interval", type=number, metavar="S", help="time between rows of the result, s"
+    )
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="writes all inputs and outputs over time")
+    parser.add_argument("--json", action="store_true", help="the values at the end, as JSON")
+    parser.add_argument(
+        "--plot",
+        nargs="?",
+        const="",
+        metavar="FILE",
+        help="draws gaps, forces and positions; NAME.png without FILE",
+    )
+    return parser
+
+
+def number(text: str) -> float:
+    """A finite number greater than 0"""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a finite number greater than 0")
+    return value
+
+
+def _experiment(options: argparse.Namespace) -> Experiment:
+    """The target's own experiment, and what the options change of it"""
+    experiment = find_experiment(options.target)
+    variables = read_variables(unpack(experiment.fmu)[1])
+    values = experiment.values | read_settings(options.set, variables, experiment.fmu.name)
+    stop = options.stop if options.stop is not None else experiment.stop_time
+    if stop <= experiment.start_time:
+        raise UserError(f"--stop {stop} s is not after the start at {experiment.start_time} s")
+    return dataclasses.replace(
+        experiment,
+        values=values,
+        stop_time=stop,
+        step=options.step or min(experiment.step, stop - experiment.start_time),
+        tolerance=options.tolerance or experiment.tolerance,
+    )
+
+
+def _with_progress(experiment: Experiment, interval: float | None) -> Result:
+    """A bar on a terminal's stderr, nothing where there is none"""
+    length = experiment.stop_time - experiment.start_time
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task(experiment.name, total=length)
+        return simulate(
+            experiment, interval, lambda time: progress.update(task, completed=time - experiment.start_time)
+        )
+
+
+def _write(result: Result, experiment: Experiment, options: argparse.Namespace) -> None:
+    if options.csv is not None:
+        result.write_csv(options.csv)
+    if options.json:
+        values = {name: _json(column[-1]) for name, column in result.columns.items()}
+        print(json.dumps({"fmu": str(result.fmu), "time": float(result.time[-1]), "values": values}))
+    else:
+        print(f"{experiment.name} at {float(result.time[-1])!r} s, {len(result.time)} rows")
+        for line in end_values(result):
+            print(f"  {line}")
+    if options.plot is not None:
+        from contact_fmus.plot.figures import draw
+
+        file = Path(options.plot or f"{experiment.name}.png")
+        draw(result, file)
+        print(file, file=sys.stderr if options.json else sys.stdout)
+
+
+def _json(value: Any) -> Any:
+    """A number that is not finite has no place in JSON."""
+    plain = value.item() if hasattr(value, "item") else value
+    return None if isinstance(plain, float) and not math.isfinite(plain) else plain
+
+
+def end_values(result: Result) -> list[str]:
+    """A line for each scalar and each vector: name, value, unit"""
+    groups: dict[str, list[str]] = {}
+    for name, column in result.columns.items():
+        value = column[-1]
+        text = f"{value:.9g}" if isinstance(value, float) else str(value)
+        groups.setdefault(name.partition("[")[0], []).append(text)
+    width = max((len(name) for name in groups), default=0)
+    lines = []
+    for name, texts in groups.items():
+        value = texts[0] if len(texts) == 1 else f"({', '.join(texts)})"
+        unit = result.units.get(name) or result.units.get(f"{name}[1]", "")
+        lines.append(f"{name:{width}}  {value} {unit}".rstrip())
+    return lines
