@@ -1,4 +1,4 @@
-"""Finds a C compiler that works: the one asked for, that of the variable CC, or the first of the usual ones"""
+"""Finds a C compiler that works: the one asked for, that of the variable CC, or a usual one"""
 
 from __future__ import annotations
 
