@@ -15,6 +15,7 @@ COMMANDS = {
     "run": ("running.command:main", "run an FMU or a scenario: end values, CSV, a plot"),
     "build": ("building.command:build", "make an FMU from a scene file"),
     "new": ("building.command:new", "write a commented scene file to start from"),
+    "check": ("checking.command:main", "check an FMU file: schema, binaries, validators, a short run"),
     "scenarios": ("scenarios.command:run", "run scenarios, check their claims, write plots and index.html"),
     "picture": ("scenarios.command:picture", "draw one scenario"),
     "leave-out": ("scenarios.command:leave_out", "compare the sizes and speeds of the FMUs"),

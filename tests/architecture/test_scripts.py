@@ -28,6 +28,7 @@ PACKAGES = (
     "mutation",
     "building",
     "running",
+    "checking",
 )
 SCRIPTS = sorted(file for file in (ROOT / "scripts").glob("*.sh") if file.stem != "prologue")
 
