@@ -9,15 +9,8 @@
 #   -h, --help            prints this
 source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
 help_asked "$@"
-options=("$@")
-while (($#)); do
-    case $1 in
-        --quick | --instructions | --check) shift ;;
-        --against | --baseline) (($# > 1)) || refuse "$1 lacks its value"; shift 2 ;;
-        *) refuse "unknown argument $1" ;;
-    esac
-done
+known_options "$@"
 
 set_up
 build
-contact_fmus bench "${options[@]}"
+contact_fmus bench "$@"

@@ -3,6 +3,8 @@
 #
 #   help_asked "$@"     after -h or --help: prints the comment at the script's top and ends with status 0
 #   refuse TEXT         ends with status 2: the request makes no sense
+#   known_options "$@"  ends with status 2 where an argument is none that the comment at the script's top names as
+#                       "#   --option VALUE ...  text", with as many values
 #   say TEXT            a heading
 #   set_up              installs what is missing (scripts/setup.sh)
 #   build               configures and builds the preset "default"; arguments go to the configuration
@@ -22,6 +24,23 @@ help_asked() {
             sed -n '2,/^[^#]/{s/^# \{0,1\}//p;}' "$0"
             exit 0
         fi
+    done
+}
+
+known_options() {
+    local line
+    local -a values
+    local -A takes=()
+    while IFS= read -r line; do
+        if [[ $line =~ ^#\ +(--[a-z-]+)((\ [A-Z]+)*)\ \  ]]; then
+            read -ra values <<<"${BASH_REMATCH[2]}"
+            takes[${BASH_REMATCH[1]}]=${#values[@]}
+        fi
+    done < <(sed '/^[^#]/q' "$0")
+    while (($#)); do
+        [[ -n $1 && -n ${takes[$1]:-} ]] || refuse "unknown argument $1"
+        (($# > takes[$1])) || refuse "$1 lacks a value"
+        shift $((takes[$1] + 1))
     done
 }
 

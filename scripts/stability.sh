@@ -8,33 +8,8 @@
 #   -h, --help     prints this
 source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
 help_asked "$@"
-
-options=()
-beyond=()
-output=$root/docs/stability
-while (($#)); do
-    case $1 in
-        --quick | --check) options+=("$1") ;;
-        --output)
-            (($# > 1)) || refuse "--output lacks a folder"
-            output=$(realpath -m -- "$2")
-            shift
-            ;;
-        --beyond)
-            [[ ${2:-} =~ ^[0-9]+$ && ${3:-} =~ ^[0-9]+$ ]] ||
-                refuse "--beyond takes two seeds, the first and the one after the last"
-            beyond=("$2" "$3")
-            shift 2
-            ;;
-        *) refuse "unknown argument $1" ;;
-    esac
-    shift
-done
+known_options "$@"
 
 set_up
 build
-if ((${#beyond[@]})); then
-    contact_fmus beyond "${beyond[@]}"
-else
-    contact_fmus stability "${options[@]}" --output "$output"
-fi
+contact_fmus stability "$@"

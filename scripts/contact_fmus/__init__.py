@@ -12,6 +12,11 @@ report      error against run time (docs/report)
 peers, coupling, lasting
             other simulators; the FMU as a force element; lasting contact by two methods
 stability   the atlas of stiff and extreme scenes (docs/stability)
+building    FMUs from scenes, and scenes to start from
+running     an FMU or a scenario through time
+checking    what is wrong with an FMU file
+fuzzing, mutation, whole_report
+            for developers
 
 `contact-fmus --help` lists the commands.
 

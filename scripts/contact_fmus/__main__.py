@@ -19,6 +19,7 @@ COMMANDS = {
     "scenarios": ("scenarios.command:run", "run scenarios, check their claims, write plots and index.html"),
     "picture": ("scenarios.command:picture", "draw one scenario"),
     "leave-out": ("scenarios.command:leave_out", "compare the sizes and speeds of the FMUs"),
+    "report": ("whole_report:main", "error against run time, the whole report: docs/report"),
     "bench": ("bench.command:main", "ratios of run times for developers"),
     "measure": ("report.command:measure", "error against run time: results.csv and summary.json"),
     "force-element": ("coupling.study:main", "the FMU beside an outer integrator: force_element.json"),
@@ -27,6 +28,7 @@ COMMANDS = {
     "lasting": ("lasting.study:main", "lasting stiff contact by Radau IIA and by this project's method"),
     "stability": ("stability.command:main", "the atlas of stiff and extreme scenes"),
     "beyond": ("stability.beyond:main", "random scenes far beyond the atlas"),
+    "fuzz": ("fuzzing.command:main", "let fuzzers look for calls and files that break a claim"),
     "mutate": ("mutation.command:main", "break the C code in small ways and list what no test notices"),
 }
 

@@ -29,6 +29,8 @@ PACKAGES = (
     "building",
     "running",
     "checking",
+    "fuzzing",
+    "whole_report",
 )
 SCRIPTS = sorted(file for file in (ROOT / "scripts").glob("*.sh") if file.stem != "prologue")
 
@@ -103,14 +105,18 @@ def run(script, *arguments):
 
 
 def options_of(script):
-    """What its own `case $1 in ... esac` takes"""
-    cases = re.findall(r"case \$1 in\n(.*?)\n *esac", script.read_text(), re.DOTALL)
+    """What its own `case $1 in ... esac` takes; other scripts take what their help names (prologue.sh)"""
+    text = script.read_text()
+    if "case $1 in" not in text:
+        return set(re.findall(r"^# +(--[a-z-]+)(?: [A-Z]+)*  ", text, re.MULTILINE))
+    cases = re.findall(r"case \$1 in\n(.*?)\n *esac", text, re.DOTALL)
     patterns = re.findall(r"^ *(-[^)]*)\)", "\n".join(cases), re.MULTILINE)
     return {one for text in patterns for one in re.findall(r"(?<![\w-])-{1,2}[a-z][a-z-]*", text)}
 
 
 def test_the_options_of_a_script_are_found():
     assert options_of(ROOT / "scripts" / "report.sh") == {"--peers", "--quick", "--output"}
+    assert "--count" in options_of(ROOT / "scripts" / "mutate.sh")
 
 
 @pytest.mark.parametrize("option", ["-h", "--help"])
@@ -134,6 +140,23 @@ def test_a_script_refuses_what_it_does_not_know(script):
     assert refused.returncode == 2
     assert refused.stderr.startswith(f"{script.stem}: ")
     assert "--no-such-option" in refused.stderr
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=label)
+def test_a_script_refuses_an_option_without_its_value(script):
+    taking = re.findall(r"^# +(--[a-z-]+) [A-Z]", script.read_text(), re.MULTILINE)
+    for option in taking:
+        refused = run(script, option)
+        assert (refused.returncode, refused.stderr[: len(script.stem) + 2]) == (2, f"{script.stem}: ")
+        assert option in refused.stderr
+
+
+@pytest.mark.parametrize("name", ["report", "stability", "bench", "fuzz"])
+def test_a_script_takes_the_options_of_its_command(name, capsys):
+    with pytest.raises(SystemExit):
+        main([name, "--help"])
+    told = capsys.readouterr().out
+    assert [one for one in options_of(ROOT / "scripts" / f"{name}.sh") if one not in told] == []
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=label)

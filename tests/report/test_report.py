@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
+from contact_fmus.__main__ import main
 from contact_fmus.bench.problems import benchmarks, stiff_families
 from contact_fmus.bench.settings import ABSOLUTE, CVODE, METHODS, STIFF_TOLERANCE, Setting
 from contact_fmus.report import command as report_command
@@ -209,7 +210,7 @@ def test_a_part_that_is_wrong_is_refused(with_parts, capsys):
     (with_parts / "force_element.json").write_text(
         json.dumps({"sections": [{"title": "T", "figures": [{"name": "nowhere", "caption": ""}]}]})
     )
-    assert report_command.page(["--output", str(with_parts)]) == 1
+    assert main(["page", "--output", str(with_parts)]) == 2
     assert "section 'T' shows" in capsys.readouterr().err
     (with_parts / "peers.csv").write_text("problem,time\nP1,3\n")
     with pytest.raises(ValueError, match="the columns are"):
@@ -236,5 +237,5 @@ def test_measuring_without_a_host_says_what_to_do(tmp_path):
     command = [sys.executable, "-m", "contact_fmus", "measure", "--quick", "--output", tmp_path]
     environment = {"PYTHONPATH": str(ROOT / "scripts"), "CONTACT_BUILD": str(tmp_path)}
     run = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
-    assert run.returncode == 1
+    assert run.returncode == 2
     assert "fmu_host does not exist: build it first" in run.stderr and "Traceback" not in run.stderr

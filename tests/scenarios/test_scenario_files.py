@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contact_fmus.scenarios import command
+from contact_fmus.__main__ import main
 from contact_fmus.scenarios.inputs import InputSignal
 from contact_fmus.scenarios.scenario import ScenarioError, read_scenario
 
@@ -80,7 +80,7 @@ def test_wrong_file_is_refused_in_one_line_naming_file_place_and_key(case, tmp_p
         read_scenario(file)
     assert str(refused.value).startswith(f"{file}: ")
     assert message in str(refused.value)
-    assert command.run([str(file), "--output", str(tmp_path)]) == 2
+    assert main(["scenarios", str(file), "--output", str(tmp_path)]) == 2
     assert capsys.readouterr().err.count("\n") == 1
 
 

@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from contact_fmus.errors import RunFailure
 from contact_fmus.fmu.files import unpack
 from contact_fmus.fmu.host import Case, case_arguments, host_file
 
@@ -34,7 +35,7 @@ EARLIER = ("AVX_Usable", "AVX2_Usable", "FMA_Usable")
 TUNABLES = "glibc.cpu.hwcaps=" + ",".join(f"-{name}" for name in PLAIN + EARLIER)
 
 
-class CountError(Exception):
+class CountError(RunFailure):
     """valgrind is missing, or the FMU refused"""
 
 

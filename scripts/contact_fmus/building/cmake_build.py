@@ -24,6 +24,10 @@ from contact_fmus.fmu.files import is_clone, repository
 # A user's own flags may let a compiler choose digits; cmake/ContactWarnings.cmake has those of all FMUs.
 FLAGS_OF_OTHERS = ("CFLAGS", "CPPFLAGS", "LDFLAGS", "CC")
 
+# zig compiles a run-time library once for each kind of build: here one kind for CMake's trials and for FMUs
+# alike. The linker leaves symbols out, since strip may not be installed.
+ZIG = {"CMAKE_C_FLAGS": "-O2", "CMAKE_EXE_LINKER_FLAGS": "-s", "CMAKE_MODULE_LINKER_FLAGS": "-s"}
+
 
 def check_scene(scene: Path, folder: Path) -> str:
     """The scene's name, once the generator has no complaint; what it warns of goes to stderr"""
@@ -57,13 +61,14 @@ def _configuration(scene: Path, compiler: list[str], folder: Path) -> list[str]:
         raise UserError(f"{scene}: CMake takes no path with a semicolon")
     values = {
         "CMAKE_BUILD_TYPE": "Release",
-        # zig builds a run-time library for each configuration, half a minute for that of Debug
         "CMAKE_TRY_COMPILE_CONFIGURATION": "Release",
         "CMAKE_C_COMPILER": ";".join(compiler),
         "CMAKE_MAKE_PROGRAM": _program("ninja"),
         "Python3_EXECUTABLE": sys.executable,
         "CONTACT_SCENES": str(scene.resolve()),
     }
+    if Path(compiler[0]).name == "zig":
+        values |= ZIG
     definitions = [f"-D{name}={value}" for name, value in values.items()]
     return [
         *(_program("cmake"), "-Wno-dev", "-G", "Ninja"),

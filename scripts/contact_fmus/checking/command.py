@@ -104,7 +104,7 @@ def _trial(folder: Path) -> list[Check]:
     """The library in a process of its own"""
     command = [sys.executable, "-m", "contact_fmus.checking.trial", str(folder)]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-    ended = ""
+    ended = "the library ended its process"
     try:
         trial = subprocess.run(
             command,
@@ -117,9 +117,9 @@ def _trial(folder: Path) -> list[Check]:
         )
         lines = trial.stdout.splitlines()
         if trial.returncode < 0:
-            ended = f"the library ended its process by signal {signal.Signals(-trial.returncode).name}"
+            ended += f" by signal {signal.Signals(-trial.returncode).name}"
         elif trial.returncode > 0:
-            ended = f"the library ended its process with status {trial.returncode}"
+            ended += f" with status {trial.returncode}"
     except subprocess.TimeoutExpired as error:
         lines = (error.stdout or b"").decode("utf-8", "replace").splitlines()
         ended = f"not done after {PATIENCE} s"

@@ -46,6 +46,8 @@ def _first_line(*command: str) -> str:
 
 
 def _cmake_cache(file: Path) -> dict[str, str]:
+    if not file.is_file():  # an installed package has programs without their build
+        return {}
     lines = file.read_text(encoding="utf-8").splitlines()
     return {match[1]: match[2] for line in lines if (match := re.match(r"([\w-]+):\w+=(.*)", line))}
 

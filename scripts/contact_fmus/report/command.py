@@ -9,13 +9,10 @@ from __future__ import annotations
 import argparse
 import datetime
 import json
-import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 
-from contact_fmus.fmu.files import repository
-from contact_fmus.fmu.host import HostError
+from contact_fmus.fmu.files import results_folder
 from contact_fmus.pages import machine
 
 from . import measure as solvers
@@ -24,35 +21,25 @@ from .rows import write_rows
 
 
 def measure(arguments: list[str] | None = None) -> int:
-    """0: done; 1: an FMU refused, or something is not built"""
+    """0: done; 2: something is not built; 3: an FMU refused"""
     parser = _parser("measure", "Runs the FMU's solvers and writes results.csv and summary.json.")
     parser.add_argument("--quick", action="store_true", help="few runs, to see that it works")
-    return _guarded(_measure, parser.parse_args(arguments))
+    return _measure(parser.parse_args(arguments))
 
 
 def page(arguments: list[str] | None = None) -> int:
-    """0: drawn; 1: something is missing"""
-    return _guarded(
-        _page, _parser("page", "Draws the page from what is in the folder.").parse_args(arguments)
-    )
+    """0: drawn; 2: something is missing"""
+    return _page(_parser("page", "Draws the page from what is in the folder.").parse_args(arguments))
 
 
 def _parser(name: str, text: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog=f"contact-fmus {name}", description=text)
-    parser.add_argument("--output", type=Path, default=repository() / "docs" / "report", metavar="FOLDER")
+    parser.add_argument("--output", type=Path, default=results_folder("docs/report"), metavar="FOLDER")
     return parser
 
 
-def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:
-    options.output.mkdir(parents=True, exist_ok=True)
-    try:
-        return command(options)
-    except (HostError, FileNotFoundError) as error:
-        print(error, file=sys.stderr)
-        return 1
-
-
 def _measure(options: argparse.Namespace) -> int:
+    options.output.mkdir(parents=True, exist_ok=True)
     plan = solvers.QUICK if options.quick else solvers.FULL
     begin = time.monotonic()
 

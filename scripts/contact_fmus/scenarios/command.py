@@ -3,57 +3,42 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Callable
 from pathlib import Path
 
-from contact_fmus.fmu.contact_fmu import FmuError
-from contact_fmus.fmu.files import fmus_folder, repository
+from contact_fmus.fmu.files import fmus_folder, repository, results_folder
 
 from . import plots, runner, tables
-from .experiment import RunError
 from .leave_out import measure_all
 from .page import write_report
 from .recording import record
-from .scenario import ScenarioError, read_scenario
+from .scenario import read_scenario
 
 
 def run(arguments: list[str] | None = None) -> int:
-    """0: all claims hold; 1: one does not, or an FMU refused; 2: the request makes no sense"""
+    """0: all claims hold; 1: one does not, or an FMU refused in one; 2: the request makes no sense"""
     text = "Runs scenarios, checks their claims, writes plots and index.html."
     parser = argparse.ArgumentParser(prog="contact-fmus scenarios", description=text)
     parser.add_argument(
         "files", nargs="*", type=Path, help="scenario files; default all of scripts/scenarios"
     )
-    parser.add_argument("--output", type=Path, default=repository() / "build" / "scenarios", metavar="FOLDER")
+    parser.add_argument("--output", type=Path, default=results_folder("build/scenarios"), metavar="FOLDER")
     parser.add_argument("--no-plots", action="store_true", help="check the claims only")
-    return _guarded(_run, parser.parse_args(arguments))
+    return _run(parser.parse_args(arguments))
 
 
 def picture(arguments: list[str] | None = None) -> int:
-    """0: drawn; 1: an FMU refused; 2: the request makes no sense"""
+    """0: drawn; 2: the request makes no sense; 3: an FMU refused"""
     parser = argparse.ArgumentParser(prog="contact-fmus picture", description="Draws one scenario.")
     parser.add_argument("file", type=Path)
     parser.add_argument("--output", type=Path, required=True, metavar="PNG")
-    return _guarded(_picture, parser.parse_args(arguments))
+    return _picture(parser.parse_args(arguments))
 
 
 def leave_out(arguments: list[str] | None = None) -> int:
-    """0: compared; 1: an FMU refused, or none is built"""
+    """0: compared; 2: none is built; 3: an FMU refused"""
     text = "Compares the sizes and speeds of the FMUs."
     parser = argparse.ArgumentParser(prog="contact-fmus leave-out", description=text)
-    return _guarded(_leave_out, parser.parse_args(arguments))
-
-
-def _guarded(command: Callable[[argparse.Namespace], int], options: argparse.Namespace) -> int:
-    try:
-        return command(options)
-    except ScenarioError as error:
-        print(error, file=sys.stderr)
-        return 2
-    except (RunError, FmuError, FileNotFoundError) as error:
-        print(error, file=sys.stderr)
-        return 1
+    return _leave_out(parser.parse_args(arguments))
 
 
 def _run(options: argparse.Namespace) -> int:

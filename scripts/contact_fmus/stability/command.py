@@ -1,4 +1,4 @@
-"""python -m contact_fmus stability [--quick] [--check] [--workers N] --output FOLDER
+"""contact-fmus stability [--quick] [--check] [--workers N] [--output FOLDER] [--beyond FIRST LAST]
 
 Runs the atlas's scenes and writes runs.csv, summary.csv, figures, index.html and README.md.
 """
@@ -6,12 +6,12 @@ Runs the atlas's scenes and writes runs.csv, summary.csv, figures, index.html an
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from pathlib import Path
 
-from contact_fmus.fmu.files import repository
+from contact_fmus.fmu.files import results_folder
 
+from . import beyond
 from .limits import groups, write_csv
 from .page import draw_page
 from .run import SceneRun, not_right, run_all, thinned
@@ -21,14 +21,12 @@ QUICK = 37  # every so many-th scene
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """0: done; 1: with --check, a run of event_driven is wrong or did not end; or something is not built"""
+    """0: done; 1: with --check, a run of event_driven is wrong or did not end; 2: something is not built"""
     options = _parser().parse_args(arguments)
+    if options.beyond:
+        return beyond.main([*map(str, options.beyond), "--workers", str(options.workers)])
     options.output.mkdir(parents=True, exist_ok=True)
-    try:
-        rows = _measured(options)
-    except FileNotFoundError as error:
-        print(error, file=sys.stderr)
-        return 1
+    rows = _measured(options)
     write_csv(rows, options.output / "runs.csv")
     write_csv(groups(rows), options.output / "summary.csv")
     plan = "A quick run with few of the scenes. " if options.quick else ""
@@ -61,6 +59,13 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--check", action="store_true", help="the status is 1 unless event_driven is right everywhere"
     )
+    parser.add_argument(
+        "--beyond",
+        type=int,
+        nargs=2,
+        metavar=("FIRST", "LAST"),
+        help="nothing of that: random scenes far beyond the atlas's axes; seeds",
+    )
     parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes (2)")
-    parser.add_argument("--output", type=Path, default=repository() / "docs" / "stability", metavar="FOLDER")
+    parser.add_argument("--output", type=Path, default=results_folder("docs/stability"), metavar="FOLDER")
     return parser

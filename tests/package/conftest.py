@@ -1,0 +1,85 @@
+"""The wheel of this build, installed into an environment of its own, far from the clone"""
+
+import os
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import pytest
+
+from support.sources import BUILD, ROOT
+
+
+@pytest.fixture(scope="session")
+def far_from_clone():
+    """The environment without what points to the clone"""
+    dropped = ("PYTHONPATH", "CONTACT_BUILD", "CONTACT_FMUS", "CC")
+    return {name: value for name, value in os.environ.items() if name not in dropped}
+
+
+@pytest.fixture(scope="session")
+def wheel(far_from_clone, tmp_path_factory):
+    """Built without network and without compiling: the FMUs are those of the build under test"""
+    folder = tmp_path_factory.mktemp("wheel")
+    options = [f"cmake.define.CONTACT_PREBUILT={BUILD}", f"build-dir={folder / 'build'}"]
+    settings = [part for option in options for part in ("--config-setting", option)]
+    command = [
+        sys.executable,
+        "-m",
+        "build",
+        "--wheel",
+        "--no-isolation",
+        "--outdir",
+        str(folder),
+        *settings,
+        str(ROOT),
+    ]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, env=far_from_clone)
+    assert run.returncode == 0, run.stdout + run.stderr
+    (file,) = folder.glob("*.whl")
+    return file
+
+
+@pytest.fixture(scope="session")
+def installed(wheel, far_from_clone, tmp_path_factory):
+    """Folder of the programs of an environment with the wheel; what it depends on is that of .venv"""
+    folder = tmp_path_factory.mktemp("environment")
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(folder)], check=True)
+    python = folder / "bin" / "python"
+    site = Path(sysconfig.get_path("purelib", vars={"base": str(folder), "platbase": str(folder)}))
+    install = [
+        sys.executable,
+        "-m",
+        "pip",
+        "--python",
+        str(python),
+        "install",
+        "--quiet",
+        "--no-deps",
+        "--no-index",
+    ]
+    subprocess.run([*install, str(wheel)], check=True, env=far_from_clone)
+    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    return folder / "bin"
+
+
+@pytest.fixture
+def command(installed, far_from_clone, tmp_path):
+    """contact-fmus as a user calls it, in an empty folder"""
+
+    def call(*arguments, cwd=tmp_path, timeout=300, **variables):
+        run = subprocess.run(
+            [installed / "contact-fmus", *map(str, arguments)],
+            cwd=cwd,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=timeout,
+            stdin=subprocess.DEVNULL,
+            env=far_from_clone | variables,
+        )
+        assert "Traceback" not in run.stderr, run.stderr
+        return run
+
+    return call

@@ -1,0 +1,265 @@
+"""Whatever is asked of the command: one sentence on stderr, the status that README names, no traceback"""
+
+import json
+import re
+import subprocess
+import zipfile
+
+import pytest
+
+from contact_fmus.__main__ import COMMANDS, main
+from contact_fmus.fmu.files import fmu_file
+
+# A model exchange FMU, and an FMI 3.0 one, as other vendors make them
+MODEL_EXCHANGE = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Other" guid="{1}" numberOfEventIndicators="0">
+  <ModelExchange modelIdentifier="Other"/>
+  <ModelVariables>
+    <ScalarVariable name="x" valueReference="0" causality="output"><Real/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure><Outputs><Unknown index="1"/></Outputs></ModelStructure>
+</fmiModelDescription>"""
+FMI_3 = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="Other" instantiationToken="1">
+  <CoSimulation modelIdentifier="Other"/>
+  <ModelVariables>
+    <Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
+  </ModelVariables>
+  <ModelStructure/>
+</fmiModelDescription>"""
+# A co-simulation FMU in C, of another vendor: a falling height, a matrix-like name, a text
+OTHER_XML = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Other" guid="{1}">
+  <CoSimulation modelIdentifier="Other" canHandleVariableCommunicationStepSize="true"/>
+  <ModelVariables>
+    <ScalarVariable name="m[1,2]" valueReference="0" causality="output" initial="calculated">
+      <Real/>
+    </ScalarVariable>
+    <ScalarVariable name="label" valueReference="1" causality="parameter" variability="fixed">
+      <String start="a"/>
+    </ScalarVariable>
+  </ModelVariables>
+  <ModelStructure>
+    <Outputs><Unknown index="1"/></Outputs>
+    <InitialUnknowns><Unknown index="1"/></InitialUnknowns>
+  </ModelStructure>
+</fmiModelDescription>"""
+GIVES_TIME = {"GetReal": "for (size_t i = 0; i < n; ++i) values[i] = now;", "DoStep": "now = t + h;"}
+ARGUMENTS = {
+    "GetReal": "void *c, const unsigned *refs, size_t n, double *values",
+    "DoStep": "void *c, double t, double h, int last",
+}
+
+
+def packed(folder, members):
+    file = folder / "Other.fmu"
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, text in members.items():
+            archive.writestr(name, text)
+    return file
+
+
+def other_fmu(folder, **bodies):
+    """An FMU whose functions do what `bodies` says, in C, and give fmi2OK"""
+    from contact_fmus.checking.trial import CO_SIMULATION, EVERY
+
+    bodies = GIVES_TIME | bodies
+    lines = ["#include <stddef.h>", "#include <stdlib.h>", "static double now;"]
+    for name in f"{EVERY} {CO_SIMULATION}".split():
+        if name == "Instantiate":
+            lines.append("void *fmi2Instantiate(void) { return &now; }")
+        elif name == "FreeInstance":
+            lines.append("void fmi2FreeInstance(void *c) { (void)c; }")
+        elif name in ("GetVersion", "GetTypesPlatform"):
+            lines.append(
+                f'const char *fmi2{name}(void) {{ return "{"2.0" if name == "GetVersion" else "default"}"; }}'
+            )
+        elif bodies.get(name) is not None or name not in bodies:
+            lines.append(
+                f"int fmi2{name}({ARGUMENTS.get(name, 'void')}) {{ {bodies.get(name, '')} return 0; }}"
+            )
+    source, library = folder / "other.c", folder / "Other.so"
+    source.write_text("\n".join(lines))
+    subprocess.run(["gcc", "-shared", "-fPIC", "-w", "-o", library, source], check=True)
+    return packed(
+        folder, {"modelDescription.xml": OTHER_XML, "binaries/linux64/Other.so": library.read_bytes()}
+    )
+
+
+@pytest.fixture
+def ask(tmp_path, monkeypatch, capsys):
+    """Status and the one line on stderr"""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments):
+        try:
+            status = main([str(one) for one in arguments])
+        except SystemExit as ended:  # argparse
+            status = ended.code
+        told = capsys.readouterr()
+        return status, told.err, told.out
+
+    return call
+
+
+def one_sentence(told):
+    """argparse's usage may stand before it"""
+    text = re.sub(r"(?s)\Ausage:.*?\n(?=contact-fmus )", "", told)
+    return text.count("\n") == 1 and "Traceback" not in text and len(text) < 1200
+
+
+WRONG = {
+    "unknown command": (["buidl"], "did you mean 'build'"),
+    "run: no such file": (["run", "nowhere.fmu"], "nowhere.fmu"),
+    "run: no such name": (["run", "SphereSpher"], "did you mean 'SphereSphere'"),
+    "run: no archive": (["run", "text.fmu"], "not a ZIP archive"),
+    "run: an archive": (["run", "empty.fmu"], "no modelDescription.xml"),
+    "run: a scene": (["run", "scene.toml"], "contact-fmus build"),
+    "run: a folder": (["run", "folder.fmu"], "folder.fmu"),
+    "run: unknown variable": (
+        ["run", "SphereSphere", "--set", "contact.dashpt=unclamped"],
+        "contact.dashpot",
+    ),
+    "run: unknown item": (
+        ["run", "SphereSphere", "--set", "contact.dashpot=unclamp"],
+        "did you mean 'unclamped'",
+    ),
+    "run: no number": (["run", "SphereSphere", "--set", "source.radius=big"], "a number in m, not 'big'"),
+    "run: nan": (["run", "SphereSphere", "--set", "source.radius=nan"], "not 'nan'"),
+    "run: half a vector": (["run", "SphereSphere", "--set", "gravity=0,0"], "takes 3 numbers"),
+    "run: no truth": (["run", "SphereCylinder", "--set", "destination.finite_length=2"], "true or false"),
+    "run: no value": (["run", "SphereSphere", "--set", "source.radius"], "NAME=VALUE"),
+    "run: an output": (["run", "SphereSphere", "--set", "contact.gap=1"], "of kind output"),
+    "run: out of range": (["run", "SphereSphere", "--set", "source.radius=-1"], "allowed: 1e-150"),
+    "run: contradiction": (
+        ["run", "SphereSphere", "--set", "contact.location=inside", "--set", "source.radius=2"],
+        "source.radius",
+    ),
+    "run: stop": (["run", "SphereSphere", "--stop", "-1"], "greater than 0"),
+    "run: step": (["run", "SphereSphere", "--step", "1e-300"], "--step"),
+    "run: csv": (["run", "SphereSphere", "--stop", "0.01", "--csv", "nowhere/out.csv"], "nowhere/out.csv"),
+    "run: scenario": (["run", "broken.toml"], "broken.toml"),
+    "build: no such file": (["build", "nowhere.toml"], "nowhere.toml"),
+    "build: no toml": (["build", "text.fmu"], "text.fmu"),
+    "build: binary": (["build", "bytes.toml"], "bytes.toml"),
+    "build: no compiler": (["build", "scene.toml", "--compiler", "nocc"], "nocc: not found"),
+    "new: name": (["new", "3x"], "'3x'"),
+    "new: exists": (["new", "scene"], "--force"),
+    "new: pinned": (["new", "X", "--pinned", "contact.dashpot=no"], "allowed: non_adhesive"),
+    "new: folder": (["new", "X", "--output", "text.fmu"], "text.fmu"),
+    "check: no such file": (["check", "nowhere.fmu"], "nowhere.fmu"),
+    "check: no archive": (["check", "text.fmu"], "not a ZIP archive"),
+    "check: an archive": (["check", "empty.fmu"], "no modelDescription.xml"),
+    "scenarios": (["scenarios", "nowhere.toml"], "nowhere.toml"),
+    "picture": (["picture", "nowhere.toml", "--output", "x.png"], "nowhere.toml"),
+    "page": (["page", "--output", "folder.fmu"], "folder.fmu"),
+    "fuzz": (["fuzz", "--minutes", "-3"], "whole number"),
+    "bench: another build": (["bench", "--instructions", "--against", "folder.fmu"], "folder.fmu"),
+    "stability": (["stability", "--output", "text.fmu"], "text.fmu"),
+    "report": (["report", "--output", "text.fmu"], "text.fmu"),
+    "beyond": (["beyond", "one", "two"], "one"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_bad_request_ends_in_one_sentence_and_status_2(case, ask, tmp_path):
+    (tmp_path / "text.fmu").write_text("this is no FMU")
+    (tmp_path / "folder.fmu").mkdir()
+    (tmp_path / "bytes.toml").write_bytes(bytes(range(256)))
+    (tmp_path / "broken.toml").write_text("title = \n")
+    packed(tmp_path, {"readme.txt": "nothing"}).rename(tmp_path / "empty.fmu")
+    assert ask("new", "scene")[0] == 0
+    arguments, words = WRONG[case]
+    status, told, _ = ask(*arguments)
+    assert status == 2, told
+    assert one_sentence(told) and words in told, told
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_an_unknown_option_is_refused_by_every_command(name, ask):
+    status, told, _ = ask(name, "--no-such-option")
+    assert (status, one_sentence(told)) == (2, True), told
+
+
+def test_an_fmu_of_another_kind_says_what_is_needed(ask, tmp_path):
+    for xml in (MODEL_EXCHANGE, FMI_3):
+        file = packed(tmp_path, {"modelDescription.xml": xml})
+        status, told, _ = ask("run", file)
+        assert (status, one_sentence(told)) == (2, True) and "FMI 2.0 co-simulation is needed" in told, told
+
+
+def test_an_fmu_without_a_library_or_with_a_broken_one_is_named(ask, tmp_path):
+    for members in ({}, {"binaries/linux64/Other.so": "no library"}):
+        file = packed(tmp_path, {"modelDescription.xml": OTHER_XML} | members)
+        status, told, _ = ask("run", file)
+        assert (status, one_sentence(told)) == (2, True) and "cannot be loaded" in told, told
+
+
+def test_an_fmu_of_another_vendor_runs_and_is_checked(ask, tmp_path):
+    file = other_fmu(tmp_path)
+    status, _, told = ask("run", file, "--stop", "2", "--step", "0.5", "--json")
+    assert (status, json.loads(told)["values"]) == (0, {"m[1,2]": 2.0})
+    status, told, out = ask("check", file)
+    assert status == 0, out
+
+
+FAULTS = {
+    "a crash": ({"DoStep": "abort();"}, "run", "signal SIGABRT"),
+    "the process's end": ({"DoStep": "exit(0);"}, "run", "ended its process"),
+    "a missing function": ({"GetStatus": None}, "exports", "fmi2GetStatus"),
+    "a number that is none": (
+        {"GetReal": "for (size_t i = 0; i < n; ++i) values[i] = 0.0 / 0.0;"},
+        "run",
+        "finite",
+    ),
+    "a refused step": ({"DoStep": "return 3;"}, "run", "fmi2DoStep"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_faulty_fmu_is_found_out(fault, ask, tmp_path):
+    bodies, check, words = FAULTS[fault]
+    status, _, out = ask("check", other_fmu(tmp_path, **bodies), "--json")
+    found = {one["name"]: one["findings"] for one in json.loads(out)["checks"] if one["outcome"] == "found"}
+    assert status == 1 and check in found and words in " ".join(found[check]), out
+
+
+def test_a_refused_step_ends_a_run_with_status_3_and_keeps_what_there_is(ask, tmp_path):
+    file = other_fmu(tmp_path, DoStep="if (t > 0.9) return 3; now = t + h;")
+    status, told, _ = ask("run", file, "--stop", "2", "--step", "0.5", "--csv", "kept.csv")
+    assert (status, one_sentence(told)) == (3, True), told
+    assert (tmp_path / "kept.csv").read_text().splitlines()[-1] == "1.0,1.0"
+
+
+def test_a_full_disk_is_named_with_status_3(ask):
+    status, told, _ = ask("run", "SphereSphere", "--stop", "0.01", "--csv", "/dev/full")
+    assert (status, one_sentence(told)) == (3, True) and "No space left" in told, told
+
+
+def test_a_reader_that_goes_away_is_no_fault(installed, far_from_clone):
+    arguments = [installed / "contact-fmus", "run", "SphereSphere", "--csv", "/dev/stdout"]
+    with subprocess.Popen(
+        arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=far_from_clone
+    ) as run:
+        run.stdout.readline()
+        run.stdout.close()
+        assert run.stderr.read() == b""
+    assert run.returncode == 141
+
+
+def test_without_fmus_the_message_says_what_to_do(command, tmp_path):
+    run = command("run", "SphereSphere", CONTACT_FMUS=str(tmp_path))
+    assert run.returncode == 2 and "none is built" in run.stderr
+
+
+def test_a_damaged_copy_of_a_shipped_fmu_is_found_out(ask, tmp_path):
+    damaged = tmp_path / "Damaged.fmu"
+    with zipfile.ZipFile(fmu_file("ForceElement")) as whole, zipfile.ZipFile(damaged, "w") as part:
+        for name in whole.namelist():
+            data = whole.read(name)
+            if name == "modelDescription.xml":
+                data = data.replace(b'causality="output"', b'causality="outputs"')
+            part.writestr(name.replace("ForceElement.so", "Force.so"), data)
+    status, _, out = ask("check", damaged, "--json")
+    found = {one["name"] for one in json.loads(out)["checks"] if one["outcome"] == "found"}
+    assert status == 1 and {"description", "binaries", "exports", "run"} <= found, out

@@ -1,0 +1,121 @@
+"""The wheel far from any clone: what it carries, and a scene from `new` to `run`"""
+
+import json
+import subprocess
+import tomllib
+import zipfile
+
+import numpy as np
+import pytest
+
+from contact_fmus import Result
+from contact_fmus.fmu.contact_fmu import ContactFmu
+from support.sources import BUILD, ROOT
+
+SHIPPED = sorted(path.stem for path in (ROOT / "modelDescription" / "scenes").glob("*.toml"))
+
+
+def test_the_wheel_carries_what_building_and_running_need(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        names = set(archive.namelist())
+        fmu = archive.read("contact_fmus/share/build/fmus/SphereSphere.fmu")
+    assert fmu == (BUILD / "fmus" / "SphereSphere.fmu").read_bytes()
+    sources = [path.relative_to(ROOT) for path in (ROOT / "fmu_src").rglob("*.[ch]")]
+    wanted = [*sources, "CMakeLists.txt", "LICENSE", "modelDescription/variables.toml", "cmake/pack_fmu.py"]
+    wanted += [f"build/fmus/{name}.fmu" for name in SHIPPED]
+    wanted += ["sundials/lib/libsundials_cvode.a", "sundials/include/cvode/cvode.h", "sundials/sundials.txt"]
+    assert [name for name in wanted if f"contact_fmus/share/{name}" not in names] == []
+    assert [name for name in names if "__pycache__" in name or "/tests/" in name] == []
+
+
+def test_every_command_is_one_of_the_wheel_and_every_dependency_is_pinned_for_tests():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    pins = (ROOT / "requirements.txt").read_text().lower()
+    wanted = [*project["project"]["dependencies"], *project["project"]["optional-dependencies"]["dev"]]
+    assert [one for one in wanted if f"\n{one.partition('>')[0]}==" not in pins] == []
+    pinned = project["build-system"]["requires"]
+    assert [one for one in pinned if f"\n{one}\n" not in pins] == []
+
+
+def test_the_package_is_imported_by_its_names_and_quickly(installed, far_from_clone, tmp_path):
+    text = (
+        "import sys, contact_fmus; assert 'fmpy' not in sys.modules\n"
+        "from contact_fmus import ContactFmu, fmu_file\n"
+        "with ContactFmu(fmu_file('SphereSphere')) as fmu:\n"
+        "    fmu.start(); fmu.step(0.5)\n"
+        "    print(fmu_file('SphereSphere'), repr(float(fmu['source.position'][2])))"
+    )
+    run = subprocess.run(
+        [installed / "python", "-c", text],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+        env=far_from_clone,
+    )
+    file, position = run.stdout.split()
+    assert str(ROOT) not in file and str(installed.parent) in file
+    with ContactFmu(BUILD / "fmus" / "SphereSphere.fmu") as fmu:
+        fmu.start()
+        fmu.step(0.5)
+        assert float(position) == fmu["source.position"][2]
+
+
+def test_version_and_help(command):
+    told = command("--version")
+    assert (told.returncode, told.stdout) == (0, "contact-fmus 0.1.0\n")
+    assert "  build " in command("--help").stdout
+
+
+def test_a_shipped_fmu_runs_by_name_and_its_file_says_what_was_computed(command, tmp_path):
+    run = command(
+        "run", "SphereSphere", "--set", "contact.dashpot=unclamped", "--stop", "1", "--csv", "out.csv"
+    )
+    assert (run.returncode, run.stderr) == (0, "")
+    result = Result.read(tmp_path / "out.csv")
+    assert result.time[[0, -1]].tolist() == [0.0, 1.0] and len(result.time) == 1001
+    assert result.units["contact.gap"] == "m" and result.parameters["contact.dashpot"] == "unclamped"
+    # Before it falls half a metre the ball is in free fall from 1.1 m.
+    falling = result.time < 0.31
+    expected = 1.1 - 0.5 * 9.81 * result.time[falling] ** 2
+    assert np.max(np.abs(result.vector("source.position")[falling, 2] - expected)) < 1e-12
+    assert result.columns["contact.onsets"][-1] >= 1
+
+
+def test_a_new_scene_is_built_checked_and_run(command, tmp_path):
+    assert command("new", "Bouncing", "--shape", "cylinder").returncode == 0
+    built = command("build", "Bouncing.toml", "--json", XDG_CACHE_HOME=str(tmp_path / "cache"))
+    assert built.returncode == 0, built.stderr
+    assert json.loads(built.stdout)["fmu"] == "Bouncing.fmu"
+    checked = command("check", "Bouncing.fmu", "--json")
+    assert checked.returncode == 0, checked.stdout
+    passed = [one["name"] for one in json.loads(checked.stdout)["checks"] if one["outcome"] == "passed"]
+    assert passed[:5] == ["archive", "description", "binaries", "exports", "run"]
+    values = json.loads(command("run", "Bouncing.fmu", "--json").stdout)["values"]
+    # From 0.4 m above the cylinder: energy stays within what the dashpot takes, and it has bounced.
+    assert values["contact.onsets"] >= 2 and values["source.position[3]"] > 0.59
+
+
+@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+@pytest.mark.parametrize("inside", [[], ["--inside"]])
+def test_every_new_scene_would_bounce(shape, inside, command, tmp_path):
+    """As its values on the universal FMU do; only one is built above"""
+    assert (
+        command("new", "Any", "--shape", shape, *inside, "--pinned", "contact.dashpot=unclamped").returncode
+        == 0
+    )
+    scene = tomllib.loads((tmp_path / "Any.toml").read_text())
+    assert scene["pinned"]["contact.dashpot"] == "unclamped"
+    with ContactFmu(BUILD / "fmus" / f"Sphere{shape.capitalize()}.fmu") as fmu:
+        fmu.start(scene["start"] | scene["pinned"])
+        fmu.step(scene["experiment"]["stop_time"])
+        assert fmu["contact.onsets"] >= 2
+
+
+def test_a_scenario_needs_no_claim(command, tmp_path):
+    text = 'title = "fall"\nfmu = "SphereSphere"\nexperiment = { stop_time = 0.5, steps = 50 }\n'
+    (tmp_path / "fall.toml").write_text(text)
+    run = command("run", "fall.toml", "--json", "--set", "source.center=0,0,9")
+    assert run.returncode == 0 and json.loads(run.stdout)["time"] == 0.5
+    fallen = json.loads(run.stdout)["values"]["source.position[3]"]
+    assert abs(fallen - (9.0 - 0.5 * 9.81 * 0.25)) < 1e-9
