@@ -57,9 +57,11 @@ find_python() {
 }
 
 make_python_environment() {
-    local python wanted stamp=$root/.venv/made-from
+    local python about wanted stamp=$root/.venv/made-from
     python=$(find_python)
-    wanted="$("$python" --version), requirements.txt $(sha256sum <"$root/requirements.txt")"
+    # What installs the package: all of pyproject.toml before the settings of ruff and pytest
+    about=$(cat "$root/requirements.txt" && sed '/^\[tool\.ruff\]/,$d' "$root/pyproject.toml")
+    wanted="$("$python" --version), requirements.txt and pyproject.toml $(sha256sum <<<"$about")"
     if [[ -x $root/.venv/bin/python && -f $stamp && $(<"$stamp") == "$wanted" ]]; then
         tell "Python environment .venv: already installed"
         return
@@ -69,6 +71,9 @@ make_python_environment() {
     "$python" -m venv "$root/.venv"
     "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-input \
         -r "$root/requirements.txt" </dev/null
+    # The command contact-fmus, by the sources of this clone; its C code is what the scripts build.
+    "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-input --no-deps \
+        --no-build-isolation --config-settings=wheel.cmake=false --editable "$root" </dev/null
     printf '%s\n' "$wanted" >"$stamp"    # last, so that an interrupted installation starts anew
 }
 

@@ -44,9 +44,9 @@ def find_experiment(target: str) -> Experiment:
         return _fmu(fmu_file(target))
     scenarios = sorted(file.stem for file in _scenario_file("").parent.glob("*.toml"))
     hint = similar(target, [*fmus, *scenarios])
+    built = ", ".join(fmus) or f"none is built in {fmus_folder()}"
     raise UserError(
-        f"'{target}' is no file, FMU or scenario{hint}; FMUs: {', '.join(fmus) or 'none is built'};"
-        f" scenarios: {', '.join(scenarios)}"
+        f"'{target}' is no file, FMU or scenario{hint}; FMUs: {built}; scenarios: {', '.join(scenarios)}"
     )
 
 
