@@ -32,7 +32,7 @@ ZIG = {"CMAKE_C_FLAGS": "-O2", "CMAKE_EXE_LINKER_FLAGS": "-s", "CMAKE_MODULE_LIN
 def check_scene(scene: Path, folder: Path) -> str:
     """The scene's name, once the generator has no complaint; what it warns of goes to stderr"""
     generator = repository() / "modelDescription" / "generate.py"
-    command = [sys.executable, "-B", str(generator), "--scene", str(scene), "--output", str(folder)]
+    command = [sys.executable, "-B", str(generator), "--scene", str(scene.resolve()), "--output", str(folder)]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     if run.returncode == 2:
         raise UserError(" ".join(run.stderr.split()))

@@ -19,7 +19,7 @@ from contact_fmus.fmu.variables import read_variables
 from contact_fmus.results import Result
 
 from .settings import read_settings
-from .simulate import Interrupted, simulate
+from .simulate import StoppedEarly, simulate
 from .target import Experiment, find_experiment
 
 EPILOG = """examples:
@@ -36,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(experiment.note, file=sys.stderr)
     try:
         result = _with_progress(experiment, options.output_interval)
-    except Interrupted as stopped:
+    except StoppedEarly as stopped:
         _write(stopped.result, experiment, options)  # what there is until then
         raise
     _write(result, experiment, options)

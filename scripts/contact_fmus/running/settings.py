@@ -19,8 +19,8 @@ def read_settings(texts: list[str], variables: dict[str, Variable], fmu: str) ->
 
 def known(name: str, variables: dict[str, Variable], fmu: str) -> Variable:
     if name not in variables:
-        hint = similar(name, variables) or "; a choice that the scene pins is no variable of its FMU"
-        raise UserError(f"{fmu} has no variable '{name}'{hint}")
+        hint = similar(name, variables)
+        raise UserError(f"{fmu} has no variable '{name}'{hint}; what its scene pins is left out of an FMU")
     return variables[name]
 
 

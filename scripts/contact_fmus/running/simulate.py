@@ -21,8 +21,8 @@ PARAMETERS = ("parameter", "calculatedParameter")
 MOST_VALUES = 200_000_000  # of a result: 1.6 GB
 
 
-class Interrupted(RunFailure):
-    """The FMU refused a step, or the user did; `result` is what there was until then"""
+class StoppedEarly(RunFailure):
+    """The FMU refused a step; `result` is what there was until then"""
 
     def __init__(self, text: str, result: Result):
         super().__init__(text)
@@ -51,7 +51,7 @@ def simulate(
                     recorder.row()
                 advance(time)
         except FmuError as error:
-            raise Interrupted(f"at {fmu.time!r} s: {said(error)}", recorder.result(experiment)) from None
+            raise StoppedEarly(f"at {fmu.time!r} s: {said(error)}", recorder.result(experiment)) from None
         return recorder.result(experiment)
 
 
