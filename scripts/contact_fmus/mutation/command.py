@@ -7,7 +7,8 @@ import shutil
 import time
 from pathlib import Path
 
-from contact_fmus.fmu.files import fmus_folder, repository
+from contact_fmus.errors import UserError
+from contact_fmus.fmu.files import fmus_folder, is_clone, repository
 
 from .campaign import Campaign, say
 from .choice import chosen
@@ -31,6 +32,8 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--page", action="store_true")
     asked = parser.parse_args(arguments)
+    if not is_clone():
+        raise UserError("the changes are judged by the tests, which only a clone of the sources has")
     root = repository()
     build = fmus_folder().resolve().parent
     folder = root / "build-mutation"
