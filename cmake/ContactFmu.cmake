@@ -2,8 +2,8 @@
 # OFF, <build>/fmus-fmi3/<Scene>.fmu for FMI 3.0. They differ in the adapter and the description, in nothing else.
 #
 #   configure   modelDescription/generate.py writes <build>/scenes/<Scene>/: modelDescription.xml (FMI 2.0),
-#               modelDescription3.xml (FMI 3.0), scene.h, scene_variables.c, documentation/ and scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE,
-#               SCENE_HAS_CYLINDER); units.txt there lists the sources that the scene has
+#               modelDescription3.xml (FMI 3.0), scene.h, scene_variables.c, documentation/, resources/scene.json and
+#               scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE, SCENE_HAS_CYLINDER); units.txt there lists the sources that the scene has
 #   compile     all of fmu_src as one unit against that scene.h -> <build>/libraries/<Scene>.so, libraries/fmi3/<Scene>.so
 #   pack        the library, stripped, with description and documentation into a ZIP
 #
@@ -161,6 +161,7 @@ function(contact_pack_fmu target folder fmu binaries description)
         set(strip_command COMMAND "${CMAKE_STRIP}" --strip-all -o "${library}" "$<TARGET_FILE:${target}>")
     endif()
     set(members "modelDescription.xml=${folder}/${description}" "documentation=${folder}/documentation"
+        "resources/scene.json=${folder}/resources/scene.json"
         "${binaries}/${SCENE_NAME}.so=${library}" ${ARGN})
     file(GLOB licenses CONFIGURE_DEPENDS "${contact_description_folder}/documentation/licenses/*")
     foreach(license ${licenses})
@@ -174,7 +175,8 @@ function(contact_pack_fmu target folder fmu binaries description)
         ${strip_command}
         COMMAND "${Python3_EXECUTABLE}" -B "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${fmu}" ${members}
         DEPENDS ${target} "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${folder}/${description}"
-            ${documentation} ${licenses} "${contact_description_folder}/documentation/model.png"
+            "${folder}/resources/scene.json" ${documentation} ${licenses}
+            "${contact_description_folder}/documentation/model.png"
         COMMENT "Packing ${target}.fmu" VERBATIM)
     add_custom_target(${target}_fmu ALL DEPENDS "${fmu}")
     cmake_path(GET fmu PARENT_PATH fmu_folder)

@@ -54,10 +54,33 @@ def render(resolved: Resolved) -> dict[str, str]:
         "documentation/index.html",
     )
     files = {name: templates.get_template(name).render(context) for name in names}
+    files["resources/scene.json"] = _scene_for_viewers(resolved)
     # Symbols as character references: some readers of descriptions take one byte for one character.
     for name in descriptions:
         files[name] = files[name].encode("ascii", "xmlcharrefreplace").decode()
     return files
+
+
+def _scene_for_viewers(resolved: Resolved) -> str:
+    """What a viewer of results needs and modelDescription.xml does not tell: shapes, which bodies a contact
+    joins, and what the scene pins. Values are as a user writes them: items by name, vectors as lists."""
+    scene = resolved.scene
+    content = {
+        "format": 1,  # goes up where a reader of this file would misunderstand a newer one
+        "name": scene.name,
+        "title": scene.title,
+        "bodies": [{"name": body.name, "shape": body.shape} for body in scene.bodies],
+        "contacts": [
+            {
+                "name": contact.name,
+                "source": scene.bodies[contact.source].name,
+                "destination": scene.bodies[contact.destination].name,
+            }
+            for contact in scene.contacts
+        ],
+        "pinned": scene.pinned,
+    }
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
 
 def write(files: dict[str, str], folder: Path) -> None:

@@ -127,6 +127,7 @@ def test_the_archive_holds_what_the_standard_lists_and_nothing_else(fmu_path, sc
         "model.png",
         f"binaries/linux64/{scene}.so",
         "documentation/index.html",
+        "resources/scene.json",
     }
     assert required <= set(names)
     others = {name for name in names if not name.startswith("documentation/")} - required

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 
 from contact_fmus.errors import RunFailure
-from contact_fmus.fmu.files import repository
+from contact_fmus.fmu.files import fmu_file, repository
+from contact_fmus.fmu.scene import has_scene, read_scene
 
 from .inputs import InputSignal
+from .motion import Motion
 
 
 @dataclass(frozen=True)
@@ -107,6 +109,15 @@ class Recording:
             return pinned[name]
         raise RunError(f"{self.scenario.name}: {self.scenario.fmu} has no variable {name}")
 
+    @cached_property
+    def motion(self) -> Motion:
+        """The run as pictures need it"""
+
+        def value(name: str) -> Any:
+            return self.value(name) if self.has(name) else None
+
+        return Motion(read_scene(fmu_file(self.scenario.fmu)), self.time, value, self.series.get)
+
     def has(self, name: str) -> bool:
         return name in self.initial or name in pinned_values(self.scenario.fmu)
 
@@ -118,5 +129,8 @@ def scene_file(fmu: str) -> dict[str, Any]:
     return tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
 
+@cache
 def pinned_values(fmu: str) -> dict[str, Any]:
-    return scene_file(fmu).get("pinned", {})
+    """What the FMU's scene pins, so that it is no variable any more; empty for an FMU from elsewhere"""
+    file = fmu_file(fmu)
+    return read_scene(file).pinned if has_scene(file) else {}

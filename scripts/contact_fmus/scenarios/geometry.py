@@ -5,33 +5,36 @@ from __future__ import annotations
 import numpy as np
 
 from . import closed_forms
-from .experiment import Recording
+from .experiment import Recording, RunError
 
 
-def _is_cylinder(run: Recording) -> bool:
-    return run.has("destination.axis")
+def _pair(run: Recording) -> tuple[str, str, str]:
+    """Names of contact, source and destination; RunError where the scene has more than one contact"""
+    contacts = run.motion.scene.contacts
+    if len(contacts) != 1:
+        text = f"the claim is about one contact, and {run.scenario.fmu} has {len(contacts)}"
+        raise RunError(f"{run.scenario.name}: {text}")
+    return contacts[0].name, contacts[0].source, contacts[0].destination
 
 
 def recompute_force(run: Recording) -> tuple[np.ndarray, float]:
     """Force on a source outside the destination, both prescribed; and the size of the largest term in it"""
+    contact, source, destination = _pair(run)
     apart, closing = (_relative(run, kind) for kind in ("displacement", "velocity"))
-    if _is_cylinder(run):
-        axis = np.asarray(run.value("destination.axis"), dtype=float)
-        axis = axis / np.linalg.norm(axis)
+    axis = run.motion.axis(destination)
+    if axis is not None:
         along = apart @ axis
         apart = apart - np.outer(along, axis)
     distance = np.linalg.norm(apart, axis=1)
     normal = apart / distance[:, None]
-    gap = distance - run.value("source.radius") - run.value("destination.radius")
+    gap = distance - run.value(f"{source}.radius") - run.value(f"{destination}.radius")
     rate = np.sum(closing * normal, axis=1)
     touching = gap < 0.0
-    if _is_cylinder(run) and run.value("destination.finite_length"):
-        touching &= np.abs(along) <= 0.5 * run.value("destination.length")
-    elastic, viscous = (
-        -run.value("contact.penalty_factor") * gap,
-        -run.value("contact.viscous_penalty_factor") * rate,
-    )
-    dashpot = run.value("contact.dashpot")
+    if axis is not None and run.value(f"{destination}.finite_length"):
+        touching &= np.abs(along) <= 0.5 * run.value(f"{destination}.length")
+    elastic = -run.value(f"{contact}.penalty_factor") * gap
+    viscous = -run.value(f"{contact}.viscous_penalty_factor") * rate
+    dashpot = run.value(f"{contact}.dashpot")
     if dashpot == "approach_only":
         viscous = np.where(rate < 0.0, viscous, 0.0)
     force = elastic + viscous
@@ -43,10 +46,11 @@ def recompute_force(run: Recording) -> tuple[np.ndarray, float]:
 
 def _relative(run: Recording, kind: str) -> np.ndarray:
     """Destination minus source: location of the centres, or their velocity"""
-    relative = run.series[f"destination.prescribed_{kind}"] - run.series[f"source.prescribed_{kind}"]
+    _, source, destination = _pair(run)
+    relative = run.series[f"{destination}.prescribed_{kind}"] - run.series[f"{source}.prescribed_{kind}"]
     if kind == "displacement":
         relative = relative + (
-            np.asarray(run.value("destination.center")) - np.asarray(run.value("source.center"))
+            np.asarray(run.value(f"{destination}.center")) - np.asarray(run.value(f"{source}.center"))
         )
     return relative
 
@@ -54,15 +58,13 @@ def _relative(run: Recording, kind: str) -> np.ndarray:
 def diagonal(run: Recording) -> float:
     """Diagonal of the bounding box of both bodies at the start; of an infinite cylinder, its cross-section"""
     centers, extents = [], []
-    for body in ("source", "destination"):
+    for body in _pair(run)[1:]:
+        radius, axis = run.value(f"{body}.radius"), run.motion.axis(body)
         centers.append(np.asarray(run.value(f"{body}.position"), dtype=float))
-        extents.append(closed_forms.sphere_extent(run.value(f"{body}.radius")))
-    if _is_cylinder(run):
-        finite = run.value("destination.finite_length")
-        length = run.value("destination.length") if finite else 0.0
-        extents[1] = closed_forms.cylinder_extent(
-            run.value("destination.radius"), run.value("destination.axis"), length
-        )
+        if axis is None:
+            extents.append(closed_forms.sphere_extent(radius))
+        else:
+            extents.append(closed_forms.cylinder_extent(radius, axis, run.motion.length(body) or 0.0))
     lower = [center - extent for center, extent in zip(centers, extents, strict=True)]
     upper = [center + extent for center, extent in zip(centers, extents, strict=True)]
     return closed_forms.box_diagonal(lower, upper)

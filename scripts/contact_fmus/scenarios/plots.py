@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Polygon
+from matplotlib.patches import Circle, Patch, Polygon
 
 from .experiment import Recording
 
+# One for each run, or for each body and contact of a single run
 COLORS = ("#1f6fb4", "#d95f02", "#2b9348", "#8e44ad", "#7f7f7f")
 BODY, EDGE = "#e3e7ee", "#4a5568"
 STYLE = {
@@ -28,6 +30,7 @@ STYLE = {
     "legend.frameon": False,
     "legend.fontsize": 8,
 }
+LINES = ("-", "--", ":", "-.")  # where several runs are compared: one for each body or contact
 FAR = 1e20  # a gap beyond this stands for infinity and is not drawn
 
 
@@ -53,28 +56,34 @@ def draw(runs: list[Recording], file: Path) -> Path:
     return file
 
 
-def positions(run: Recording, body: str) -> np.ndarray:
-    """Centre of a body at the communication points: an output, or what a fixed or driven body starts from"""
-    if f"{body}.position" in run.series:
-        return run.series[f"{body}.position"]
-    driven = run.series.get(f"{body}.prescribed_displacement", np.zeros((len(run.time), 3)))
-    return np.asarray(run.value(f"{body}.center")) + driven
+def _movers(run: Recording) -> list[str]:
+    """Bodies that move, or the source of the first contact where none does"""
+    moving = [body.name for body in run.motion.scene.bodies if run.motion.moves(body.name)]
+    return moving or [run.motion.scene.contacts[0].source]
 
 
-def _label(run: Recording) -> str:
-    return run.variant.label or "source"
+def _color(index: int) -> str:
+    return COLORS[index % len(COLORS)]
 
 
 # the path
 
 
+def _reference(run: Recording) -> str:
+    """The body that the others are seen against: one that stands still and is hit, where there is one"""
+    hit = [contact.destination for contact in run.motion.scene.contacts]
+    return next((body for body in hit if not run.motion.moves(body)), hit[0])
+
+
 def _horizontal(run: Recording) -> np.ndarray:
-    """The drawn plane's horizontal unit vector: where the source goes, or along x or y next to a cylinder"""
-    relative = positions(run, "source") - positions(run, "destination")
-    relative[:, 2] = 0.0
-    if run.has("destination.axis"):
-        return np.eye(3)[int(np.argmax(np.max(np.abs(relative), axis=0)))]
-    farthest = relative[int(np.argmax(np.linalg.norm(relative, axis=1)))]
+    """The drawn plane's horizontal unit vector: where the bodies go, or along x or y next to a cylinder"""
+    motion, reference = run.motion, _reference(run)
+    others = [body.name for body in motion.scene.bodies if body.name != reference]
+    apart = np.concatenate([motion.position(name) - motion.position(reference) for name in others])
+    apart[:, 2] = 0.0
+    if any(motion.axis(body.name) is not None for body in motion.scene.bodies):
+        return np.eye(3)[int(np.argmax(np.max(np.abs(apart), axis=0)))]
+    farthest = apart[int(np.argmax(np.linalg.norm(apart, axis=1)))]
     length = np.linalg.norm(farthest)
     return farthest / length if length > 0.0 else np.eye(3)[0]
 
@@ -90,77 +99,80 @@ def _path(axes: Axes, runs: list[Recording]) -> None:
     axes.set_ylabel("z [m]")
     axes.set_aspect("equal", adjustable="box")
     axes.set_axisbelow(True)
-    _draw_destination(axes, runs[-1], plane)
-    radius = runs[0].value("source.radius")
-    for run, color in zip(runs, COLORS, strict=False):
-        track = positions(run, "source") @ plane.T
-        axes.plot(*track.T, color=color, label=_label(run), linewidth=1.0)
-        if len(runs) == 1:
-            for index in np.linspace(0, len(track) - 1, 7).astype(int):
-                axes.add_patch(Circle(track[index], radius, facecolor=color, alpha=0.15))
-        axes.add_patch(Circle(track[-1], radius, facecolor="none", edgecolor=color, linewidth=1.2))
+    movers = _movers(runs[0])
+    for body in runs[-1].motion.scene.bodies:
+        if body.name not in movers:
+            _draw_standing(axes, runs[-1], body.name, plane)
+    for number, run in enumerate(runs):
+        for index, body in enumerate(movers):
+            color = _color(number if len(runs) > 1 else index)
+            _draw_moving(axes, run, body, plane, color, ghosts=len(runs) == 1)
     axes.autoscale_view()
 
 
-def _is_hollow(run: Recording) -> bool:
-    location = run.value("contact.location")
-    if location != "automatic":
-        return location == "inside"
-    apart, radius = (
-        (positions(run, "source") - positions(run, "destination"))[0],
-        run.value("destination.radius"),
-    )
-    if run.has("destination.axis"):
-        axis = np.asarray(run.value("destination.axis"), dtype=float)
-        apart = apart - (apart @ axis) / (axis @ axis) * axis
-    return np.linalg.norm(apart) < radius and run.value("source.radius") < radius
+def _draw_moving(axes: Axes, run: Recording, body: str, plane: np.ndarray, color: str, ghosts: bool) -> None:
+    track = run.motion.position(body) @ plane.T
+    axes.plot(*track.T, color=color, label=run.variant.label or body, linewidth=1.0)
+    if ghosts and not run.motion.is_hollow(body):
+        for index in np.linspace(0, len(track) - 1, 7).astype(int):
+            look = {"facecolor": color, "alpha": 0.15}
+            axes.add_patch(_outline(run, body, track[index], plane, look))
+    look = {"facecolor": "none", "edgecolor": color, "linewidth": 1.2}
+    axes.add_patch(_outline(run, body, track[-1], plane, look))
 
 
-def _draw_destination(axes: Axes, run: Recording, plane: np.ndarray) -> None:
-    radius, center = run.value("destination.radius"), plane @ positions(run, "destination")[-1]
-    fill = "none" if _is_hollow(run) else BODY
+def _draw_standing(axes: Axes, run: Recording, body: str, plane: np.ndarray) -> None:
+    fill = "none" if run.motion.is_hollow(body) else BODY
     look = {"facecolor": fill, "edgecolor": EDGE, "linewidth": 1.2, "zorder": 0.8}
-    along = np.zeros(2)
-    if run.has("destination.axis"):
-        axis = np.asarray(run.value("destination.axis"), dtype=float)
-        along = plane @ axis / np.linalg.norm(axis)
-    if np.linalg.norm(along) < 0.5:  # seen along its axis, near enough
-        axes.add_patch(Circle(center, radius, **look))
-        return
-    half = 0.5 * run.value("destination.length") if run.value("destination.finite_length") else 2.0 * radius
-    axis, side = along * half, np.array([-along[1], along[0]]) * radius
-    corners = [center + a * axis + b * side for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
-    axes.add_patch(Polygon(corners, **look))
+    axes.add_patch(_outline(run, body, plane @ run.motion.position(body)[-1], plane, look))
+
+
+def _outline(run: Recording, body: str, center: np.ndarray, plane: np.ndarray, look: dict) -> Patch:
+    """A circle; a rectangle for a cylinder that is not seen along its axis, near enough"""
+    radius, axis = run.motion.radius(body) or 0.0, run.motion.axis(body)
+    along = np.zeros(2) if axis is None else plane @ axis
+    if np.linalg.norm(along) < 0.5:
+        return Circle(center, radius, **look)
+    length = run.motion.length(body)
+    ends, side = along * (2.0 * radius if length is None else 0.5 * length), np.array([-along[1], along[0]])
+    side = side / np.linalg.norm(side) * radius
+    corners = [center + a * ends + b * side for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+    return Polygon(corners, **look)
 
 
 # over time
 
 
 def _position(axes: Axes, runs: list[Recording]) -> None:
-    if len(runs) == 1:
-        axes.set_title("position of the source")
-        for component, color in zip(range(3), COLORS, strict=False):
-            axes.plot(
-                runs[0].time, positions(runs[0], "source")[:, component], color=color, label="xyz"[component]
-            )
-    else:
-        component = int(np.argmax(np.ptp(positions(runs[0], "source"), axis=0)))
-        axes.set_title(f"position of the source, {'xyz'[component]}")
-        _compare(axes, runs, [positions(run, "source")[:, component] for run in runs])
+    movers = _movers(runs[0])
     axes.set_ylabel("position [m]")
+    if len(runs) == 1 and len(movers) == 1:
+        axes.set_title(f"position of the {movers[0]}")
+        values = runs[0].motion.position(movers[0])
+        for component in range(3):
+            axes.plot(runs[0].time, values[:, component], color=_color(component), label="xyz"[component])
+        return
+    ranges = sum(np.ptp(runs[0].motion.position(body), axis=0) for body in movers)
+    component = int(np.argmax(ranges))
+    whose = f"of the {movers[0]}" if len(movers) == 1 else "of the bodies"
+    axes.set_title(f"position {whose}, {'xyz'[component]}")
+    _compare(axes, runs, movers, lambda run, body: run.motion.position(body)[:, component])
 
 
 def _gap(axes: Axes, runs: list[Recording]) -> None:
     axes.set_title("gap")
-    gaps = [
-        1e3 * np.where(run.series["contact.gap"] < FAR, run.series["contact.gap"], np.nan) for run in runs
-    ]
-    drawn = np.concatenate(gaps)
-    deepest, widest = -np.nanmin(drawn), np.nanmax(drawn)
+
+    def gap(run: Recording, contact: str) -> np.ndarray:
+        values = run.series[f"{contact}.gap"]
+        return 1e3 * np.where(values < FAR, values, np.nan)
+
+    contacts = _contacts(runs[0])
+    drawn = np.concatenate([gap(run, contact) for run in runs for contact in contacts])
+    deepest, widest = (-np.nanmin(drawn), np.nanmax(drawn)) if np.any(np.isfinite(drawn)) else (0.0, 0.0)
     if 0.0 < deepest < 0.05 * widest:  # penetrations next to flights: linear below, logarithmic above
         axes.set_yscale("symlog", linthresh=10.0 ** np.ceil(np.log10(deepest)))
     axes.axhline(0.0, color=EDGE, linewidth=0.8)
-    _compare(axes, runs, gaps)
+    _compare(axes, runs, contacts, gap)
     if deepest > 0.0:
         axes.axhspan(axes.get_ylim()[0], 0.0, color="#d95f02", alpha=0.07)
     axes.set_ylabel("gap [mm]")
@@ -168,8 +180,12 @@ def _gap(axes: Axes, runs: list[Recording]) -> None:
 
 def _force(axes: Axes, runs: list[Recording]) -> None:
     axes.set_title("normal force")
-    _compare(axes, runs, [run.series["contact.normal_force"] for run in runs])
+    _compare(axes, runs, _contacts(runs[0]), lambda run, contact: run.series[f"{contact}.normal_force"])
     axes.set_ylabel("force [N]")
+
+
+def _contacts(run: Recording) -> list[str]:
+    return [contact.name for contact in run.motion.scene.contacts]
 
 
 def _energy(axes: Axes, runs: list[Recording]) -> None:
@@ -181,7 +197,7 @@ def _energy(axes: Axes, runs: list[Recording]) -> None:
         }
         term = "dissipated" if sizes["dissipated"] > 1e-6 * sizes["kinetic"] else "kinetic"
         axes.set_title(f"{term} energy")
-        _compare(axes, runs, [run.series[f"energy.{term}"] for run in runs])
+        _compare(axes, runs, [f"energy.{term}"], lambda run, name: run.series[name])
         return
     axes.set_title("energy")
     terms = {
@@ -193,6 +209,13 @@ def _energy(axes: Axes, runs: list[Recording]) -> None:
     axes.plot(runs[0].time, sum(terms.values()) - work, color="black", linestyle="--", label="sum")
 
 
-def _compare(axes: Axes, runs: list[Recording], series: list[np.ndarray]) -> None:
-    for run, values, color in zip(runs, series, COLORS, strict=False):
-        axes.plot(run.time, values, color=color, label=_label(run) if len(runs) > 1 else None)
+def _compare(
+    axes: Axes, runs: list[Recording], names: list[str], values: Callable[[Recording, str], np.ndarray]
+) -> None:
+    """A line for each run and name; what tells them apart, runs or names, has the colours"""
+    for number, run in enumerate(runs):
+        for index, name in enumerate(names):
+            several = [run.variant.label] * (len(runs) > 1) + [name] * (len(names) > 1)
+            color = _color(number if len(runs) > 1 else index)
+            line = LINES[index % len(LINES)] if len(runs) > 1 else "-"
+            axes.plot(run.time, values(run, name), line, color=color, label=", ".join(several) or None)

@@ -11,27 +11,27 @@ from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError, fmu_file
 
 from .experiment import Recording, RunError, Scenario, Variant
 
-# Read at every communication point, where the FMU has them
-RECORDED = (
-    "source.position",
-    "destination.position",
-    "source.velocity",
-    "destination.velocity",
-    "source.prescribed_displacement",
-    "source.prescribed_velocity",
-    "destination.prescribed_displacement",
-    "destination.prescribed_velocity",
-    "contact.gap",
-    "contact.gap_rate",
-    "contact.normal_force",
-    "contact.source_force",
-    "contact.destination_force",
-    "energy.kinetic",
-    "energy.potential",
-    "energy.contact",
-    "energy.dissipated",
-    "energy.external_work",
+# Read at every communication point, where the FMU has them: of every body, of every contact, of the world
+OF_BODIES = ("position", "velocity", "orientation", "prescribed_displacement", "prescribed_velocity")
+OF_CONTACTS = (
+    "gap",
+    "gap_rate",
+    "normal_force",
+    "source_force",
+    "destination_force",
+    "onsets",
+    "last_onset_time",
+    "last_duration",
 )
+OF_THE_WORLD = ("kinetic", "potential", "contact", "dissipated", "external_work")  # energies
+
+
+def recorded(fmu: ContactFmu) -> list[str]:
+    """The names that a recording keeps; a vector goes by its name without index"""
+    names = [name for name in fmu.variables if not name.endswith("]")]
+    kept = (*OF_BODIES, *OF_CONTACTS)
+    energies = [f"energy.{name}" for name in OF_THE_WORLD]
+    return [name for name in names if name in energies or name.partition(".")[2] in kept]
 
 
 def record(
@@ -54,7 +54,7 @@ def record(
 def _step_through(
     fmu: ContactFmu, scenario: Scenario, variant: Variant, advance: Callable[[int], None]
 ) -> Recording:
-    names = [name for name in RECORDED if name in fmu]
+    names = recorded(fmu)
     rows: dict[str, list] = {name: [] for name in names}
     # Communication points as fractions of the whole: the last one is stop_time, not a sum of roundings
     times = np.linspace(scenario.start_time, scenario.stop_time, variant.steps + 1)

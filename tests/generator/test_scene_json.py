@@ -1,0 +1,22 @@
+"""resources/scene.json tells what the scene file does: bodies, contacts, pinned values"""
+
+import json
+import tomllib
+
+import pytest
+
+from support.generator.generated import ROOT, SCENES, generate
+
+EXTRA = ROOT / "tests" / "physics" / "scenes" / "ThreeBalls.toml"
+FILES = [*(ROOT / "modelDescription" / "scenes" / f"{scene}.toml" for scene in SCENES), EXTRA]
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_a_viewer_is_told_what_the_scene_file_says(file, tmp_path):
+    generate(file, tmp_path)
+    told = json.loads((tmp_path / "resources" / "scene.json").read_text(encoding="utf-8"))
+    scene = tomllib.loads(file.read_text(encoding="utf-8"))
+    assert told["bodies"] == scene["body"]
+    assert told["contacts"] == scene["contact"]
+    assert told["pinned"] == scene.get("pinned", {})
+    assert (told["name"], told["title"], told["format"]) == (scene["name"], scene["title"], 1)
