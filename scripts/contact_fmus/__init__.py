@@ -7,6 +7,8 @@ fmu         one FMU by the names of its variables; the C program that times FMUs
 results     values of a run over time, and their file
 pages       what all pages of results share
 scenarios   experiments (scripts/scenarios/*.toml) and what they claim
+plot        results of any scene over time, as picture or page
+animate     results of any scene in three dimensions, as a page
 bench       benchmark problems, ratios of run times for developers
 report      error against run time (docs/report)
 peers, coupling, lasting

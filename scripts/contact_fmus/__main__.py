@@ -18,6 +18,11 @@ COMMANDS = {
     "check": ("checking.command:main", "check an FMU file: schema, binaries, validators, a short run"),
     "scenarios": ("scenarios.command:run", "run scenarios, check their claims, write plots and index.html"),
     "picture": ("scenarios.command:picture", "draw one scenario"),
+    "plot": ("plot.command:main", "draw a result, an FMU or a scenario over time, as picture or page"),
+    "animate": (
+        "animate.command:main",
+        "a page that plays a result, FMU or scenario in three dimensions",
+    ),
     "leave-out": ("scenarios.command:leave_out", "compare the sizes and speeds of the FMUs"),
     "report": ("whole_report:main", "error against run time, the whole report: docs/report"),
     "bench": ("bench.command:main", "ratios of run times for developers"),

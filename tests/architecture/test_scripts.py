@@ -19,6 +19,8 @@ PACKAGES = (
     "results",
     "pages",
     "scenarios",
+    "plot",
+    "animate",
     "bench",
     "report",
     "peers",

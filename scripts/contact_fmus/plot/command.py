@@ -1,0 +1,61 @@
+"""The command plot of contact_fmus"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from contact_fmus.errors import UserError, similar
+
+from . import figure, page, panels
+from .experiment import read_settings
+from .source import KINDS, find, open_runs
+
+SUFFIXES = (*figure.SUFFIXES, ".html")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """0: drawn"""
+    parser = argparse.ArgumentParser(
+        prog="contact_fmus plot",
+        description="Draws gaps, forces, positions and energies of any scene over time.",
+    )
+    parser.add_argument("source", help=f"{KINDS}; of shipped ones the name")
+    parser.add_argument(
+        "--variables", nargs="+", default=[], metavar="NAME", help="drawn instead; * stands for anything"
+    )
+    add_run_options(parser)
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help=f"{', '.join(SUFFIXES)}; default NAME.png here"
+    )
+    options = parser.parse_args(arguments)
+    output = output_file(options.output, find(options.source).stem + ".png", SUFFIXES)
+    runs = open_runs(options.source, read_settings(options.set), options.stop, options.fmu)
+    first = runs[0].result
+    drawn = panels.chosen(first, options.variables) if options.variables else panels.usual(first)
+    if not drawn:
+        raise UserError(f"{options.source}: nothing to draw, it has no column but time")
+    write = page.write_page if output.suffix == ".html" else figure.draw
+    write(runs[0].title, runs, drawn, output)
+    print(output)
+    return 0
+
+
+def add_run_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="of an FMU or scenario; repeatable"
+    )
+    parser.add_argument("--stop", type=float, metavar="S", help="end of the run in s")
+    parser.add_argument("--fmu", type=Path, help="the FMU that made a result, where its file does not say")
+
+
+def output_file(asked: Path | None, usual: str, suffixes: tuple[str, ...]) -> Path:
+    """UserError before anything is run, where the file could not be written in the end"""
+    output = Path(usual) if asked is None else asked
+    if output.suffix not in suffixes:
+        known = ", ".join(suffixes)
+        near = similar(output.suffix, suffixes)
+        raise UserError(f"{output}: '{output.suffix}' is none of the formats {known}{near}")
+    if output.is_dir():
+        raise UserError(f"{output}: this is a folder")
+    return output

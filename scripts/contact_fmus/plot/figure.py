@@ -1,0 +1,72 @@
+"""Panels of one result, or of several over each other, as a picture: PNG, SVG or PDF"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from contact_fmus.scenarios.plots import COLORS, EDGE, LINES, STYLE
+
+from .contacts import Touch, touches
+from .panels import Panel, threshold, values
+from .source import Run
+
+SUFFIXES = (".png", ".svg", ".pdf")
+# matplotlib writes the date and random names into SVG and PDF otherwise: the same result gives the same file.
+FIXED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {}}
+MARKED = 60  # contacts that are marked, at most: more would cover the lines
+
+
+def draw(title: str, runs: list[Run], panels: list[Panel], file: Path) -> None:
+    """The contacts of the first run are shaded."""
+    with mpl.rc_context(STYLE | {"svg.hashsalt": "contact-fmus"}):
+        height = 0.9 + 1.75 * len(panels)
+        figure = Figure(figsize=(9.5, height), dpi=120, layout="constrained")
+        figure.suptitle(title, fontsize=13, fontweight="bold", x=0.01, ha="left")
+        rows = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+        marks = touches(runs[0].result)
+        for axes, panel in zip(rows, panels, strict=True):
+            _draw_panel(axes, panel, runs)
+            _mark(axes, marks)
+        rows[-1].set_xlabel("time [s]")
+        rows[-1].set_xlim(runs[0].result.time[0], runs[0].result.time[-1])
+        if marks:
+            rows[0].set_title(_told(marks), loc="right", fontsize=8, fontweight="normal", color=EDGE)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(file, metadata=FIXED[file.suffix])
+
+
+def _draw_panel(axes: Axes, panel: Panel, runs: list[Run]) -> None:
+    axes.set_title(panel.title)
+    axes.set_ylabel(f"[{panel.unit}]" if panel.unit else "")
+    drawn: list[np.ndarray] = []
+    for number, run in enumerate(runs):
+        for index, line in enumerate(panel.lines):
+            y = values(run.result, line.name)
+            label = ", ".join([run.label] * (len(runs) > 1) + [line.label] * (len(panel.lines) > 1))
+            color = COLORS[(number if len(runs) > 1 else index) % len(COLORS)]
+            style = LINES[index % len(LINES)] if len(runs) > 1 or index >= len(COLORS) else "-"
+            axes.plot(run.result.time, y, style, color=color, label=label or None)
+            drawn.append(y)
+    linear = threshold(drawn)
+    if linear is not None and "gap" in panel.title:
+        axes.set_yscale("symlog", linthresh=linear)
+        axes.axhline(0.0, color=EDGE, linewidth=0.8)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+
+
+def _mark(axes: Axes, marks: list[Touch]) -> None:
+    """Shaded while in contact, a line at each onset: a contact may be narrower than a pixel"""
+    for touch in marks[:MARKED]:
+        axes.axvspan(touch.begin, touch.end, color=COLORS[1], alpha=0.10, linewidth=0)
+        axes.axvline(touch.begin, color=COLORS[1], alpha=0.35, linewidth=0.6)
+
+
+def _told(marks: list[Touch]) -> str:
+    count = f"{len(marks)} contact{'s' if len(marks) > 1 else ''}"
+    return f"{count}, shaded" if len(marks) <= MARKED else f"{count}, the first {MARKED} shaded"

@@ -1,0 +1,148 @@
+"""Which variables of a result are drawn together: one panel for each kind of quantity"""
+
+from __future__ import annotations
+
+import fnmatch
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact_fmus.errors import UserError, similar
+from contact_fmus.results import Result
+
+from .contacts import contact_names
+
+FAR = 1e20  # a gap beyond this stands for infinity and is not drawn
+MOST = 8  # lines of one panel, panels of a result that nobody chose from
+AXES = dict(zip("123", "xyz", strict=True))
+ENERGIES = ("kinetic", "potential", "contact", "dissipated", "external_work", "total")
+# Penetrations are drawn next to flights: where they are less than this part of the axis, it is linear below
+# them and logarithmic above.
+SMALL = 0.05
+
+
+@dataclass(frozen=True)
+class Line:
+    name: str  # the variable
+    label: str
+
+
+@dataclass(frozen=True)
+class Panel:
+    title: str
+    unit: str
+    lines: tuple[Line, ...]
+
+
+def chosen(result: Result, patterns: Iterable[str]) -> list[Panel]:
+    """A panel for each unit and name among the variables asked for; `*` stands for anything, a vector for its
+    components"""
+    names: list[str] = []
+    for pattern in patterns:
+        found = _matching(result, pattern)
+        if not found:
+            raise UserError(f"--variables: no variable '{pattern}'{similar(pattern, _askable(result))}")
+        names += [name for name in found if name not in names]
+    groups: dict[tuple[str, str], list[str]] = {}
+    for name in names:
+        groups.setdefault((_kind(name), result.units.get(name, "")), []).append(name)
+    return [_panel(kind, unit, found) for (kind, unit), found in groups.items()]
+
+
+def usual(result: Result) -> list[Panel]:
+    """Gaps, forces, positions and energies; of a result without contacts, all by unit"""
+    contacts = contact_names(result)
+    if not contacts:
+        return chosen(result, sorted(result.columns))[:MOST]
+    panels = [
+        _of_contacts(result, contacts, "gap", "gap"),
+        _of_contacts(result, contacts, "normal_force", "normal force"),
+        *_positions(result),
+        _energies(result),
+    ]
+    return [panel for panel in panels if panel is not None]
+
+
+def values(result: Result, name: str) -> np.ndarray:
+    """As they are drawn: what stands for infinity is left out"""
+    found = np.asarray(result.column(name), dtype=float)
+    return np.where(np.abs(found) < FAR, found, np.nan)
+
+
+def threshold(drawn: Iterable[np.ndarray]) -> float | None:
+    """Up to where an axis is linear, in the unit of the values; None: all of it"""
+    joined = np.concatenate(list(drawn))
+    joined = joined[np.isfinite(joined)]
+    if len(joined) == 0:
+        return None
+    deepest, widest = float(-np.min(joined)), float(np.max(joined))
+    return float(10.0 ** np.ceil(np.log10(deepest))) if 0.0 < deepest < SMALL * widest else None
+
+
+def _askable(result: Result) -> list[str]:
+    return [*result.columns, *{re.sub(r"\[\d+\]$", "", name) for name in result.columns}]
+
+
+def _matching(result: Result, pattern: str) -> list[str]:
+    """fnmatch reads [1] as a set of letters: a bracket is meant as it stands here"""
+    wanted = re.compile(fnmatch.translate(pattern.replace("[", "[[]")))
+    return [
+        name for name in result.columns if wanted.match(name) or wanted.match(re.sub(r"\[\d+\]$", "", name))
+    ]
+
+
+def _kind(name: str) -> str:
+    """contact.gap: gap; source.position[1]: position; energy.kinetic: energy"""
+    group, _, field = re.sub(r"\[\d+\]$", "", name).partition(".")
+    return group if group == "energy" or not field else field
+
+
+def _component(name: str) -> str:
+    """source.position[3]: source z"""
+    found = re.fullmatch(r"(\w+)\.\w+\[([123])\]", name)
+    return f"{found[1]} {AXES[found[2]]}" if found else name.rpartition(".")[0] or name
+
+
+def _panel(kind: str, unit: str, names: list[str]) -> Panel:
+    words = [name.partition(".")[2] if kind == "energy" else _component(name) for name in names]
+    alone = len(set(words)) < len(words)  # labels that would not tell lines apart
+    lines = [Line(name, name if alone else word) for name, word in zip(names, words, strict=True)]
+    return Panel(kind.replace("_", " "), unit, tuple(lines))
+
+
+def _of_contacts(result: Result, contacts: list[str], field: str, title: str) -> Panel | None:
+    names = [name for contact in contacts if (name := f"{contact}.{field}") in result.columns]
+    if not names:
+        return None
+    return Panel(
+        title, result.units.get(names[0], ""), tuple(Line(name, name[: -len(field) - 1]) for name in names)
+    )
+
+
+def _positions(result: Result) -> list[Panel]:
+    """Of bodies that move: all components of a single one, the liveliest of several"""
+    columns = [name for name in result.columns if re.search(r"\.position\[[123]\]$", name)]
+    ranges = {name: float(np.ptp(result.columns[name])) for name in columns}
+    bodies = list(dict.fromkeys(name.partition(".")[0] for name in columns))
+    moving = [body for body in bodies if any(ranges[f"{body}.position[{i}]"] > 0.0 for i in (1, 2, 3))]
+    if not moving:
+        return []
+    unit = result.units.get(f"{moving[0]}.position[1]", "")
+    if len(moving) == 1:
+        lines = [Line(f"{moving[0]}.position[{i}]", axis) for i, axis in AXES.items()]
+        return [Panel(f"position of {moving[0]}", unit, tuple(lines))]
+    total = {i: sum(ranges[f"{body}.position[{i}]"] for body in moving) for i in AXES}
+    component = max(total, key=lambda i: total[i])
+    lines = [Line(f"{body}.position[{component}]", body) for body in moving[:MOST]]
+    return [Panel(f"position, {AXES[component]}", unit, tuple(lines))]
+
+
+def _energies(result: Result) -> Panel | None:
+    known = [name for name in ENERGIES if f"energy.{name}" in result.columns]
+    # Work that is not done and energy that is not lost are no lines worth a colour.
+    live = [name for name in known if np.any(result.columns[f"energy.{name}"] != 0.0)]
+    words = {"contact": "stored in contact", "external_work": "work done"}
+    lines = [Line(f"energy.{name}", words.get(name, name)) for name in live]
+    return Panel("energy", result.units.get("energy.kinetic", "J"), tuple(lines)) if lines else None
