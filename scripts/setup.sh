@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # scripts/setup.sh: installs what building, running and testing the contact FMUs needs on Debian 12 or later: Debian
-# packages and a Python environment in .venv. Repeatable: a second run finds everything there and changes nothing.
+# packages, a Python environment in .venv, and three.js by npm. Repeatable: a second run changes nothing.
 # PYTHON=/path/to/python3 names another Python.
 #   -h, --help     prints this
 source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
@@ -15,7 +15,10 @@ packages=(
     git ca-certificates                        # where sources must be fetched instead
     python3 python3-venv
     default-jdk-headless maven                 # VDMCheck, a validator of model descriptions, in the tests
+    chromium                                   # shows the animations in the tests
 )
+# npm brings three.js for the animations. Debian's takes hundreds of packages and does not go with those from elsewhere.
+command -v npm >/dev/null || packages+=(npm)
 
 tell() { printf 'setup: %s\n' "$*"; }
 fail() { printf 'setup: %s\n' "$*" >&2; exit 1; }
@@ -77,6 +80,21 @@ make_python_environment() {
     printf '%s\n' "$wanted" >"$stamp"    # last, so that an interrupted installation starts anew
 }
 
+# three.js for the animations: from its npm package into one file, which pages carry (package.json)
+make_three() {
+    local wanted stamp=$root/node_modules/made-from bundle=$root/scripts/contact_fmus/animate/three.bundle.js
+    wanted=$(cat "$root/package.json" "$root/package-lock.json" "$root/scripts/contact_fmus/animate/three_parts.js" |
+        sha256sum)
+    if [[ -f $bundle && -f $stamp && $(<"$stamp") == "$wanted" ]]; then
+        tell "three.js: already installed"
+        return
+    fi
+    tell "three.js: installing package-lock.json"
+    (cd "$root" && npm ci --no-audit --no-fund --loglevel=error </dev/null && npm run --silent bundle </dev/null)
+    printf '%s\n' "$wanted" >"$stamp"
+}
+
 install_debian_packages
 make_python_environment
+make_three
 tell "done"

@@ -153,7 +153,7 @@ class Chart {
 
   ticks() {
     const [low, high] = this.limits;
-    if (!this.bent) return niceTicks(low, high, 4);
+    if (!this.bent) return niceTicks(low, high, 6);
     const powers = [0];
     for (let k = 0; k + 1 <= high; k++) powers.push(this.linear * 10 ** k);
     return low < -1 ? [-this.linear, ...powers] : powers;
@@ -202,7 +202,7 @@ class Chart {
     const origin = relative ? begin : 0;
     pen.textAlign = "center";
     pen.textBaseline = "top";
-    for (const tick of niceTicks((begin - origin) * factor, (end - origin) * factor, Math.max(2, this.width / 110))) {
+    for (const tick of niceTicks((begin - origin) * factor, (end - origin) * factor, Math.max(2, this.width / 75))) {
       const x = this.x(origin + tick / factor);
       if (x > this.width - MARGIN.right - 34) continue; // there stands the unit
       pen.fillText(shortNumber(tick), x, this.height - MARGIN.bottom + 6);

@@ -82,7 +82,8 @@ def threshold(drawn: Iterable[np.ndarray]) -> float | None:
 
 
 def _askable(result: Result) -> list[str]:
-    return [*result.columns, *{re.sub(r"\[\d+\]$", "", name) for name in result.columns}]
+    vectors = [re.sub(r"\[\d+\]$", "", name) for name in result.columns]
+    return list(dict.fromkeys([*vectors, *result.columns]))
 
 
 def _matching(result: Result, pattern: str) -> list[str]:

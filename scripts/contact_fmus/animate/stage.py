@@ -1,0 +1,120 @@
+"""What an animation shows: bodies and contacts of one run as numbers for the page's script"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contact_fmus.plot.contacts import touches
+from contact_fmus.plot.payload import numbers
+from contact_fmus.results import Result
+from contact_fmus.scenarios.motion import Motion
+
+ROWS = 20_000  # of a page, at most: 20 MB of positions and forces; a longer result is thinned
+NEAR = 8.0  # a body that stands still is looked at as a whole while it is no larger than this times the rest
+LEAST = 1e-300  # m; a scene smaller than a double can square is drawn as if it were this large
+
+
+def thinned(result: Result) -> Result:
+    """Every n-th row, the last one too"""
+    stride = -(-len(result.time) // ROWS)
+    if stride == 1:
+        return result
+    rows = np.unique(np.append(np.arange(0, len(result.time), stride), len(result.time) - 1))
+    columns = {name: found[rows] for name, found in result.columns.items()}
+    return Result(result.time[rows], columns, result.units, result.fmu, result.parameters)
+
+
+def content(result: Result, motion: Motion) -> dict[str, Any]:
+    """What viewer/*.js read; lengths in m, times in s, arrays as base64 of doubles, vectors row by row"""
+    center, radius = view(motion)
+    return {
+        "time": numbers(result.time),
+        "bodies": [_body(motion, body.name, body.shape) for body in motion.scene.bodies],
+        "contacts": [
+            {
+                "name": one.name,
+                "source": one.source,
+                "destination": one.destination,
+                "point": _optional(motion.series(f"{one.name}.point")),
+                "sourceForce": _optional(motion.series(f"{one.name}.source_force")),
+                "destinationForce": _optional(motion.series(f"{one.name}.destination_force")),
+            }
+            for one in motion.scene.contacts
+        ],
+        "touches": [[one.begin, one.end, one.contact] for one in touches(result)],
+        "view": {"center": center.tolist(), "radius": radius, "horizontal": _looked_along(motion)},
+    }
+
+
+def _optional(array: np.ndarray | None) -> str | None:
+    return None if array is None else numbers(array)
+
+
+def _body(motion: Motion, name: str, shape: str) -> dict[str, Any]:
+    moves = motion.moves(name)
+    position = motion.position(name)
+    axis, velocity = motion.axis(name), motion.series(f"{name}.velocity")
+    return {
+        "name": name,
+        "shape": shape,
+        "radius": motion.radius(name),
+        "axis": None if axis is None else axis.tolist(),
+        "length": motion.length(name),
+        "hollow": motion.is_hollow(name),
+        "moves": moves,
+        "position": numbers(position if moves else position[:1]),
+        # With it the page draws the parabolas between the rows, and not straight lines.
+        "velocity": _optional(velocity if moves else None),
+        "orientation": _optional(motion.orientation(name)),
+    }
+
+
+# where to look
+
+
+def view(motion: Motion) -> tuple[np.ndarray, float]:
+    """Centre and radius of what is looked at first: the bodies that move on all their way, and of the others
+    those that would not make these too small to see"""
+    boxes = {body.name: _box(motion, body.name) for body in motion.scene.bodies}
+    moving = [name for name in boxes if motion.moves(name)] or [motion.scene.contacts[0].source]
+    low = np.min([boxes[name][0] for name in moving], axis=0)
+    high = np.max([boxes[name][1] for name in moving], axis=0)
+    size = np.max(high - low)
+    for name in boxes:
+        joined = np.minimum(low, boxes[name][0]), np.maximum(high, boxes[name][1])
+        if name not in moving and np.max(joined[1] - joined[0]) <= NEAR * size:
+            low, high = joined
+    # Halved first: the sum of two large coordinates could leave the range of a double.
+    center, half = 0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low
+    shown = [name for name in boxes if np.all(boxes[name][0] >= low) and np.all(boxes[name][1] <= high)]
+    reach = max(_reach(motion, name, center) for name in shown)
+    return center, max(min(reach, float(np.linalg.norm(half))), LEAST)
+
+
+def _reach(motion: Motion, body: str, center: np.ndarray) -> float:
+    """How far from the centre any point of the body gets, at most"""
+    away = np.max(np.linalg.norm(motion.position(body) - center, axis=1))
+    return float(away + np.hypot(motion.radius(body) or 0.0, 0.5 * (motion.length(body) or 0.0)))
+
+
+def _box(motion: Motion, body: str) -> tuple[np.ndarray, np.ndarray]:
+    """Of all its way; an infinite cylinder counts with its cross-section"""
+    centers, radius, axis = motion.position(body), motion.radius(body) or 0.0, motion.axis(body)
+    extent = np.full(3, radius)
+    if axis is not None:
+        half = 0.5 * (motion.length(body) or 0.0)
+        extent = half * np.abs(axis) + radius * np.sqrt(np.maximum(0.0, 1.0 - axis**2))
+    return np.min(centers, axis=0) - extent, np.max(centers, axis=0) + extent
+
+
+def _looked_along(motion: Motion) -> list[float]:
+    """A horizontal direction to look along first: across the way that is gone, and not along a cylinder"""
+    spread = np.zeros(2)
+    for body in motion.scene.bodies:
+        spread += np.ptp(motion.position(body.name)[:, :2], axis=0) / motion.size()
+        axis = motion.axis(body.name)
+        if axis is not None:
+            spread += np.abs(axis[:2])
+    return [0.0, 1.0] if spread[0] >= spread[1] else [-1.0, 0.0]

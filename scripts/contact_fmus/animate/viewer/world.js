@@ -1,0 +1,280 @@
+// The bodies in three dimensions. Everything is placed relative to `origin` and measured in `scale`, both doubles of
+// this script: the graphics card has seven digits only, too few for a ball of 1 mm in a tube of 10 m.
+
+const SEGMENTS = 60; // of a circle
+const HIGH = new THREE.Vector3(0, 0, 1);
+const NORMAL = new THREE.Vector3(0, 1, 0); // the axis of three.js's cylinders
+const ARROW = 0.2; // length of the longest force arrow as a part of the camera's distance
+
+/** Whether there is no graphics card: then smooth edges cost more than they are worth. */
+function drawnByProcessor() {
+  const probe = document.createElement("canvas").getContext("webgl2");
+  const about = probe && probe.getExtension("WEBGL_debug_renderer_info");
+  const name = about ? probe.getParameter(about.UNMASKED_RENDERER_WEBGL) : "";
+  probe?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
+class World {
+  constructor(canvas, data, playback) {
+    this.data = data;
+    this.playback = playback;
+    this.times = decodeNumbers(data.time);
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !drawnByProcessor() });
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(35, 1, 0.1, 100);
+    this.camera.up.copy(HIGH);
+    this.controls = new THREE.OrbitControls(this.camera, canvas);
+    this.controls.enableDamping = true;
+    this.bodies = data.bodies.map((body, index) => this.makeBody(body, index));
+    this.contacts = data.contacts.map((contact) => this.makeContact(contact));
+    this.largestForce = Math.max(0, ...this.contacts.map((contact) => contact.largest));
+    this.lights();
+    this.show = { trails: true, forces: true };
+    this.rootArrows = true;
+    this.follow(null);
+    this.restyle();
+  }
+
+  lights() {
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x5a6272, 1.7));
+    const sun = new THREE.DirectionalLight(0xffffff, 2.0);
+    sun.position.set(-2, -3, 4);
+    this.camera.add(sun);
+    this.scene.add(this.camera);
+  }
+
+  makeBody(body, index) {
+    const group = new THREE.Group();
+    const path = new Path(this.times, body.position, body.velocity);
+    const turning = body.orientation ? new Turning(body.orientation) : null;
+    const axis = body.axis ? new THREE.Vector3(...body.axis) : null;
+    const made = { ...body, group, path, turning, index, at: [0, 0, 0], materials: [] };
+    made.upright = axis ? new THREE.Quaternion().setFromUnitVectors(NORMAL, axis) : new THREE.Quaternion();
+    made.half = axis ? this.halfLength(body, path) : body.radius;
+    made.mesh = this.makeSolid(made, axis);
+    group.add(made.mesh);
+    if (body.hollow || axis || turning) group.add(this.makeNet(made, axis));
+    made.trail = body.moves ? this.makeTrail(made) : null;
+    this.scene.add(group);
+    if (made.trail) this.scene.add(made.trail);
+    return made;
+  }
+
+  /** Half the length that is drawn: of an infinite cylinder, further than the bodies go and the first view. */
+  halfLength(body, path) {
+    if (body.length !== null) return 0.5 * body.length;
+    const { center, radius } = this.data.view;
+    const from = path.at(0, 0);
+    const along = body.axis.reduce((sum, one, k) => sum + one * (center[k] - from[k]), 0);
+    return Math.abs(along) + 4 * radius + 2 * body.radius;
+  }
+
+  makeSolid(body, axis) {
+    const material = new THREE.MeshLambertMaterial({});
+    if (body.hollow) Object.assign(material, { transparent: true, opacity: 0.2, side: THREE.DoubleSide, forceSinglePass: true, depthWrite: false });
+    const open = body.hollow || body.length === null;
+    const shape = axis ? new THREE.CylinderGeometry(1, 1, 2, SEGMENTS, 1, open) : new THREE.SphereGeometry(1, SEGMENTS, SEGMENTS / 2);
+    const mesh = new THREE.Mesh(shape, material);
+    mesh.renderOrder = body.hollow ? 2 : 0;
+    body.materials.push(material);
+    return mesh;
+  }
+
+  /** Circles on the surface, which make its form and its turning visible. */
+  makeNet(body, axis) {
+    const points = [];
+    const circle = (place) => {
+      for (let k = 0; k < SEGMENTS; k++) {
+        points.push(...place((2 * Math.PI * k) / SEGMENTS), ...place((2 * Math.PI * (k + 1)) / SEGMENTS));
+      }
+    };
+    const out = body.hollow ? 1 : 1.002; // in front of the surface it lies on
+    if (axis) {
+      for (const y of [-1, 0, 1]) circle((a) => [out * Math.cos(a), y, out * Math.sin(a)]);
+      for (let k = 0; k < 8; k++) {
+        const [x, z] = [out * Math.cos((k * Math.PI) / 4), out * Math.sin((k * Math.PI) / 4)];
+        points.push(x, -1, z, x, 1, z);
+      }
+    } else {
+      circle((a) => [out * Math.cos(a), out * Math.sin(a), 0]);
+      for (let k = 0; k < 3; k++) {
+        const turn = (k * Math.PI) / 3;
+        circle((a) => [out * Math.cos(turn) * Math.cos(a), out * Math.sin(turn) * Math.cos(a), out * Math.sin(a)]);
+      }
+    }
+    const shape = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(new Float32Array(points), 3));
+    const material = new THREE.LineBasicMaterial({ transparent: true, opacity: body.hollow ? 0.35 : 0.28, depthWrite: false });
+    body.materials.push(material);
+    body.net = new THREE.LineSegments(shape, material);
+    return body.net;
+  }
+
+  makeTrail(body) {
+    const { center, radius } = this.data.view;
+    const points = body.path.positions;
+    const relative = Float32Array.from(points, (one, index) => (one - center[index % 3]) / radius);
+    const shape = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(relative, 3));
+    const material = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.85 });
+    body.materials.push(material);
+    const trail = new THREE.Line(shape, material);
+    trail.frustumCulled = false;
+    return trail;
+  }
+
+  makeContact(contact) {
+    const source = this.bodies.find((body) => body.name === contact.source);
+    const destination = this.bodies.find((body) => body.name === contact.destination);
+    const forces = [];
+    for (const [body, values] of [[source, contact.sourceForce], [destination, contact.destinationForce]]) {
+      if (values) forces.push({ body, path: new Path(this.times, values, null), arrow: this.makeArrow(), value: 0, tip: null });
+    }
+    const point = contact.point ? new Path(this.times, contact.point, null) : null;
+    const sizes = forces.length ? forces[0].path.positions : [];
+    let largest = 0;
+    for (let k = 0; k < sizes.length; k += 3) largest = Math.max(largest, Math.hypot(sizes[k], sizes[k + 1], sizes[k + 2]));
+    return { ...contact, point, forces, largest };
+  }
+
+  /** Of length 1 along y; in front of everything, since a force acts inside the overlap. */
+  makeArrow() {
+    const material = new THREE.MeshBasicMaterial({ depthTest: false, transparent: true });
+    const shaft = new THREE.Mesh(new THREE.CylinderGeometry(1, 1, 1, 14), material);
+    const head = new THREE.Mesh(new THREE.ConeGeometry(1, 1, 18), material);
+    const arrow = new THREE.Group();
+    arrow.add(shaft, head);
+    for (const part of [shaft, head]) part.renderOrder = 5;
+    arrow.visible = false;
+    this.scene.add(arrow);
+    return { arrow, shaft, head, material };
+  }
+
+  // what is looked at
+
+  /** The whole, or one body, which then stays in the middle. */
+  follow(name) {
+    this.followed = this.bodies.find((body) => body.name === name) ?? null;
+    const direction = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.scale = this.followed ? 4 * (this.followed.radius ?? this.data.view.radius / 4) : this.data.view.radius;
+    this.look(direction.lengthSq() > 0.5 ? direction : this.firstDirection());
+  }
+
+  firstDirection() {
+    const [x, y] = this.data.view.horizontal;
+    return new THREE.Vector3(-x - 0.45 * y, -y + 0.45 * x, 0.42).normalize();
+  }
+
+  /** From this direction, so far away that a ball of radius `scale` fits. */
+  look(direction) {
+    const narrow = Math.min(1, this.camera.aspect);
+    const angle = Math.atan(Math.tan((0.5 * this.camera.fov * Math.PI) / 180) * narrow);
+    this.controls.target.set(0, 0, 0);
+    this.camera.position.copy(direction).multiplyScalar(1.02 / Math.sin(angle));
+    this.controls.update();
+  }
+
+  resize(width, height, ratio) {
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    [this.width, this.height] = [width, height];
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+  }
+
+  /** Colours of the theme. */
+  restyle() {
+    this.background = new THREE.Color(themeColor("--stage"));
+    this.scene.background = this.background;
+    for (const body of this.bodies) {
+      const color = new THREE.Color(body.moves ? colorOf(body.index) : themeColor("--still"));
+      for (const material of body.materials) material.color.copy(color);
+      if (body.net && !body.hollow) body.net.material.color.set(themeColor("--net"));
+    }
+    for (const contact of this.contacts) {
+      for (const force of contact.forces) force.arrow.material.color.set(themeColor("--force"));
+    }
+  }
+
+  // one frame
+
+  /** World coordinates in m to those of the scene. */
+  place(at) {
+    return new THREE.Vector3((at[0] - this.origin[0]) / this.scale, (at[1] - this.origin[1]) / this.scale, (at[2] - this.origin[2]) / this.scale);
+  }
+
+  draw() {
+    const t = this.playback.time;
+    const row = Math.min(rowBefore(this.times, t), this.times.length - 2);
+    const share = (t - this.times[row]) / (this.times[row + 1] - this.times[row]);
+    for (const body of this.bodies) body.path.at(t, row, body.at);
+    this.origin = this.followed ? this.followed.at : this.data.view.center;
+    for (const body of this.bodies) this.placeBody(body, row, share);
+    this.controls.update();
+    this.setDepth();
+    for (const contact of this.contacts) this.placeForces(contact, t, row);
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  placeBody(body, row, share) {
+    body.group.position.copy(this.place(body.at));
+    body.group.quaternion.copy(body.upright);
+    if (body.turning) {
+      const [w, x, y, z] = body.turning.at(share, row);
+      body.group.quaternion.premultiply(new THREE.Quaternion(x, y, z, w));
+    }
+    const radius = (body.radius ?? 0) / this.scale;
+    body.group.scale.set(radius, body.axis ? body.half / this.scale : radius, radius);
+    body.group.visible = radius > 0;
+    if (!body.trail) return;
+    body.trail.visible = this.show.trails;
+    body.trail.position.copy(this.place(this.data.view.center));
+    body.trail.scale.setScalar(this.data.view.radius / this.scale);
+    body.trail.geometry.setDrawRange(0, row + 1);
+  }
+
+  /** Near and far planes as close as they can be: depth has 24 bits only. */
+  setDepth() {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const farthest = Math.max(...this.bodies.map((body) => body.group.position.distanceTo(this.camera.position) + Math.max(body.group.scale.x, body.group.scale.y)));
+    this.camera.near = 0.02 * distance;
+    this.camera.far = Math.max(2 * distance, 1.1 * farthest);
+    this.camera.updateProjectionMatrix();
+  }
+
+  placeForces(contact, t, row) {
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    for (const force of contact.forces) {
+      const [x, y, z] = force.path.at(t, row);
+      force.value = Math.hypot(x, y, z);
+      const part = this.largestForce > 0 ? force.value / this.largestForce : 0;
+      const { arrow, shaft, head } = force.arrow;
+      arrow.visible = this.show.forces && part > 1e-6;
+      if (!arrow.visible) continue;
+      const length = ARROW * distance * (this.rootArrows ? Math.sqrt(part) : part);
+      const width = Math.min(0.0042 * distance, 0.12 * length);
+      const point = this.place(contact.point ? contact.point.at(t, row) : force.body.at);
+      const direction = new THREE.Vector3(x, y, z).divideScalar(force.value);
+      arrow.position.copy(point);
+      arrow.quaternion.setFromUnitVectors(NORMAL, direction);
+      const tip = Math.min(4 * width, 0.5 * length);
+      shaft.scale.set(width, length - tip, width);
+      shaft.position.set(0, 0.5 * (length - tip), 0);
+      head.scale.set(2.4 * width, tip, 2.4 * width);
+      head.position.set(0, length - 0.5 * tip, 0);
+      force.tip = point.addScaledVector(direction, length);
+    }
+  }
+
+  /** Pixels from the top left of a point of the scene; null behind the camera. */
+  toPixels(place) {
+    const seen = place.clone().project(this.camera);
+    if (!(Math.abs(seen.z) <= 1)) return null;
+    return { x: (0.5 + 0.5 * seen.x) * this.width, y: (0.5 - 0.5 * seen.y) * this.height };
+  }
+
+  /** Radius in pixels that a body shows, near enough. */
+  pixelRadius(body) {
+    const distance = this.camera.position.distanceTo(body.group.position);
+    return ((body.group.scale.x / distance) * 0.5 * this.height) / Math.tan((0.5 * this.camera.fov * Math.PI) / 180);
+  }
+}
