@@ -1,4 +1,4 @@
-"""Headless Chromium driven over its debugging pipe: pages opened, run, photographed, and what they complain of.
+"""Headless Chromium driven over its debugging pipe: pages opened, run, photographed; what they complain of.
 
 with Browser() as browser:
     page = browser.open(file, width=1000, height=700)

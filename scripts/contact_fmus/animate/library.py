@@ -1,6 +1,7 @@
 """three.js, bundled from its npm package when the project is set up (scripts/setup.sh)
 
-By hand: `npm ci && npm run bundle`. The bundle is no part of the repository. A wheel carries it beside this file.
+By hand: `npm ci && npm run bundle`. The bundle is no part of the repository.
+A wheel carries it beside this file.
 """
 
 from __future__ import annotations

@@ -98,7 +98,8 @@ class Animation {
     return { position: inWorld(camera.position), target: inWorld(controls.target), up: camera.up.toArray(), angle: camera.fov, width, height };
   }
 
-  /** Only these bodies, at most three: red, green and blue, without light, added where they cover each other. */
+  /** Only these bodies, at most three: red, green and blue, without light, added where they cover each other.
+   * drawAgain() goes back. */
   drawFlat(names) {
     this.flat = true;
     const { world } = this;
@@ -116,7 +117,7 @@ class Animation {
     world.scene.background = new THREE.Color(0);
     world.renderer.setPixelRatio(1);
     world.renderer.render(world.scene, world.camera);
-    this.overlay.canvas.style.visibility = "hidden";
+    this.stage.classList.add("flat");
     kept.forEach((visible, one) => (one.visible = visible));
     for (const body of world.bodies) [body.mesh.material] = body.materials;
     world.scene.background = world.background;
@@ -124,7 +125,7 @@ class Animation {
 
   drawAgain() {
     this.flat = false;
-    this.overlay.canvas.style.visibility = "";
+    this.stage.classList.remove("flat");
     this.resize();
   }
 }

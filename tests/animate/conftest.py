@@ -1,0 +1,82 @@
+"""The pages that the tests look at, and the browser that shows them."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from contact_fmus.animate.command import main as animate
+from contact_fmus.fmu.files import fmu_file, repository
+from support.browser import Browser
+from support.sources import ROOT
+
+THREE_BALLS = ROOT / "tests" / "physics" / "scenes" / "ThreeBalls.toml"
+
+
+@pytest.fixture(scope="session")
+def browser():
+    with Browser() as opened:
+        yield opened
+
+
+@pytest.fixture(scope="session")
+def three_balls(tmp_path_factory):
+    """The FMU of a scene with three bodies and two contacts, none of them called source or destination"""
+    folder = tmp_path_factory.mktemp("three")
+    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+    options = [f"-DCONTACT_EXTRA_SCENES={THREE_BALLS}", f"-DPython3_EXECUTABLE={sys.executable}"]
+    configure = ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"]
+    for command in (
+        [*configure, *options],
+        ["cmake", "--build", str(folder), "--target", "ThreeBalls_fmu"],
+    ):
+        made = subprocess.run(command, capture_output=True, text=True, env=environment)
+        assert made.returncode == 0, made.stdout + made.stderr
+    return folder / "fmus" / "ThreeBalls.fmu"
+
+
+@pytest.fixture(scope="session")
+def sources(request):
+    """What `animate` is given, and the FMU behind it, by the name of a case"""
+
+    def find(case):
+        if case == "ThreeBalls":
+            fmu = request.getfixturevalue("three_balls")
+            return str(fmu), fmu
+        if case == "free_pair":
+            return str(repository() / "scripts" / "scenarios" / "free_pair.toml"), fmu_file("SphereSphere")
+        return case, fmu_file(case)
+
+    return find
+
+
+@pytest.fixture(scope="session")
+def page_of(sources, tmp_path_factory):
+    """The animation of a case, written once"""
+    folder, made = tmp_path_factory.mktemp("pages"), {}
+
+    def get(case):
+        if case not in made:
+            made[case] = folder / f"{case}.html"
+            assert animate([sources(case)[0], "-o", str(made[case])]) == 0
+        return made[case]
+
+    return get
+
+
+@pytest.fixture
+def opened(browser, page_of):
+    """The animation of a case in the browser; closed again, and nothing may have gone wrong until then"""
+    pages = []
+
+    def get(case, **options):
+        pages.append(browser.open(page_of(case), **options))
+        pages[-1].wait_for("window.contactAnimation && contactAnimation.frames > 1")
+        return pages[-1]
+
+    yield get
+    for page in pages:
+        assert page.complaints == []
+        assert page.requests == []
+        page.close()
