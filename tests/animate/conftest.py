@@ -26,7 +26,17 @@ def three_balls(tmp_path_factory):
     folder = tmp_path_factory.mktemp("three")
     environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
     options = [f"-DCONTACT_EXTRA_SCENES={THREE_BALLS}", f"-DPython3_EXECUTABLE={sys.executable}"]
-    configure = ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"]
+    configure = [
+        "cmake",
+        "-S",
+        str(ROOT),
+        "-B",
+        str(folder),
+        "-G",
+        "Ninja",
+        "-DCMAKE_BUILD_TYPE=Release",
+        "-DBUILD_TESTING=OFF",
+    ]
     for command in (
         [*configure, *options],
         ["cmake", "--build", str(folder), "--target", "ThreeBalls_fmu"],

@@ -119,7 +119,8 @@ def test_the_mouse_turns_and_zooms(opened, browser):
     page = opened("BallInShell", width=900, height=700)
     (before, far), (x, y) = direction(page), middle(page)
     page.mouse("mousePressed", x, y, button="left", buttons=1, clickCount=1)
-    page.mouse("mouseMoved", x + 150, y + 20, button="left", buttons=1)
+    for way in (50, 100, 150):
+        page.mouse("mouseMoved", x + way, y + 20, button="left", buttons=1)
     page.mouse("mouseReleased", x + 150, y + 20, button="left", clickCount=1)
     after, same = settled(page, browser)
     assert before @ after < 0.9

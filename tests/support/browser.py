@@ -40,6 +40,7 @@ OPTIONS = (
     "--use-gl=angle",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
+    "--disable-gpu-compositing",  # putting pages together by that as well would take longer than drawing
 )
 PATIENCE = 30.0  # s for one answer
 

@@ -1,12 +1,13 @@
 // The bodies in three dimensions. Everything is placed relative to `origin` and measured in `scale`, both doubles of
 // this script: the graphics card has seven digits only, too few for a ball of 1 mm in a tube of 10 m.
 
-const SEGMENTS = 60; // of a circle
+const BY_PROCESSOR = drawnByProcessor();
+const SEGMENTS = BY_PROCESSOR ? 36 : 72; // of a circle
 const HIGH = new THREE.Vector3(0, 0, 1);
 const NORMAL = new THREE.Vector3(0, 1, 0); // the axis of three.js's cylinders
 const ARROW = 0.2; // length of the longest force arrow as a part of the camera's distance
 
-/** Whether there is no graphics card: then smooth edges cost more than they are worth. */
+/** Whether there is no graphics card: then smooth edges and fine meshes cost more than they are worth. */
 function drawnByProcessor() {
   const probe = document.createElement("canvas").getContext("webgl2");
   const about = probe && probe.getExtension("WEBGL_debug_renderer_info");
@@ -20,7 +21,7 @@ class World {
     this.data = data;
     this.playback = playback;
     this.times = decodeNumbers(data.time);
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !drawnByProcessor() });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !BY_PROCESSOR });
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(35, 1, 0.1, 100);
     this.camera.up.copy(HIGH);
@@ -72,7 +73,7 @@ class World {
 
   makeSolid(body, axis) {
     const material = new THREE.MeshLambertMaterial({});
-    if (body.hollow) Object.assign(material, { transparent: true, opacity: 0.2, side: THREE.DoubleSide, forceSinglePass: true, depthWrite: false });
+    if (body.hollow) Object.assign(material, { transparent: true, opacity: 0.3, side: THREE.BackSide, depthWrite: false });
     const open = body.hollow || body.length === null;
     const shape = axis ? new THREE.CylinderGeometry(1, 1, 2, SEGMENTS, 1, open) : new THREE.SphereGeometry(1, SEGMENTS, SEGMENTS / 2);
     const mesh = new THREE.Mesh(shape, material);
