@@ -1,5 +1,6 @@
 """The pages that the tests look at, and the browser that shows them."""
 
+import fcntl
 import os
 import subprocess
 import sys
@@ -22,28 +23,29 @@ def browser():
 
 @pytest.fixture(scope="session")
 def three_balls(tmp_path_factory):
-    """The FMU of a scene with three bodies and two contacts, none of them called source or destination"""
-    folder = tmp_path_factory.mktemp("three")
+    """The FMU of a scene with three bodies and two contacts, none of them called source or destination; built
+    once, though several processes may run these tests"""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "three_balls"
+    folder.mkdir(exist_ok=True)
+    fmu = folder / "fmus" / "ThreeBalls.fmu"
+    with open(folder / "lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not fmu.exists():
+            build(folder)
+    return fmu
+
+
+def build(folder):
     environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
     options = [f"-DCONTACT_EXTRA_SCENES={THREE_BALLS}", f"-DPython3_EXECUTABLE={sys.executable}"]
-    configure = [
-        "cmake",
-        "-S",
-        str(ROOT),
-        "-B",
-        str(folder),
-        "-G",
-        "Ninja",
-        "-DCMAKE_BUILD_TYPE=Release",
-        "-DBUILD_TESTING=OFF",
-    ]
+    options += ["-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF"]
     for command in (
-        [*configure, *options],
+        ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja", *options],
         ["cmake", "--build", str(folder), "--target", "ThreeBalls_fmu"],
     ):
         made = subprocess.run(command, capture_output=True, text=True, env=environment)
         assert made.returncode == 0, made.stdout + made.stderr
-    return folder / "fmus" / "ThreeBalls.fmu"
 
 
 @pytest.fixture(scope="session")

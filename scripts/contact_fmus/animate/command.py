@@ -1,4 +1,4 @@
-"""The command animate of contact_fmus"""
+"""The command animate of contact-fmus"""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .page import write_page
 def main(arguments: list[str] | None = None) -> int:
     """0: written"""
     parser = argparse.ArgumentParser(
-        prog="contact_fmus animate",
+        prog="contact-fmus animate",
         description="Writes a page that plays a run in three dimensions. It needs no network.",
     )
     parser.add_argument("source", help=f"{KINDS}; of shipped ones the name")

@@ -1,4 +1,4 @@
-"""The command plot of contact_fmus"""
+"""The command plot of contact-fmus"""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SUFFIXES = (*figure.SUFFIXES, ".html")
 def main(arguments: list[str] | None = None) -> int:
     """0: drawn"""
     parser = argparse.ArgumentParser(
-        prog="contact_fmus plot",
+        prog="contact-fmus plot",
         description="Draws gaps, forces, positions and energies of any scene over time.",
     )
     parser.add_argument("source", help=f"{KINDS}; of shipped ones the name")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +13,7 @@ import numpy as np
 
 from contact_fmus.errors import UserError, similar
 from contact_fmus.fmu.files import fmu_file, fmus_folder, repository, unpack
-from contact_fmus.fmu.scene import read_scene
+from contact_fmus.fmu.scene import Scene, read_scene
 from contact_fmus.results import Result
 from contact_fmus.scenarios.motion import Motion
 from contact_fmus.scenarios.scenario import ScenarioError, read_scenario
@@ -46,18 +48,25 @@ def open_runs(name: str, settings: dict[str, Any], stop: float | None, fmu: Path
 
 def _experiments(path: Path, settings: dict[str, Any], stop: float | None) -> list[Experiment]:
     if path.suffix == ".fmu":
-        try:
+        with readable(path):
             return [of_fmu(path, settings, stop)]
-        except UserError:
-            raise
-        except Exception as error:  # whatever fmpy makes of a file that is no FMU
-            text = str(error).splitlines()[0] if str(error) else type(error).__name__
-            raise UserError(f"{path}: this is no FMU that can be run: {text}") from None
     try:
         scenario = read_scenario(path)
     except ScenarioError as error:
         raise UserError(str(error)) from None
     return [of_scenario(scenario, variant, settings, stop) for variant in scenario.plotted()]
+
+
+@contextlib.contextmanager
+def readable(fmu: Path) -> Iterator[None]:
+    """Whatever fmpy makes of a file that is no FMU becomes one sentence."""
+    try:
+        yield
+    except UserError:
+        raise
+    except Exception as error:
+        text = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise UserError(f"{fmu}: this is no FMU that can be run: {text}") from None
 
 
 def find(name: str) -> Path:
@@ -86,10 +95,12 @@ def motion_of(result: Result) -> Motion:
     """UserError where nothing tells the scene"""
     if result.fmu is None:
         raise UserError("the result does not say which FMU made it: name it by --fmu")
-    if not Path(result.fmu).is_file():
-        raise UserError(f"{result.fmu}, which made the result, does not exist: name it by --fmu")
-    scene = read_scene(result.fmu)
-    starts = _start_values(result.fmu)
+    fmu = Path(result.fmu)
+    if not fmu.is_file():
+        raise UserError(f"{fmu}, which made the result, does not exist: name it by --fmu")
+    with readable(fmu):
+        scene, starts = read_scene(fmu), _start_values(fmu)
+    _check_columns(result, scene)
 
     def value(name: str) -> Any:
         for known in (result.parameters, scene.pinned, starts):
@@ -105,6 +116,13 @@ def motion_of(result: Result) -> Motion:
         return np.column_stack([result.columns[part] for part in parts]) if parts else None
 
     return Motion(scene, result.time, value, series)
+
+
+def _check_columns(result: Result, scene: Scene) -> None:
+    """A result of another FMU would be shown as bodies that stand still."""
+    names = [contact.name for contact in scene.contacts]
+    if not any(f"{name}.gap" in result.columns for name in names):
+        raise UserError(f"{result.fmu}: the result has no gap of its contacts ({', '.join(names)})")
 
 
 def _start_values(fmu: Path) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from contact_fmus.errors import UserError
 from contact_fmus.fmu.files import fmus_folder, repository, results_folder
 
 from . import plots, runner, tables
@@ -12,6 +13,8 @@ from .leave_out import measure_all
 from .page import write_report
 from .recording import record
 from .scenario import read_scenario
+
+PICTURES = (".png", ".svg", ".pdf")
 
 
 def run(arguments: list[str] | None = None) -> int:
@@ -65,6 +68,9 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _picture(options: argparse.Namespace) -> int:
+    if options.output.suffix not in PICTURES:
+        known = ", ".join(PICTURES)
+        raise UserError(f"{options.output}: '{options.output.suffix}' is none of the formats {known}")
     scenario = read_scenario(options.file)
     plots.draw([record(scenario, variant) for variant in scenario.plotted()], options.output)
     print(options.output)

@@ -38,7 +38,7 @@ class World {
   }
 
   lights() {
-    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x5a6272, 1.7));
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x6a7282, 2.3));
     const sun = new THREE.DirectionalLight(0xffffff, 2.0);
     sun.position.set(-2, -3, 4);
     this.camera.add(sun);
@@ -116,7 +116,7 @@ class World {
     const points = body.path.positions;
     const relative = Float32Array.from(points, (one, index) => (one - center[index % 3]) / radius);
     const shape = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(relative, 3));
-    const material = new THREE.LineBasicMaterial({ transparent: true, opacity: 0.85 });
+    const material = new THREE.LineBasicMaterial({ transparent: true, opacity: 1 });
     body.materials.push(material);
     const trail = new THREE.Line(shape, material);
     trail.frustumCulled = false;
@@ -170,7 +170,7 @@ class World {
     const narrow = Math.min(1, this.camera.aspect);
     const angle = Math.atan(Math.tan((0.5 * this.camera.fov * Math.PI) / 180) * narrow);
     this.controls.target.set(0, 0, 0);
-    this.camera.position.copy(direction).multiplyScalar(1.02 / Math.sin(angle));
+    this.camera.position.copy(direction).multiplyScalar(1.1 / Math.sin(angle));
     this.controls.update();
   }
 

@@ -1,0 +1,144 @@
+"""`plot`: what is drawn of any scene, and every request that makes no sense ends in one sentence."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from contact_fmus.__main__ import main
+from contact_fmus.plot.contacts import touches
+from contact_fmus.plot.panels import chosen, usual
+from contact_fmus.plot.source import motion_of, open_runs
+from contact_fmus.results import Result
+
+
+@pytest.fixture(scope="module")
+def shell():
+    return open_runs("BallInShell", {}, None)[0].result
+
+
+def test_every_contact_of_a_run_is_found_and_shown(shell):
+    """Against the count that the FMU itself reports, and with points inside each"""
+    found = touches(shell)
+    assert len(found) == shell.columns["contact.onsets"][-1] > 10
+    for touch in found:
+        inside = (shell.time > touch.begin) & (shell.time < touch.end)
+        assert np.count_nonzero(inside) >= 5
+        assert np.all(shell.columns["contact.gap"][inside] < 0.0)
+
+
+def test_a_contact_between_prescribed_motions_is_read_from_the_gap():
+    time = np.linspace(0.0, 1.0, 11)
+    result = Result(time, {"c.gap": 0.35 - time, "d.gap": np.abs(time - 0.5) - 0.25})
+    assert [(t.contact, t.begin, t.end) for t in touches(result)] == [
+        ("d", pytest.approx(0.25), pytest.approx(0.75)),
+        ("c", pytest.approx(0.35), 1.0),
+    ]
+
+
+def test_a_result_file_is_drawn_as_the_run_it_came_from(shell, tmp_path):
+    shell.write_csv(tmp_path / "run.csv")
+    again = open_runs(str(tmp_path / "run.csv"), {}, None)[0].result
+    assert touches(again) == touches(shell)
+    there, here = motion_of(again), motion_of(shell)
+    for body in ("source", "destination"):
+        assert np.array_equal(there.position(body), here.position(body))
+        assert (there.radius(body), there.is_hollow(body)) == (here.radius(body), here.is_hollow(body))
+
+
+def test_a_scene_of_any_names_has_its_panels(three_balls):
+    runs = open_runs(str(three_balls), {}, None)
+    panels = {panel.title: [line.label for line in panel.lines] for panel in usual(runs[0].result)}
+    assert panels["gap"] == panels["normal force"] == ["first", "second"]
+    assert panels["position, x"] == ["left", "middle", "right"]
+    assert panels["energy"] == ["kinetic", "stored in contact", "total"]
+    motion = motion_of(runs[0].result)
+    assert [motion.moves(body) for body in ("left", "middle", "right")] == [True, True, True]
+
+
+@pytest.mark.parametrize(
+    "patterns, names",
+    [
+        (["contact.gap"], ["contact.gap"]),
+        (["source.position"], ["source.position[1]", "source.position[2]", "source.position[3]"]),
+        (["source.position[3]"], ["source.position[3]"]),
+        (["energy.k*", "*.gap"], ["energy.kinetic", "contact.gap"]),
+    ],
+)
+def test_variables_are_chosen_by_name_vector_or_pattern(shell, patterns, names):
+    assert [line.name for panel in chosen(shell, patterns) for line in panel.lines] == names
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf", "html"])
+def test_each_format_is_written_and_the_same_twice(suffix, tmp_path):
+    files = [tmp_path / f"{name}.{suffix}" for name in "ab"]
+    for file in files:
+        assert main(["plot", "free_pair", "-o", str(file)]) == 0
+    assert files[0].read_bytes() == files[1].read_bytes()
+    if suffix == "png":
+        assert np.std(np.array(Image.open(files[0]).convert("L"))) > 10
+
+
+def test_the_page_draws_and_zooms(browser, tmp_path):
+    file = tmp_path / "plot.html"
+    assert main(["plot", "BallInShell", "-o", str(file)]) == 0
+    page = browser.open(file, width=800, height=900)
+    page.wait_for("!!window.contactPlot")
+    page.run("contactPlot.setCursor(0.3032)")
+    values = page.run("[...document.querySelectorAll('output')].map((one) => one.value)")
+    assert values[0].startswith("−2.3")  # mm, the gap of the scenario's page
+    x, y = page.run(
+        "(r => [r.left + 0.5 * r.width, r.top + 60])(document.querySelector('.plot').getBoundingClientRect())"
+    )
+    page.mouse("mouseWheel", x, y, deltaX=0, deltaY=-400)
+    page.wait_for("contactPlot.all[0].range[1] - contactPlot.all[0].range[0] < 2")
+    assert (page.complaints, page.requests) == ([], [])
+    page.close()
+
+
+REQUESTS = {
+    "no such name": (["BallInShel"], "did you mean 'BallInShell'"),
+    "no such file": (["nothing.csv"], "no such file"),
+    "no such variable": (["BallInShell", "--variables", "contact.gp"], "did you mean 'contact.gap'"),
+    "no such parameter": (["BallInShell", "--set", "source.radios=1"], "source.radius"),
+    "a refused value": (["BallInShell", "--set", "source.radius=-1"], "radius"),
+    "no value": (["BallInShell", "--set", "source.radius"], "NAME=VALUE"),
+    "unknown format": (["BallInShell", "-o", "picture.pnk"], "did you mean '.png'"),
+    "time runs backwards": (["BallInShell", "--stop", "-1"], "--stop"),
+    "not a result": (["{folder}/text.csv"], "first column is not 'time'"),
+    "one row": (["{folder}/row.csv"], "two are needed"),
+    "not an FMU": (["{folder}/text.fmu"], "no FMU"),
+    "not a scenario": (["{folder}/text.toml"], "text.toml"),
+}
+
+
+@pytest.mark.parametrize("command", ["plot", "animate"])
+@pytest.mark.parametrize("case", REQUESTS)
+def test_a_request_without_sense_ends_in_one_sentence(case, command, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for suffix in ("csv", "fmu", "toml"):
+        (tmp_path / f"text.{suffix}").write_text("no table, no archive")
+    (tmp_path / "row.csv").write_text("time,contact.gap\n0,1\n")
+    arguments, told = REQUESTS[case]
+    if command == "animate" and case in ("no such variable", "unknown format"):
+        arguments, told = ["BallInShell", "-o", "page.htm"], "did you mean '.html'"
+    status = main([command, *(one.format(folder=tmp_path) for one in arguments)])
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert status in (2, 3)
+    assert len(lines) == 1
+    assert lines[0].startswith(f"contact-fmus {command}: ")
+    assert told in lines[0]
+
+
+def test_a_result_needs_its_fmu_for_an_animation(shell, tmp_path, capsys):
+    file = tmp_path / "run.csv"
+    Result(shell.time, shell.columns).write_csv(file)
+    assert main(["animate", str(file), "-o", str(tmp_path / "a.html")]) == 2
+    assert "name it by --fmu" in capsys.readouterr().err
+    assert main(["animate", str(file), "--fmu", str(shell.fmu), "-o", str(tmp_path / "a.html")]) == 0
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.S)[1])
+    assert [body["name"] for body in data["bodies"]] == ["source", "destination"]
+    assert len(data["touches"]) == shell.columns["contact.onsets"][-1]
