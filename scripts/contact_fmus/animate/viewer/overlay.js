@@ -61,12 +61,15 @@ class Overlay {
     pen.fillText(text, place, height);
   }
 
-  /** At the tip of the longer arrow of each contact: both forces are of one size. */
+  /** Beyond the tip of one arrow of each contact: both forces are of one size. */
   drawForces() {
     for (const contact of this.world.contacts) {
       const force = contact.forces.find((one) => one.arrow.arrow.visible && one.body.moves) ?? contact.forces.find((one) => one.arrow.arrow.visible);
-      const tip = force && this.world.toPixels(force.tip);
-      if (tip) this.write(`${shortNumber(force.value)} N`, tip.x + 9, tip.y, themeColor("--force"), "left");
+      const [root, tip] = force ? [this.world.toPixels(force.root), this.world.toPixels(force.tip)] : [null, null];
+      if (!root || !tip) continue;
+      const length = Math.hypot(tip.x - root.x, tip.y - root.y) || 1;
+      const [x, y] = [(tip.x - root.x) / length, (tip.y - root.y) / length];
+      this.write(`${shortNumber(force.value)} N`, tip.x + 16 * x, tip.y + 16 * y, themeColor("--force"), x < 0 ? "right" : "left");
     }
   }
 
@@ -76,13 +79,13 @@ class Overlay {
     const [x, y, size] = [38, world.height - 38, 24];
     const ends = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new THREE.Vector3(...axis).applyQuaternion(turned));
     ends.forEach((end, k) => {
-      pen.strokeStyle = themeColor("--muted");
+      pen.strokeStyle = themeColor("--text");
       pen.lineWidth = 1.6;
       pen.beginPath();
       pen.moveTo(x, y);
       pen.lineTo(x + size * end.x, y - size * end.y);
       pen.stroke();
-      if (Math.hypot(end.x, end.y) > 0.15) this.write("xyz"[k], x + 1.35 * size * end.x, y - 1.35 * size * end.y, themeColor("--muted"), "center");
+      if (Math.hypot(end.x, end.y) > 0.15) this.write("xyz"[k], x + 1.35 * size * end.x, y - 1.35 * size * end.y, themeColor("--text"), "center");
     });
   }
 }

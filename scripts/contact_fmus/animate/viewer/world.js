@@ -1,13 +1,12 @@
 // The bodies in three dimensions. Everything is placed relative to `origin` and measured in `scale`, both doubles of
 // this script: the graphics card has seven digits only, too few for a ball of 1 mm in a tube of 10 m.
 
-const BY_PROCESSOR = drawnByProcessor();
-const SEGMENTS = BY_PROCESSOR ? 36 : 72; // of a circle
+const SEGMENTS = 64; // of a circle
 const HIGH = new THREE.Vector3(0, 0, 1);
 const NORMAL = new THREE.Vector3(0, 1, 0); // the axis of three.js's cylinders
 const ARROW = 0.2; // length of the longest force arrow as a part of the camera's distance
 
-/** Whether there is no graphics card: then smooth edges and fine meshes cost more than they are worth. */
+/** Whether there is no graphics card: then smooth edges cost more than they are worth. */
 function drawnByProcessor() {
   const probe = document.createElement("canvas").getContext("webgl2");
   const about = probe && probe.getExtension("WEBGL_debug_renderer_info");
@@ -21,7 +20,7 @@ class World {
     this.data = data;
     this.playback = playback;
     this.times = decodeNumbers(data.time);
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !BY_PROCESSOR });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !drawnByProcessor() });
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(35, 1, 0.1, 100);
     this.camera.up.copy(HIGH);
@@ -128,7 +127,7 @@ class World {
     const destination = this.bodies.find((body) => body.name === contact.destination);
     const forces = [];
     for (const [body, values] of [[source, contact.sourceForce], [destination, contact.destinationForce]]) {
-      if (values) forces.push({ body, path: new Path(this.times, values, null), arrow: this.makeArrow(), value: 0, tip: null });
+      if (values) forces.push({ body, path: new Path(this.times, values, null), arrow: this.makeArrow(), value: 0, root: null, tip: null });
     }
     const point = contact.point ? new Path(this.times, contact.point, null) : null;
     const sizes = forces.length ? forces[0].path.positions : [];
@@ -262,6 +261,7 @@ class World {
       shaft.position.set(0, 0.5 * (length - tip), 0);
       head.scale.set(2.4 * width, tip, 2.4 * width);
       head.position.set(0, length - 0.5 * tip, 0);
+      force.root = point.clone();
       force.tip = point.addScaledVector(direction, length);
     }
   }
