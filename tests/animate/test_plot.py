@@ -142,3 +142,10 @@ def test_a_result_needs_its_fmu_for_an_animation(shell, tmp_path, capsys):
     data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.S)[1])
     assert [body["name"] for body in data["bodies"]] == ["source", "destination"]
     assert len(data["touches"]) == shell.columns["contact.onsets"][-1]
+
+
+@pytest.mark.parametrize("suffix", ["png", "html"])
+def test_a_run_draws_what_it_found(suffix, tmp_path):
+    file = tmp_path / f"run.{suffix}"
+    assert main(["run", "SphereSphere", "--stop", "0.5", "--plot", str(file)]) == 0
+    assert file.stat().st_size > 10_000

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from contact_fmus.errors import UserError, similar
 
-from . import figure, page, panels
+from . import page, panels, picture
 from .experiment import read_settings
 from .source import KINDS, find, open_runs
 
-SUFFIXES = (*figure.SUFFIXES, ".html")
+SUFFIXES = (*picture.SUFFIXES, ".html")
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -35,7 +35,7 @@ def main(arguments: list[str] | None = None) -> int:
     drawn = panels.chosen(first, options.variables) if options.variables else panels.usual(first)
     if not drawn:
         raise UserError(f"{options.source}: nothing to draw, it has no column but time")
-    write = page.write_page if output.suffix == ".html" else figure.draw
+    write = page.write_page if output.suffix == ".html" else picture.draw
     write(runs[0].title, runs, drawn, output)
     print(output)
     return 0
