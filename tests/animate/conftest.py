@@ -2,12 +2,10 @@
 
 import fcntl
 import os
-import subprocess
-import sys
 
 import pytest
 
-from contact_fmus.animate.command import main as animate
+from contact_fmus.__main__ import main
 from contact_fmus.fmu.files import fmu_file, repository
 from support.browser import Browser
 from support.sources import ROOT
@@ -28,24 +26,12 @@ def three_balls(tmp_path_factory):
     base = tmp_path_factory.getbasetemp()
     folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "three_balls"
     folder.mkdir(exist_ok=True)
-    fmu = folder / "fmus" / "ThreeBalls.fmu"
+    fmu = folder / "ThreeBalls.fmu"
     with open(folder / "lock", "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not fmu.exists():
-            build(folder)
+            assert main(["build", str(THREE_BALLS), "-o", str(folder)]) == 0
     return fmu
-
-
-def build(folder):
-    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
-    options = [f"-DCONTACT_EXTRA_SCENES={THREE_BALLS}", f"-DPython3_EXECUTABLE={sys.executable}"]
-    options += ["-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF"]
-    for command in (
-        ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja", *options],
-        ["cmake", "--build", str(folder), "--target", "ThreeBalls_fmu"],
-    ):
-        made = subprocess.run(command, capture_output=True, text=True, env=environment)
-        assert made.returncode == 0, made.stdout + made.stderr
 
 
 @pytest.fixture(scope="session")
@@ -71,7 +57,7 @@ def page_of(sources, tmp_path_factory):
     def get(case):
         if case not in made:
             made[case] = folder / f"{case}.html"
-            assert animate([sources(case)[0], "-o", str(made[case])]) == 0
+            assert main(["animate", sources(case)[0], "-o", str(made[case])]) == 0
         return made[case]
 
     return get
