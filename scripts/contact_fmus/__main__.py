@@ -25,6 +25,7 @@ COMMANDS = {
     ),
     "leave-out": ("scenarios.command:leave_out", "compare the sizes and speeds of the FMUs"),
     "report": ("whole_report:main", "error against run time, the whole report: docs/report"),
+    "sweep": ("sweep.command:main", "run a study of many runs, on this machine or on a cluster"),
     "bench": ("bench.command:main", "ratios of run times for developers"),
     "measure": ("report.command:measure", "error against run time: results.csv and summary.json"),
     "force-element": ("coupling.study:main", "the FMU beside an outer integrator: force_element.json"),
@@ -41,6 +42,9 @@ COMMANDS = {
 EXTRAS = {
     "matplotlib": "plot",
     "scipy": "plot",
+    "dask": "sweep",
+    "distributed": "sweep",
+    "pyarrow": "sweep",
     "mpmath": "dev",
     "ziglang": "zig",
 }

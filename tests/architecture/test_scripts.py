@@ -21,6 +21,7 @@ PACKAGES = (
     "scenarios",
     "plot",
     "animate",
+    "sweep",
     "bench",
     "report",
     "peers",

@@ -1,0 +1,155 @@
+"""The command sweep: runs a study, keeps its results, draws them"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from contact_fmus.errors import DONE, INTERRUPTED, UserError
+
+FOLDER = Path("results")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    options = _parser().parse_args(arguments)
+    from .study import read_study
+
+    if options.workers is not None and options.workers < 1:
+        raise UserError(f"--workers: a whole number from 1 is wanted, not {options.workers}")
+    study = read_study(options.study)
+    folder = options.output or FOLDER / options.study.stem
+    if options.compare:
+        from .compare import compare
+
+        return compare(study, folder, options)
+    from .store import Store
+
+    store = Store(folder, study)
+    store.open(options.resume)
+    try:
+        return _sweep(store, options)
+    finally:
+        store.close()
+
+
+def _sweep(store, options: argparse.Namespace) -> int:
+    begin = time.perf_counter()
+    store.check()
+    before = store.done()
+    try:
+        if not store.complete:
+            _run(store, options)
+            store.merge()
+        files = [store.results]
+        if options.csv:
+            files.append(store.write_csv())
+        if options.plot:
+            from .plot import draw
+
+            target = None if options.plot is True else Path(options.plot)
+            files.append(draw(store, target, options.x, options.y, options.color))
+    except KeyboardInterrupt:
+        said = f"interrupted: {store.done():,} of {store.runs:,} runs are kept in {store.folder}"
+        print(f"contact-fmus sweep: {said}; --resume goes on", file=sys.stderr)
+        return INTERRUPTED
+    _report(store, options, files, store.runs - before, time.perf_counter() - begin)
+    return DONE
+
+
+def _report(store, options: argparse.Namespace, files: list[Path], done: int, seconds: float) -> None:
+    counts = store.counts()
+    if options.json:
+        about = {"runs": store.runs, "done_now": done, "seconds": seconds, "status": counts}
+        print(json.dumps(about | {"files": [str(file) for file in files]}))
+        return
+    states = ", ".join(f"{count:,} {name}" for name, count in sorted(counts.items(), key=lambda one: -one[1]))
+    print(f"{store.runs:,} runs ({states}); {done:,} of them now, in {seconds:.3g} s")
+    for file in files:
+        print(file)
+
+
+def _run(store, options: argparse.Namespace) -> None:
+    """What is missing, with a bar on a terminal"""
+    from .cluster import connected
+    from .drive import Drive
+    from .planning import make_work
+
+    samples = store.study.samples()
+    # The strata of a million samples take as long as the workers need to start.
+    preparing = threading.Thread(target=samples.prepare)
+    preparing.start()
+    workers = options.workers or len(os.sched_getaffinity(0))
+    with _terminable(), connected(options.scheduler, workers, options.dashboard) as client, _bar(store) as told:
+        preparing.join()
+        Drive(client, store.study, samples, store, make_work(store.study)).run(told)
+
+
+@contextlib.contextmanager
+def _terminable() -> Iterator[None]:
+    """What asks for an end (SIGTERM) is answered as Ctrl-C is"""
+
+    def interrupt(*_) -> None:
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+@contextlib.contextmanager
+def _bar(store) -> Iterator[Callable[[int], None]]:
+    """Runs done, time passed and time left, on the terminal and nowhere else"""
+    from rich import progress
+    from rich.console import Console
+
+    columns = (
+        progress.TextColumn("{task.description}"),
+        progress.BarColumn(),
+        progress.TextColumn("{task.completed:,.0f} of {task.total:,.0f} runs"),
+        progress.TimeElapsedColumn(),
+        progress.TimeRemainingColumn(),
+    )
+    console = Console(stderr=True)
+    with progress.Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+        task = bar.add_task("sweep", total=store.runs, completed=store.done())
+        yield lambda runs: bar.advance(task, runs)
+
+
+def _parser() -> argparse.ArgumentParser:
+    text = """Runs a study: an FMU many times, with parameters over grids, lists or samples, on all processors of this
+    machine or on a cluster. Every run is a row of DIR/results.parquet, those that failed too. docs/sweep.md describes
+    the study file."""
+    parser = argparse.ArgumentParser(prog="contact-fmus sweep", description=text)
+    parser.add_argument("study", type=Path, metavar="STUDY.toml")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="where results go, results/STUDY without it"
+    )
+    parser.add_argument("--resume", action="store_true", help="go on where an earlier sweep of DIR ended")
+    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler that is already there")
+    parser.add_argument("--workers", type=int, metavar="N", help="processes of this machine, one each processor")
+    parser.add_argument("--dashboard", metavar="HOST:PORT", help="dask's own page about an embedded cluster")
+    parser.add_argument("--csv", action="store_true", help="also write DIR/results.csv")
+    parser.add_argument("--json", action="store_true", help="print what was done as one line of JSON")
+    parser.add_argument(
+        "--plot", nargs="?", const=True, metavar="FILE", help="draw the results, DIR/plot.png without a name"
+    )
+    parser.add_argument("--x", metavar="COLUMN", help="across: the first parameter without it")
+    parser.add_argument("--y", metavar="COLUMN", help="up: the first output without it, or a second parameter")
+    parser.add_argument("--color", metavar="COLUMN", help="an output over x and y: a map")
+    parser.add_argument(
+        "--compare", action="store_true", help="time the study beside a bare loop in C over the same runs"
+    )
+    return parser

@@ -1,0 +1,137 @@
+"""Batches go to the workers, rows come back and are written: a few in flight, whatever the number of runs"""
+
+from __future__ import annotations
+
+import time
+from asyncio import CancelledError
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from distributed import Client, Future, wait
+from distributed.scheduler import KilledWorker
+
+from contact_fmus.errors import RunFailure
+
+from .batches import Cutter
+from .plan import Rows
+from .planning import make_batch
+from .samples import Samples
+from .store import Store
+from .study import Study
+from .table import CRASH, make_table
+from .worker import Work, run_batch, work
+
+IN_FLIGHT = 3  # batches for each thread of a worker: one at work, one that waits, one under way
+LOST = 30.0  # s without a scheduler after which it is given up
+TICK = 0.5  # s between looks at the scheduler
+
+
+@dataclass
+class _Flight:
+    first: int
+    end: int
+    values: dict[str, np.ndarray]
+
+
+class Drive:
+    """All runs that the store does not have yet"""
+
+    def __init__(self, client: Client, study: Study, samples: Samples, store: Store, given: Work):
+        self.client, self.study, self.samples, self.store = client, study, samples, store
+        self.cutter = Cutter(store.gaps())
+        self.flights: dict[Future, _Flight] = {}
+        self.work = client.submit(work, given, pure=False)
+        self._missing_since: float | None = None
+
+    def run(self, progress: Callable[[int], None]) -> None:
+        """`progress` is told of runs that were written"""
+        try:
+            while self._fill() or self.flights:
+                for future in self._finished():
+                    progress(self._take(future))
+        finally:
+            self._cancel()
+
+    def _cancel(self) -> None:
+        """Nothing of this study is left at a scheduler that lives on"""
+        if self.client.status == "running" and self.flights:
+            self.client.cancel(list(self.flights), force=True)
+
+    def _fill(self) -> bool:
+        """True while batches are left"""
+        if self.client.status != "running":
+            return True
+        threads = sum(self.client.ncores().values())
+        while len(self.flights) < IN_FLIGHT * max(threads, 1):
+            stretch = self.cutter.next(threads)
+            if stretch is None:
+                return False
+            first, end = stretch
+            values = self.samples.values(first, end - first)
+            batch = make_batch(self.study, first, values)
+            # In the order of runs: what is done is one stretch, or nearly.
+            future = self.client.submit(run_batch, self.work, batch, pure=False, priority=-first)
+            self.flights[future] = _Flight(first, end, values)
+        return True
+
+    def _finished(self) -> list[Future]:
+        self._watch()
+        if not self.flights:
+            time.sleep(TICK)
+            return []
+        try:
+            done = wait(list(self.flights), timeout=TICK, return_when="FIRST_COMPLETED").done
+        except TimeoutError:
+            return []
+        except CancelledError:  # the scheduler forgot some
+            done = {future for future in self.flights if future.done()}
+        return sorted(done, key=lambda future: self.flights[future].first)
+
+    def _watch(self) -> None:
+        """A scheduler that is away for long is gone"""
+        if self.client.status == "running":
+            self._missing_since = None
+            return
+        self._missing_since = self._missing_since or time.monotonic()
+        if self.client.status == "closed" or time.monotonic() - self._missing_since > LOST:
+            raise RunFailure(f"the scheduler is gone; {self._kept()}")
+
+    def _kept(self) -> str:
+        store = self.store
+        return f"{store.done():,} of {store.runs:,} runs are kept in {store.folder}, --resume goes on"
+
+    def _take(self, future: Future) -> int:
+        """Writes what a batch gave; the number of its runs"""
+        flight = self.flights.pop(future)
+        if future.status in ("cancelled", "lost"):  # the scheduler forgot it
+            self.cutter.again(flight.first, flight.end)
+            return 0
+        error = future.exception() if future.status == "error" else None
+        if isinstance(error, KilledWorker):
+            return self._crashed(flight)
+        if error is not None:
+            raise self._explained(error)
+        rows = future.result()
+        self.cutter.measured(flight.end - flight.first, rows.seconds)
+        return self._write(flight, rows)
+
+    def _write(self, flight: _Flight, rows: Rows) -> int:
+        self.store.write(make_table(self.study, self.store.schema, flight.values, rows), flight.first)
+        return flight.end - flight.first
+
+    def _crashed(self, flight: _Flight) -> int:
+        """The FMU ended the process, twice: the run that does it gets a row that says so"""
+        if flight.end - flight.first > 1:
+            self.cutter.halve(flight.first, flight.end)
+            return 0
+        values = np.full((len(self.study.outputs), 1), np.nan)
+        said = {0: "the FMU ended the worker's process"}
+        return self._write(flight, Rows(flight.first, values, np.array([CRASH], np.uint8), said, 0.0))
+
+    def _explained(self, error: BaseException) -> RunFailure:
+        if isinstance(error, ModuleNotFoundError):
+            said = f"the workers have no Python module {error.name}: install 'contact-fmus[sweep]' there"
+        else:
+            said = f"a worker failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
+        return RunFailure(f"{said}; {self._kept()}")

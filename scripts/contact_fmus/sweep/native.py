@@ -1,0 +1,129 @@
+"""A batch of runs by the compiled loop, scripts/tools/batch"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import time
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from contact_fmus.errors import RunFailure
+
+from .plan import Batch, Plan, Rows
+
+REPOSITORY = Path(__file__).resolve().parents[3]  # without the import of fmpy that contact_fmus.fmu.files brings
+MESSAGE_SIZE = 160  # BATCH_MESSAGE_SIZE
+FILE = "contact_batch.so"
+OK = 0
+
+
+class _Set(ctypes.Structure):
+    _fields_ = (
+        ("count", ctypes.c_int64),
+        ("varied", ctypes.c_int64),
+        ("references", ctypes.c_void_p),
+        ("columns", ctypes.c_void_p),
+        ("constants", ctypes.c_void_p),
+    )
+
+
+class _Read(ctypes.Structure):
+    _fields_ = (("count", ctypes.c_int64), ("references", ctypes.c_void_p))
+
+
+class _Batch(ctypes.Structure):
+    _fields_ = (
+        ("library", ctypes.c_char_p),
+        ("guid", ctypes.c_char_p),
+        ("resources", ctypes.c_char_p),
+        ("start_time", ctypes.c_double),
+        ("tolerance", ctypes.c_double),
+        ("tolerance_defined", ctypes.c_int64),
+        ("point_count", ctypes.c_int64),
+        ("points", ctypes.c_void_p),
+        ("reads", ctypes.c_void_p),
+        ("real", _Set),
+        ("integer", _Set),
+        ("boolean", _Set),
+        ("string_count", ctypes.c_int64),
+        ("string_references", ctypes.c_void_p),
+        ("strings", ctypes.c_void_p),
+        ("read_real", _Read),
+        ("read_integer", _Read),
+        ("read_boolean", _Read),
+        ("output_count", ctypes.c_int64),
+        ("outputs", ctypes.c_void_p),
+        ("runs", ctypes.c_int64),
+        ("values", ctypes.c_void_p),
+        ("status", ctypes.c_void_p),
+        ("messages", ctypes.c_void_p),
+    )
+
+
+def library_file() -> Path | None:
+    """The compiled loop: in the folder that CONTACT_BUILD names, in the package, or in the repository's build"""
+    places = [Path(__file__).with_name(FILE), REPOSITORY / "build" / FILE]
+    if os.environ.get("CONTACT_BUILD"):
+        places.insert(0, Path(os.environ["CONTACT_BUILD"]) / FILE)
+    return next((place for place in places if place.is_file()), None)
+
+
+@cache
+def _function(file: Path) -> ctypes._CFuncPtr:
+    function = ctypes.CDLL(str(file)).contact_batch_run
+    function.argtypes = (ctypes.POINTER(_Batch),)
+    function.restype = ctypes.c_int
+    return function
+
+
+def run(plan: Plan, batch: Batch, library: Path, resources: str, loop: Path) -> Rows:
+    """`library` and `resources` are the FMU's; `loop` is the compiled loop. Other threads may go on meanwhile."""
+    begin = time.perf_counter()
+    values = np.empty((len(plan.outputs), batch.runs))
+    status = np.zeros(batch.runs, np.uint8)
+    messages = np.zeros(batch.runs, f"S{MESSAGE_SIZE}")  # memory that nothing is written to costs nothing
+    columns = (batch.real, batch.integer, batch.boolean)
+    sets = [
+        _Set(len(one.references), one.varied, _at(one.references), _at(column), _at(one.constants))
+        for one, column in zip(plan.settings, columns, strict=True)
+    ]
+    reads = [_Read(len(references), _at(references)) for references in plan.read]
+    string_references = np.array([reference for reference, _ in plan.strings], np.uint32)
+    strings = (ctypes.c_char_p * len(plan.strings))(*(value.encode() for _, value in plan.strings))
+    described = _Batch(
+        os.fsencode(library),
+        plan.guid.encode(),
+        resources.encode(),
+        plan.start_time,
+        plan.tolerance or 0.0,
+        plan.tolerance is not None,
+        len(plan.points),
+        _at(plan.points),
+        _at(plan.reads),
+        *sets,
+        len(plan.strings),
+        _at(string_references),
+        ctypes.cast(strings, ctypes.c_void_p),
+        *reads,
+        len(plan.outputs),
+        _at(plan.outputs),
+        batch.runs,
+        _at(values),
+        _at(status),
+        _at(messages),
+    )
+    if _function(loop)(ctypes.byref(described)) != 0:
+        raise RunFailure(f"the FMU's library cannot be used: {_text(messages[0])}")
+    said = {int(place): _text(messages[place]) for place in np.flatnonzero(status != OK)}
+    return Rows(batch.first, values, status, said, time.perf_counter() - begin)
+
+
+def _at(array: np.ndarray) -> int:
+    return array.ctypes.data
+
+
+def _text(message: bytes) -> str:
+    return message.decode("utf-8", "replace").replace("\N{REPLACEMENT CHARACTER}", "").replace("%%", "%")

@@ -1,0 +1,59 @@
+"""A study as a loop over runs needs it: value references and numbers, no names; this is what travels to workers"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+AT, MAX, MIN, MEAN = range(4)  # enum batch_reduction of scripts/tools/batch/batch.h
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Start values of one type; those that vary come first"""
+
+    references: np.ndarray  # uint32
+    varied: int
+    constants: np.ndarray  # of the others: float64, or int32
+
+
+@dataclass(frozen=True)
+class Plan:
+    """One run: what is set, where steps end, what is read and reduced"""
+
+    identifier: str
+    guid: str
+    start_time: float
+    tolerance: float | None
+    points: np.ndarray  # float64, s
+    reads: np.ndarray  # uint8: whether values are read at the start and at each point
+    settings: tuple[Setting, Setting, Setting]  # Real, Integer, Boolean
+    strings: tuple[tuple[int, str], ...]
+    read: tuple[np.ndarray, np.ndarray, np.ndarray]  # uint32, references of each type
+    outputs: np.ndarray  # int64, rows: place among values read, reduction, point
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Varied start values of a stretch of runs: for each type an array of (variables, runs)"""
+
+    first: int
+    real: np.ndarray
+    integer: np.ndarray
+    boolean: np.ndarray
+
+    @property
+    def runs(self) -> int:
+        return self.real.shape[1]
+
+
+@dataclass(frozen=True)
+class Rows:
+    """What a batch gave"""
+
+    first: int
+    values: np.ndarray  # (outputs, runs), not a number where a run failed
+    status: np.ndarray  # uint8, fmi2Status
+    messages: dict[int, str]  # of runs that failed, by their place in the batch
+    seconds: float

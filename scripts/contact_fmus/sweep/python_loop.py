@@ -1,0 +1,136 @@
+"""A batch of runs by fmpy, where the compiled loop is not there: the same calls, the same bits, slower"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import time
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+from fmpy import fmi2
+from fmpy.fmi1 import FMICallException
+
+from .native import MESSAGE_SIZE
+from .plan import AT, MAX, MEAN, MIN, Batch, Plan, Rows
+
+OK, WARNING, ERROR, FATAL = 0, 1, 3, 4  # fmi2Status
+
+
+class _Instance:
+    """One that is reset before each run, and replaced after an error"""
+
+    def __init__(self, plan: Plan, folder: Path):
+        self.plan, self.folder = plan, folder
+        self.message = ""
+        self.slave: Any = None
+
+    def ready(self) -> Any:
+        if self.slave is not None:
+            try:
+                self.slave.reset()
+            except FMICallException as error:
+                self.drop(error.status)
+        if self.slave is None:
+            callbacks = fmi2.fmi2CallbackFunctions()
+            callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
+            callbacks.allocateMemory = ctypes.cast(fmpy.calloc, fmi2.fmi2CallbackAllocateMemoryTYPE)
+            callbacks.freeMemory = ctypes.cast(fmpy.free, fmi2.fmi2CallbackFreeMemoryTYPE)
+            slave = fmi2.FMU2Slave(
+                guid=self.plan.guid,
+                unzipDirectory=str(self.folder),
+                modelIdentifier=self.plan.identifier,
+                instanceName="sweep",
+            )
+            slave.instantiate(callbacks=callbacks)
+            self.slave = slave
+        self.message = ""
+        return self.slave
+
+    def drop(self, status: int) -> None:
+        """After fmi2Fatal no function may be called, fmi2FreeInstance included"""
+        if self.slave is not None and status != FATAL:
+            self.slave.freeInstance()
+        self.slave = None
+
+    def _log(self, _environment, _instance, status, _category, message) -> None:
+        if status > WARNING and not self.message:
+            text = (message or b"")[: MESSAGE_SIZE - 1].decode("utf-8", "replace")
+            self.message = text.replace("\N{REPLACEMENT CHARACTER}", "").replace("%%", "%")
+
+
+def run(plan: Plan, batch: Batch, folder: Path) -> Rows:
+    """`folder` is the unpacked FMU"""
+    begin = time.perf_counter()
+    values = np.full((len(plan.outputs), batch.runs), math.nan)
+    status = np.zeros(batch.runs, np.uint8)
+    messages: dict[int, str] = {}
+    instance = _Instance(plan, folder)
+    for place in range(batch.runs):
+        try:
+            values[:, place] = _run_once(plan, batch, place, instance.ready())
+        except FMICallException as error:
+            status[place] = error.status
+            messages[place] = instance.message
+            if error.status >= ERROR:
+                instance.drop(error.status)
+    instance.drop(OK)
+    return Rows(batch.first, values, status, messages, time.perf_counter() - begin)
+
+
+def _run_once(plan: Plan, batch: Batch, place: int, slave: Any) -> list[float]:
+    slave.setupExperiment(plan.tolerance, plan.start_time, None)
+    columns = (batch.real, batch.integer, batch.boolean)
+    setters = (slave.setReal, slave.setInteger, slave.setBoolean)
+    for setting, column, set_values in zip(plan.settings, columns, setters, strict=True):
+        if len(setting.references):
+            values = [*column[:, place].tolist(), *setting.constants.tolist()]
+            set_values(setting.references.tolist(), values)
+    for reference, text in plan.strings:
+        slave.setString([reference], [text])
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+    reduced = [math.nan] * len(plan.outputs)
+    now, size, before = plan.start_time, 0.0, []
+    for point in range(len(plan.points) + 1):
+        if point > 0:
+            size = float(plan.points[point - 1]) - now
+            slave.doStep(now, size)
+            now += size
+        if plan.reads[point]:
+            read = _read(plan, slave)
+            _reduce(plan, reduced, read, before, point, size)
+            before = read
+    length = now - plan.start_time
+    return [
+        value / length if code == MEAN else value
+        for value, code in zip(reduced, plan.outputs[:, 1], strict=True)
+    ]
+
+
+def _read(plan: Plan, slave: Any) -> list[float]:
+    getters = (slave.getReal, slave.getInteger, slave.getBoolean)
+    found: list[float] = []
+    for references, get in zip(plan.read, getters, strict=True):
+        if len(references):
+            found += [float(one) for one in get(references.tolist())]
+    return found
+
+
+def _reduce(
+    plan: Plan, reduced: list[float], read: list[float], before: list[float], point: int, size: float
+) -> None:
+    """What is not a number stays"""
+    for index, (source, code, wanted) in enumerate(plan.outputs.tolist()):
+        value, found = read[source], reduced[index]
+        better = point == 0 or math.isnan(value)
+        if (
+            (code == AT and point == wanted)
+            or (code == MAX and (better or value > found))
+            or (code == MIN and (better or value < found))
+        ):
+            reduced[index] = value
+        elif code == MEAN:
+            reduced[index] = 0.0 if point == 0 else found + 0.5 * (before[source] + value) * size

@@ -1,0 +1,220 @@
+"""The folder of a sweep: study.json, batches/FIRST-END.parquet while it runs, results.parquet when all runs are there.
+
+A batch file appears by rename, whole or not at all. What is on disk says which runs are done; nothing else does."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import json
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from contact_fmus.errors import RunFailure, UserError
+
+from .study import Study, fmu_digest
+from .table import schema_of
+
+BATCH = re.compile(r"(\d+)-(\d+)\.parquet")
+DIGITS = 13  # of a run's number in a file's name: 2**40 has so many
+# Rows gathered for a row group at least: readers skip and decode by groups.
+GROUP_ROWS = 50_000
+# Columns of words are worth a dictionary; numbers of a sample hardly ever repeat.
+WORDS = pa.types.is_dictionary
+
+
+class Store:
+    """Opened for one sweep at a time"""
+
+    def __init__(self, folder: Path, study: Study):
+        self.folder, self.study = folder, study
+        self.schema = schema_of(study)
+        self.batches = folder / "batches"
+        self.results = folder / "results.parquet"
+        self.runs = study.samples().runs
+        self._lock: int | None = None
+
+    def open(self, resume: bool) -> None:
+        """Takes the folder; one that holds another study, or results without --resume, is refused"""
+        with self._room():
+            self.folder.mkdir(parents=True, exist_ok=True)
+            self._lock = os.open(self.folder / ".lock", os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise UserError(f"{self.folder} is in use by another sweep; give another folder with -o") from None
+        known = self._known()
+        if known is None:
+            if self.results.exists() or self.batches.exists():
+                said = "holds results of unknown origin; give another folder with -o"
+                raise UserError(f"{self.folder} {said}")
+            self._introduce()
+        elif known.get("digest") != self.study.digest():
+            raise UserError(self._difference(known))
+        elif not resume:
+            said = "holds this study's results; --resume goes on, -o names another folder"
+            raise UserError(f"{self.folder} {said}")
+        self.batches.mkdir(exist_ok=True)
+
+    def close(self) -> None:
+        if self._lock is not None:
+            os.close(self._lock)
+            self._lock = None
+
+    def _known(self) -> dict | None:
+        with contextlib.suppress(OSError, ValueError):
+            return json.loads((self.folder / "study.json").read_text(encoding="utf-8"))
+        return None
+
+    def _introduce(self) -> None:
+        about = {
+            "digest": self.study.digest(),
+            "fmu": self.study.fmu.name,
+            "fmu_sha256": fmu_digest(self.study.fmu),
+            "runs": self.runs,
+            "study": self.study.content,
+        }
+        with self._room():
+            part = self.folder / "study.json.part"
+            part.write_text(json.dumps(about, indent=1, default=str, ensure_ascii=False), encoding="utf-8")
+            part.replace(self.folder / "study.json")
+
+    def _difference(self, known: dict) -> str:
+        fmu = known.get("fmu_sha256") != fmu_digest(self.study.fmu)
+        other = "was made with another build of the FMU" if fmu else "holds the results of another study"
+        return f"{self.folder} {other}; give another folder with -o"
+
+    @contextlib.contextmanager
+    def _room(self) -> Iterator[None]:
+        """What cannot be written ends in a sentence; what is there stays"""
+        try:
+            yield
+        except OSError as error:
+            reason = os.strerror(error.errno) if error.errno else str(error)
+            said = "" if self._lock is None else f"; {self.done():,} of {self.runs:,} runs are kept there"
+            raise RunFailure(f"{self.folder}: cannot be written ({reason}){said}, --resume goes on") from None
+
+    # batches
+
+    def files(self) -> list[tuple[int, int, Path]]:
+        """First run, run after the last, file; by first run"""
+        found = []
+        for file in self.batches.glob("*.parquet"):
+            match = BATCH.fullmatch(file.name)
+            if match:
+                found.append((int(match[1]), int(match[2]), file))
+        return sorted(found)
+
+    @property
+    def complete(self) -> bool:
+        return self.results.exists()
+
+    def done(self) -> int:
+        return self.runs if self.complete else sum(end - first for first, end, _ in self.files())
+
+    def check(self) -> None:
+        """Throws away what a full disk or a power cut may have left: such files are no batches"""
+        for part in self.folder.rglob("*.part"):
+            part.unlink()
+        for first, end, file in self.files():
+            try:
+                whole = pq.read_metadata(file).num_rows == end - first
+            except (OSError, pa.ArrowException):
+                whole = False
+            if not whole:
+                file.unlink()
+
+    def gaps(self) -> list[tuple[int, int]]:
+        """Stretches of runs that are still to be done"""
+        found, after = [], 0
+        for first, end, _ in self.files():
+            if first > after:
+                found.append((after, first))
+            after = end
+        return [*found, (after, self.runs)] if after < self.runs else found
+
+    def write(self, table: pa.Table, first: int) -> None:
+        name = f"{first:0{DIGITS}}-{first + len(table):0{DIGITS}}.parquet"
+        part = self.batches / f"{name}.part"
+        with self._room():
+            try:
+                with self._writer(part) as writer:
+                    writer.write_table(table)
+                part.replace(self.batches / name)
+            except OSError:
+                part.unlink(missing_ok=True)
+                raise
+
+    def _writer(self, file: Path) -> pq.ParquetWriter:
+        words = [field.name for field in self.schema if WORDS(field.type)]
+        return pq.ParquetWriter(
+            file, self.schema, compression="snappy", use_dictionary=[*words, "message"], write_statistics=True
+        )
+
+    # all runs
+
+    def groups(self) -> Iterator[pa.Table]:
+        """All batches in order, gathered to row groups"""
+        gathered: list[pa.Table] = []
+        for _, _, file in self.files():
+            gathered.append(pq.read_table(file, schema=self.schema, memory_map=True))
+            if sum(map(len, gathered)) >= GROUP_ROWS:
+                yield pa.concat_tables(gathered)
+                gathered = []
+        if gathered:
+            yield pa.concat_tables(gathered)
+
+    def merge(self) -> None:
+        """One file of all runs, in order; then the batches go"""
+        part = self.folder / "results.parquet.part"
+        with self._room():
+            try:
+                with self._writer(part) as writer:
+                    for group in self.groups():
+                        writer.write_table(group, row_group_size=max(len(group), 1))
+            except OSError:
+                part.unlink(missing_ok=True)
+                raise
+            part.replace(self.results)
+        shutil.rmtree(self.batches)
+
+    def write_csv(self) -> Path:
+        """The same rows as text; lines that start with # say the units and the study"""
+        from pyarrow import csv
+
+        target, part = self.folder / "results.csv", self.folder / "results.csv.part"
+        units = {one.name: (one.metadata or {}).get(b"unit", b"").decode() for one in self.schema}
+        with self._room():
+            try:
+                with open(part, "wb") as file, pq.ParquetFile(self.results) as rows:
+                    file.write(f"# units: {json.dumps(units, ensure_ascii=False)}\n".encode())
+                    file.write(f"# study_digest: {self.study.digest()}\n".encode())
+                    plain = pa.schema([_plain(one) for one in self.schema])
+                    with csv.CSVWriter(file, plain) as writer:
+                        for index in range(rows.num_row_groups):
+                            writer.write_table(rows.read_row_group(index).cast(plain))
+            except OSError:
+                part.unlink(missing_ok=True)
+                raise
+            part.replace(target)
+        return target
+
+    def counts(self) -> dict[str, int]:
+        """Runs by status"""
+        found: dict[str, int] = {}
+        with pq.ParquetFile(self.results) as rows:
+            for index in range(rows.num_row_groups):
+                column = rows.read_row_group(index, columns=["status"])["status"]
+                for one in column.value_counts().to_pylist():
+                    found[one["values"]] = found.get(one["values"], 0) + one["counts"]
+        return found
+
+
+def _plain(field: pa.Field) -> pa.Field:
+    return pa.field(field.name, pa.string()) if WORDS(field.type) else field
