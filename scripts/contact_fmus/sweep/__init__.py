@@ -1,1 +1,1 @@
-"""Studies of many runs of one FMU (command.py): what varies, batches of runs on dask, results as Parquet and CSV"""
+"""Studies of many runs of one FMU (command.py): what varies, batches on dask, results as Parquet and CSV"""

@@ -1,4 +1,4 @@
-"""How the runs that are left are cut into batches: long enough that dask costs little, short enough to lose little"""
+"""How the runs that are left are cut into batches: long enough to cost little, short enough to lose little"""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections import deque
 
 SECONDS = 0.5  # of a batch: a task of dask costs a millisecond, and an interrupt loses half a second's work
 MOST = 20_000  # runs of a batch: some MB of rows, in flight a few times for each worker
+SHORTEST = 0.1  # s of the last batches
 FIRST = 16  # runs of the first ones, before it is known how long a run takes
 GROWTH = 16  # at most so many times the runs of the longest batch measured
 
@@ -28,8 +29,8 @@ class Cutter:
             return None
         first, end = self._left.popleft()
         # The last batches are short, so that all workers end together.
-        fair = -(-(self.left + end - first) // (2 * max(workers, 1)))
-        stop = min(end, first + max(1, min(self._most, max(fair, FIRST))))
+        fair = (self.left + end - first) // (2 * max(workers, 1))
+        stop = min(end, first + max(1, min(self._most, max(fair, int(SHORTEST * self.rate)))))
         if stop < end:
             self._left.appendleft((stop, end))
         return first, stop

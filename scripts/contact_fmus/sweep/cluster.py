@@ -64,7 +64,9 @@ def _elsewhere(address: str) -> Iterator[Client]:
         raise RunFailure(f"--scheduler {address}: no scheduler answers {said}") from None
     except (ValueError, TypeError) as error:
         reason = str(error).splitlines()[0]
-        raise UserError(f"--scheduler {address}: an address like tcp://host:8786 is wanted ({reason})") from None
+        raise UserError(
+            f"--scheduler {address}: an address like tcp://host:8786 is wanted ({reason})"
+        ) from None
     try:
         with contextlib.suppress(TimeoutError):
             client.wait_for_workers(1, timeout=ARRIVE)

@@ -87,7 +87,11 @@ def _run(store, options: argparse.Namespace) -> None:
     preparing = threading.Thread(target=samples.prepare)
     preparing.start()
     workers = options.workers or len(os.sched_getaffinity(0))
-    with _terminable(), connected(options.scheduler, workers, options.dashboard) as client, _bar(store) as told:
+    with (
+        _terminable(),
+        connected(options.scheduler, workers, options.dashboard) as client,
+        _bar(store) as told,
+    ):
         preparing.join()
         Drive(client, store.study, samples, store, make_work(store.study)).run(told)
 
@@ -129,17 +133,21 @@ def _bar(store) -> Iterator[Callable[[int], None]]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    text = """Runs a study: an FMU many times, with parameters over grids, lists or samples, on all processors of this
-    machine or on a cluster. Every run is a row of DIR/results.parquet, those that failed too. docs/sweep.md describes
-    the study file."""
+    text = """Runs a study: an FMU many times, with parameters over grids, lists or samples, on all processors
+    of this machine or on a cluster. Every run is a row of DIR/results.parquet, those that failed too.
+    docs/sweep.md describes the study file."""
     parser = argparse.ArgumentParser(prog="contact-fmus sweep", description=text)
     parser.add_argument("study", type=Path, metavar="STUDY.toml")
     parser.add_argument(
         "-o", "--output", type=Path, metavar="DIR", help="where results go, results/STUDY without it"
     )
     parser.add_argument("--resume", action="store_true", help="go on where an earlier sweep of DIR ended")
-    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler that is already there")
-    parser.add_argument("--workers", type=int, metavar="N", help="processes of this machine, one each processor")
+    parser.add_argument(
+        "--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler that is already there"
+    )
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes of this machine, one each processor"
+    )
     parser.add_argument("--dashboard", metavar="HOST:PORT", help="dask's own page about an embedded cluster")
     parser.add_argument("--csv", action="store_true", help="also write DIR/results.csv")
     parser.add_argument("--json", action="store_true", help="print what was done as one line of JSON")
@@ -147,7 +155,9 @@ def _parser() -> argparse.ArgumentParser:
         "--plot", nargs="?", const=True, metavar="FILE", help="draw the results, DIR/plot.png without a name"
     )
     parser.add_argument("--x", metavar="COLUMN", help="across: the first parameter without it")
-    parser.add_argument("--y", metavar="COLUMN", help="up: the first output without it, or a second parameter")
+    parser.add_argument(
+        "--y", metavar="COLUMN", help="up: the first output without it, or a second parameter"
+    )
     parser.add_argument("--color", metavar="COLUMN", help="an output over x and y: a map")
     parser.add_argument(
         "--compare", action="store_true", help="time the study beside a bare loop in C over the same runs"

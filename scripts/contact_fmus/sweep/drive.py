@@ -133,5 +133,7 @@ class Drive:
         if isinstance(error, ModuleNotFoundError):
             said = f"the workers have no Python module {error.name}: install 'contact-fmus[sweep]' there"
         else:
-            said = f"a worker failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
+            said = (
+                f"a worker failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
+            )
         return RunFailure(f"{said}; {self._kept()}")

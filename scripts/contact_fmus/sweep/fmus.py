@@ -26,7 +26,9 @@ def find_fmu(name: str, folder: Path) -> Path:
         shipped = sorted(one.stem for one in fmus_folder().glob("*.fmu"))
         if not shipped:
             raise UserError(f"{where}: {error}") from None
-        said = f"{where}: '{name}' is no shipped FMU ({', '.join(shipped)}) and no file NAME.fmu or SCENE.toml"
+        said = (
+            f"{where}: '{name}' is no shipped FMU ({', '.join(shipped)}) and no file NAME.fmu or SCENE.toml"
+        )
         raise UserError(said + similar(name, shipped)) from None
 
 

@@ -37,12 +37,14 @@ class Interface(NamedTuple):
         """One that may be set before the start"""
         variable = self.variable(name, where)
         if name not in self.settable:
-            said = f"{where}: '{name}' cannot be set, it is {article(variable.causality)} {variable.causality}"
+            said = (
+                f"{where}: '{name}' cannot be set, it is {article(variable.causality)} {variable.causality}"
+            )
             raise UserError(said)
         return variable
 
     def value(self, variable: Variable, value: Any, where: str) -> Any:
-        """As the FMU takes it: float, int (Integer, Enumeration), bool, str, or a tuple of them for a vector"""
+        """As the FMU takes it: float, int (Integer, Enumeration), bool, str, or a vector's tuple"""
         if variable.is_vector:
             size = len(variable.references)
             if not isinstance(value, list) or len(value) != size:
@@ -95,11 +97,15 @@ def read_interface(file: Path) -> Interface:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise UserError(f"{file} is no FMU that can be read: {reason}") from None
     if description.fmiVersion != "2.0" or description.coSimulation is None:
-        kind = f"FMI {description.fmiVersion}" + ("" if description.coSimulation else " without Co-Simulation")
+        kind = f"FMI {description.fmiVersion}" + (
+            "" if description.coSimulation else " without Co-Simulation"
+        )
         raise UserError(f"{file} is {kind}; a sweep runs FMI 2.0 Co-Simulation FMUs")
     scalars = description.modelVariables
     settable = {one.name for one in scalars if one.causality in ("parameter", "input")}
-    settable |= {one.name for one in scalars if one.causality == "local" and one.initial in ("exact", "approx")}
+    settable |= {
+        one.name for one in scalars if one.causality == "local" and one.initial in ("exact", "approx")
+    }
     variables = read_variables(description)
     settable |= {name for name, one in variables.items() if one.is_vector and f"{name}[1]" in settable}
     ranges = {one.valueReference: _range(one) for one in scalars if one.type in ("Real", "Integer")}

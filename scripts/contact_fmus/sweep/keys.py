@@ -31,7 +31,9 @@ def text(value: Any, where: str) -> str:
 
 def one_of(value: Any, where: str, allowed: tuple[str, ...]) -> str:
     if value not in allowed:
-        raise UserError(f"{where}: one of {', '.join(allowed)} is wanted, not {value!r}{similar(str(value), allowed)}")
+        raise UserError(
+            f"{where}: one of {', '.join(allowed)} is wanted, not {value!r}{similar(str(value), allowed)}"
+        )
     return value
 
 

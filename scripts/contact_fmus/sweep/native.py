@@ -14,7 +14,9 @@ from contact_fmus.errors import RunFailure
 
 from .plan import Batch, Plan, Rows
 
-REPOSITORY = Path(__file__).resolve().parents[3]  # without the import of fmpy that contact_fmus.fmu.files brings
+REPOSITORY = (
+    Path(__file__).resolve().parents[3]
+)  # without the import of fmpy that contact_fmus.fmu.files brings
 MESSAGE_SIZE = 160  # BATCH_MESSAGE_SIZE
 FILE = "contact_batch.so"
 OK = 0
@@ -64,7 +66,7 @@ class _Batch(ctypes.Structure):
 
 
 def library_file() -> Path | None:
-    """The compiled loop: in the folder that CONTACT_BUILD names, in the package, or in the repository's build"""
+    """The compiled loop: where CONTACT_BUILD names a folder, in the package, in the repository's build"""
     places = [Path(__file__).with_name(FILE), REPOSITORY / "build" / FILE]
     if os.environ.get("CONTACT_BUILD"):
         places.insert(0, Path(os.environ["CONTACT_BUILD"]) / FILE)
@@ -80,7 +82,7 @@ def _function(file: Path) -> ctypes._CFuncPtr:
 
 
 def run(plan: Plan, batch: Batch, library: Path, resources: str, loop: Path) -> Rows:
-    """`library` and `resources` are the FMU's; `loop` is the compiled loop. Other threads may go on meanwhile."""
+    """`library` and `resources` are the FMU's. Other threads may go on meanwhile."""
     begin = time.perf_counter()
     values = np.empty((len(plan.outputs), batch.runs))
     status = np.zeros(batch.runs, np.uint8)

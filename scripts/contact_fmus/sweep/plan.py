@@ -1,4 +1,4 @@
-"""A study as a loop over runs needs it: value references and numbers, no names; this is what travels to workers"""
+"""A study as a loop over runs needs it: value references and numbers, no names. It travels to the workers."""
 
 from __future__ import annotations
 

@@ -1,9 +1,11 @@
-"""The values of every run, by its number: any stretch of runs, in any order, in any process, gives the same bits.
+"""The values of every run, by its number: any stretch of runs, in any order, gives the same bits.
 
-Lists and grids make every combination, the last one named fastest; samples go through all of theirs at each
-combination. Numbers in [0, 1) for the samples come from scipy.stats.qmc, one row for each sample. Of a Latin
-hypercube only the strata are kept, 4 bytes for each sample and parameter; the place within a stratum is drawn
-again where it is needed, in blocks. A parameter's samples depend on its name, the seed and the count alone."""
+Lists and grids make every combination, the last one named fastest; at each combination all samples are
+taken. Samples are numbers in [0, 1), one row for each, by scipy.stats.qmc. Of a Latin hypercube only the
+strata are kept, 4 bytes for each sample and parameter; the place within a stratum is drawn again where it
+is needed, in blocks. Samples of a Latin hypercube and random ones depend on the parameter's name, the seed
+and the count alone.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the values of one parameter are chosen: a list, a grid, or a distribution that samples are drawn from"""
+"""How the values of one parameter are chosen: a list, a grid, or a distribution to draw from"""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ MOST_RUNS = 2**40  # of a study; a run of a microsecond would keep a processor b
 
 @dataclass(frozen=True)
 class Parameter:
-    """One that varies: its `values` each (list, grid), or values drawn from `quantile` of numbers in [0, 1)"""
+    """One that varies: its `values` each (list, grid), or the `quantile` of numbers in [0, 1)"""
 
     name: str
     variable: Variable
@@ -132,7 +132,9 @@ def _belongs(table: Table, kind: str) -> None:
     for key in table.content:
         if key not in own | {"distribution"}:
             allowed = ", ".join(sorted(own))
-            raise UserError(f"{table.place(key)} does not belong to the distribution {kind}; allowed: {allowed}")
+            raise UserError(
+                f"{table.place(key)} does not belong to the distribution {kind}; allowed: {allowed}"
+            )
 
 
 def _logarithmic(low: float, high: float) -> Callable[[np.ndarray], np.ndarray]:
@@ -152,7 +154,9 @@ def _bounded(
         _ends(interface, variable, low, high, table)
         mode = table.number("mode", (low + high) / 2)
         if not low <= mode <= high:
-            raise UserError(f"{table.place('mode')}: a number from {low!r} to {high!r} is wanted, not {mode!r}")
+            raise UserError(
+                f"{table.place('mode')}: a number from {low!r} to {high!r} is wanted, not {mode!r}"
+            )
         return stats.triang((mode - low) / (high - low), low, high - low).ppf
     deviation = table.positive("deviation")
     if kind == "normal":

@@ -1,6 +1,8 @@
-"""The folder of a sweep: study.json, batches/FIRST-END.parquet while it runs, results.parquet when all runs are there.
+"""The folder of a sweep: study.json, batches/FIRST-END.parquet while it runs, results.parquet at the end.
 
-A batch file appears by rename, whole or not at all. What is on disk says which runs are done; nothing else does."""
+A batch file appears by rename, whole or not at all. Files on disk say which runs are done; nothing else
+does.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,9 @@ class Store:
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            raise UserError(f"{self.folder} is in use by another sweep; give another folder with -o") from None
+            raise UserError(
+                f"{self.folder} is in use by another sweep; give another folder with -o"
+            ) from None
         known = self._known()
         if known is None:
             if self.results.exists() or self.batches.exists():

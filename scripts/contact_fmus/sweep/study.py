@@ -1,4 +1,4 @@
-"""A study file (docs/sweep.md): which FMU, how long, what is constant, what varies, what is kept of each run"""
+"""A study file (docs/sweep.md): which FMU, how long, what is constant, what varies, what is kept"""
 
 from __future__ import annotations
 
@@ -114,7 +114,9 @@ def _filled(content: dict[str, Any], key: str) -> bool:
     for name, entry in content[key].items():
         if isinstance(entry, dict) and name.isidentifier() and key == "vary" and not _is_entry(entry):
             part = next(iter(entry), "name")
-            raise UserError(f'[{key}] {name}.{part}: names with a dot stand in quotation marks, "{name}.{part}"')
+            raise UserError(
+                f'[{key}] {name}.{part}: names with a dot stand in quotation marks, "{name}.{part}"'
+            )
     return True
 
 
@@ -208,7 +210,9 @@ def _points(experiment: Table, start: float, outputs: tuple[Output, ...]) -> tup
     if "step" in experiment:
         ratio = length / experiment.positive("step")
         if ratio > MOST_STEPS:
-            raise UserError(f"{experiment.place('step')}: {ratio:.3g} steps; at most {MOST_STEPS} are allowed")
+            raise UserError(
+                f"{experiment.place('step')}: {ratio:.3g} steps; at most {MOST_STEPS} are allowed"
+            )
         count = max(1, math.ceil(ratio - SAME_POINT))
         points = [start + index * experiment.positive("step") for index in range(1, count)] + [stop]
     else:

@@ -44,7 +44,9 @@ def schema_of(study: Study) -> pa.Schema:
 
 
 def _field(name: str, kind: pa.DataType, about: dict[str, str], nullable: bool = True) -> pa.Field:
-    return pa.field(name, kind, nullable=nullable, metadata={key: value for key, value in about.items() if value})
+    return pa.field(
+        name, kind, nullable=nullable, metadata={key: value for key, value in about.items() if value}
+    )
 
 
 def _about(variable: Variable) -> dict[str, str]:

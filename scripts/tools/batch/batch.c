@@ -178,7 +178,7 @@ static fmi2Status read_point(struct worker *worker)
     return status;
 }
 
-/* Takes in the values of communication point `point`, `size` s after the one before. What is not a number stays. */
+/* Takes in the values of a communication point, `size` s after the one before. What is not a number stays. */
 static void reduce(struct worker *worker, int64_t point, double size)
 {
     const struct batch *batch = worker->batch;

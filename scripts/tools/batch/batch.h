@@ -1,5 +1,5 @@
-/* Many runs of one FMI 2.0 co-simulation FMU: one instance, reset before each run. A shared library that the sweeps of
-   contact_fmus load (scripts/contact_fmus/sweep/native.py, which holds the same structs). */
+/* Many runs of one FMI 2.0 co-simulation FMU: one instance, reset before each run. A shared library that the
+   sweeps of contact_fmus load (scripts/contact_fmus/sweep/native.py, which holds the same structs). */
 #ifndef CONTACT_BATCH_H
 #define CONTACT_BATCH_H
 

@@ -1,0 +1,159 @@
+"""Pictures of a sweep: a column over one parameter with its quantiles, or a map over two"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from contact_fmus.errors import UserError, similar
+
+from .store import Store
+
+matplotlib.use("Agg")
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+
+POINTS = 5_000  # dots of a scatter plot: more hide one another
+BINS = 40  # of a parameter that has more values than this
+QUANTILES = (0.05, 0.5, 0.95)
+FEWEST = 5  # runs of a bin before it has quantiles
+
+
+class Column:
+    """Values as numbers, with what to write at an axis"""
+
+    def __init__(self, rows: pa.Table, name: str):
+        field = rows.schema.field(name)
+        about = {key.decode(): value.decode() for key, value in (field.metadata or {}).items()}
+        unit = about.get("unit", "")
+        self.label = f"{name} [{unit}]" if unit not in ("", "1") else name
+        column = rows[name]
+        self.items: list[str] = []
+        if pa.types.is_dictionary(field.type):
+            column = column.unify_dictionaries().combine_chunks()
+            self.items = column.dictionary.to_pylist()
+            column = column.indices
+        self.values = np.asarray(column.cast(pa.float64()).to_numpy(zero_copy_only=False), float)
+
+    def mark(self, axis: Any) -> None:
+        axis.set_label_text(self.label)
+        if self.items:
+            axis.set_ticks(range(len(self.items)), self.items)
+
+    @property
+    def logarithmic(self) -> bool:
+        """Values above 0 that are spread evenly over decades"""
+        values = self.values[np.isfinite(self.values)]
+        if self.items or not len(values) or values.min() <= 0 or values.max() < 20 * values.min():
+            return False
+        middle = np.median(values)
+        return bool(middle < 0.25 * values.max())
+
+    def edges(self) -> np.ndarray:
+        """Of bins: one around each value, where they are few"""
+        values = self.values[np.isfinite(self.values)]
+        unique = np.unique(values)
+        if len(unique) > BINS:
+            spread = np.geomspace if self.logarithmic else np.linspace
+            return spread(unique[0], unique[-1], BINS + 1)
+        if len(unique) < 2:
+            return np.array([unique[0] - 0.5, unique[0] + 0.5]) if len(unique) else np.array([0.0, 1.0])
+        middles = np.sqrt(unique[1:] * unique[:-1]) if self.logarithmic else (unique[1:] + unique[:-1]) / 2
+        first = unique[0] ** 2 / middles[0] if self.logarithmic else 2 * unique[0] - middles[0]
+        last = unique[-1] ** 2 / middles[-1] if self.logarithmic else 2 * unique[-1] - middles[-1]
+        return np.array([first, *middles, last])
+
+    def bins(self, edges: np.ndarray) -> np.ndarray:
+        return np.clip(np.searchsorted(edges, self.values, side="right") - 1, 0, len(edges) - 2)
+
+
+def draw(store: Store, target: Path | None, x: str | None, y: str | None, color: str | None) -> Path:
+    """The picture's file, whose ending says its kind"""
+    target = target or store.folder / "plot.png"
+    kinds = plt.figure().canvas.get_supported_filetypes()
+    plt.close("all")
+    if target.suffix.lstrip(".") not in kinds:
+        raise UserError(f"--plot {target}: the ending is one of {', '.join(sorted(kinds))}")
+    names = _names(store, x, y, color)
+    rows = pq.read_table(store.results, columns=sorted(set(names)))
+    figure, axes = plt.subplots(figsize=(8, 5), layout="constrained")
+    columns = [Column(rows, name) for name in names]
+    if color is None:
+        _line(axes, *columns)
+    else:
+        _map(axes, *columns)
+    axes.set_title(f"{store.study.title}\n{store.runs:,} runs", fontsize=10)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(target, dpi=150)
+    plt.close(figure)
+    return target
+
+
+def _names(store: Store, x: str | None, y: str | None, color: str | None) -> list[str]:
+    parameters = [column for one in store.study.parameters for column in one.columns]
+    outputs = [one.name for one in store.study.outputs]
+    if color is not None and y is None:
+        if len(parameters) < 2:
+            raise UserError("--color: a map wants two parameters, and only one varies; say --y")
+        y = next(one for one in parameters if one != x)
+    names = [x or parameters[0], y or outputs[0], *([color] if color else [])]
+    for option, name in zip(("--x", "--y", "--color"), names, strict=False):
+        if name not in parameters + outputs + ["run"]:
+            allowed = ", ".join(["run", *parameters, *outputs])
+            raise UserError(
+                f"{option} {name}: no such column{similar(name, parameters + outputs)}; {allowed}"
+            )
+    return names
+
+
+def _line(axes: Axes, x: Column, y: Column) -> None:
+    finite = np.flatnonzero(np.isfinite(x.values) & np.isfinite(y.values))
+    shown = finite[:: max(1, -(-len(finite) // POINTS))]
+    few = f", {len(shown):,} of {len(finite):,} shown" if len(shown) < len(finite) else ""
+    axes.plot(x.values[shown], y.values[shown], ".", ms=3, alpha=0.35, color="tab:gray", label=f"runs{few}")
+    edges = x.edges()
+    place = x.bins(edges)[finite]
+    rows = []
+    for index in range(len(edges) - 1):
+        inside = finite[place == index]
+        if len(inside):
+            levels = np.quantile(y.values[inside], QUANTILES) if len(inside) >= FEWEST else [np.nan] * 3
+            rows.append((np.median(x.values[inside]), *levels))
+    middle, low, median, high = np.array(rows).reshape(-1, 4).T
+    if np.isfinite(median).any():
+        axes.plot(middle, median, color="tab:blue", label="median")
+        axes.fill_between(middle, low, high, color="tab:blue", alpha=0.2, label="5 % to 95 %")
+    for column, axis, scale in ((x, axes.xaxis, axes.set_xscale), (y, axes.yaxis, axes.set_yscale)):
+        if column.logarithmic:
+            scale("log")
+        column.mark(axis)
+    axes.legend(loc="best", fontsize=8)
+
+
+def _map(axes: Axes, x: Column, y: Column, color: Column) -> None:
+    """The median of a colour's values in each cell; cells without a run stay empty"""
+    x_edges, y_edges = x.edges(), y.edges()
+    cells = np.full((len(y_edges) - 1, len(x_edges) - 1), np.nan)
+    finite = np.flatnonzero(np.isfinite(x.values) & np.isfinite(y.values) & np.isfinite(color.values))
+    place = (y.bins(y_edges) * (len(x_edges) - 1) + x.bins(x_edges))[finite]
+    order = np.argsort(place, kind="stable")
+    found, starts = np.unique(place[order], return_index=True)
+    for one, values in zip(found, np.split(color.values[finite][order], starts[1:]), strict=True):
+        cells.flat[one] = np.median(values)
+    if color.logarithmic:
+        norm: Any = matplotlib.colors.LogNorm()
+    else:
+        norm = None
+    mesh = axes.pcolormesh(x_edges, y_edges, cells, norm=norm)
+    bar = axes.figure.colorbar(mesh, ax=axes, label=f"median of {color.label}")
+    if color.items:
+        bar.set_ticks(range(len(color.items)), labels=color.items)
+    for column, axis, scale in ((x, axes.xaxis, axes.set_xscale), (y, axes.yaxis, axes.set_yscale)):
+        if column.logarithmic:
+            scale("log")
+        column.mark(axis)
