@@ -12,7 +12,7 @@ from distributed.comm import parse_address
 
 from contact_fmus.errors import RunFailure, UserError
 
-CONNECT = 10.0  # s that a scheduler has to answer
+CONNECT = 5.0  # s that a scheduler has to answer
 ARRIVE = 60.0  # s that its first worker has to appear
 SETTINGS = {
     # A task that was on two workers when they died is taken as what killed them, and its batch is halved.

@@ -39,6 +39,7 @@ class _Read(ctypes.Structure):
 class _Batch(ctypes.Structure):
     _fields_ = (
         ("library", ctypes.c_char_p),
+        ("name", ctypes.c_char_p),
         ("guid", ctypes.c_char_p),
         ("resources", ctypes.c_char_p),
         ("start_time", ctypes.c_double),
@@ -97,6 +98,7 @@ def run(plan: Plan, batch: Batch, library: Path, resources: str, loop: Path) -> 
     strings = (ctypes.c_char_p * len(plan.strings))(*(value.encode() for _, value in plan.strings))
     described = _Batch(
         os.fsencode(library),
+        plan.identifier.encode(),
         plan.guid.encode(),
         resources.encode(),
         plan.start_time,

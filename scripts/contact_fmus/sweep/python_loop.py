@@ -42,7 +42,7 @@ class _Instance:
                 guid=self.plan.guid,
                 unzipDirectory=str(self.folder),
                 modelIdentifier=self.plan.identifier,
-                instanceName="sweep",
+                instanceName=self.plan.identifier,
             )
             slave.instantiate(callbacks=callbacks)
             self.slave = slave

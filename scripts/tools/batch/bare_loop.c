@@ -1,11 +1,12 @@
-/* bare_loop: the runs of a sweep in one plain loop, and nothing around them: what a sweep's time is compared with.
+/* bare_loop: the runs of a sweep in one plain loop, and nothing around them: what a sweep is compared with.
 
-   Standard input: library, GUID and resources, a line each; then numbers: tolerance (below 0: none), start time;
-   number of communication steps and where each ends; for Real, Integer and Boolean the number of start values,
-   how many of them vary, their value references (those that vary first), the constants; for each of the three the
-   number of values to read and their references; the number of runs. The file named on the command line holds the
-   varied values run by run as doubles. Prints the seconds of the loop by the wall's clock and by the processor's,
-   loading not among them, and a sum of all that was read, which keeps the loop honest. */
+   Standard input: library, GUID and resources, a line each; then numbers: tolerance (below 0: none), start
+   time; number of communication steps and where each ends; for Real, Integer and Boolean the number of start
+   values, how many of them vary, their value references (those that vary first), the constants; for each of
+   the three the number of values to read and their references; the number of runs. The file named on the
+   command line holds the varied values run by run as doubles. Prints the seconds of the loop by the wall's
+   clock and by the processor's, loading not among them, and a sum of all that was read, which keeps the loop
+   honest. */
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>

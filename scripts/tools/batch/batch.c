@@ -97,8 +97,9 @@ static bool instantiate(struct worker *worker)
     const struct batch *batch = worker->batch;
     worker->callbacks = (fmi2CallbackFunctions){
         .logger = log_message, .allocateMemory = calloc, .freeMemory = free, .componentEnvironment = worker};
-    worker->instance = worker->functions.instantiate("sweep", fmi2CoSimulation, batch->guid, batch->resources,
-                                                     &worker->callbacks, fmi2False, fmi2False);
+    worker->instance =
+        worker->functions.instantiate(batch->name, fmi2CoSimulation, batch->guid, batch->resources,
+                                      &worker->callbacks, fmi2False, fmi2False);
     worker->fresh = true;
     return worker->instance != NULL;
 }

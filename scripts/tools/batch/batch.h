@@ -38,7 +38,8 @@ struct batch_output {
 };
 
 struct batch {
-    const char *library, *guid, *resources; /* file; of modelDescription.xml; URI of the folder resources */
+    const char *library, *name;   /* file; of the instance, in its messages */
+    const char *guid, *resources; /* of modelDescription.xml; URI of the folder resources */
     double start_time, tolerance;
     int64_t tolerance_defined;
     int64_t point_count;  /* communication steps */
