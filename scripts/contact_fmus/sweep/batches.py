@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import deque
 
-SECONDS = 0.5  # of a batch: a task of dask costs a millisecond, and an interrupt loses half a second's work
-MOST = 20_000  # runs of a batch: some MB of rows, in flight a few times for each worker
+SECONDS = 1.0  # of a batch: dask and the file of a batch cost ten milliseconds, an interrupt loses so much
+MOST = 25_000  # runs of a batch: some MB of rows, in flight a few times for each worker
 SHORTEST = 0.1  # s of the last batches
 FIRST = 16  # runs of the first ones, before it is known how long a run takes
 GROWTH = 16  # at most so many times the runs of the longest batch measured

@@ -22,6 +22,13 @@ SETTINGS = {
     "distributed.admin.tick.limit": "60s",
     "distributed.worker.memory.terminate": False,
     "distributed.worker.memory.pause": False,
+    # What an embedded cluster can do without: it would take a tenth of the processors.
+    "distributed.worker.profile.enabled": False,
+    "distributed.scheduler.active-memory-manager.start": False,
+    "distributed.scheduler.work-stealing": False,
+    "distributed.admin.tick.interval": "500ms",
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.admin.system-monitor.gil.enabled": False,
 }
 
 

@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from contact_fmus.errors import DONE, INTERRUPTED, UserError
@@ -47,7 +48,6 @@ def _sweep(store, options: argparse.Namespace) -> int:
     try:
         if not store.complete:
             _run(store, options)
-            store.merge()
         files = [store.results]
         if options.csv:
             files.append(store.write_csv())
@@ -77,23 +77,25 @@ def _report(store, options: argparse.Namespace, files: list[Path], done: int, se
 
 
 def _run(store, options: argparse.Namespace) -> None:
-    """What is missing, with a bar on a terminal"""
+    """What is missing, with a bar on a terminal; rows are merged while the workers end"""
     from .cluster import connected
     from .drive import Drive
     from .planning import make_work
 
     samples = store.study.samples()
     # The strata of a million samples take as long as the workers need to start.
-    preparing = threading.Thread(target=samples.prepare)
-    preparing.start()
+    pool = ThreadPoolExecutor(1)
+    preparing = pool.submit(samples.prepare)
     workers = options.workers or len(os.sched_getaffinity(0))
     with (
         _terminable(),
         connected(options.scheduler, workers, options.dashboard) as client,
         _bar(store) as told,
     ):
-        preparing.join()
+        preparing.result()
         Drive(client, store.study, samples, store, make_work(store.study)).run(told)
+        merging = pool.submit(store.merge)
+    merging.result()
 
 
 @contextlib.contextmanager

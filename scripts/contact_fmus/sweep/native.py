@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import os
-import time
 from functools import cache
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import numpy as np
 
 from contact_fmus.errors import RunFailure
 
-from .plan import Batch, Plan, Rows
+from .plan import Batch, Clock, Plan, Rows
 
 REPOSITORY = (
     Path(__file__).resolve().parents[3]
@@ -84,7 +83,7 @@ def _function(file: Path) -> ctypes._CFuncPtr:
 
 def run(plan: Plan, batch: Batch, library: Path, resources: str, loop: Path) -> Rows:
     """`library` and `resources` are the FMU's. Other threads may go on meanwhile."""
-    begin = time.perf_counter()
+    clock = Clock()
     values = np.empty((len(plan.outputs), batch.runs))
     status = np.zeros(batch.runs, np.uint8)
     messages = np.zeros(batch.runs, f"S{MESSAGE_SIZE}")  # memory that nothing is written to costs nothing
@@ -122,7 +121,7 @@ def run(plan: Plan, batch: Batch, library: Path, resources: str, loop: Path) -> 
     if _function(loop)(ctypes.byref(described)) != 0:
         raise RunFailure(f"the FMU's library cannot be used: {_text(messages[0])}")
     said = {int(place): _text(messages[place]) for place in np.flatnonzero(status != OK)}
-    return Rows(batch.first, values, status, said, time.perf_counter() - begin)
+    return Rows(batch.first, values, status, said, clock.seconds())
 
 
 def _at(array: np.ndarray) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,4 +57,15 @@ class Rows:
     values: np.ndarray  # (outputs, runs), not a number where a run failed
     status: np.ndarray  # uint8, fmi2Status
     messages: dict[int, str]  # of runs that failed, by their place in the batch
-    seconds: float
+    seconds: float  # that it took, see Clock
+
+
+class Clock:
+    """How long a batch takes: the time of the processor, which a busy machine does not stretch, but an eighth of
+    the wall's time at least, since an FMU may wait for something"""
+
+    def __init__(self) -> None:
+        self._wall, self._processor = time.perf_counter(), time.thread_time()
+
+    def seconds(self) -> float:
+        return max(time.thread_time() - self._processor, (time.perf_counter() - self._wall) / 8)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import math
-import time
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
 
 from .native import MESSAGE_SIZE
-from .plan import AT, MAX, MEAN, MIN, Batch, Plan, Rows
+from .plan import AT, MAX, MEAN, MIN, Batch, Clock, Plan, Rows
 
 OK, WARNING, ERROR, FATAL = 0, 1, 3, 4  # fmi2Status
 
@@ -63,7 +62,7 @@ class _Instance:
 
 def run(plan: Plan, batch: Batch, folder: Path) -> Rows:
     """`folder` is the unpacked FMU"""
-    begin = time.perf_counter()
+    clock = Clock()
     values = np.full((len(plan.outputs), batch.runs), math.nan)
     status = np.zeros(batch.runs, np.uint8)
     messages: dict[int, str] = {}
@@ -77,7 +76,7 @@ def run(plan: Plan, batch: Batch, folder: Path) -> Rows:
             if error.status >= ERROR:
                 instance.drop(error.status)
     instance.drop(OK)
-    return Rows(batch.first, values, status, messages, time.perf_counter() - begin)
+    return Rows(batch.first, values, status, messages, clock.seconds())
 
 
 def _run_once(plan: Plan, batch: Batch, place: int, slave: Any) -> list[float]:
