@@ -39,11 +39,6 @@ class Cutter:
         self.rate = runs / max(seconds, 1e-9)
         self._most = int(min(MOST, GROWTH * max(self._most, 1), max(1.0, self.rate * SECONDS)))
 
-    def halve(self, first: int, end: int) -> None:
-        """A batch that ended its worker's process: the run that did it is looked for"""
-        middle = (first + end) // 2
-        self._left.extendleft([(middle, end), (first, middle)])
-
     def again(self, first: int, end: int) -> None:
         """A batch of which nothing came"""
         self._left.appendleft((first, end))

@@ -53,7 +53,9 @@ def _embedded(workers: int, dashboard: str | None) -> Iterator[Client]:
         threads_per_worker=1,
         processes=True,
         host="127.0.0.1",
-        dashboard_address=dashboard,
+        # dask serves its state in any case; a port of the loopback that is free
+        dashboard_address=dashboard or "127.0.0.1:0",
+        worker_dashboard_address="127.0.0.1:0",
         memory_limit=None,
         silence_logs=logging.CRITICAL,
     )

@@ -23,7 +23,7 @@ from .table import CRASH, make_table
 from .worker import Work, run_batch, work
 
 IN_FLIGHT = 3  # batches for each thread of a worker: one at work, one that waits, one under way
-LOST = 30.0  # s without a scheduler after which it is given up
+LOST = 60.0  # s without a scheduler or a worker after which it is given up
 TICK = 0.5  # s between looks at the scheduler
 
 
@@ -32,6 +32,7 @@ class _Flight:
     first: int
     end: int
     values: dict[str, np.ndarray]
+    alone: bool
 
 
 class Drive:
@@ -41,6 +42,7 @@ class Drive:
         self.client, self.study, self.samples, self.store = client, study, samples, store
         self.cutter = Cutter(store.gaps())
         self.flights: dict[Future, _Flight] = {}
+        self.suspects: list[tuple[int, int]] = []  # stretches that may end a worker's process
         self.work = client.submit(work, given, pure=False)
         self._missing_since: float | None = None
 
@@ -62,18 +64,25 @@ class Drive:
         """True while batches are left"""
         if self.client.status != "running":
             return True
+        if self.suspects:
+            # With others in flight dask could not tell whose fault the end of a process is.
+            if not self.flights:
+                self._submit(*self.suspects.pop(), alone=True)
+            return True
         threads = sum(self.client.ncores().values())
         while len(self.flights) < IN_FLIGHT * max(threads, 1):
             stretch = self.cutter.next(threads)
             if stretch is None:
                 return False
-            first, end = stretch
-            values = self.samples.values(first, end - first)
-            batch = make_batch(self.study, first, values)
-            # In the order of runs: what is done is one stretch, or nearly.
-            future = self.client.submit(run_batch, self.work, batch, pure=False, priority=-first)
-            self.flights[future] = _Flight(first, end, values)
+            self._submit(*stretch)
         return True
+
+    def _submit(self, first: int, end: int, alone: bool = False) -> None:
+        values = self.samples.values(first, end - first)
+        batch = make_batch(self.study, first, values)
+        # In the order of runs: what is done is one stretch, or nearly.
+        future = self.client.submit(run_batch, self.work, batch, pure=False, priority=-first)
+        self.flights[future] = _Flight(first, end, values, alone)
 
     def _finished(self) -> list[Future]:
         self._watch()
@@ -89,13 +98,14 @@ class Drive:
         return sorted(done, key=lambda future: self.flights[future].first)
 
     def _watch(self) -> None:
-        """A scheduler that is away for long is gone"""
-        if self.client.status == "running":
+        """A scheduler, or the last worker, that is away for long is gone"""
+        alive = self.client.status == "running"
+        if alive and self.client.ncores():
             self._missing_since = None
             return
         self._missing_since = self._missing_since or time.monotonic()
         if self.client.status == "closed" or time.monotonic() - self._missing_since > LOST:
-            raise RunFailure(f"the scheduler is gone; {self._kept()}")
+            raise RunFailure(f"the {'last worker' if alive else 'scheduler'} is gone; {self._kept()}")
 
     def _kept(self) -> str:
         store = self.store
@@ -104,6 +114,7 @@ class Drive:
     def _take(self, future: Future) -> int:
         """Writes what a batch gave; the number of its runs"""
         flight = self.flights.pop(future)
+        self._missing_since = None
         if future.status in ("cancelled", "lost"):  # the scheduler forgot it
             self.cutter.again(flight.first, flight.end)
             return 0
@@ -121,13 +132,19 @@ class Drive:
         return flight.end - flight.first
 
     def _crashed(self, flight: _Flight) -> int:
-        """The FMU ended the process, twice: the run that does it gets a row that says so"""
-        if flight.end - flight.first > 1:
-            self.cutter.halve(flight.first, flight.end)
+        """A batch was at work each time when two processes ended. It is run alone; where it ends processes then
+        too, its halves are, until the run that does it is found and has a row that says so."""
+        first, end = flight.first, flight.end
+        if not flight.alone:
+            self.suspects.append((first, end))
+            return 0
+        if end - first > 1:
+            middle = (first + end) // 2
+            self.suspects += [(middle, end), (first, middle)]
             return 0
         values = np.full((len(self.study.outputs), 1), np.nan)
         said = {0: "the FMU ended the worker's process"}
-        return self._write(flight, Rows(flight.first, values, np.array([CRASH], np.uint8), said, 0.0))
+        return self._write(flight, Rows(first, values, np.array([CRASH], np.uint8), said, 0.0))
 
     def _explained(self, error: BaseException) -> RunFailure:
         if isinstance(error, ModuleNotFoundError):

@@ -102,10 +102,7 @@ def read_interface(file: Path) -> Interface:
         )
         raise UserError(f"{file} is {kind}; a sweep runs FMI 2.0 Co-Simulation FMUs")
     scalars = description.modelVariables
-    settable = {one.name for one in scalars if one.causality in ("parameter", "input")}
-    settable |= {
-        one.name for one in scalars if one.causality == "local" and one.initial in ("exact", "approx")
-    }
+    settable = {one.name for one in scalars if _settable(one)}
     variables = read_variables(description)
     settable |= {name for name, one in variables.items() if one.is_vector and f"{name}[1]" in settable}
     ranges = {one.valueReference: _range(one) for one in scalars if one.type in ("Real", "Integer")}
@@ -115,6 +112,13 @@ def read_interface(file: Path) -> Interface:
     return Interface(
         description.modelName, identifier, description.guid, variables, ranges, names, bool(single)
     )
+
+
+def _settable(scalar: Any) -> bool:
+    """Before the start: FMI 2.0, 2.2.7"""
+    if scalar.causality in ("parameter", "input"):
+        return True
+    return scalar.initial in ("exact", "approx") and scalar.variability != "constant"
 
 
 def _range(scalar: Any) -> tuple[float, float]:

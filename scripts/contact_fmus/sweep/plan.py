@@ -61,8 +61,8 @@ class Rows:
 
 
 class Clock:
-    """How long a batch takes: the time of the processor, which a busy machine does not stretch, but an eighth of
-    the wall's time at least, since an FMU may wait for something"""
+    """How long a batch takes: the time of the processor, which a busy machine does not stretch, but an eighth
+    of the wall's time at least, since an FMU may wait for something"""
 
     def __init__(self) -> None:
         self._wall, self._processor = time.perf_counter(), time.thread_time()
