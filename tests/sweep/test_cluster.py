@@ -1,5 +1,6 @@
 """Sweeps as commands on a scheduler of their own: workers killed, clients interrupted, no room on the disk"""
 
+import os
 import resource
 import signal
 import socket
@@ -34,8 +35,9 @@ def study(tmp_path):
 
 
 def begin(file, *options):
-    pipe = subprocess.PIPE
-    return subprocess.Popen(command(file, *options), stdout=pipe, stderr=pipe, text=True, env=environment())
+    """In a group of processes of its own, as a terminal starts it"""
+    pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    return subprocess.Popen(command(file, *options), **pipe, env=environment(), start_new_session=True)
 
 
 def done(folder):
@@ -123,7 +125,7 @@ def test_an_embedded_cluster_gives_the_same_rows_and_files_that_others_read(tmp_
     counted = duckdb.sql(f"select count(*), min(height) from '{file}' where status = 'ok'").fetchall()[0]
     assert counted == (60, height.min())
     # all digits are in the CSV file, and its head says the units
-    text = pandas.read_csv(folder / "results.csv", comment="#", float_precision="round_trip")
+    text = pandas.read_csv(folder / "results.csv", comment="#")
     assert np.array_equal(text["height"], height)
     assert '"height": "m"' in (folder / "results.csv").read_text().splitlines()[0]
     units = {field.name: (field.metadata or {}).get(b"unit") for field in rows.schema}
@@ -134,6 +136,17 @@ def test_an_embedded_cluster_gives_the_same_rows_and_files_that_others_read(tmp_
     assert "--resume" in sweep(study, "-o", folder, status=2).stderr
     study.write_text(study.read_text().replace("seed = 3", "seed = 4"))
     assert "another study" in sweep(study, "-o", folder, "--resume", status=2).stderr
+
+
+def test_ctrl_c_ends_an_embedded_cluster_in_one_sentence(tmp_path, study):
+    folder = tmp_path / "out"
+    client = begin(study, "-o", folder, "--workers", "1")
+    wait_for(lambda: done(folder) > 0)
+    os.killpg(client.pid, signal.SIGINT)
+    _, said = client.communicate(timeout=60)
+    assert client.returncode == 130
+    assert said.count("\n") == 1, said
+    assert f"{done(folder):,} of {COUNT:,} runs are kept" in said
 
 
 def test_an_unreachable_scheduler_is_said_in_one_sentence(tmp_path):

@@ -132,8 +132,8 @@ class Drive:
         return flight.end - flight.first
 
     def _crashed(self, flight: _Flight) -> int:
-        """A batch was at work each time when two processes ended. It is run alone; where it ends processes then
-        too, its halves are, until the run that does it is found and has a row that says so."""
+        """A batch was at work each time when two processes ended. It is run alone; where it ends processes
+        then too, its halves are, until the run that does it is found and has a row that says so."""
         first, end = flight.first, flight.end
         if not flight.alone:
             self.suspects.append((first, end))
