@@ -9,6 +9,7 @@ pages       what all pages of results share
 scenarios   experiments (scripts/scenarios/*.toml) and what they claim
 plot        results of any scene over time, as picture or page
 animate     results of any scene in three dimensions, as a page
+sweep       studies of many runs: parameters, batches on dask, rows as Parquet
 bench       benchmark problems, ratios of run times for developers
 report      error against run time (docs/report)
 peers, coupling, lasting

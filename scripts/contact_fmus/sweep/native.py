@@ -16,6 +16,7 @@ from .plan import Batch, Clock, Plan, Rows
 REPOSITORY = (
     Path(__file__).resolve().parents[3]
 )  # without the import of fmpy that contact_fmus.fmu.files brings
+SHARE = Path(__file__).resolve().parents[1] / "share"  # cmake/ContactPackage.cmake fills it
 MESSAGE_SIZE = 160  # BATCH_MESSAGE_SIZE
 FILE = "contact_batch.so"
 OK = 0
@@ -66,8 +67,8 @@ class _Batch(ctypes.Structure):
 
 
 def library_file() -> Path | None:
-    """The compiled loop: where CONTACT_BUILD names a folder, in the package, in the repository's build"""
-    places = [Path(__file__).with_name(FILE), REPOSITORY / "build" / FILE]
+    """The compiled loop: where CONTACT_BUILD names a folder, in the installed package, in the clone's build"""
+    places = [SHARE / "build" / FILE, REPOSITORY / "build" / FILE]
     if os.environ.get("CONTACT_BUILD"):
         places.insert(0, Path(os.environ["CONTACT_BUILD"]) / FILE)
     return next((place for place in places if place.is_file()), None)
