@@ -5,7 +5,7 @@ set(component COMPONENT package EXCLUDE_FROM_ALL)
 
 install(FILES CMakeLists.txt LICENSE DESTINATION . ${component})
 install(DIRECTORY cmake fmu_src modelDescription DESTINATION . ${component} PATTERN "__pycache__" EXCLUDE)
-install(DIRECTORY scripts/scenarios DESTINATION scripts ${component})
+install(DIRECTORY scripts/scenarios scripts/studies DESTINATION scripts ${component})
 
 set(built "${PROJECT_BINARY_DIR}")
 if(CONTACT_PREBUILT)
@@ -14,7 +14,8 @@ endif()
 file(GLOB shipped CONFIGURE_DEPENDS "modelDescription/scenes/*.toml")
 list(TRANSFORM shipped REPLACE ".*/(.+)\\.toml" "${built}/fmus/\\1.fmu")
 install(FILES ${shipped} DESTINATION build/fmus ${component})
-install(PROGRAMS "${built}/fmu_host" "${built}/lasting_contact" DESTINATION build ${component})
+install(PROGRAMS "${built}/fmu_host" "${built}/lasting_contact" "${built}/contact_batch.so" "${built}/bare_loop"
+    DESTINATION build ${component})
 
 add_custom_target(package_archives ALL)
 foreach(part cvode nvecserial core) # core came with 7.0
