@@ -24,7 +24,7 @@ import numpy as np
 from contact_fmus.errors import RunFailure, UserError
 from contact_fmus.fmu.files import unpack
 
-from .native import REPOSITORY
+from .native import built_file
 from .plan import Plan
 from .planning import make_plan
 from .study import Study
@@ -41,9 +41,9 @@ class Spent:
 
 
 def bare_loop_file() -> Path:
-    file = Path(os.environ.get("CONTACT_BUILD") or REPOSITORY / "build") / "bare_loop"
-    if not file.is_file():
-        raise UserError(f"--compare needs {file}: cmake --build --preset default")
+    file = built_file("bare_loop")
+    if file is None:
+        raise UserError("--compare needs the program bare_loop: cmake --build --preset default")
     return file
 
 

@@ -13,10 +13,8 @@ from contact_fmus.errors import RunFailure
 
 from .plan import Batch, Clock, Plan, Rows
 
-REPOSITORY = (
-    Path(__file__).resolve().parents[3]
-)  # without the import of fmpy that contact_fmus.fmu.files brings
-SHARE = Path(__file__).resolve().parents[1] / "share"  # cmake/ContactPackage.cmake fills it
+# Not asked of contact_fmus.fmu.files, which brings fmpy: a worker can do without.
+PACKAGE = Path(__file__).resolve().parents[1]
 MESSAGE_SIZE = 160  # BATCH_MESSAGE_SIZE
 FILE = "contact_batch.so"
 OK = 0
@@ -67,11 +65,16 @@ class _Batch(ctypes.Structure):
 
 
 def library_file() -> Path | None:
-    """The compiled loop: where CONTACT_BUILD names a folder, in the installed package, in the clone's build"""
-    places = [SHARE / "build" / FILE, REPOSITORY / "build" / FILE]
+    """The compiled loop"""
+    return built_file(FILE)
+
+
+def built_file(name: str) -> Path | None:
+    """Where CONTACT_BUILD says, in the installed package (cmake/ContactPackage.cmake), in the clone's build"""
+    folders = [PACKAGE / "share" / "build", PACKAGE.parents[1] / "build"]
     if os.environ.get("CONTACT_BUILD"):
-        places.insert(0, Path(os.environ["CONTACT_BUILD"]) / FILE)
-    return next((place for place in places if place.is_file()), None)
+        folders.insert(0, Path(os.environ["CONTACT_BUILD"]))
+    return next((folder / name for folder in folders if (folder / name).is_file()), None)
 
 
 @cache
