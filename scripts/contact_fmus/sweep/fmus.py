@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -33,10 +35,9 @@ def find_fmu(name: str, folder: Path) -> Path:
 
 
 def build_scene(scene: Path) -> Path:
-    """The scene's FMU, made by `contact-fmus build` in a folder of its own beside the temporary files"""
-    folder = Path(tempfile.gettempdir()) / "contact-fmus-scenes"
-    folder.mkdir(exist_ok=True)
-    target = Path(tempfile.mkdtemp(prefix=f"{scene.stem}-", dir=folder))
+    """The scene's FMU, made by `contact-fmus build` in a folder that goes when the sweep ends"""
+    target = Path(tempfile.mkdtemp(prefix=f"contact-{scene.stem}-"))
+    atexit.register(shutil.rmtree, target, ignore_errors=True)
     command = [sys.executable, "-m", "contact_fmus", "build", str(scene), "-o", str(target)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     built = sorted(target.glob("*.fmu"))

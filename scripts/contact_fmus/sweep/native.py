@@ -70,7 +70,7 @@ def library_file() -> Path | None:
 
 
 def built_file(name: str) -> Path | None:
-    """Where CONTACT_BUILD says, in the installed package (cmake/ContactPackage.cmake), in the clone's build"""
+    """Where CONTACT_BUILD says, in an installed package (cmake/ContactPackage.cmake), in a clone's build"""
     folders = [PACKAGE / "share" / "build", PACKAGE.parents[1] / "build"]
     if os.environ.get("CONTACT_BUILD"):
         folders.insert(0, Path(os.environ["CONTACT_BUILD"]))
