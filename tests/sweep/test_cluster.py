@@ -109,6 +109,16 @@ def test_a_full_disk_keeps_what_is_there(tmp_path, cluster, study):
     check_all_rows(folder / "results.parquet", read(study))
 
 
+def test_a_scheduler_that_ends_is_said_in_one_sentence(tmp_path, cluster, study):
+    cluster.add_worker()
+    client = begin(study, "-o", tmp_path / "out", "--scheduler", cluster.address)
+    wait_for(lambda: done(tmp_path / "out") > 0)
+    cluster.processes[0].kill()
+    _, said = client.communicate(timeout=100)
+    assert (client.returncode, said.count("\n")) == (3, 1), said
+    assert f"{done(tmp_path / 'out'):,} of {COUNT:,} runs are kept" in said
+
+
 def test_an_embedded_cluster_gives_the_same_rows_and_files_that_others_read(tmp_path):
     study = write_study(tmp_path, study_text(count=60))
     folder = tmp_path / "out"

@@ -35,14 +35,15 @@ SETTINGS = {
 @contextlib.contextmanager
 def connected(address: str | None, workers: int, dashboard: str | None = None) -> Iterator[Client]:
     """A client with at least one worker"""
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
-    with dask.config.set(SETTINGS):
-        if address is None:
-            with _embedded(workers, dashboard) as client:
-                yield client
-        else:
-            with _elsewhere(address) as client:
-                yield client
+    logging.disable(logging.CRITICAL)  # dask tells of each broken connection; what matters is said in words
+    try:
+        with (
+            dask.config.set(SETTINGS),
+            _embedded(workers, dashboard) if address is None else _elsewhere(address) as client,
+        ):
+            yield client
+    finally:
+        logging.disable(logging.NOTSET)
 
 
 @contextlib.contextmanager

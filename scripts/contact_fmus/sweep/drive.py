@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from asyncio import CancelledError
 from collections.abc import Callable
@@ -52,13 +53,16 @@ class Drive:
             while self._fill() or self.flights:
                 for future in self._finished():
                     progress(self._take(future))
+        except OSError:  # of a connection: the store tells its own in words
+            raise RunFailure(f"the scheduler is gone; {self._kept()}") from None
         finally:
             self._cancel()
 
     def _cancel(self) -> None:
         """Nothing of this study is left at a scheduler that lives on"""
-        if self.client.status == "running" and self.flights:
-            self.client.cancel(list(self.flights), force=True)
+        with contextlib.suppress(OSError):
+            if self.client.status == "running" and self.flights:
+                self.client.cancel(list(self.flights), force=True)
 
     def _fill(self) -> bool:
         """True while batches are left"""
