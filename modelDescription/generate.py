@@ -18,12 +18,15 @@ from generator.emit import counts, render, write  # noqa: E402
 from generator.errors import InputError  # noqa: E402
 from generator.resolve import Resolved, resolve  # noqa: E402
 from generator.scene import read_scene  # noqa: E402
+from generator.start import check_start  # noqa: E402
 
 
 def load(scene: Path) -> Resolved:
     catalogue = read_catalogue(HERE / "variables.toml")
-    groups = {row.key.partition(".")[0] for row in catalogue.rows.values() if row.owner == "world"}
-    return resolve(read_scene(scene, groups), catalogue)
+    resolved = resolve(read_scene(scene, catalogue), catalogue)
+    for warning in check_start(resolved):
+        print(f"{resolved.scene.file}: warning: {warning}", file=sys.stderr)
+    return resolved
 
 
 def licence() -> dict[str, str]:

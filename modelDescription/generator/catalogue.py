@@ -116,7 +116,7 @@ class Catalogue:
 
 def read_toml(path: Path, shown: str) -> dict:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))  # some editors begin a file with a mark
     except tomllib.TOMLDecodeError as error:
         raise InputError(shown, f"not valid TOML: {error}") from None
     except UnicodeDecodeError as error:

@@ -18,17 +18,47 @@ def possible(choice: str, items: list, cell, cells: list, constants: dict, scene
     """May a choice that the row depends on have one of these items, given what is pinned?"""
     if choice == SCENE_CVODE:
         return may_need_cvode(cells, constants, scene) in items
+    for other in _choices(choice, cell, cells, scene):
+        wanted = [number_of(other.row, item) for item in items]
+        if other.name not in constants or constants[other.name] in wanted:
+            return True
+    return False
+
+
+def _choices(choice: str, cell, cells: list, scene) -> list:
+    """The cells that `choice`, in `when` of the cell's row, speaks of."""
     anyone = choice.startswith("any ")
     group, _, field = choice.removeprefix("any ").partition(".")
     element = cell.element
     if cell.row.owner == "contact" and group in ("source", "destination"):
         element, group = getattr(scene.contacts[cell.element], group), "body"
-    for other in cells:
-        if other.row.key == f"{group}.{field}" and (anyone or other.element == element):
-            wanted = [number_of(other.row, item) for item in items]
-            if other.name not in constants or constants[other.name] in wanted:
-                return True
-    return False
+    key = f"{group}.{field}"
+    return [other for other in cells if other.row.key == key and (anyone or other.element == element)]
+
+
+def why_not(cell, cells: list, constants: dict, scene) -> tuple[str, str]:
+    """Which pins leave no use for a cell, and what would: 'contact.method = penalty is pinned', '...'."""
+    pins, remedies = [], []
+    for alternative in cell.row.when:
+        for choice, items in alternative.items():
+            if possible(choice, items, cell, cells, constants, scene):
+                continue
+            others = _choices(choice, cell, cells, scene)
+            pins += [f"{one.name} = {_item(one.row, constants[one.name])}" for one in others]
+            wanted = " or ".join(str(item).lower() for item in items)
+            remedies += [f"{one.name} = {wanted}" for one in others]
+    pins, remedies = list(dict.fromkeys(pins)), list(dict.fromkeys(remedies))
+    if not pins:
+        return "nothing here uses it", "other variables"
+    verb = "is" if len(pins) == 1 else "are"
+    return f"{' and '.join(pins)} {verb} pinned", " or ".join(remedies)
+
+
+def _item(row, number) -> str:
+    """The value of a choice as a scene file says it."""
+    if row.type.base == "Boolean":
+        return "true" if number else "false"
+    return next(item.name for item in row.type.items if item.value == number)
 
 
 def may_need_cvode(cells: list, constants: dict, scene) -> bool:

@@ -4,7 +4,7 @@ import re
 
 from markupsafe import Markup, escape
 
-from .resolve import Cell, Resolved
+from .resolve import Cell, Resolved, shortest
 
 
 def context(resolved: Resolved) -> dict:
@@ -69,4 +69,4 @@ def limit(value) -> str:
     """Shortest text of a number that reads back as the same."""
     if value is None:
         return ""
-    return str(escape(f"{value:g}" if float(f"{value:g}") == value else repr(value)))
+    return str(escape(shortest(value)))

@@ -3,12 +3,18 @@
 import math
 from dataclasses import dataclass, replace
 
+from . import advice
 from .catalogue import Catalogue, Row
-from .conditions import may_need_cvode, number_of, possible
+from .conditions import may_need_cvode, number_of, possible, why_not
 from .errors import allowed
 from .scene import Scene
 
 AXES = ("x", "y", "z")
+
+
+def shortest(value) -> str:
+    """Shortest text of a number that reads back as the same."""
+    return f"{value:g}" if float(f"{value:g}") == value else repr(value)
 
 
 @dataclass(frozen=True)
@@ -39,7 +45,7 @@ class Cell:
         if self.row.type.base == "Boolean":
             return "true" if self.value else "false"
         if isinstance(self.value, tuple):
-            return "(" + ", ".join(f"{x:g}" for x in self.value) + ")"
+            return "(" + ", ".join(shortest(x) for x in self.value) + ")"
         return repr(self.value)
 
 
@@ -98,12 +104,14 @@ class Resolved:
 def resolve(scene: Scene, catalogue: Catalogue) -> Resolved:
     cells = [cell for row in catalogue.rows.values() for cell in _cells_of(row, scene)]
     known = {cell.name: cell for cell in cells}
-    constants = _constants(scene, known)
+    constants = _constants(scene, catalogue, known)
     cells = [_place(cell, cells, constants, scene) for cell in cells]
     known = {cell.name: cell for cell in cells}
-    _check_use(scene, known)
+    _check_use(scene, known, cells, constants)
     left_out = _left_out(scene, known)
-    starts = {name: checked(scene, "[start]", known[name], value) for name, value in scene.start.items()}
+    starts = {
+        name: checked(scene, catalogue, "[start]", known[name], value) for name, value in scene.start.items()
+    }
     cells = [_with_start(cell, starts, left_out) for cell in cells]
     cvode = may_need_cvode(cells, constants, scene)
     return Resolved(scene, catalogue, tuple(cells), tuple(_variables(cells, scene)), cvode)
@@ -141,7 +149,7 @@ def _cell(row: Row, scene: Scene, element: int, name: str, block: int, **names: 
     )  # fmt: skip
 
 
-def _constants(scene: Scene, known: dict[str, Cell]) -> dict[str, object]:
+def _constants(scene: Scene, catalogue: Catalogue, known: dict[str, Cell]) -> dict[str, object]:
     constants = {}
     parameters = {name: cell for name, cell in known.items() if cell.row.causality == "parameter"}
     for name, value in scene.pinned.items():
@@ -152,36 +160,44 @@ def _constants(scene: Scene, known: dict[str, Cell]) -> dict[str, object]:
             raise scene.error(f"[pinned]: '{name}' is no parameter but {kind} {_near(name, parameters)}")
         if name in scene.start:
             raise scene.error(f"[pinned]: '{name}' also stands in [start] (allowed: one of the two)")
-        constants[name] = checked(scene, "[pinned]", known[name], value)
+        constants[name] = checked(scene, catalogue, "[pinned]", known[name], value)
     return constants
 
 
 def _unknown(where: str, name: str, known: dict[str, Cell]) -> str:
+    vector, bracket, _ = name.partition("[")
+    if bracket and vector in known and known[vector].row.dim > 1:
+        return f"{where}: '{name}' is part of a vector (allowed: all of it, \"{vector}\" = [x, y, z])"
     return f"{where}: unknown variable '{name}' {_near(name, known)}"
 
 
 def _near(name: str, known: dict[str, Cell]) -> str:
-    """The allowed names that share the first part of `name`, or all where none does."""
-    group = name.partition(".")[0] + "."
-    return allowed([other for other in known if other.startswith(group)] or list(known))
+    """The allowed names that share the first part of `name`, or else its last, or all where none does."""
+    group, _, field = name.partition(".")
+    own = [other for other in known if other.startswith(f"{group}.")]
+    same = [other for other in known if other.endswith(f".{field}") and field]
+    return allowed(own or same or list(known))
 
 
-def checked(scene: Scene, where: str, cell: Cell, value):
+def checked(scene: Scene, catalogue: Catalogue, where: str, cell: Cell, value):
     """`value` of the scene file as numbers, or the error that says what is allowed."""
     row, base = cell.row, cell.row.type.base
+    said = f"{where}: '{cell.name}' is {value!r}"
     if base == "Enumeration":
         items = [item.name for item in row.type.items]
         if value not in items:
-            raise scene.error(f"{where}: '{cell.name}' is {value!r} {allowed(items)}")
+            raise scene.error(f"{said} {allowed(items)}")
         return row.type.item(value).value
     if base == "Boolean":
         if not isinstance(value, bool):
-            raise scene.error(f"{where}: '{cell.name}' is {value!r} (allowed: true, false)")
+            raise scene.error(f"{said} (allowed: true, false)")
         return int(value)
     values = value if isinstance(value, list) else [value]
+    remedy = advice.quantity(row.type, catalogue.units, value)
+    kind = advice.number_in(row)
     if isinstance(value, list) != (row.dim > 1) or len(values) != row.dim:
-        form = f"a list of {row.dim} numbers" if row.dim > 1 else "one number"
-        raise scene.error(f"{where}: '{cell.name}' is {value!r} (allowed: {form})")
+        form = kind.replace("a number", f"a list of {row.dim} numbers" if row.dim > 1 else "one number")
+        raise scene.error(f"{said}{remedy} (allowed: {form})")
     low, high = row.limits
     kinds = (int, float) if base == "Real" else (int,)
     for number in values:
@@ -191,10 +207,8 @@ def checked(scene: Scene, where: str, cell: Cell, value):
             or not math.isfinite(number)
             or not low <= number <= high
         ):
-            kind = "an integer" if base == "Integer" else "a number"
-            raise scene.error(
-                f"{where}: '{cell.name}' is {value!r} (allowed: {kind} from {low!r} to {high!r})"
-            )
+            remedy = advice.quantity(row.type, catalogue.units, number)
+            raise scene.error(f"{said}{remedy} (allowed: {kind} from {low!r} to {high!r})")
     return tuple(map(float, values)) if row.dim > 1 else (float(value) if base == "Real" else value)
 
 
@@ -208,20 +222,20 @@ def _place(cell: Cell, cells: list[Cell], constants: dict, scene: Scene) -> Cell
     return replace(cell, present=needed, pinned=pinned, value=constants.get(cell.name, cell.value))
 
 
-def _check_use(scene: Scene, known: dict[str, Cell]) -> None:
+def _check_use(scene: Scene, known: dict[str, Cell], cells: list[Cell], constants: dict) -> None:
     """What [start] and [pinned] name must exist and be needed by this scene."""
     usable = {name: cell for name, cell in known.items() if cell.present and cell.row.has_start}
     for where, names in (("[pinned]", scene.pinned), ("[start]", scene.start)):
         for name in names:
             if name not in known:
                 raise scene.error(_unknown(where, name, usable))
-            if name not in usable:
-                cause = (
-                    "is not needed with what is pinned"
-                    if known[name].row.has_start
-                    else "is computed by the FMU"
-                )
-                raise scene.error(f"{where}: '{name}' {cause} {_near(name, usable)}")
+            if name in usable:
+                continue
+            if not known[name].row.has_start:
+                raise scene.error(f"{where}: '{name}' is computed by the FMU {_near(name, usable)}")
+            reason, remedy = why_not(known[name], cells, constants, scene)
+            text = f"{where}: '{name}' is not needed with what is pinned: {reason}"
+            raise scene.error(f"{text} (allowed: {remedy}, or no '{name}')")
 
 
 def _left_out(scene: Scene, known: dict[str, Cell]) -> set[str]:

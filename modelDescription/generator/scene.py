@@ -5,8 +5,10 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .catalogue import read_toml
+from . import advice
+from .catalogue import Catalogue, read_toml
 from .errors import InputError, allowed
+from .names import refused_name
 
 SHAPES = ("sphere", "cylinder")
 SCENE_KEYS = {"name", "title", "description", "body", "contact", "start", "pinned", "leave_out", "experiment"}
@@ -56,16 +58,20 @@ class Scene:
 class _Reader:
     """Checks keys and types of the tables of one file."""
 
-    def __init__(self, file: str):
+    def __init__(self, file: str, catalogue: Catalogue):
         self.file = file
+        self.catalogue = catalogue
 
     def fail(self, where: str, text: str):
         raise InputError(self.file, f"{where}: {text}" if where else text)
 
-    def keys(self, where: str, table: dict, known: set, required=()) -> None:
+    def keys(self, where: str, table: dict, known: set, required=(), owner: str = "") -> None:
+        """owner: whose variables may stand here by mistake, as in advice.misplaced."""
         for key in table:
             if key not in known:
-                self.fail(where, f"unknown key '{key}' {allowed(known)}")
+                remedy = advice.misplaced(self.catalogue, owner, key, table, EXPERIMENT) if owner else ""
+                remedy = f": {remedy}" if remedy else ""
+                self.fail(where, f"unknown key '{key}'{remedy} {allowed(known)}")
         for key in required:
             if key not in table:
                 self.fail(where, f"key '{key}' is missing {allowed(known)}")
@@ -84,6 +90,14 @@ class _Reader:
             self.fail("", f"'{key}' must be a table (allowed: [{key}])")
         return value
 
+    def values(self, data: dict, key: str) -> dict:
+        """A table of names in quotes and their values."""
+        table = self.table(data, key)
+        remedy = advice.unquoted(table)
+        if remedy:
+            self.fail(f"[{key}]", f"{remedy} (allowed: names in quotes)")
+        return table
+
     def tables(self, data: dict, key: str) -> list[dict]:
         value = data[key]
         if not isinstance(value, list) or not all(isinstance(entry, dict) for entry in value) or not value:
@@ -98,23 +112,28 @@ class _Reader:
         taken[name] = where
 
 
-def read_scene(path: Path, world_groups: set[str]) -> Scene:
-    """world_groups: first parts of the world's variables, not to be used as names of bodies or contacts."""
+def read_scene(path: Path, catalogue: Catalogue) -> Scene:
     file = f"{path.parent.name}/{path.name}"
     data = read_toml(path, file)
-    reader = _Reader(file)
-    reader.keys("", data, SCENE_KEYS, ("name", "title", "description", "body", "contact"))
-    taken = dict.fromkeys(world_groups, "a group of variables")
+    reader = _Reader(file, catalogue)
+    reader.keys("", data, SCENE_KEYS, ("name", "title", "description", "body", "contact"), "world")
+    name = reader.text("", data, "name", IDENTIFIER)
+    reason = refused_name(name, path)
+    if reason:
+        reader.fail("", f"'name' is '{name}', {reason} (allowed: any other name)")
+    # Bodies and contacts are not named like a group of the world's variables.
+    groups = {row.key.partition(".")[0] for row in catalogue.rows.values() if row.owner == "world"}
+    taken = dict.fromkeys(groups, "a group of variables")
     bodies = _bodies(reader, data, taken)
     return Scene(
         file,
-        reader.text("", data, "name", IDENTIFIER),
+        name,
         reader.text("", data, "title"),
         reader.text("", data, "description"),
         bodies,
         _contacts(reader, data, bodies, taken),
-        reader.table(data, "start"),
-        reader.table(data, "pinned"),
+        reader.values(data, "start"),
+        reader.values(data, "pinned"),
         _leave_out(reader, data),
         _experiment(reader, data),
     )
@@ -124,7 +143,7 @@ def _bodies(reader: _Reader, data: dict, taken: dict) -> tuple[Body, ...]:
     bodies = []
     for number, table in enumerate(reader.tables(data, "body"), 1):
         where = f"[[body]] {number}"
-        reader.keys(where, table, BODY_KEYS, ("name", "shape"))
+        reader.keys(where, table, BODY_KEYS, ("name", "shape"), "body")
         reader.new_name(where, reader.text(where, table, "name", SNAKE), taken)
         if table["shape"] not in SHAPES:
             reader.fail(where, f"unknown shape {table['shape']!r} {allowed(SHAPES)}")
@@ -137,7 +156,7 @@ def _contacts(reader: _Reader, data: dict, bodies: tuple[Body, ...], taken: dict
     contacts, pairs = [], {}
     for number, table in enumerate(reader.tables(data, "contact"), 1):
         where = f"[[contact]] {number}"
-        reader.keys(where, table, CONTACT_KEYS, ("name", "source", "destination"))
+        reader.keys(where, table, CONTACT_KEYS, ("name", "source", "destination"), "contact")
         reader.new_name(where, reader.text(where, table, "name", SNAKE), taken)
         for key in ("source", "destination"):
             if reader.text(where, table, key) not in index:

@@ -26,6 +26,7 @@ source = "source"
 destination = "destination"
 
 [start]
+"destination.center" = [0.0, 2.0, 0.0]
 "source.radius" = 0.2
 
 [pinned]
@@ -37,6 +38,9 @@ outputs = []
 [experiment]
 stop_time = 1.0
 """
+
+PLACES = """"destination.center" = [0.0, 2.0, 0.0]
+"source.radius" = 0.2"""
 
 BAD = tomllib.loads(Path(__file__).with_name("bad_scenes.toml").read_text(encoding="utf-8"))
 
@@ -76,6 +80,44 @@ def test_a_bad_scene_file_is_refused_in_one_line(answer, tmp_path, case):
     assert old in GOOD
     refused(answer(GOOD.replace(old, new, 1)), "scenes/Pair.toml: ", *BAD[case]["says"])
     assert not (tmp_path / "out").exists()
+
+
+def test_a_byte_order_mark_is_read(answer):
+    done = answer(b"\xef\xbb\xbf" + GOOD.encode())
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("start", "depth"),
+    [
+        ('"source.center" = [0.0, 0.3, 0.0]', "0.3 m deep"),  # of 0.1 + 0.5 m, outside as pinned
+        (
+            '"source.center" = [0.0, 0.7, 0.0]\n"source.initial_displacement" = [0.0, -0.15, 0.0]',
+            "0.05 m deep",
+        ),
+        ('"destination.axis" = [3.0, 0.0, 0.0]\n"source.center" = [9.0, 0.0, 0.585]', "0.015 m deep"),
+    ],
+)
+def test_a_deep_overlap_at_the_start_is_warned_of(answer, start, depth):
+    done = answer(GOOD.replace(PLACES, start))
+    assert done.returncode == 0
+    assert done.stderr.startswith("scenes/Pair.toml: warning: source starts ")
+    assert depth in done.stderr and "under [start]" in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        '"source.center" = [0.0, 0.591, 0.0]',  # 9 mm, less than a tenth of 0.1 m
+        '"source.center" = [0.0, 0.3, 9.0]\n"destination.finite_length" = true',  # beyond the end
+        '"source.center" = [0.0, 0.3, 0.0]\n"source.motion" = "prescribed"\n'
+        '"source.prescribed_displacement" = [0.0, 0.3, 0.0]',
+    ],
+)
+def test_a_little_overlap_or_none_is_not_warned_of(answer, start):
+    done = answer(GOOD.replace(PLACES, start))
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_a_file_that_is_not_utf_8_is_refused(answer):

@@ -35,6 +35,9 @@ destination = "middle"
 name = "lower"
 source = "middle"
 destination = "roller"
+[start]
+"middle.center" = [0.0, 0.0, 0.8]
+"roller.center" = [0.0, 3.0, 0.0]
 [pinned]
 "ball.motion" = "free"
 "roller.motion" = "fixed"

@@ -225,7 +225,7 @@ def test_the_same_input_gives_the_same_bytes_anywhere(folder, tmp_path, scene):
 
 def test_the_guid_changes_with_what_is_compiled_in(tmp_path):
     """A constant shows nowhere in the description, and yet makes another FMU."""
-    text = (FOLDER / "scenes" / "BallOnSphere.toml").read_text()
+    text = (FOLDER / "scenes" / "BallOnSphere.toml").read_text().replace("BallOnSphere", "Own")
     (tmp_path / "scene.toml").write_text(text)
     (tmp_path / "other.toml").write_text(text.replace("[pinned]", '[pinned]\n"source.mass" = 2.0'))
     (tmp_path / "third.toml").write_text(text.replace("[pinned]", '[pinned]\n"source.mass" = 3.0'))

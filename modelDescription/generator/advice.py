@@ -1,0 +1,71 @@
+"""Remedies: what to write instead of what a scene file says, in words."""
+
+import re
+
+from .catalogue import Catalogue, Row, Type
+
+# A number and, after it, a unit: "50 mm", "1e3kg".
+QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*")
+
+
+def toml(value) -> str:
+    """A value as a TOML file says it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, list):
+        return f"[{', '.join(toml(one) for one in value)}]"
+    return f'"{value}"' if isinstance(value, str) else str(value)
+
+
+def misplaced(catalogue: Catalogue, owner: str, key: str, table: dict, experiment: dict) -> str:
+    """Where a key belongs that stands in a table of bodies, of contacts or at the top, '' for an unknown key.
+
+    owner: 'body', 'contact' or 'world'.
+    """
+    if owner == "world" and key in experiment:
+        return f"put {key} = {toml(table[key])} under [experiment]"
+    group, dot, field = key.partition(".")
+    row = catalogue.rows.get(key) or catalogue.rows.get(f"{owner}.{key}")
+    if row is None and dot:
+        row = catalogue.rows.get(f"body.{field}") or catalogue.rows.get(f"contact.{field}")
+    if row is None or not row.has_start:
+        return ""
+    name = key
+    if not dot and row.owner != "world":
+        group = table.get("name")
+        name = f"{group if isinstance(group, str) else 'NAME'}.{key}"
+    value = toml(table[key]) if not isinstance(table[key], dict) else "..."
+    return f'put "{name}" = {value} under [start]'
+
+
+def unquoted(table: dict) -> str:
+    """What to write for a dotted name without quotes, which TOML takes for a table, '' if there is none."""
+    for first, inner in table.items():
+        path = [first]
+        while isinstance(inner, dict) and inner:
+            key, inner = next(iter(inner.items()))
+            path.append(key)
+        if len(path) > 1:
+            name = ".".join(path)
+            return f'the name {name} is not in quotes: write "{name}" = {toml(inner)}'
+    return ""
+
+
+def quantity(kind: Type, units: dict, value) -> str:
+    """'; write 0.05' for the text "50 mm" of a length, '' for a text that is no number with a known unit."""
+    match = QUANTITY.fullmatch(value) if isinstance(value, str) else None
+    if match is None or kind.base != "Real":
+        return ""
+    scales = {"": 1.0, kind.unit: 1.0, **units[kind.unit].get("display", {})}
+    if match[2] not in scales:
+        return ""
+    # A display unit has its factor as a power of ten: dividing gives the digits that the user means.
+    return f"; write {float(match[1]) / scales[match[2]]!r}"
+
+
+def number_in(row: Row) -> str:
+    """'a number in m', 'one integer'"""
+    if row.type.base == "Integer":
+        return "an integer"
+    unit = f" in {row.type.unit}" if row.type.unit not in (None, "1") else ""
+    return f"a number{unit}"

@@ -1,0 +1,109 @@
+"""What is wrong with the start of a scene, found before its FMU is built.
+
+Contradictions that fmi2ExitInitializationMode would refuse are errors; a deep overlap is a warning.
+"""
+
+import math
+
+from .conditions import number_of
+from .resolve import Cell, Resolved, shortest
+from .scene import Contact
+
+# Overlaps deeper than this part of the smaller radius are warned of: penalty contacts stand for small
+# deformations.
+DEEP = 0.1
+
+
+def check_start(resolved: Resolved) -> list[str]:
+    """Raises InputError for what no FMU would accept; returns warnings, one line each."""
+    start = _Start(resolved)
+    for index, contact in enumerate(resolved.scene.contacts):
+        start.check(index, contact)
+    warnings = (start.overlap(index, contact) for index, contact in enumerate(resolved.scene.contacts))
+    return [text for text in warnings if text]
+
+
+class _Start:
+    """The values that the FMU has when no one sets any."""
+
+    def __init__(self, resolved: Resolved):
+        self.scene = resolved.scene
+        self.cells = {(cell.row.key, cell.element): cell for cell in resolved.cells}
+
+    def cell(self, key: str, element: int) -> Cell:
+        return self.cells[key, element]
+
+    def value(self, key: str, element: int):
+        return self.cell(key, element).value
+
+    def is_item(self, key: str, element: int, item: str) -> bool:
+        cell = self.cell(key, element)
+        return cell.value == number_of(cell.row, item)
+
+    def check(self, index: int, contact: Contact) -> None:
+        source, destination = contact.source, contact.destination
+        small, large = (self.cell("body.radius", body) for body in (source, destination))
+        inside = self.is_item("contact.location", index, "inside")
+        if inside and small.value >= large.value:
+            raise self.scene.error(
+                f"{contact.name}.location = inside contradicts {small.name} = {shortest(small.value)} m >= "
+                f"{large.name} = {shortest(large.value)} m "
+                "(allowed: a source smaller than its hollow destination)"
+            )
+        viscous_only = self.is_item("contact.penalty_control", index, "viscous_only")
+        if viscous_only and self.is_item("contact.method", index, "penalty"):
+            raise self.scene.error(
+                f"{contact.name}.penalty_control = viscous_only contradicts {contact.name}.method = penalty: "
+                "no force would be left (allowed: viscous_only with penalty_dynamic)"
+            )
+        if self.scene.bodies[destination].shape == "cylinder":
+            axis = self.cell("body.axis", destination)
+            if not any(axis.value):
+                raise self.scene.error(
+                    f"'{axis.name}' is {list(axis.value)!r}, which has no direction "
+                    "(allowed: at least one component other than zero)"
+                )
+
+    def centre(self, body: int) -> list[float]:
+        moved = {"free": "body.initial_displacement", "prescribed": "body.prescribed_displacement"}
+        place = self.value("body.center", body)
+        for item, key in moved.items():
+            if self.is_item("body.motion", body, item):
+                place = [x + u for x, u in zip(place, self.value(key, body), strict=True)]
+        return list(place)
+
+    def overlap(self, index: int, contact: Contact) -> str:
+        """'' where the bodies are apart or overlap a little."""
+        source, destination = contact.source, contact.destination
+        r_s, r_d = self.value("body.radius", source), self.value("body.radius", destination)
+        distance = self.distance(source, destination)
+        if distance is None:
+            return ""
+        automatic = self.is_item("contact.location", index, "automatic")
+        inside = self.is_item("contact.location", index, "inside")
+        inside = inside or (automatic and distance < r_d and r_s < r_d)
+        depth = r_s + distance - r_d if inside else r_s + r_d - distance
+        if not depth > DEEP * min(r_s, r_d):
+            return ""
+        first, second = (self.scene.bodies[body].name for body in (source, destination))
+        return (
+            f"{first} starts {depth:.3g} m deep in {second}, more than a tenth of the smaller radius: a "
+            "penalty contact throws them apart. Set their centers, radii or displacements under [start]"
+            + (f", or {contact.name}.location" if automatic else "")
+        )
+
+    def distance(self, source: int, destination: int) -> float | None:
+        """From the source's centre to the destination's centre or axis, None beyond a cylinder's ends."""
+        places = zip(self.centre(destination), self.centre(source), strict=True)
+        between = [there - here for there, here in places]
+        if self.scene.bodies[destination].shape != "cylinder":
+            return math.hypot(*between)
+        axis = self.value("body.axis", destination)
+        length = math.hypot(*axis)
+        unit = [component / length for component in axis]
+        along = sum(c * e for c, e in zip(between, unit, strict=True))
+        if self.value("body.finite_length", destination) and abs(along) > 0.5 * self.value(
+            "body.length", destination
+        ):
+            return None
+        return math.hypot(*(c - along * e for c, e in zip(between, unit, strict=True)))
