@@ -5,6 +5,7 @@
 
 #include "fmi/log.h"
 #include "fmi/state_list.h"
+#include "model/shortest.h"
 
 static void forget_experiment(struct instance *instance)
 {
@@ -85,13 +86,13 @@ enum model_status instance_set_up(struct instance *instance, const struct call *
         return MODEL_ERROR;
     }
     if (!isfinite(start_time)) {
-        return log_report(instance, MODEL_ERROR, "%s: startTime = %g s, allowed: finite", call->name,
-                          start_time);
+        return log_report(instance, MODEL_ERROR, "%s: startTime = %s s, allowed: finite", call->name,
+                          shortest_digits(start_time).text);
     }
     if (stop_time_defined && !(stop_time >= start_time && isfinite(stop_time))) {
         return log_report(instance, MODEL_ERROR,
-                          "%s: stopTime = %.17g s, allowed: finite, from startTime = %.17g s on", call->name,
-                          stop_time, start_time);
+                          "%s: stopTime = %s s, allowed: finite, from startTime = %s s on", call->name,
+                          shortest_digits(stop_time).text, shortest_digits(start_time).text);
     }
     const enum model_status status = model_setup(instance->model, tolerance_defined, tolerance, start_time);
     if (status <= MODEL_WARNING) {

@@ -3,6 +3,7 @@
 #include <float.h>
 
 #include "fmi/log.h"
+#include "model/shortest.h"
 
 /*
  * How far two times that should agree may differ: importers add up step sizes, which rounds. Part of a step
@@ -18,9 +19,10 @@ static enum model_status refuse_step_size(struct instance *instance, const struc
                                           double size)
 {
     return log_report(instance, MODEL_DISCARD,
-                      "%s: communicationStepSize = %.17g s, allowed: finite and large enough to change the "
-                      "time %.17g s, that is more than %.3g s",
-                      call->name, size, time, DBL_EPSILON * fabs(time));
+                      "%s: communicationStepSize = %s s, allowed: finite and large enough to change the "
+                      "time %s s, that is more than %.3g s",
+                      call->name, shortest_digits(size).text, shortest_digits(time).text,
+                      DBL_EPSILON * fabs(time));
 }
 
 enum model_status step_check(struct instance *instance, const struct call *call, double point, double size)
@@ -32,8 +34,8 @@ enum model_status step_check(struct instance *instance, const struct call *call,
     /* written so that a NaN is refused */
     if (!(fabs(point - time) <= time_slack(time, size))) {
         return log_report(instance, MODEL_ERROR,
-                          "%s: currentCommunicationPoint = %.17g s, expected the time reached, %.17g s",
-                          call->name, point, time);
+                          "%s: currentCommunicationPoint = %s s, expected the time reached, %s s", call->name,
+                          shortest_digits(point).text, shortest_digits(time).text);
     }
     const double end = point + size; /* infinite where the size is */
     if (!(end > time && end <= DBL_MAX)) {
@@ -41,8 +43,8 @@ enum model_status step_check(struct instance *instance, const struct call *call,
     }
     const double stop = instance->experiment.stop_time;
     if (end > stop + time_slack(stop, size)) {
-        return log_report(instance, MODEL_ERROR, "%s: step to %.17g s goes past stopTime = %.17g s",
-                          call->name, end, stop);
+        return log_report(instance, MODEL_ERROR, "%s: step to %s s goes past stopTime = %s s", call->name,
+                          shortest_digits(end).text, shortest_digits(stop).text);
     }
     return MODEL_OK;
 }

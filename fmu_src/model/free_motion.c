@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "model/motion.h"
+#include "model/shortest.h"
 #include "scene/energy.h"
 #include "segment/flight.h"
 
@@ -60,11 +61,11 @@ static enum model_status report_step_limit(const struct model *m, const struct s
 {
     return model_report(
         m, MODEL_DISCARD,
-        "The step to %.17g s %s at %.17g s: solver.max_internal_steps = %d are used up "
+        "The step to %s s %s at %s s: solver.max_internal_steps = %d are used up "
         "(allowed: 1 .. 2147483647). Go on from %s, if need be in smaller steps, or start with a "
         "larger limit.",
-        request->end_time, request->whole ? "is undone, it got stuck" : "stopped",
-        scene_time(&m->state.motion), (int)solver_max_internal_steps(&m->state.values),
+        shortest_digits(request->end_time).text, request->whole ? "is undone, it got stuck" : "stopped",
+        shortest_digits(scene_time(&m->state.motion)).text, (int)solver_max_internal_steps(&m->state.values),
         request->whole ? "where it began" : "there");
 }
 
@@ -80,12 +81,14 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
         return report_step_limit(m, request);
     case INTEGRATOR_FAILED:
     default:
-        return model_report(m, MODEL_ERROR, "The step to %.17g s failed at %.17g s: %s", end_time,
-                            scene_time(&m->state.motion), m->integrator.message);
+        return model_report(m, MODEL_ERROR, "The step to %s s failed at %s s: %s",
+                            shortest_digits(end_time).text,
+                            shortest_digits(scene_time(&m->state.motion)).text, m->integrator.message);
     }
-    if (m->state.motion.counters.events != events) {
-        model_report(m, MODEL_OK, "Changes of contact up to %.17g s: %d; since initialization: %d.", end_time,
-                     (int)(m->state.motion.counters.events - events), (int)m->state.motion.counters.events);
+    if (m->state.motion.counters.events != events && model_reports(m, MODEL_OK)) {
+        model_report(m, MODEL_OK, "Changes of contact up to %s s: %d; since initialization: %d.",
+                     shortest_digits(end_time).text, (int)(m->state.motion.counters.events - events),
+                     (int)m->state.motion.counters.events);
     }
     return MODEL_OK;
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "model/motion.h"
+#include "model/shortest.h"
 
 /* Which of a body's nine input signals a variable is; -1 when it is no input. */
 static int signal_of(const struct variable *variable)
@@ -58,8 +59,8 @@ enum model_status model_set_input_derivative(struct model *m, const struct varia
                             variable->name);
     }
     if (!(value >= variable->min && value <= variable->max)) {
-        return model_report(m, MODEL_DISCARD, "Derivative %d of %s = %g refused (allowed: %g .. %g).", order,
-                            variable->name, value, variable->min, variable->max);
+        return model_report(m, MODEL_DISCARD, "Derivative %d of %s = %s refused (allowed: %g .. %g).", order,
+                            variable->name, shortest_digits(value).text, variable->min, variable->max);
     }
     uint8_t *marks = &m->state.marks[variable->element][index];
     struct input_signal *signal = &m->state.signals[variable->element][index];
@@ -230,11 +231,12 @@ void model_warn_of_rates(struct model *m)
             const char *name = scene_body_name(i);
             model_report(
                 m, MODEL_WARNING,
-                "%s.prescribed_displacement has the derivative (%g, %g, %g) m/s at %.17g s, but "
+                "%s.prescribed_displacement has the derivative (%g, %g, %g) m/s at %s s, but "
                 "%s.prescribed_velocity is (%g, %g, %g) m/s: the gap follows the displacement, the gap "
                 "rate and the work the velocity, and energies need not balance (allowed: equal ones). "
                 "Given once.",
-                name, rate.x, rate.y, rate.z, scene_time(q), name, velocity.x, velocity.y, velocity.z);
+                name, rate.x, rate.y, rate.z, shortest_digits(scene_time(q)).text, name, velocity.x,
+                velocity.y, velocity.z);
         }
     }
 }

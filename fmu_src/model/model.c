@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "model/motion.h"
+#include "model/shortest.h"
 
 struct model *model_create(const struct model_host *host)
 {
@@ -38,12 +39,12 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
 {
     enum model_status status = MODEL_OK;
     if (!isfinite(start_time)) {
-        return model_report(m, MODEL_ERROR, "The start time %g s is refused (allowed: finite times).",
-                            start_time);
+        return model_report(m, MODEL_ERROR, "The start time %s s is refused (allowed: finite times).",
+                            shortest_digits(start_time).text);
     }
     if (tolerance_defined && !(tolerance > 0.0 && isfinite(tolerance))) {
-        return model_report(m, MODEL_ERROR, "The tolerance %g is refused (allowed: positive finite numbers).",
-                            tolerance);
+        return model_report(m, MODEL_ERROR, "The tolerance %s is refused (allowed: positive finite numbers).",
+                            shortest_digits(tolerance).text);
     }
     m->state.importer_tolerance = 0.0;
     for (int i = 0; tolerance_defined && i < scene_variable_count; ++i) {
@@ -52,8 +53,9 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
             m->state.importer_tolerance = fmin(fmax(tolerance, row->min), row->max);
             if (m->state.importer_tolerance != tolerance) {
                 status = model_report(m, MODEL_WARNING,
-                                      "The tolerance %g is outside the range %g .. %g of %s; %g is used.",
-                                      tolerance, row->min, row->max, row->name, m->state.importer_tolerance);
+                                      "The tolerance %s is outside the range %g .. %g of %s; %g is used.",
+                                      shortest_digits(tolerance).text, row->min, row->max, row->name,
+                                      m->state.importer_tolerance);
             }
         }
     }
@@ -107,11 +109,10 @@ static void undo_step(struct model *m, const struct scene_state *before)
 static enum model_status step_refused(struct model *m, const struct scene_state *before, double end_time)
 {
     undo_step(m, before);
-    return model_report(
-        m, MODEL_DISCARD,
-        "The step to %.17g s takes the motion beyond the range of numbers; it stays at %.17g s "
-        "(allowed: steps with finite speeds, displacements and energies).",
-        end_time, model_time(m));
+    return model_report(m, MODEL_DISCARD,
+                        "The step to %s s takes the motion beyond the range of numbers; it stays at %s s "
+                        "(allowed: steps with finite speeds, displacements and energies).",
+                        shortest_digits(end_time).text, shortest_digits(model_time(m)).text);
 }
 
 /* The state before is kept for the case that the step ends beyond the range of numbers, or too early. */
@@ -167,8 +168,8 @@ enum model_status model_step(struct model *m, double end_time)
 enum model_status model_step_requested(struct model *m, const struct step_request *request)
 {
     if (!m->state.initialized) {
-        return model_report(m, MODEL_ERROR, "A step to %.17g s before the end of the initialization.",
-                            request->end_time);
+        return model_report(m, MODEL_ERROR, "A step to %s s before the end of the initialization.",
+                            shortest_digits(request->end_time).text);
     }
     if (m->state.signals_open) {
         if (!model_apply_inputs(m)) {

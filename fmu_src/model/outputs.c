@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "model/motion.h"
+#include "model/shortest.h"
 
 /* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d
  * n. */
@@ -58,9 +59,9 @@ static void warn_of_missing_direction(struct model *m, const struct scene_instan
             const struct vec3 n = at->geometry[j].normal;
             model_report(
                 m, MODEL_WARNING,
-                "%s.distance = 0 at %.17g s: the overlapping bodies have no defined normal; the direction "
+                "%s.distance = 0 at %s s: the overlapping bodies have no defined normal; the direction "
                 "(%g, %g, %g) is used (allowed: distance > 0). Given once.",
-                scene_contact_name(j), scene_time(q), n.x, n.y, n.z);
+                scene_contact_name(j), shortest_digits(scene_time(q)).text, n.x, n.y, n.z);
         }
     }
 }

@@ -4,6 +4,7 @@
 
 #include "contact/bounding_box.h"
 #include "model/motion.h"
+#include "model/shortest.h"
 
 static struct vec3 start_displacement(const struct scene_values *v, const struct scene_state *q, int body)
 {
@@ -132,9 +133,9 @@ static enum model_status check_contact(struct model *m, int contact)
     const double r_d = body_radius(v, contact_destination(contact));
     if (contact_location(v, contact) == LOCATION_INSIDE && r_s >= r_d) {
         return model_report(m, MODEL_ERROR,
-                            "%s.location = inside contradicts %s.radius = %.17g m >= %s.radius = %.17g m "
+                            "%s.location = inside contradicts %s.radius = %s m >= %s.radius = %s m "
                             "(allowed: a source smaller than its hollow destination).",
-                            name, source, r_s, destination, r_d);
+                            name, source, shortest_digits(r_s).text, destination, shortest_digits(r_d).text);
     }
     if (contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY &&
         contact_method(v, contact) == METHOD_PENALTY) {

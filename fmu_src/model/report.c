@@ -21,16 +21,20 @@ static const char *category_of(enum model_status status)
     }
 }
 
+bool model_reports(const struct model *m, enum model_status status)
+{
+    return m->host.log && (!m->host.wants || m->host.wants(m->host.context, category_of(status)));
+}
+
 enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)
 {
-    const char *category = category_of(status);
-    if (m->host.log && (!m->host.wants || m->host.wants(m->host.context, category))) {
+    if (model_reports(m, status)) {
         char message[512];
         va_list arguments;
         va_start(arguments, format);
         vsnprintf(message, sizeof message, format, arguments);
         va_end(arguments);
-        m->host.log(m->host.context, status, category, message);
+        m->host.log(m->host.context, status, category_of(status), message);
     }
     return status;
 }

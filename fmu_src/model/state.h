@@ -62,6 +62,9 @@ struct model {
     enum outputs outputs; /* in state.values */
 };
 
+/* Whether the host wants messages of this status: asked before what costs time only to be shown. */
+bool model_reports(const struct model *m, enum model_status status);
+
 /* Formats and sends a message when the host wants the category. */
 enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/shortest.h"
 #include "model/state.h"
 
 enum model_status model_check(struct model *m, const struct variable *variable, const void *value)
@@ -10,8 +11,9 @@ enum model_status model_check(struct model *m, const struct variable *variable, 
     if (isfinite(number) && number >= variable->min && number <= variable->max) {
         return MODEL_OK;
     }
-    return model_report(m, MODEL_DISCARD, "%s = %.17g refused (allowed: %.10g .. %.10g); it stays as it was.",
-                        variable->name, number, variable->min, variable->max);
+    return model_report(m, MODEL_DISCARD, "%s = %s refused (allowed: %s .. %s); it stays as it was.",
+                        variable->name, shortest_digits(number).text, shortest_digits(variable->min).text,
+                        shortest_digits(variable->max).text);
 }
 
 /* Which outputs have to be computed so that a variable shows the present. */
