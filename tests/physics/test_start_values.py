@@ -1,0 +1,26 @@
+"""The universal FMUs and the force element touch with the values they start with: no setting is needed"""
+
+import pytest
+
+from support.checks import check_close
+
+
+@pytest.mark.parametrize("name", ["SphereSphere", "SphereCylinder"])
+def test_a_run_without_any_setting_bounces(opened, name):
+    """From 1.1 m on a body of 0.5 m with a ball of 0.1 m: half a metre of free fall, then up again."""
+    fmu = opened(name)
+    fmu.reset()
+    fmu.start()
+    fmu.step(0.6)
+    assert fmu["contact.onsets"] == 1
+    check_close("onset", fmu["contact.last_onset_time"], (2 * 0.5 / 9.81) ** 0.5, 1e-9)
+    assert fmu["source.velocity"][2] > 0.9 * (2 * 9.81 * 0.5) ** 0.5 - 9.81 * 0.3
+
+
+def test_the_force_element_presses_without_any_input(opened):
+    """1 mm of overlap at 1e6 N/m"""
+    fmu = opened("ForceElement")
+    fmu.reset()
+    fmu.start()
+    fmu.step(1e-3)
+    check_close("force", fmu["contact.source_force"], [0.0, 0.0, 1000.0], 1e-6)
