@@ -5,6 +5,7 @@ import math
 import re
 import subprocess
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -53,6 +54,14 @@ def test_event_driven_is_right(rows, family):
     for row in own:
         assert math.isfinite(row.error), row
         assert math.isfinite(row.balance) and math.isfinite(row.momentum), row
+
+
+def test_the_last_line_names_the_methods(rows):
+    few = [
+        replace(row, wrong="energy" if row.method == "cvode_bdf" else "", status="ok")
+        for row in rows[: 4 * len(METHODS)]
+    ]
+    assert command.ending(few) == "12 runs, 4 wrong (cvode_bdf 4), 0 refused"
 
 
 def test_a_run_that_did_not_come_to_its_end_is_not_right():

@@ -15,8 +15,10 @@ import contextlib
 import ctypes
 import difflib
 import enum
+import functools
 import os
 import threading
+import weakref
 from typing import Any, NamedTuple, Self
 
 import fmpy
@@ -27,6 +29,7 @@ from fmpy.fmi1 import FMICallException
 from contact_fmus.errors import RunFailure, UserError
 
 from .files import fmu_file, fmus_folder, repository, unpack
+from .saved_state import SavedState
 from .variables import Variable, item_value, read_variables
 
 __all__ = ["ContactFmu", "FmuError", "Message", "Status", "Variable", "fmu_file", "fmus_folder", "repository"]
@@ -86,6 +89,7 @@ class ContactFmu:
                 raise UserError(f"{path}: its library cannot be loaded: {error}") from None
         self.variables = read_variables(self.description)
         self._arguments: dict[str, tuple] = {}
+        self._states: weakref.WeakSet[SavedState] = weakref.WeakSet()
         self._instantiate(debug)
 
     def _instantiate(self, debug: bool) -> None:
@@ -113,18 +117,26 @@ class ContactFmu:
         self.close()
 
     def close(self) -> None:
-        """Frees the instance; needless a second time."""
+        """Frees the instance and the states saved of it; needless a second time."""
         if self.slave is not None:
+            for state in list(self._states):
+                state.release()
             self.slave.freeInstance()
             self.slave = None
 
     def call(self, function: str, *arguments: Any) -> Any:
         """fmpy's function of that name; what the FMU refuses raises FmuError"""
+        self._check_open(function)
         before = len(self.messages)
         try:
             return getattr(self.slave, function)(*arguments)
         except FMICallException as error:
             raise FmuError(error.function, error.status, self.messages[before:]) from None
+
+    def _check_open(self, function: str) -> None:
+        if self.slave is None:
+            text = f"This instance of {self.description.modelName} is closed; open another ContactFmu."
+            raise FmuError(function, Status.ERROR, [Message(Status.ERROR, "logStatusError", text)])
 
     # life cycle
 
@@ -197,6 +209,7 @@ class ContactFmu:
             references = (ctypes.c_uint * size)(*variable.references)
             self._arguments[variable.name] = (references, (ctypes.c_double * size)())
         references, values = self._arguments[variable.name]
+        self._check_open("fmi2GetReal")
         self.call("fmi2GetReal", self.slave.component, references, len(references), values)
         return values
 
@@ -235,19 +248,31 @@ class ContactFmu:
 
     # state
 
-    def save(self) -> bytes:
-        """The whole state of the instance"""
-        state = self.call("getFMUstate")
-        try:
-            return self.call("serializeFMUstate", state)
-        finally:
-            self.call("freeFMUstate", state)
+    def save(self) -> SavedState:
+        """The whole state of the instance, kept by the FMU; bytes() of it is for files and other instances"""
+        handle = self.call("getFMUstate")
+        free = functools.partial(_free_state, self.slave)
+        state = SavedState(self, handle, self.time, free)
+        self._states.add(state)
+        return state
 
-    def restore(self, state: bytes) -> None:
-        """Back to a saved state, of this instance or of another one of the same FMU"""
-        handle = self.call("deSerializeFMUstate", state)
+    def restore(self, state: SavedState | bytes) -> None:
+        """Back to a saved state, `time` included, of this instance or of another one of the same FMU"""
+        if isinstance(state, SavedState) and state.belongs_to(self):
+            self.call("setFMUstate", state.handle)
+            self.time = state.time
+            return
+        handle = self.call("deSerializeFMUstate", bytes(state))
         try:
             self.call("setFMUstate", handle)
         finally:
             self.call("freeFMUstate", handle)
-        self._read_time()
+        if isinstance(state, SavedState):
+            self.time = state.time
+        else:
+            self._read_time()
+
+
+def _free_state(slave: fmi2.FMU2Slave, handle: Any) -> None:
+    with contextlib.suppress(FMICallException):
+        slave.freeFMUstate(handle)

@@ -28,8 +28,8 @@ class FmuSize:
 
 
 def measure_all() -> list[FmuSize]:
-    """Universal FMUs first, each followed by those that pin its choices"""
-    names = [file.stem for file in fmus_folder().glob("*.fmu")]
+    """Universal FMUs first, each followed by those that pin its choices; none whose scene is gone"""
+    names = [file.stem for file in fmus_folder().glob("*.fmu") if scene_file(file.stem)]
     return [
         measure(name) for name in sorted(names, key=lambda name: (_family(name), name != _family(name), name))
     ]
@@ -48,7 +48,7 @@ def measure(name: str) -> FmuSize:
         library = sum(file.stat().st_size for file in Path(fmu.folder, "binaries").rglob("*.so"))
         variables = len(fmu.description.modelVariables)
         fmu.start()
-        state = len(fmu.save())
+        state = len(bytes(fmu.save()))
         own = time_per_step(fmu, {})
     other = 0.0
     if universal is not None:

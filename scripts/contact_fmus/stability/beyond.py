@@ -104,13 +104,17 @@ def main(arguments: list[str] | None = None) -> int:
     with multiprocessing.get_context("spawn").Pool(options.workers) as pool:
         for seed, rows in zip(seeds, pool.imap(run_seed, seeds, chunksize=4), strict=True):
             if isinstance(rows, str):
-                print(f"{seed}: no closed form, {rows}")
+                count["not compared"] += 1
+                print(f"{seed}: not compared, because the reference has no answer ({rows})", flush=True)
                 continue
             for row in rows:
                 count += Counter(runs=1, wrong=int(bool(row.wrong)), refused=int(row.status != "ok"))
                 if row.wrong or row.status != "ok":
                     print(line_of(row), flush=True)
-    print(f"{count['runs']} runs, {count['wrong']} wrong, {count['refused']} refused")
+    print(
+        f"{count['runs']} runs, {count['wrong']} wrong, {count['refused']} refused"
+        + (f"; {count['not compared']} seeds not compared" if count["not compared"] else "")
+    )
     return 0
 
 

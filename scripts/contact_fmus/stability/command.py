@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 from contact_fmus.fmu.files import results_folder
@@ -32,14 +34,26 @@ def main(arguments: list[str] | None = None) -> int:
     plan = "A quick run with few of the scenes. " if options.quick else ""
     for file in draw_page(rows, options.output, plan):
         print(file)
-    wrong = [row for row in rows if row.wrong]
-    print(f"{len(rows)} runs, {len(wrong)} wrong, {sum(row.status != 'ok' for row in rows)} refused")
+    print(ending(rows))
     failed = not_right(rows, "event_driven")
     for row in failed if options.check else ():
         print(
             f"not right: {row.family}, {row.value:g}, {row.geometry}, {row.law}: {row.wrong or row.message}"
         )
     return int(options.check and bool(failed))
+
+
+def ending(rows: Sequence[SceneRun]) -> str:
+    """How many runs are wrong or refused, and of which method"""
+    wrong = Counter(row.method for row in rows if row.wrong)
+    refused = Counter(row.method for row in rows if row.status != "ok")
+    return f"{len(rows)} runs, {_of_methods('wrong', wrong)}, {_of_methods('refused', refused)}"
+
+
+def _of_methods(what: str, count: Counter[str]) -> str:
+    """4 wrong (cvode_bdf 3, cvode_adams 1)"""
+    each = ", ".join(f"{method} {number}" for method, number in count.most_common())
+    return f"{count.total()} {what}" + (f" ({each})" if each else "")
 
 
 def _measured(options: argparse.Namespace) -> list[SceneRun]:

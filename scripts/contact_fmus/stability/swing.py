@@ -115,7 +115,9 @@ def _root(value, low: mpf, high: mpf, side: mpf) -> mpf:
         if abs(step - t) <= abs(t) * mpf(10) ** (-mp.dps // 2):  # this last step doubles the digits
             return step
         t = step if low < step < high else (low + high) / 2
-    raise ArithmeticError("no root found in 400 steps")
+    raise ArithmeticError(
+        "the moment of an event could not be found: 400 steps of Newton's method and bisection do not settle"
+    )
 
 
 def _falls(a: mpf, b: mpf, c: mpf, side: mpf, until: mpf) -> mpf | None:
