@@ -196,7 +196,7 @@ endfunction()
 # FMUs of scenes that this build had and has no more.
 function(contact_remove_other_scenes)
     get_property(scenes GLOBAL PROPERTY CONTACT_SCENES)
-    file(GLOB fmus "${CONTACT_FMU_FOLDER}/*.fmu" "${CONTACT_FMU_FOLDER}-fmi3/*.fmu")
+    file(GLOB fmus "${CONTACT_FMU_FOLDER}/*.fmu" "${CONTACT_FMI3_FMU_FOLDER}/*.fmu")
     foreach(fmu ${fmus})
         get_filename_component(name "${fmu}" NAME_WE)
         if(NOT name IN_LIST scenes)

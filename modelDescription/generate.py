@@ -3,6 +3,7 @@
 
 generate.py --scene scenes/BallOnSphere.toml --output DIR   modelDescription.xml, C table, documentation
 generate.py --table                                         JSON: how many variables each scene has
+generate.py --guide docs/scenes.md                          every key of a scene file
 """
 
 import argparse
@@ -14,7 +15,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
 from generator.catalogue import read_catalogue  # noqa: E402
-from generator.emit import counts, render, write  # noqa: E402
+from generator.emit import counts, guide, render, write  # noqa: E402
 from generator.errors import InputError  # noqa: E402
 from generator.resolve import Resolved, resolve  # noqa: E402
 from generator.scene import read_scene  # noqa: E402
@@ -46,9 +47,10 @@ def arguments(args: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--table", action="store_true", help="print a JSON table of variable counts instead of writing files"
     )
+    parser.add_argument("--guide", type=Path, help="file to write the guide to scene files to")
     result = parser.parse_args(args)
-    if not result.table and (result.output is None or len(result.scene or []) != 1):
-        parser.error("one --scene and --output are needed, or --table")
+    if not (result.table or result.guide) and (result.output is None or len(result.scene or []) != 1):
+        parser.error("one --scene and --output are needed, or --table, or --guide")
     return result
 
 
@@ -58,6 +60,9 @@ def main(args: list[str] | None = None) -> int:
         if options.table:
             scenes = [load(path) for path in options.scene or sorted((HERE / "scenes").glob("*.toml"))]
             print(json.dumps({resolved.scene.name: counts(resolved) for resolved in scenes}, indent=2))
+        elif options.guide:
+            text = guide(read_catalogue(HERE / "variables.toml"))
+            write({options.guide.name: text}, options.guide.parent)
         else:
             write(render(load(options.scene[0])) | licence(), options.output)
     except InputError as error:

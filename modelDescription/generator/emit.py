@@ -7,6 +7,8 @@ from pathlib import Path
 import jinja2
 
 from . import arrays, c_code, page
+from . import guide as scene_guide
+from .catalogue import Catalogue
 from .resolve import Resolved
 
 # Namespace of the guids; a guid is the version-5 UUID of what the FMU is: equal FMUs have equal guids.
@@ -81,6 +83,12 @@ def _scene_for_viewers(resolved: Resolved) -> str:
         "pinned": scene.pinned,
     }
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def guide(catalogue: Catalogue) -> str:
+    """docs/scenes.md"""
+    template = environment().get_template("scenes.md")
+    return template.render(scene_guide.context(catalogue)).rstrip() + "\n"
 
 
 def write(files: dict[str, str], folder: Path) -> None:

@@ -11,9 +11,34 @@ from .errors import InputError, allowed
 from .names import refused_name
 
 SHAPES = ("sphere", "cylinder")
-SCENE_KEYS = {"name", "title", "description", "body", "contact", "start", "pinned", "leave_out", "experiment"}
-BODY_KEYS = {"name", "shape"}
-CONTACT_KEYS = {"name", "source", "destination"}
+# The keys of each table and what they mean: docs/scenes.md shows these words.
+SCENE_KEYS = {
+    "name": "of the FMU: letters, digits and `_`, the first a letter; not that of a scene that ships, nor of a "
+    "CMake target such as `test` or `all`. Required",
+    "title": "one line for the FMU's description. Required",
+    "description": "some sentences for its documentation. Required",
+    "body": "`[[body]]`, a table for each body, 1 to 255. Required",
+    "contact": "`[[contact]]`, a table for each pair of bodies that may touch, 1 to 255. Required",
+    "start": "table of start values, by default none: those listed below",
+    "pinned": "table of constants, by default none: every choice stays open",
+    "leave_out": "table with `outputs`, the outputs to leave out, by default none",
+    "experiment": "table of what a tool proposes as a run",
+}
+BODY_KEYS = {
+    "name": "small letters, digits and `_`; variables begin with it: `marble.radius`. Required",
+    "shape": "`sphere` or `cylinder`. Required",
+}
+CONTACT_KEYS = {
+    "name": "as of a body, and not that of a body: `touch.normal_force`. Required",
+    "source": "name of the body that touches, a sphere. Required",
+    "destination": "name of the body that is touched, of any shape. Required",
+}
+EXPERIMENT_KEYS = {
+    "start_time": "s",
+    "stop_time": "s, more than `start_time`",
+    "step_size": "communication step, s, more than 0",
+    "tolerance": "relative tolerance of the solver, more than 0",
+}
 EXPERIMENT = {"start_time": 0.0, "stop_time": 1.0, "step_size": 1e-3, "tolerance": 1e-8}
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 SNAKE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
@@ -65,7 +90,7 @@ class _Reader:
     def fail(self, where: str, text: str):
         raise InputError(self.file, f"{where}: {text}" if where else text)
 
-    def keys(self, where: str, table: dict, known: set, required=(), owner: str = "") -> None:
+    def keys(self, where: str, table: dict, known: dict, required=(), owner: str = "") -> None:
         """owner: whose variables may stand here by mistake, as in advice.misplaced."""
         for key in table:
             if key not in known:
@@ -179,7 +204,7 @@ def _contacts(reader: _Reader, data: dict, bodies: tuple[Body, ...], taken: dict
 
 def _leave_out(reader: _Reader, data: dict) -> tuple[str, ...]:
     table = reader.table(data, "leave_out")
-    reader.keys("[leave_out]", table, {"outputs"})
+    reader.keys("[leave_out]", table, {"outputs": "names of outputs"})
     outputs = table.get("outputs", [])
     if not isinstance(outputs, list) or not all(isinstance(name, str) for name in outputs):
         reader.fail("[leave_out]", f"'outputs' must be a list of names, got {outputs!r}")
@@ -189,7 +214,7 @@ def _leave_out(reader: _Reader, data: dict) -> tuple[str, ...]:
 def _experiment(reader: _Reader, data: dict) -> dict:
     table = reader.table(data, "experiment")
     where = "[experiment]"
-    reader.keys(where, table, set(EXPERIMENT))
+    reader.keys(where, table, EXPERIMENT)
     for key, value in table.items():
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             reader.fail(where, f"'{key}' must be a finite number, got {value!r}")

@@ -1,0 +1,105 @@
+"""docs/scenes.md: every key of a scene file, from the schema in scene.py and from variables.toml."""
+
+from .catalogue import Catalogue, Row
+from .resolve import Resolved, resolve, shortest
+from .scene import BODY_KEYS, CONTACT_KEYS, EXPERIMENT, EXPERIMENT_KEYS, SCENE_KEYS, Body, Contact, Scene
+
+OWNERS = {"body": "BODY", "contact": "CONTACT", "world": ""}  # how the page names what a scene names itself
+
+
+def context(catalogue: Catalogue) -> dict:
+    """What the template scenes.md needs."""
+    rows = catalogue.rows.values()
+    return {
+        "keys": {"scene": SCENE_KEYS, "body": BODY_KEYS, "contact": CONTACT_KEYS},
+        "experiment": [(key, shortest(EXPERIMENT[key]), text) for key, text in EXPERIMENT_KEYS.items()],
+        "settings_of": {owner: [_setting(row) for row in rows if _is_of(row, owner)] for owner in OWNERS},
+        "choices": [_choice(catalogue, row) for row in catalogue.choices().values()],
+        "outputs": {
+            owner: [_name(row) for row in rows if row.owner == owner and not row.has_start]
+            for owner in OWNERS
+        },
+    }
+
+
+def _is_of(row: Row, owner: str) -> bool:
+    return row.owner == owner and row.has_start
+
+
+def _name(row: Row) -> str:
+    """BODY.mass, CONTACT.method, solver.method"""
+    return row.key if row.owner == "world" else f"{OWNERS[row.owner]}.{row.field}"
+
+
+def _setting(row: Row) -> dict[str, str]:
+    """Cells of a parameter or an input; an input cannot be pinned."""
+    start = _toml(row, row.start)
+    if row.start_destination is not None:
+        start += f"; {_toml(row, row.start_destination)} where it is only hit"
+    own = row.owner == "body" and row.shape
+    text = row.description.format(body="the body", source="the source", destination="the destination")
+    return {
+        "name": _name(row),
+        "start": start,
+        "allowed": _allowed(row),
+        "text": text + (f" (a {row.shape} only)" if own else ""),
+        "input": "input" if row.causality == "input" else "parameter",
+    }
+
+
+def _toml(row: Row, value) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(shortest(x) for x in value)}]"
+    if row.type.base == "Boolean":
+        return "true" if value else "false"
+    return f'"{value}"' if row.type.base == "Enumeration" else shortest(value)
+
+
+def _allowed(row: Row) -> str:
+    if row.type.base == "Enumeration":
+        return ", ".join(f'"{item.name}"' for item in row.type.items)
+    if row.type.base == "Boolean":
+        return "true, false"
+    low, high = (shortest(limit) for limit in row.limits)
+    unit = f" {row.type.unit}" if row.type.unit not in (None, "1") else ""
+    count = "3 numbers, " if row.dim > 1 else ""
+    return f"{count}{low} to {high}{unit}"
+
+
+def _choice(catalogue: Catalogue, row: Row) -> dict:
+    """What each pinned item of a choice leaves out of a pair of sphere and cylinder."""
+    kind = row.type
+    items = [(i.name, i.name, i.description) for i in kind.items] or [
+        ("true", True, row.description.format(body="the body")),
+        ("false", False, "not so"),
+    ]
+    owners = {"body": ["source", "destination"], "contact": ["contact"], "world": [""]}[row.owner]
+    if row.shape:  # only the destination may be a cylinder
+        owners = ["destination"]
+    names = [f"{owner}.{row.field}" if owner else row.key for owner in owners]
+    lines = []
+    for shown, item, text in items:
+        one = _left_out(catalogue, {names[0]: item})
+        lines.append({"pin": f"{names[0]} = {shown}", "text": text, "gone": one})
+        if len(names) > 1:
+            every = _left_out(catalogue, dict.fromkeys(names, item))
+            more = [name for name in every if name.partition(".")[0] not in owners]
+            if more:
+                lines.append({"pin": f"every body's motion = {shown}", "text": "", "gone": more})
+    return {"name": _name(row), "text": row.description.format(
+        body="the body", source="the source", destination="the destination"), "lines": lines}  # fmt: skip
+
+
+def _pair(catalogue: Catalogue, pinned: dict) -> Resolved:
+    bodies = (Body("source", "sphere"), Body("destination", "cylinder"))
+    contacts = (Contact("contact", 0, 1),)
+    return resolve(Scene("scenes.md", "Pair", "Pair", "Pair", bodies, contacts, {}, pinned), catalogue)
+
+
+def _left_out(catalogue: Catalogue, pinned: dict) -> list[str]:
+    """Variables, in the order of the catalogue, that the pins take away besides themselves; CVODE last."""
+    before, after = _pair(catalogue, {}), _pair(catalogue, pinned)
+    present = {cell.name for cell in after.cells if cell.open}
+    gone = [cell.name for cell in before.cells if cell.open and cell.name not in present]
+    gone = [name for name in gone if name not in pinned]
+    return gone + (["SUNDIALS CVODE"] if before.may_need_cvode and not after.may_need_cvode else [])
