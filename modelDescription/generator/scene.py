@@ -13,7 +13,7 @@ from .names import refused_name
 SHAPES = ("sphere", "cylinder")
 # The keys of each table and what they mean: docs/scenes.md shows these words.
 SCENE_KEYS = {
-    "name": "of the FMU: letters, digits and `_`, the first a letter; not that of a scene that ships, nor of a "
+    "name": "of the FMU: letters, digits and `_`, the first a letter; no name of a shipped scene or of a "
     "CMake target such as `test` or `all`. Required",
     "title": "one line for the FMU's description. Required",
     "description": "some sentences for its documentation. Required",
