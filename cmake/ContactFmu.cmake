@@ -50,7 +50,7 @@ function(contact_generate_scene scene result)
     set(folder "${CONTACT_SCENE_FOLDER}/${stem}")
     execute_process(
         COMMAND "${Python3_EXECUTABLE}" -B "${contact_description_folder}/generate.py"
-            --scene "${scene}" --output "${folder}"
+            --scene "${scene}" --output "${folder}" --icon "${folder}/model.png"
         RESULT_VARIABLE status ERROR_VARIABLE complaint)
     if(status)
         message(FATAL_ERROR "${complaint}")
@@ -113,7 +113,7 @@ function(add_contact_fmu scene)
         ${sources} ${CONTACT_FMI2_SOURCES})
     contact_pack_fmu(${SCENE_NAME} "${folder}" "${CONTACT_FMU_FOLDER}/${SCENE_NAME}.fmu"
         "binaries/${contact_platform_fmi2}" modelDescription.xml
-        "model.png=${contact_description_folder}/documentation/model.png")
+        "model.png=${folder}/model.png")
     if(CONTACT_FMI3)
         contact_fmu_library(${SCENE_NAME}_fmi3 "${folder}" fmi3 "${CONTACT_LIBRARY_FOLDER}/fmi3"
             ${sources} ${CONTACT_FMI3_SOURCES})
@@ -184,7 +184,7 @@ function(contact_pack_fmu target folder fmu binaries description)
         COMMAND "${Python3_EXECUTABLE}" -B "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${fmu}" ${members}
         DEPENDS ${target} "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${folder}/${description}"
             "${folder}/resources/scene.json" ${documentation} ${licenses}
-            "${contact_description_folder}/documentation/model.png"
+            "${folder}/model.png"
         COMMENT "Packing ${target}.fmu" VERBATIM)
     add_custom_target(${target}_fmu ALL DEPENDS "${fmu}")
     cmake_path(GET fmu PARENT_PATH fmu_folder)

@@ -2,6 +2,7 @@
 """Writes the generated files of one FMU from its scene file and variables.toml.
 
 generate.py --scene scenes/BallOnSphere.toml --output DIR   modelDescription.xml, C table, documentation
+generate.py --scene ... --output DIR --icon model.png       the icon as well
 generate.py --table                                         JSON: how many variables each scene has
 generate.py --guide docs/scenes.md                          every key of a scene file
 """
@@ -17,9 +18,10 @@ sys.path.insert(0, str(HERE))
 from generator.catalogue import read_catalogue  # noqa: E402
 from generator.emit import counts, guide, render, write  # noqa: E402
 from generator.errors import InputError  # noqa: E402
+from generator.icon import draw  # noqa: E402
 from generator.resolve import Resolved, resolve  # noqa: E402
 from generator.scene import read_scene  # noqa: E402
-from generator.start import check_start  # noqa: E402
+from generator.start import Start, check_start  # noqa: E402
 
 
 def load(scene: Path) -> Resolved:
@@ -47,6 +49,7 @@ def arguments(args: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--table", action="store_true", help="print a JSON table of variable counts instead of writing files"
     )
+    parser.add_argument("--icon", type=Path, help="PNG file to draw the scene in, besides --output")
     parser.add_argument("--guide", type=Path, help="file to write the guide to scene files to")
     result = parser.parse_args(args)
     if not (result.table or result.guide) and (result.output is None or len(result.scene or []) != 1):
@@ -64,7 +67,10 @@ def main(args: list[str] | None = None) -> int:
             text = guide(read_catalogue(HERE / "variables.toml"))
             write({options.guide.name: text}, options.guide.parent)
         else:
-            write(render(load(options.scene[0])) | licence(), options.output)
+            resolved = load(options.scene[0])
+            write(render(resolved) | licence(), options.output)
+            if options.icon:
+                options.icon.write_bytes(draw(Start(resolved)))
     except InputError as error:
         print(error, file=sys.stderr)
         return 2

@@ -28,6 +28,7 @@ def environment() -> jinja2.Environment:
     result.filters["number"] = number
     result.filters["limit"] = page.limit
     result.filters["symbol"] = page.symbol
+    result.filters["own_range"] = page.own_range
     result.filters["body_shape"] = lambda body, scene: scene.bodies[body].shape
     return result
 

@@ -4,7 +4,11 @@ import re
 
 from markupsafe import Markup, escape
 
+from .catalogue import Row
 from .resolve import Cell, Resolved, shortest
+
+# Parameters and inputs keep to it, so that squares and products stay inside a double (variables.toml).
+LARGEST_GIVEN = 1e150
 
 
 def context(resolved: Resolved) -> dict:
@@ -12,6 +16,7 @@ def context(resolved: Resolved) -> dict:
         "groups": _groups(resolved),
         "choices": [cell for cell in resolved.cells if cell.open and _is_choice(cell)],
         "constants": [cell for cell in resolved.cells if cell.pinned],
+        "example": _example(resolved),
         "may": {choice: _may(resolved, *choice.split("=")) for choice in CHOICES},
         "free": [
             body.name
@@ -19,6 +24,21 @@ def context(resolved: Resolved) -> dict:
             if resolved.may("body.motion", "free", i)
         ],
     }
+
+
+def _example(resolved: Resolved) -> dict:
+    """For the script on the page: at most two parameters with values that the FMU takes, and two outputs."""
+    start = []
+    for variable in resolved.variables:
+        row = variable.cell.row
+        if row.key == "body.mass" and not start:
+            start.append((variable.name, shortest(2 * variable.start), "kg"))
+        if row.key == "contact.dashpot" and len(start) < 2:
+            item = next(item for item in row.type.items if item.value != variable.start)
+            start.append((variable.name, item.value, item.name))
+    outputs = [variable.name for variable in resolved.variables if not variable.cell.row.has_start]
+    wanted = [name for name in outputs if name.rpartition(".")[2] in ("gap", "normal_force")]
+    return {"start": start, "outputs": (wanted or outputs)[:2]}
 
 
 # The conditions under which the page explains something.
@@ -70,3 +90,13 @@ def limit(value) -> str:
     if value is None:
         return ""
     return str(escape(shortest(value)))
+
+
+def own_range(row: Row) -> bool:
+    """Whether a row narrows the range that its type and causality give, so that the page has to tell."""
+    if row.type.base not in ("Real", "Integer"):
+        return False
+    low, high = row.type.min, row.type.max
+    if row.has_start:
+        low, high = max(low, -LARGEST_GIVEN), min(high, LARGEST_GIVEN)
+    return row.limits != (low, high)

@@ -16,14 +16,14 @@ DEEP = 0.1
 
 def check_start(resolved: Resolved) -> list[str]:
     """Raises InputError for what no FMU would accept; returns warnings, one line each."""
-    start = _Start(resolved)
+    start = Start(resolved)
     for index, contact in enumerate(resolved.scene.contacts):
         start.check(index, contact)
     warnings = (start.overlap(index, contact) for index, contact in enumerate(resolved.scene.contacts))
     return [text for text in warnings if text]
 
 
-class _Start:
+class Start:
     """The values that the FMU has when no one sets any."""
 
     def __init__(self, resolved: Resolved):
@@ -72,6 +72,18 @@ class _Start:
                 place = [x + u for x, u in zip(place, self.value(key, body), strict=True)]
         return list(place)
 
+    def automatic(self, index: int) -> bool:
+        return self.is_item("contact.location", index, "automatic")
+
+    def inside(self, index: int) -> bool:
+        """Whether the source is in a hollow destination, by choice or by where it starts."""
+        if not self.automatic(index):
+            return self.is_item("contact.location", index, "inside")
+        contact = self.scene.contacts[index]
+        r_s, r_d = (self.value("body.radius", body) for body in (contact.source, contact.destination))
+        distance = self.distance(contact.source, contact.destination)
+        return distance is not None and distance < r_d and r_s < r_d
+
     def overlap(self, index: int, contact: Contact) -> str:
         """'' where the bodies are apart or overlap a little."""
         source, destination = contact.source, contact.destination
@@ -79,17 +91,14 @@ class _Start:
         distance = self.distance(source, destination)
         if distance is None:
             return ""
-        automatic = self.is_item("contact.location", index, "automatic")
-        inside = self.is_item("contact.location", index, "inside")
-        inside = inside or (automatic and distance < r_d and r_s < r_d)
-        depth = r_s + distance - r_d if inside else r_s + r_d - distance
+        depth = r_s + distance - r_d if self.inside(index) else r_s + r_d - distance
         if not depth > DEEP * min(r_s, r_d):
             return ""
         first, second = (self.scene.bodies[body].name for body in (source, destination))
         return (
             f"{first} starts {depth:.3g} m deep in {second}, more than a tenth of the smaller radius: a "
             "penalty contact throws them apart. Set their centers, radii or displacements under [start]"
-            + (f", or {contact.name}.location" if automatic else "")
+            + (f", or {contact.name}.location" if self.automatic(index) else "")
         )
 
     def distance(self, source: int, destination: int) -> float | None:

@@ -40,9 +40,12 @@ ALTERATIONS = [
     ("scene_variables.c", r'    \{"contact.gap",.*\n', ""),
     ("scene_variables.c", r"ROW_contact_gap_rate, VARIABLE_REAL", "ROW_contact_gap, VARIABLE_REAL"),
     ("scene_variables.c", r"(ROW_contact_active, VARIABLE_)BOOLEAN", r"\g<1>INTEGER"),
-    ("documentation/index.html", r"(source.center\[1..3\]</code></td>\s*<td>)111..113", r"\g<1>111..114"),
+    ("documentation/index.html", r"(source.center\[1..3\]</code>\s*<small>)111..113", r"\g<1>111..114"),
     ("documentation/index.html", r"(contact.penalty_factor</code>[\s\S]*?<td>)1000000.0", r"\g<1>100000.0"),
     ("documentation/index.html", r"(contact.gap</code>[\s\S]*?<td>)m(</td>)", r"\g<1>mm\g<2>"),
+    ("documentation/index.html", r"(<code>Length</code></td><td>m</td>\s*<td>)1e-150", r"\g<1>1e-140"),
+    ("documentation/index.html", r"<small>1e-14 to 0.01</small>", ""),
+    ("documentation/index.html", r"(source.mass</code>\s*<small>102, )parameter", r"\g<1>input"),
     ("documentation/index.html", r"<tr><td><code>contact.active[\s\S]*?</tr>", ""),
     ("documentation/index.html", r"<i>p</i><sub>nv</sub></td>", "<i>p</i><sub>n</sub></td>"),
 ]

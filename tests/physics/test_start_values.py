@@ -23,4 +23,4 @@ def test_the_force_element_presses_without_any_input(opened):
     fmu.reset()
     fmu.start()
     fmu.step(1e-3)
-    check_close("force", fmu["contact.source_force"], [0.0, 0.0, 1000.0], 1e-6)
+    check_close("force", fmu["contact.source_force"], [1000.0, 0.0, 0.0], 1e-6)

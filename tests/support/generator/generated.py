@@ -104,12 +104,40 @@ def parse_c(text: str) -> dict[str, dict]:
     return variables
 
 
+def words(element) -> str:
+    return " ".join(element.text_content().split())
+
+
+def page_types(page) -> dict[str, tuple[str, str]]:
+    """Name of each type -> its range on the documentation page."""
+    rows = page.xpath("//table[@class='types']/tr[td]")
+    return {words(row[0]): (words(row[2]), words(row[3])) for row in rows}
+
+
+def page_range(limits: tuple[str, str], own: str, given: bool) -> tuple[str, str]:
+    """As the page says: its own range, or that of its type, for what is given no further than 1e150."""
+    if own:
+        low, _, high = own.partition(" to ")
+        return low, high
+    bounded = [min(max(float(limit), -1e150), 1e150) for limit in limits] if given else limits
+    return str(bounded[0]), str(bounded[1])
+
+
 def parse_page(text: str) -> dict[str, dict]:
-    """Name of each scalar -> the cells of its row in the tables of the documentation page."""
+    """Name of each scalar -> what its row in the tables of the documentation page says."""
     variables = {}
-    for row in html.fromstring(text).xpath("//table[@class='variables']/tr[td]"):
-        cells = [" ".join(cell.text_content().split()) for cell in row.findall("td")]
-        name, reference, causality, type_name, unit, start, low, high, symbol, meaning = cells
+    page = html.fromstring(text)
+    types = page_types(page)
+    for row in page.xpath("//table[@class='variables']/tr[td]"):
+        name_cell, unit, start, symbol, meaning_cell = row.findall("td")
+        reference, causality, type_name = words(name_cell.find("small")).split(", ")
+        own = meaning_cell.find("small")
+        own_range = words(own) if own is not None else ""
+        meaning = words(meaning_cell).removesuffix(own_range)
+        name, unit, start, symbol = words(name_cell.find("code")), words(unit), words(start), words(symbol)
+        low, high = "", ""
+        if type_name in types and types[type_name][0] != "false":
+            low, high = page_range(types[type_name], own_range, causality in ("parameter", "input"))
         count = 3 if name.endswith("[1..3]") else 1
         first, *last = map(int, reference.split(".."))
         assert last == ([first + 2] if count == 3 else [])
