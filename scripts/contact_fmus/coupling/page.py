@@ -40,7 +40,7 @@ def paragraphs(data: dict[str, Any]) -> list[str]:
         "In short: read the force as soon as the inputs are set, or use contact.mean_force; a force that "
         "comes a step late adds energy in every step, and only velocity Verlet gets that back from input "
         "derivatives, of both orders. "
-        "Keep the communication step below 2 sqrt(m/p_n), and at a tenth of that where a rebound matters. "
+        "Keep the communication step below $2 sqrt(m/p_n)$, and at a tenth of that where a rebound matters. "
         "With contact.mean_force and the mean of old and new velocity half as many steps do, and with the "
         "step taken back and repeated there is no stable limit and an undamped contact keeps its energy.",
         "Another tool integrates the free ball; the FMU, both bodies prescribed, gives the contact force."
@@ -50,11 +50,11 @@ def paragraphs(data: dict[str, Any]) -> list[str]:
         "(1) and the tool's acceleration (1, 2). Mean: the FMU steps first, along the predicted straight "
         "path, and the tool applies contact.mean_force over that step; iterated: the step is taken back "
         "(fmi2SetFMUstate) and done again until the path ends where the mean force brings the ball.",
-        "A lasting contact stays quiet up to the stable step, a multiple of 1/omega = sqrt(m/p_n), "
+        "A lasting contact stays quiet up to the stable step, a multiple of $1/omega = sqrt(m/p_n)$, "
         "whatever the impact speed. Where the force comes late and is held there is none without damping:"
         " each step adds energy. The measured ones come from bisection on the FMU, where growth too slow "
         "for the length of the run is not seen; theory is the spectral radius of one step.",
-        "Velocity Verlet wants so many communication steps in the time of an undamped contact, pi/omega, "
+        "Velocity Verlet wants so many communication steps in the time of an undamped contact, $pi/omega$, "
         f"for a rebound speed within 1 %: {counts or 'more than were tried'}. A tool that uses "
         "contact.mean_force should move the body by the mean of old and new velocity, as velocity Verlet "
         "does: semi-implicit Euler with it loses energy in every impact.",
@@ -68,8 +68,8 @@ def sections(data: dict[str, Any]) -> list[dict[str, Any]]:
     """As rows.py describes them"""
     tables = [_summary(data), *(_errors(data, name) for name in ("P1", "P3"))]
     caption = (
-        "Error against communication step h in units of 1/omega; the line marks h = 2/omega. Bounce: one "
-        "impact with a dashpot, rebound speed; P1: eight impacts, position; P3: lasting contact, "
+        "Error against communication step $h$ in units of $1/omega$; the line marks $h = 2/omega$. Bounce: "
+        "one impact with a dashpot, rebound speed; P1: eight impacts, position; P3: lasting contact, "
         "position. A curve ends where the ball is lost."
     )
     figures = [{"name": FIGURE, "caption": caption}]

@@ -1,5 +1,6 @@
 """What all pages of results share: base.html (layout, style sheet), parts.html and parts.md (tables, figures)
 
+Filters for words with formulas between $ (formula.py): typeset in HTML, plain in Markdown and attributes.
 A page is a Jinja template in the package that shows it; it extends base.html or imports from parts.
 """
 
@@ -11,6 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+
+from .formula import plain, typeset
 
 OWN = Path(__file__).parent
 IMAGES = {".png": "image/png", ".svg": "image/svg+xml"}
@@ -46,5 +49,5 @@ def _environment(templates: Path, folder: Path) -> Environment:
     def cell(text: str) -> str:
         return str(text).replace("|", "\\|").replace("\n", " ")
 
-    environment.filters |= {"embedded": embedded, "cell": cell}
+    environment.filters |= {"embedded": embedded, "cell": cell, "typeset": typeset, "plain": plain}
     return environment

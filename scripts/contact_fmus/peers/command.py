@@ -58,7 +58,8 @@ def section(rows: Iterable[Row], names: Iterable[str]) -> dict:
         "title": "How the peers were run",
         "paragraphs": [
             "Each peer runs in a process of its own, on one thread; only its stepping is timed, and every"
-            " repeat starts from a model made anew.",
+            " repeat starts from a model made anew. scipy's right-hand side is Python, called for every"
+            " evaluation.",
         ],
         "tables": tables,
     }

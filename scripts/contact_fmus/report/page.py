@@ -12,7 +12,7 @@ from contact_fmus.bench.problems import benchmarks, stiff_families
 from contact_fmus.pages import write_pages
 from contact_fmus.pages.table import Table
 
-from . import figures, tables
+from . import figures, summary, tables
 from .rows import Row, read_part, read_rows
 
 
@@ -29,20 +29,29 @@ class Section:
 def draw_page(folder: Path) -> list[Path]:
     """Reads what the parts left in the folder and writes figures, index.html and README.md."""
     own = read_rows(folder / "results.csv")
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    measured = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     others = read_rows(folder / "peers.csv") if (folder / "peers.csv").is_file() else []
     parts = [read_part(folder / name) for name in ("peers.json", "force_element.json")]
-    versions = dict(summary["versions"])
+    versions = dict(measured["versions"])
     for part in parts:
         versions |= part.get("versions", {})
     given = [given_section(section, folder) for part in parts for section in part.get("sections", ())]
     sections = [
-        _work_precision(own, others, summary["ratios"], "sections" in parts[0], folder),
+        _summary(measured["ratios"], others),
+        _work_precision(own, others, measured["ratios"], "sections" in parts[0], folder),
         _stiffness(own, folder),
         *given,
     ]
-    context = {"versions": versions, "made": summary["made"], "plan": summary["plan"], "sections": sections}
+    contents = [(f"section-{k}", section.title) for k, section in enumerate(sections, 1)]
+    contents.append(("versions", "Versions and machine"))
+    context = {key: measured[key] for key in ("made", "plan")}
+    context |= {"contents": contents, "versions": versions, "sections": sections}
     return write_pages(Path(__file__).parent, folder, context)
+
+
+def _summary(ratios: list[dict], others: list[Row]) -> Section:
+    listed = [summary.comparison(ratios, others), summary.problems()]
+    return Section("Summary", summary.paragraphs(ratios, others), listed)
 
 
 def _work_precision(

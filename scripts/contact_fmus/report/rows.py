@@ -16,7 +16,7 @@ peers.json (optional) and force_element.json are objects; the page reads these k
 
     "versions": {"exudyn": "1.13.6", ...}          added to the table of versions
     "sections": [{"title": "...",
-                  "paragraphs": ["...", ...],        plain text
+                  "paragraphs": ["...", ...],        text, formulas between $ (pages/formula.py)
                   "tables": [{"caption": "...", "header": ["...", ...], "rows": [["...", ...], ...]}],
                   "figures": [{"name": "force_element", "caption": "..."}]}]
 

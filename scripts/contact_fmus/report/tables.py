@@ -70,8 +70,8 @@ def ratios(comparison: Sequence[dict]) -> Table:
                 str(one["communication_steps"]),
                 *_side(one["cvode"]),
                 *_side(one["event_driven"]),
-                _ratio(one["ratio"]),
-                _ratio(one["ratio_of_least"]),
+                ratio_text(one["ratio"]),
+                ratio_text(one["ratio_of_least"]),
             ]
         )
     header = ["problem", "communication steps", "best CVODE setting that reaches 1e-7 m", "its time, error"]
@@ -80,8 +80,9 @@ def ratios(comparison: Sequence[dict]) -> Table:
     return Table("How much less time the event-driven solver takes", header, cells, 6)
 
 
-def _ratio(value: float) -> str:
-    return f"{value:.0f}" if value >= 9.95 else f"{value:.1f}"
+def ratio_text(value: float | None) -> str:
+    """Two digits, or all before the point"""
+    return MISSING if value is None else f"{value:.0f}" if value >= 9.95 else f"{value:.1f}"
 
 
 def _side(side: dict) -> tuple[str, str]:

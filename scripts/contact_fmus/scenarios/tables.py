@@ -8,6 +8,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from contact_fmus.pages.formula import plain
+
 from .leave_out import FmuSize
 from .runner import ClaimResult, ScenarioResult
 
@@ -60,7 +62,7 @@ def claims_table(results: list[ScenarioResult]) -> Table:
                 runs = sum(one.claim is claim for one in result.results)
                 unit = worst.outcome.unit
                 table.add_row(
-                    title, claim.text, str(runs), format_value(worst.outcome.measured, unit),
+                    title, plain(claim.text), str(runs), format_value(worst.outcome.measured, unit),
                     format_value(worst.outcome.expected, unit), format_error(worst), format_allowed(worst),
                     "[green]yes[/]" if worst.holds else "[red]NO[/]",
                 )  # fmt: skip

@@ -54,7 +54,11 @@ MAPS = (
         lambda row: row.work,
     ),
 )
-LEGEND = "Grey: every run refused, with a message; a dot: some refused; a cross: a wrong result."
+LEGEND = (
+    "A panel for each axis and method, a row for each law, the number on the axis to the right; colour: the "
+    "worst of the runs there, as the bar at the bottom says. Grey: every run refused, with a message; a dot: "
+    "some refused; a red cross: a wrong result."
+)
 
 
 def draw(rows: Sequence[SceneRun], folder: Path) -> list[dict[str, str]]:

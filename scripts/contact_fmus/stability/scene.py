@@ -56,5 +56,4 @@ class Scene:
 class Family(NamedTuple):
     name: str
     axis: str  # with its unit
-    text: str
     make: Callable[[], Iterator[Scene]]

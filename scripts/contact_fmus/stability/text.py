@@ -1,4 +1,44 @@
-"""The words of the page"""
+"""The words of the page; formulas stand between $ (pages/formula.py)"""
+
+# What each axis is about; scenes.py says what its scenes are.
+AXES = {
+    "stiffness": "How stiff the contact is, everything else the same",
+    "mass": "The ball's mass, on a fixed body",
+    "mass ratio": "Both bodies are free; the destination weighs 1 kg",
+    "size": "All lengths and the speed grow alike; gravity stays, so that it rules the small ones",
+    "radius ratio": "A body of 0.125 m and one that is so much larger; the ball is either of them",
+    "clearance": "A ball that all but fills a hollow body: how much room it has. It crosses, or "
+    "settles on the wall",
+    "speed": "How fast the ball is thrown at the body",
+    "bullet": "A ball of 8 µm shot at a body of 1 mm, at up to 1000 km/s, in one step that "
+    "ends far beyond: how deep the impact goes. From 1 on the ball comes out on the "
+    "other side",
+    "damping": "How strong the dashpot is; at 1, critical damping, an unloaded contact no longer swings",
+    "viscous only": "Contacts that are a dashpot without a spring: its factor",
+    "communication step": "A flight, an impact and what follows within 1, 20 or 100 communication steps "
+    "of this size",
+    "offset": "Both bodies so far from the origin, where places have fewer digits to spare",
+    "start": "The bodies overlap already at the start: at 0 they touch, at 1 the centres of "
+    "solid ones coincide",
+    "rim": "The ball passes the end of a finite cylinder so long before or after it touches",
+    "force": "A force presses the ball on the body",
+    "jump": "The importer moves the destination by so many radii at once, into the ball or away, and back",
+    "all at once": "Forty scenes in each of ten groups, drawn at random with everything above "
+    "extreme at once. The number is the group's and has no order",
+    "unit of length": "Oblique scenes told in another unit of length, 2 to this power of a metre: the "
+    "motion must be the same",
+    "unit of mass": "The same with another unit of mass",
+    "unit of time": "The same with another unit of time",
+    "unit of all": "The same with all three units changed at once",
+}
+
+LAWS = {
+    "undamped": "a spring without a dashpot",
+    "non_adhesive": "spring and dashpot; the force is clipped where it would pull",
+    "unclamped": "spring and dashpot as they stand; the contact may pull while the bodies part",
+    "approach_only": "the dashpot acts only while the bodies approach",
+    "viscous_only": "a dashpot without a spring, with any of the three ways it acts",
+}
 
 CHECKS = (
     "Head-on scenes have a closed form, evaluated with 60 digits from the very numbers the FMU is "
@@ -19,16 +59,16 @@ LIMITS = (
     "bounded by 3000 internal steps for each communication step, event and radian of slow swinging; a "
     "run that bounces for ever in one communication step ends with fmi2Discard at "
     "solver.max_internal_steps, the state whole, and goes on when fmi2DoStep is called again. Nothing of "
-    "it is left to CVODE: a way through the middle of a solid body (d = 0), where the normal turns round, "
+    "it is left to CVODE: a way through the middle of a solid body ($d = 0$), where the normal turns round, "
     "is taken in two pieces.",
     "cvode_bdf and cvode_adams resolve every oscillation of a contact, cvode_adams every decay as well. "
-    "A contact that lasts long against sqrt(m/p_n), or m/p_nv, ends with fmi2Discard at "
+    "A contact that lasts long against $sqrt(m/p_n)$, or $m/p_nv$, ends with fmi2Discard at "
     "solver.max_internal_steps: use event_driven.",
-    "cvode_bdf and cvode_adams hold their tolerance in displacements. An impact whose depth v "
-    "sqrt(m/p_n) is not large against relative tolerance times displacement (mass ratios from 1e10, "
-    "p_n/m from 1e16 1/s2 on) gives a speed that is off by more than the tolerance, with energy in "
+    "cvode_bdf and cvode_adams hold their tolerance in displacements. An impact whose depth $v "
+    "sqrt(m/p_n)$ is not large against relative tolerance times displacement (mass ratios from 1e10, "
+    "$p_n/m$ from 1e16 1/s² on) gives a speed that is off by more than the tolerance, with energy in "
     "balance to rounding or not: use event_driven.",
-    "cvode_bdf and cvode_adams take internal steps of about a tenth of r_d - r_s in a hollow body at the "
+    "cvode_bdf and cvode_adams take internal steps of about a tenth of $r_d - r_s$ in a hollow body at the "
     "speed of the moment: an impact that is 1000 clearances deep ends with fmi2Discard at "
     "solver.max_internal_steps.",
     "cvode_bdf and cvode_adams find events by samples: a flight shorter than an internal step (a ball "
