@@ -1,0 +1,124 @@
+"""Every example runs as its folder's README says, and what it prints is right"""
+
+import ast
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+from contact_fmus.fmu.contact_fmu import ContactFmu
+from contact_fmus.fmu.files import fmu_file, fmus_folder
+from support.checks import check_close
+from support.sources import ROOT
+
+EXAMPLES = ROOT / "examples"
+
+
+def said(script, *arguments, folder):
+    """What a script prints; run in a folder of its own, without the project's modules"""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    command = [sys.executable, str(EXAMPLES / script), *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=folder, env=environment, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
+def test_the_fmpy_script_finds_the_impacts(tmp_path):
+    text = said("fmpy_script.py", fmu_file("BallOnSphere"), folder=tmp_path)
+    times = [float(line.split()[0]) for line in text.splitlines()[1:-1]]
+    with ContactFmu(fmu_file("BallOnSphere")) as fmu:
+        values = {"contact.dashpot": "unclamped", "contact.viscous_penalty_factor": 200.0}
+        fmu.start({"source.center": [0.03, 0.04, 1.1], **values}, tolerance=1e-10)
+        fmu.step(1.5)
+        assert fmu["contact.onsets"] == len(times) == 2
+        check_close("second onset", times[1], fmu["contact.last_onset_time"], 1e-6)
+        check_close("height", float(re.search(r"(\S+) m$", text)[1]), fmu["source.position"][2], 1e-5)
+    # Head-on it would fall until 0.6 m; here it meets the sphere a little later, on its shoulder.
+    assert (2 * 0.5 / 9.81) ** 0.5 < times[0] < 1.01 * (2 * 0.502 / 9.81) ** 0.5
+
+
+def test_the_integrator_around_the_force_element_keeps_the_energy(tmp_path):
+    text = said("multibody_integrator.py", fmu_file("ForceElement"), folder=tmp_path)
+    assert "2 impacts" in text
+    assert float(re.search(r"strays by (\S+) J", text)[1]) < 1e-6
+
+
+@pytest.fixture
+def integrator():
+    spec = importlib.util.spec_from_file_location("integrator", EXAMPLES / "multibody_integrator.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look it up
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules[spec.name]
+
+
+def test_without_its_spring_it_moves_as_the_fmu_that_integrates_by_itself(integrator):
+    contact = integrator.ContactForce(str(fmu_file("ForceElement")))
+    motion = integrator.move(integrator.Ball(contact, stiffness=0.0), 0.6)
+    contact.close()
+    with ContactFmu(fmu_file("SphereCylinder")) as fmu:
+        values = {"contact.method": "penalty", "contact.penalty_factor": integrator.PENALTY}
+        place = {"source.center": integrator.START, "destination.axis": [0.0, 1.0, 0.0]}
+        fmu.start(place | values, tolerance=1e-12)
+        fmu.step(0.6)
+        assert fmu["contact.onsets"] == 1
+        check_close("displacement", motion.y[:3, -1], fmu["source.displacement"], 1e-6)
+
+
+def test_the_notebook_runs(monkeypatch):
+    monkeypatch.setenv("CONTACT_FMUS", str(fmus_folder().resolve()))
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    notebook = nbformat.read(EXAMPLES / "bounces.ipynb", as_version=4)
+    assert not any(cell.get("outputs") for cell in notebook.cells), "kept without outputs"
+    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(EXAMPLES)}}).execute()
+    texts = ["".join(o.get("text", "") for o in cell.get("outputs", ())) for cell in notebook.cells]
+    drift, bounces = map(ast.literal_eval, texts[7].splitlines())
+    assert set(drift) == {"non_adhesive", "unclamped", "approach_only"}
+    assert max(drift.values()) < 1e-6 and min(bounces.values()) >= 2
+    assert texts[9].split()[2] == "True"
+
+
+@pytest.fixture(scope="module")
+def marble(tmp_path_factory):
+    """The FMU of the scene of one's own, built as its script says but in a folder of its own"""
+    folder = tmp_path_factory.mktemp("marble")
+    scene = EXAMPLES / "own_scene" / "MarbleOnPipe.toml"
+    configure = ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"]
+    configure += [f"-DCONTACT_EXTRA_SCENES={scene}", "-DBUILD_TESTING=OFF"]
+    configure += [f"-DPython3_EXECUTABLE={sys.executable}"]
+    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+    for command in (configure, ["cmake", "--build", str(folder), "--target", "MarbleOnPipe_fmu"]):
+        made = subprocess.run(command, capture_output=True, text=True, env=environment)
+        assert made.returncode == 0, made.stdout + made.stderr
+    return folder / "fmus" / "MarbleOnPipe.fmu"
+
+
+def test_a_scene_of_ones_own_is_built_and_driven(marble, tmp_path):
+    text = said("own_scene/run_marble.py", marble, folder=tmp_path)
+    place = [float(number) for number in re.search(r"\[(.*)\]", text)[1].split()]
+    # No friction: along the pipe it is a body of 5 g that 0.01 N pushes for half a second.
+    pushed = 0.5 * (0.01 / 0.005) * 0.5**2
+    check_close("along", place[1], pushed + (0.01 / 0.005) * 0.5 * 0.5, 1e-5)
+    assert place[0] == 0.0 and 0.055 < place[2] < 0.3
+    assert int(re.search(r"and (\d+) bounces", text)[1]) >= 1
+
+
+def test_the_guide_to_scene_files_shows_the_same_scene():
+    guide = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
+    shown = re.search(r"```toml\n(.*?)```", guide, re.DOTALL)[1]
+    scene = (EXAMPLES / "own_scene" / "MarbleOnPipe.toml").read_text(encoding="utf-8")
+    assert scene.partition("\n")[2] == shown
+
+
+def test_the_readme_names_every_example():
+    text = (EXAMPLES / "README.md").read_text(encoding="utf-8")
+    links = re.findall(r"\]\(([^)]+)\)", text)
+    assert all((EXAMPLES / link).exists() for link in links)
+    named = {link.partition("/")[0] for link in links if not link.startswith("..")}
+    assert {path.name for path in EXAMPLES.iterdir()} - {".ipynb_checkpoints"} == named | {"README.md"}
