@@ -4,8 +4,8 @@
 python examples/multibody_integrator.py [FMU]      default build/fmus/ForceElement.fmu
 
 A ball of 1 kg hangs on a spring above a lying cylinder and bounces on it. The integrator is implicit (Radau):
-it asks the FMU for the force at any displacement and velocity, and for the force's derivatives, without a step
-of the FMU. The energy shows whether the two fit together.
+it asks the FMU for the force at any displacement and velocity, and for its derivatives, without a step of the
+FMU. The energy shows whether the two fit together.
 """
 
 import sys
