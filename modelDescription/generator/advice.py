@@ -1,11 +1,18 @@
 """Remedies: what to write instead of what a scene file says, in words."""
 
+import difflib
 import re
 
 from .catalogue import Catalogue, Row, Type
 
 # A number and, after it, a unit: "50 mm", "1e3kg".
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*")
+
+
+def likely(name: str, known) -> str:
+    """', did you mean 'contact.dashpot'?', '' where nothing is alike."""
+    found = difflib.get_close_matches(name, list(known), n=1, cutoff=0.8)
+    return f", did you mean '{found[0]}'?" if found else ""
 
 
 def toml(value) -> str:

@@ -168,7 +168,7 @@ def _unknown(where: str, name: str, known: dict[str, Cell]) -> str:
     vector, bracket, _ = name.partition("[")
     if bracket and vector in known and known[vector].row.dim > 1:
         return f"{where}: '{name}' is part of a vector (allowed: all of it, \"{vector}\" = [x, y, z])"
-    return f"{where}: unknown variable '{name}' {_near(name, known)}"
+    return f"{where}: unknown variable '{name}'{advice.likely(name, known)} {_near(name, known)}"
 
 
 def _near(name: str, known: dict[str, Cell]) -> str:

@@ -95,7 +95,7 @@ class _Reader:
         for key in table:
             if key not in known:
                 remedy = advice.misplaced(self.catalogue, owner, key, table, EXPERIMENT) if owner else ""
-                remedy = f": {remedy}" if remedy else ""
+                remedy = f": {remedy}" if remedy else advice.likely(key, known)
                 self.fail(where, f"unknown key '{key}'{remedy} {allowed(known)}")
         for key in required:
             if key not in table:

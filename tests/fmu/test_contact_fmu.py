@@ -90,6 +90,17 @@ def test_a_closed_instance_says_so(fmu):
             call()
 
 
+def test_messages_show_numbers_as_a_user_writes_them(fmu):
+    """The shortest digits that read back: neither 0.69999999999999996 nor fewer than there are"""
+    fmu.reset()
+    with pytest.raises(FmuError, match=r"source\.radius = 0\.7 m >= destination\.radius = 0\.5 m"):
+        fmu.start({"source.radius": 0.7, "contact.location": "inside"})
+    fmu.reset()
+    refused = r"source\.mass = -0\.30000000000000004 refused \(allowed: 1e-150 \.\. 1e\+150\)"
+    with pytest.raises(FmuError, match=refused):
+        fmu["source.mass"] = -(0.1 + 0.2)
+
+
 def test_the_leave_out_table_knows_no_fmu_whose_scene_is_gone(fmu_path, tmp_path, monkeypatch):
     for name in ("ForceElement", "Gone"):
         (tmp_path / f"{name}.fmu").write_bytes(fmu_path("ForceElement").read_bytes())
