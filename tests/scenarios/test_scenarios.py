@@ -4,10 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lxml import etree
 
 from contact_fmus.scenarios import command
 from contact_fmus.scenarios.claims import Outcome
 from contact_fmus.scenarios.experiment import Claim
+from contact_fmus.scenarios.page import write_report
 from contact_fmus.scenarios.runner import run_scenario
 from contact_fmus.scenarios.scenario import read_scenario
 
@@ -35,7 +37,19 @@ def test_a_run_writes_its_plot_and_a_page_that_shows_it(tmp_path, capsys):
     page = (tmp_path / "index.html").read_text(encoding="utf-8")
     assert 'src="plots/force_element.png"' in page
     assert (tmp_path / "plots" / "force_element.png").stat().st_size > 10_000
+    assert '<a href="#force_element">' in page and "1 scenarios, " not in page
+    assert "does not show, so bodies that seem to overlap may be apart" in page
     assert "0 do not hold" in capsys.readouterr().out
+
+
+def test_the_page_typesets_formulas_and_stands_alone(tmp_path):
+    results = [run_scenario(read_scenario(FOLDER / "contact_duration.toml"), None, ignore)]
+    page = etree.HTML(write_report(results, tmp_path).read_text(encoding="utf-8"))
+    assert page.xpath("//td/math/msqrt/msub/mi/text()")[0] == "p"
+    assert "$" not in page.xpath("string(//body)")
+    assert page.xpath("//link | //script | //iframe | //@src[starts-with(., 'http')]") == []
+    for link in page.xpath("//nav//a/@href"):
+        assert page.xpath(f"//*[@id='{link[1:]}']"), link
 
 
 def test_a_wrong_expectation_fails_and_the_exit_status_says_so(tmp_path, capsys):

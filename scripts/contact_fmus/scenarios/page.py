@@ -33,7 +33,7 @@ def summary(results: list[ScenarioResult]) -> str:
     every = [one for result in results for one in result.results]
     broken = sum(not one.holds for one in every)
     failures = sum(len(result.failures) for result in results)
-    text = f"{len(results)} scenarios, {len(every)} comparisons: "
+    text = f"{len(results)} scenario{'s' * (len(results) != 1)}, {len(every)} comparisons: "
     text += "all hold." if not broken else f"{broken} do not hold."
     return text + (f" {failures} runs failed." if failures else "")
 

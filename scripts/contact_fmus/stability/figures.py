@@ -66,7 +66,12 @@ def draw(rows: Sequence[SceneRun], folder: Path) -> list[dict[str, str]]:
     for one in MAPS:
         with mpl.rc_context(STYLE):
             _figure(one, rows).savefig(folder / f"{one.name}.png", dpi=90, metadata={"Software": None})
-    return [{"name": one.name, "caption": f"{one.caption} {LEGEND}"} for one in MAPS]
+    return [{"name": one.name, "caption": f"{one.caption} {_scale(one)} {LEGEND}"} for one in MAPS]
+
+
+def _scale(shown: Map) -> str:
+    low, high = (short(bound) for bound in shown.bounds)
+    return f"Dark blue is {low} or less, yellow {high} or more."
 
 
 def short(value: float) -> str:

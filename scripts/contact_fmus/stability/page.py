@@ -26,6 +26,7 @@ def draw_page(rows: Sequence[SceneRun], folder: Path, plan: str) -> list[Path]:
         "most_steps": MOST_STEPS,
         "families": [family for family in FAMILIES if any(row.family == family.name for row in rows)],
         "figures": drawn,
+        "legend": figures.LEGEND,
         "counts": limits.counts(rows),
         "limits": [limits.axes(rows), limits.refusals(rows)],
         "mistakes": limits.mistakes(rows),
