@@ -70,7 +70,7 @@ def main(args: list[str] | None = None) -> int:
             resolved = load(options.scene[0])
             write(render(resolved) | licence(), options.output)
             if options.icon:
-                options.icon.write_bytes(draw(Start(resolved)))
+                write({options.icon.name: draw(Start(resolved))}, options.icon.parent)
     except InputError as error:
         print(error, file=sys.stderr)
         return 2

@@ -92,13 +92,13 @@ def guide(catalogue: Catalogue) -> str:
     return template.render(scene_guide.context(catalogue)).rstrip() + "\n"
 
 
-def write(files: dict[str, str], folder: Path) -> None:
+def write(files: dict[str, str | bytes], folder: Path) -> None:
     """Writes what differs, so that a build sees only real changes."""
-    for name, text in files.items():
-        path = folder / name
+    for name, content in files.items():
+        path, data = folder / name, content if isinstance(content, bytes) else content.encode()
         path.parent.mkdir(parents=True, exist_ok=True)
-        if not path.exists() or path.read_bytes() != text.encode():
-            path.write_bytes(text.encode())
+        if not path.exists() or path.read_bytes() != data:
+            path.write_bytes(data)
 
 
 def counts(resolved: Resolved) -> dict[str, int]:

@@ -251,9 +251,11 @@ def test_every_licence_of_what_is_inside_is_named(folder, scene):
 
 
 def test_unchanged_files_are_not_written_again(tmp_path):
+    icon = ("--icon", tmp_path / "model.png")
     generate("ForceElement", tmp_path)
+    run("--scene", FOLDER / "scenes" / "ForceElement.toml", "--output", tmp_path, *icon)
     before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
-    generate("ForceElement", tmp_path)
+    run("--scene", FOLDER / "scenes" / "ForceElement.toml", "--output", tmp_path, *icon)
     assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")} == before
 
 
