@@ -108,7 +108,7 @@ def resolve(scene: Scene, catalogue: Catalogue) -> Resolved:
     cells = [_place(cell, cells, constants, scene) for cell in cells]
     known = {cell.name: cell for cell in cells}
     _check_use(scene, known, cells, constants)
-    left_out = _left_out(scene, known)
+    left_out = _left_out(scene, known, cells, constants)
     starts = {
         name: checked(scene, catalogue, "[start]", known[name], value) for name, value in scene.start.items()
     }
@@ -238,7 +238,7 @@ def _check_use(scene: Scene, known: dict[str, Cell], cells: list[Cell], constant
             raise scene.error(f"{text} (allowed: {remedy}, or no '{name}')")
 
 
-def _left_out(scene: Scene, known: dict[str, Cell]) -> set[str]:
+def _left_out(scene: Scene, known: dict[str, Cell], cells: list[Cell], constants: dict) -> set[str]:
     """Names of the cells that [leave_out] removes; an entry is a variable, a row (body.velocity) or group."""
     outputs = {name: cell for name, cell in known.items() if cell.present and not cell.row.has_start}
     result: set[str] = set()
@@ -251,6 +251,9 @@ def _left_out(scene: Scene, known: dict[str, Cell]) -> set[str]:
         if not found and entry in known and known[entry].row.has_start:
             kind = known[entry].row.causality
             raise scene.error(f"[leave_out]: '{entry}' is no output but {kind} {_near(entry, outputs)}")
+        if not found and entry in known:
+            reason, _ = why_not(known[entry], cells, constants, scene)
+            raise scene.error(f"[leave_out]: '{entry}' is left out already: {reason} {_near(entry, outputs)}")
         if not found:
             raise scene.error(
                 _unknown("[leave_out]", entry, outputs).replace("unknown variable", "unknown output")
