@@ -9,7 +9,7 @@ struct shortest {
     char text[SHORTEST_SIZE];
 };
 
-/* 0.7 is "0.7", where "%.17g" would say 0.69999999999999996. For an argument of "%s": shortest_digits(x).text. */
+/* 0.7 is "0.7", where "%.17g" would say 0.69999999999999996. For "%s": shortest_digits(x).text */
 struct shortest shortest_digits(double value);
 
 #endif
