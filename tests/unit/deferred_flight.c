@@ -169,6 +169,7 @@ static void the_last_direction_is_that_of_the_step_before_the_axis(void)
     }
     struct scene_values *v = &m->state.values;
     scene_start_free(m, SOURCE, vec3_make(7.0 / 32.0, 49.0 / 256.0, 0.0), vec3_make(-0.5, -0.875, 0.0));
+    scene_put(v->body[DESTINATION].axis, 0.0, 0.0, 1.0);
     scene_put(v->world.gravity, 0.0, 2.0, 0.0);
     CHECK(model_exit_initialization(m) == MODEL_OK);
     for (int i = 1; i <= 7; ++i) {

@@ -16,8 +16,8 @@ static inline void *scene_allocate(size_t count, size_t size)
     return calloc(count, size);
 }
 
-/* A model with start values and gravity off; it is complete without memory of its own until it has to
- * step. */
+/* A model with start values, gravity off and a cylinder along z; it is complete without memory of its own
+ * until it has to step. */
 static inline struct model scene_model(void)
 {
     struct model m;
@@ -26,6 +26,10 @@ static inline struct model scene_model(void)
     m.host.release = free;
     model_reset(&m);
     m.state.values.world.gravity[2] = 0.0;
+#if SCENE_ANY_CYLINDER
+    m.state.values.body[DESTINATION].axis[1] = 0.0;
+    m.state.values.body[DESTINATION].axis[2] = 1.0;
+#endif
     return m;
 }
 
