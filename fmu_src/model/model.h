@@ -108,9 +108,9 @@ model_get_adjoint_derivative(struct model *m, const uint32_t *unknowns, size_t u
 
 size_t model_state_size(void);
 
-/* Writes model_state_size() bytes. With event_driven this is only looking: nothing that follows changes. CVODE
- * drops its history, so that the run that goes on and a run restored from these bytes are the same, bit for
- * bit. */
+/* Writes model_state_size() bytes. With event_driven this is only looking: nothing that follows changes.
+ * CVODE drops its history, so that the run that goes on and a run restored from these bytes are the same, bit
+ * for bit. */
 void model_save(struct model *m, void *bytes);
 
 /* Takes the bytes over as a whole or refuses them (another version or scene, cut short, altered) and changes

@@ -13,8 +13,7 @@
 enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise);
 void motion_close(struct model *m);
 
-/* Whether the method goes on from a history that is not part of the saved state: CVODE does, event_driven does
- * not. */
+/* Whether the method goes on from a history that is not part of the saved state, as CVODE does. */
 bool motion_has_history(const struct scene_values *v);
 
 /* Puts free bodies to where they start; then, all else being known, begins the motion. */

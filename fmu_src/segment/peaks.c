@@ -71,7 +71,7 @@ static void climb(struct search *f, double top, double turn)
     }
 }
 
-/* The two tops next to a place; where the slow part is steeper than the oscillation, its top; or, where a turn
+/* The two tops next to a place. Where the slow part is steeper than the oscillation, its top; where a turn
  * has no places to speak of, the top of one. */
 static void climb_about(struct search *f, double place, const struct pair_sample *slow)
 {

@@ -1,13 +1,8 @@
 """Bodies and contacts are lists: three balls in a row, two contacts on the middle one; two pairs at a time.
 
 The reference of the three balls is three_balls.py, that of each pair the FMU of the pair alone. The FMUs are
-built for the test.
+built by conftest.py.
 """
-
-import os
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,44 +11,7 @@ from contact_fmus.fmu.contact_fmu import ContactFmu
 from support.checks import METHODS, check_close
 from support.reference.three_balls import CASES, END, NAMED, reference
 
-ROOT = Path(__file__).resolve().parents[2]
-SCENES = ("ThreeBalls", "TwoPairs")
 BALLS = ("left", "middle", "right")
-
-
-@pytest.fixture(scope="module")
-def built(tmp_path_factory):
-    """The FMUs of SCENES, by name."""
-    folder = tmp_path_factory.mktemp("scenes")
-    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
-    extra = ";".join(str(ROOT / "tests" / "physics" / "scenes" / f"{name}.toml") for name in SCENES)
-    options = [f"-DCONTACT_EXTRA_SCENES={extra}", f"-DPython3_EXECUTABLE={sys.executable}"]
-    configure = ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"]
-    targets = [f"{name}_fmu" for name in SCENES]
-    (folder / "fmus").mkdir()
-    (folder / "fmus" / "Gone.fmu").write_text("of a scene that the build had before")
-    for command in ([*configure, *options], ["cmake", "--build", str(folder), "--target", *targets]):
-        made = subprocess.run(command, capture_output=True, text=True, env=environment)
-        assert made.returncode == 0, made.stdout + made.stderr
-    return {name: folder / "fmus" / f"{name}.fmu" for name in SCENES}
-
-
-def test_an_fmu_whose_scene_is_gone_is_removed(built):
-    folder = built["ThreeBalls"].parent
-    assert sorted(path.stem for path in folder.glob("*.fmu")) == sorted(SCENES)
-
-
-def test_a_scene_named_like_a_target_of_the_project_is_refused_in_words(built, tmp_path):
-    """Of one that is defined before the scenes, and of one that the tests define"""
-    text = (ROOT / "tests" / "physics" / "scenes" / "TwoPairs.toml").read_text(encoding="utf-8")
-    for name in ("contact_core", "unit_geometry"):
-        scene = tmp_path / f"{name}.toml"
-        scene.write_text(text.replace('"TwoPairs"', f'"{name}"'), encoding="utf-8")
-        command = ["cmake", "-B", str(built["ThreeBalls"].parents[1]), f"-DCONTACT_EXTRA_SCENES={scene}"]
-        made = subprocess.run(command, capture_output=True, text=True)
-        assert made.returncode != 0
-        said = " ".join(made.stderr.split())
-        assert f"'name' is '{name}', but this build has another target '{name}' (allowed: any other" in said
 
 
 def values_of(case, method):

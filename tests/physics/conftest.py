@@ -1,0 +1,28 @@
+"""FMUs of scenes with several contacts, built for the tests."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENES = ("ThreeBalls", "TwoPairs")
+
+
+@pytest.fixture(scope="session")
+def built(tmp_path_factory):
+    """The FMUs of SCENES, by name."""
+    folder = tmp_path_factory.mktemp("scenes")
+    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+    extra = ";".join(str(ROOT / "tests" / "physics" / "scenes" / f"{name}.toml") for name in SCENES)
+    options = [f"-DCONTACT_EXTRA_SCENES={extra}", f"-DPython3_EXECUTABLE={sys.executable}"]
+    configure = ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release"]
+    targets = [f"{name}_fmu" for name in SCENES]
+    (folder / "fmus").mkdir()
+    (folder / "fmus" / "Gone.fmu").write_text("of a scene that the build had before")
+    for command in ([*configure, *options], ["cmake", "--build", str(folder), "--target", *targets]):
+        made = subprocess.run(command, capture_output=True, text=True, env=environment)
+        assert made.returncode == 0, made.stdout + made.stderr
+    return {name: folder / "fmus" / f"{name}.fmu" for name in SCENES}
