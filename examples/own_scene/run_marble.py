@@ -5,8 +5,7 @@ python examples/own_scene/run_marble.py [FMU]      default build/fmus/MarbleOnPi
 
 Build it first, from the root of the project:
 
-cmake --preset default -DCONTACT_EXTRA_SCENES=examples/own_scene/MarbleOnPipe.toml
-cmake --build --preset default --target MarbleOnPipe_fmu
+.venv/bin/contact-fmus build examples/own_scene/MarbleOnPipe.toml -o build/fmus
 """
 
 import sys

@@ -2,6 +2,7 @@
 
 import ast
 import importlib.util
+import math
 import os
 import re
 import subprocess
@@ -14,6 +15,7 @@ from nbclient import NotebookClient
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file, fmus_folder
 from support.checks import check_close
+from support.programs import environment, python
 from support.sources import ROOT
 
 EXAMPLES = ROOT / "examples"
@@ -82,6 +84,23 @@ def test_the_notebook_runs(monkeypatch):
     assert set(drift) == {"non_adhesive", "unclamped", "approach_only"}
     assert max(drift.values()) < 1e-6 and min(bounces.values()) >= 2
     assert texts[9].split()[2] == "True"
+
+
+def test_the_sweep_finds_the_restitution_of_a_damped_oscillator(tmp_path):
+    """Unclamped, a contact lasts half a turn: exp(-pi z / sqrt(1 - z^2)) is left, z the damping ratio"""
+    study = EXAMPLES / "sweep" / "restitution.toml"
+    command = python("contact_fmus", "sweep", study, "-o", tmp_path, "--workers", 1)
+    subprocess.run(command, check=True, timeout=300, env=environment())
+    text = said("sweep/read_results.py", tmp_path / "results.parquet", folder=tmp_path)
+    names, _, *rows = (line.split() for line in text.splitlines())
+    column = names.index("unclamped")
+    assert len(rows) == 40
+    for ratio, *found in rows:
+        z = float(ratio)
+        expected = math.exp(-math.pi * z / math.sqrt(1.0 - z * z))
+        # the ratio is printed with four digits: half of the last one, times the slope
+        allowed = 2e-4 / (1.0 - z * z) ** 1.5
+        check_close(f"restitution at {ratio}", float(found[column - 1]), expected, allowed)
 
 
 @pytest.fixture(scope="module")
