@@ -16,6 +16,7 @@ def instance(request):
     fmu = raw.load(request.param)
     with Instance(fmu) as made:
         values = {"source.motion": "prescribed", "destination.motion": "prescribed"}
+        values |= {"source.center": [0.0, 0.0, 1.1], "destination.axis": [0.0, 0.0, 1.0]}
         made.initialize({name: value for name, value in values.items() if name in fmu.variables})
         made.set(
             {

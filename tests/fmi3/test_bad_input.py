@@ -268,7 +268,7 @@ def test_a_state_of_the_other_version_is_refused(pair):
     with ContactFmu(fmu_file("SphereSphere")) as second, Instance(pair) as third:
         second.start({})
         third.initialize()
-        state, blob = c_void_p(), second.save()
+        state, blob = c_void_p(), bytes(second.save())
         with third.expect(ERROR, "fmi3DeserializeFMUState", "magic number") as got:
             got(third.restore(blob))
         assert state.value is None

@@ -99,6 +99,7 @@ def test_a_cylinder_that_slides_away_ends_the_contact_at_its_end(method):
         "source.mass": 1000.0,
         "source.center": [0.59, 0.0, 0.0],
         "destination.motion": "prescribed",
+        "destination.axis": [0.0, 0.0, 1.0],
         "destination.finite_length": True,
         "destination.length": 0.2,
         "contact.method": "penalty",

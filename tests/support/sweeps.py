@@ -93,8 +93,15 @@ class Cluster:
         self.processes = []
         self.workers = []
         self._start("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(self.file))
-        wait_for(self.file.exists)
+        wait_for(self._is_told)
         self.address = json.loads(self.file.read_text())["address"]
+
+    def _is_told(self):
+        """The scheduler writes its file in pieces: it is complete when it can be read"""
+        try:
+            return "address" in json.loads(self.file.read_text())
+        except (FileNotFoundError, json.JSONDecodeError):
+            return False
 
     def _start(self, *arguments):
         line = [

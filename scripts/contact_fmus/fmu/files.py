@@ -56,20 +56,20 @@ def fmu_file(name: str) -> Path:
     return path
 
 
-def unpack(path: str | os.PathLike) -> tuple[Path, Any]:
-    """Folder of the unpacked FMU and its model description; unpacked once per process and file version"""
+def unpack(path: str | os.PathLike, fmi: str = "2.0") -> tuple[Path, Any]:
+    """Folder of the unpacked FMU of that version of FMI and its model description; unpacked once per process"""
     file = Path(path).resolve()
     about = file.stat()
     key = (file, about.st_mtime_ns, about.st_size)
     if key not in _unpacked:
         folder = Path(tempfile.mkdtemp(prefix=f"{file.stem}-"))
         atexit.register(_remove_if_owner, folder, os.getpid())
-        _unpacked[key] = (folder, _extract(path, folder))
+        _unpacked[key] = (folder, _extract(path, folder, fmi))
     return _unpacked[key]
 
 
-def _extract(path: str | os.PathLike, folder: Path) -> Any:
-    """The description of an FMI 2.0 co-simulation FMU, of any maker; UserError where it is something else"""
+def _extract(path: str | os.PathLike, folder: Path, fmi: str) -> Any:
+    """The description of a co-simulation FMU, of any maker; UserError where it is something else"""
     if not zipfile.is_zipfile(path):
         raise UserError(f"{path}: this is no FMU: not a ZIP archive")
     try:
@@ -82,13 +82,13 @@ def _extract(path: str | os.PathLike, folder: Path) -> Any:
     except Exception as error:  # fmpy has no class of its own for a bad archive or description
         text = " ".join(str(error).split())
         raise UserError(f"{path}: this is no valid FMU: {text}") from None
-    if description.fmiVersion != "2.0" or description.coSimulation is None:
+    if description.fmiVersion != fmi or description.coSimulation is None:
         kinds = [("co-simulation", description.coSimulation), ("model exchange", description.modelExchange)]
         offered = (
             " and ".join(name for name, kind in kinds if kind is not None) or "neither kind of simulation"
         )
         raise UserError(
-            f"{path}: FMI 2.0 co-simulation is needed, this is FMI {description.fmiVersion} with {offered}"
+            f"{path}: FMI {fmi} co-simulation is needed, this is FMI {description.fmiVersion} with {offered}"
         )
     return description
 

@@ -44,7 +44,7 @@ class Fmu:
     """An unpacked FMU with its loaded library"""
 
     def __init__(self, path: Path):
-        self.folder, self.description = unpack(path)
+        self.folder, self.description = unpack(path, "3.0")
         self.name = self.description.coSimulation.modelIdentifier
         self.token = self.description.instantiationToken
         self.library_file = next(self.folder.glob(f"binaries/*/{self.name}.so"))
