@@ -256,7 +256,11 @@ static bool is_sound(const struct collocation *p)
 
 static void sum_up(struct collocation *p)
 {
-    const double largest = size_of_deviation(p);
+    /* without the rate: of a stiff contact it has many digits more than x */
+    double largest = fabs(p->result.y);
+    for (int k = 0; k < p->nodes->points; ++k) {
+        largest = larger(fabs(p->result.slow[k]), largest);
+    }
     p->result.terms = p->nodes->points;
     while (p->result.terms > 1 &&
            fabs(p->result.slow[p->result.terms - 1]) <= DBL_EPSILON * DBL_EPSILON * largest) {

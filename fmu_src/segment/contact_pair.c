@@ -120,6 +120,9 @@ double pair_gap_derivative(const struct contact_pair *p)
     if (isnan(p->carried_rate)) {
         return p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.c[1]));
     }
+    if (!p->has_mismatch) {
+        return p->carried_rate;
+    }
     const struct vec3 mismatch = vec3_sub(p->flight.w[0], p->flight.c[1]);
     return p->carried_rate - p->shape.side * vec3_dot(p->normal, pair_across(p, mismatch));
 }

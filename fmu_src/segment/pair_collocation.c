@@ -16,12 +16,12 @@ static void set_paths(const struct contact_pair *p, struct collocation_problem *
     }
 }
 
-/* Where W and C' are the same but for rounding, the dashpot makes a load of the difference. Below this part
- * of the load it is left as it is: peaks are right to it. */
+/* Where W and C' are the same but for rounding, the dashpot makes a load of the difference, and the spring an
+ * oscillation. Below this part of the load it is left as it is: peaks are right to it. */
 static const double NEGLIGIBLE_LOAD = 1e-6;
 
-/* A difference by rounding alone, seen over a radian of the tangential motion, is none if the dashpot makes a
- * load of it. */
+/* A difference by rounding alone, seen over a radian of the tangential motion, is none if it makes a force
+ * to be seen beside the load. */
 static void drop_rounded_mismatch(const struct contact_pair *p, double tangential_rate,
                                   struct collocation_problem *problem)
 {
@@ -33,7 +33,8 @@ static void drop_rounded_mismatch(const struct contact_pair *p, double tangentia
         power /= tangential_rate;
     }
     const double load = vec3_norm(problem->acceleration[0]);
-    if (problem->damping_rate * 16.0 * DBL_EPSILON * size > NEGLIGIBLE_LOAD * load) {
+    const double per_rate = problem->damping_rate + sqrt(problem->omega2);
+    if (per_rate * 16.0 * DBL_EPSILON * size > NEGLIGIBLE_LOAD * load) {
         memset(problem->mismatch, 0, sizeof problem->mismatch);
         problem->has_mismatch = false;
     }

@@ -93,8 +93,12 @@ static void next_coefficient(struct pair_taylor *p, struct recurrence *z, int i,
         z->speed[i] = taylor_divide(z->closing, z->d, z->speed, i);
         z->n.at[i] = taylor_divide_vec3(&z->c, z->d, &z->n, i);
     }
+    const bool is_carried = !isnan(from->carried_rate);
     p->gap[i] = i == 0 ? from->gap : side * z->d[i];
-    p->rate[i] = i == 0 && !isnan(from->carried_rate) ? from->carried_rate : side * z->speed[i];
+    if (i == 1 && is_carried) { /* d from c moves by the rounding of velocities */
+        p->gap[1] = p->unit * pair_gap_derivative(from);
+    }
+    p->rate[i] = i == 0 && is_carried ? from->carried_rate : side * z->speed[i];
     p->force[i] = contact_linear_force(from->coefficients, p->gap[i], p->rate[i]);
     if (i + 2 < TAYLOR_TERMS) {
         struct vec3 push = {0.0, 0.0, 0.0};
