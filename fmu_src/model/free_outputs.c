@@ -9,6 +9,28 @@ static struct vec3 mean_of(struct vec3 impulse, double window)
                         : vec3_make(0.0, 0.0, 0.0);
 }
 
+/* Part of a peak that rounding may change and that is still the same peak: what a contact's force is known to
+ * (segment/peak_error.c). */
+static const double KNOWN = 1e-6;
+
+static bool peaks_are_known(const struct contact_record *record)
+{
+    return !(record->force_bound > record->peak_force * (1.0 + KNOWN));
+}
+
+const char *motion_unknown(const struct model *m, const struct variable *variable)
+{
+    const bool is_peak =
+        variable->row == ROW_contact_peak_force || variable->row == ROW_contact_peak_penetration;
+    if (!is_peak || peaks_are_known(&m->state.motion.contact[variable->element].record)) {
+        return NULL;
+    }
+    return "in a contact as stiff as this, rounding of gap and speed where it began makes more than 1e-6 of "
+           "the "
+           "peak (allowed: a smaller penalty factor, or, where the contact is damped, a later communication "
+           "step; other outputs can be read)";
+}
+
 static double put_history(struct scene_values *v, const struct scene_state *q, int contact)
 {
     const struct contact_state *state = &q->contact[contact];
@@ -22,7 +44,8 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
     put_contact_last_onset_time(v, contact, state->record.onset_time);
     put_contact_last_duration(v, contact,
                               touching ? q->clock - state->record.touch_clock : state->record.last_duration);
-    return mean.x + mean.y + mean.z + state->record.peak_force;
+    const double known = peaks_are_known(&state->record) ? 0.0 : (double)INFINITY;
+    return mean.x + mean.y + mean.z + state->record.peak_force + known;
 }
 
 static double put_energies(struct scene_values *v, const struct scene_state *q,

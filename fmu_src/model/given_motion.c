@@ -88,6 +88,12 @@ bool model_has_derivatives(const struct variable *variable)
     return true;
 }
 
+const char *motion_unknown(const struct model *m, const struct variable *variable)
+{
+    (void)m, (void)variable;
+    return NULL;
+}
+
 bool motion_jet(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
                 const struct variable *variable, int order, double *term)
 {

@@ -43,6 +43,9 @@ double motion_least_speed(const struct scene_values *v);
  * all of them are. */
 double motion_show(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at);
 
+/* Why such an output cannot be read although the motion is finite; NULL: it can. */
+const char *motion_unknown(const struct model *m, const struct variable *variable);
+
 /* Coefficient `order` of an output of these along a path; false where the variable is none of them. */
 bool motion_jet(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
                 const struct variable *variable, int order, double *term);

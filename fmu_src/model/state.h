@@ -8,7 +8,7 @@
 #include "scene/scene_state.h"
 
 /* Raised when struct model_state, struct scene_state or struct scene_values change their meaning. */
-#define MODEL_STATE_VERSION 5u
+#define MODEL_STATE_VERSION 6u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
 /* Bits of input_signal.marks */

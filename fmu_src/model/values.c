@@ -2,8 +2,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/motion.h"
 #include "model/shortest.h"
-#include "model/state.h"
 
 enum model_status model_check(struct model *m, const struct variable *variable, const void *value)
 {
@@ -35,6 +35,10 @@ enum model_status model_read(struct model *m, const struct variable *variable, v
 {
     if (!model_update_outputs(m, outputs_for(m, variable))) {
         return model_refuse_inputs(m);
+    }
+    const char *unknown = motion_unknown(m, variable);
+    if (unknown) {
+        return model_report(m, MODEL_DISCARD, "%s is not known: %s.", variable->name, unknown);
     }
     const char *at = (const char *)&m->state.values + variable->offset;
     if (!isfinite(variable_number(variable, at))) {

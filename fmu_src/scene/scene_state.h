@@ -59,6 +59,8 @@ struct contact_record {
     struct vec3 impulse_mark; /* the impulse at the start of the communication step [N s] */
     double peak_force;        /* over the last communication step [N] */
     double peak_penetration;  /* likewise, max(-g) >= 0 [m] */
+    double force_bound;       /* the largest that rounding may make of the peak force; 0: no more [N] */
+    double force_error;       /* by how much, as far as it has not decayed; 0: negligible [N] */
     double onset_time;        /* when the contact under way, or the last one, began [s] */
     double last_duration;     /* of the last finished contact [s] */
     /* the clock at that onset (negative once rebased), for exact durations [s] */

@@ -15,6 +15,7 @@ static void set_regime(struct scene_state *q, int contact, enum contact_regime r
         counter_add(&state->record.onsets, 1);
         state->record.onset_time = scene_time(q);
         state->record.touch_clock = q->clock;
+        state->record.force_error = 0.0;
     } else if (touched && !touches) {
         state->record.last_duration = q->clock - state->record.touch_clock;
     }
@@ -133,7 +134,7 @@ void transition_begin_step(const struct scene_values *v, struct scene_state *q, 
     q->step_length = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].record.impulse_mark = q->contact[j].physics.impulse;
-        q->contact[j].record.peak_force = 0.0;
+        q->contact[j].record.peak_force = q->contact[j].record.force_bound = 0.0;
         q->contact[j].record.peak_penetration = 0.0;
     }
     note_instant(q, at);

@@ -94,10 +94,14 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
     p->reduced_mass = 1.0 / scene_inverse_mass(v, contact);
     p->rate_rounded = vec3_make(0.0, 0.0, 0.0);
     p->carried_rate = (double)NAN;
+    p->rate_is_known = false;
     if (singularity_is_reached(v, at, contact, &p->shape)) {
         leave_centre(p, geometry);
-    } else if (scene_rate_is_known(q, at, contact)) {
-        take_carried_rate(p, geometry->gap_rate);
+    } else {
+        p->rate_is_known = scene_rate_is_known(q, at, contact) || geometry->gap_rate == 0.0;
+        if (p->rate_is_known || p->coefficients.k >= PAIR_STIFF) { /* all formulas are to see the same rate */
+            take_carried_rate(p, geometry->gap_rate);
+        }
     }
     p->has_mismatch = path_contradicts(v, q, contact_source(contact)) ||
                       path_contradicts(v, q, contact_destination(contact));
@@ -160,7 +164,8 @@ double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_
     }
     const double force =
         pair_load(p) + p->coefficients.k * fmax(fabs(p->gap), fabs(change->gap)) + force_per_rate * rate;
-    return force_per_rate * rounding > FORCE_ACCURACY * force ? rounding : 0.0;
+    const bool counts = force_per_rate * rounding > FORCE_ACCURACY * force;
+    return counts || p->coefficients.k >= PAIR_STIFF ? rounding : 0.0;
 }
 
 static void move_body(const struct scene_values *v, struct scene_state *q, int body, double time,

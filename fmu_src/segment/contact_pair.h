@@ -12,6 +12,10 @@
 
 #include "segment/relative_path.h"
 
+/* Below this [N/m] gap and rate are always known well enough: their rounding, some 1e-16 m and m/s, makes
+ * forces that nobody sees beside a load. The stiffest contacts that are built have some 1e10. */
+#define PAIR_STIFF 1e18
+
 enum { PAIR_BODIES = 2 }; /* source, destination */
 
 /* External work on one body that is due to r: factor times the integral of path(t).d^order r/dt^order dt.
@@ -35,7 +39,8 @@ struct contact_pair {
      * the centre [m] */
     struct vec3 rounded;
     struct vec3 rate_rounded; /* rounding: added to w so that side n.w is the carried rate [m/s] */
-    double carried_rate;      /* g' carried from the segment before; NaN: side n.w is as accurate [m/s] */
+    double carried_rate;      /* g' that is more than side n.w; NaN: that is as accurate [m/s] */
+    bool rate_is_known;       /* carried, or exactly zero: without the rounding of velocities */
     bool has_mismatch;        /* whether W is other than C', by more than rounding */
     double reduced_mass;      /* m_red [kg] */
     double rate_rounding;     /* of g', by rounding [m/s] */

@@ -3,6 +3,7 @@
 #include <float.h>
 
 #include "math/pi.h"
+#include "segment/peak_error.h"
 
 /* A turn of fewer representable places than this is not searched: its largest value could no longer be told
  * to rounding, for it is missed by (2 pi / places)^2 / 8 of the oscillation at most. */
@@ -209,5 +210,8 @@ void peaks_note(struct segment *p, struct contact_state *state, double end)
         const double deepest = largest_of(p, &peak_penetration, end, -(double)INFINITY);
         record->peak_penetration = fmax(record->peak_penetration, deepest);
         record->peak_force = fmax(record->peak_force, p->pair.coefficients.k * deepest);
+    }
+    if (p->pair.coefficients.k >= PAIR_STIFF) {
+        peak_error_note(p, end * p->unit, record);
     }
 }

@@ -1,5 +1,6 @@
 #include "segment/segment.h"
 
+#include "scene/present.h"
 #include "scene/rounding.h"
 #include "segment/kinds.h"
 #include "segment/peaks.h"
@@ -94,6 +95,7 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
     pair_make(&p->pair, v, q, at, contact);
     p->regime = (enum contact_regime)q->contact[contact].regime;
     p->gap_rounding = rounding_of_gap(v, at, contact);
+    p->gap_is_known = p->pair.gap == 0.0 || scene_gap_is_accumulated(q, at, contact);
     p->tolerance = tolerance;
     make_up_to(p, longest);
     if (is_collocated(p) && p->terminal.s > 0.0 && p->terminal.s < EARLY_EVENT * p->end) {

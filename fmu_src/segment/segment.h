@@ -32,6 +32,7 @@ struct segment {
     struct contact_pair pair;
     enum contact_regime regime;
     double gap_rounding; /* of the gap, as positions give it [m] */
+    bool gap_is_known;   /* carried, or exactly zero: without that rounding */
     double tolerance;    /* the error allowed in the segment [m] */
     double longest;      /* the segment need not be longer [s] */
     double unit, end;    /* time per s [s]; the segment covers s from 0 to `end` */
