@@ -98,9 +98,12 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
     if (singularity_is_reached(v, at, contact, &p->shape)) {
         leave_centre(p, geometry);
     } else {
-        p->rate_is_known = scene_rate_is_known(q, at, contact) || geometry->gap_rate == 0.0;
+        const bool is_carried = scene_rate_is_known(q, at, contact);
+        const double rate = is_carried ? geometry->gap_rate
+                                       : p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
+        p->rate_is_known = is_carried || rate == 0.0;
         if (p->rate_is_known || p->coefficients.k >= PAIR_STIFF) { /* all formulas are to see the same rate */
-            take_carried_rate(p, geometry->gap_rate);
+            take_carried_rate(p, rate);
         }
     }
     p->has_mismatch = path_contradicts(v, q, contact_source(contact)) ||
