@@ -57,7 +57,7 @@ def fmu_file(name: str) -> Path:
 
 
 def unpack(path: str | os.PathLike, fmi: str = "2.0") -> tuple[Path, Any]:
-    """Folder of the unpacked FMU of that version of FMI and its model description; unpacked once per process"""
+    """Folder of the unpacked FMU of that version of FMI and its description; unpacked once per process"""
     file = Path(path).resolve()
     about = file.stat()
     key = (file, about.st_mtime_ns, about.st_size)
