@@ -19,6 +19,7 @@ static const struct phase_name phase_names[] = {
     {PHASE_FATAL, "fatal"},
     {PHASE_EVENT, "event mode"},
     {PHASE_INTERMEDIATE, "intermediate update mode"},
+    {PHASE_CONTINUOUS, "continuous-time mode"},
 };
 
 #define PHASE_NAME_COUNT (sizeof phase_names / sizeof phase_names[0])
@@ -67,6 +68,30 @@ enum model_status call_refuse(struct instance *instance, const struct call *call
     return instance == NULL ? MODEL_ERROR
                             : log_report(instance, MODEL_ERROR, "%s called in phase %s: %s", call->name,
                                          name_phases(instance->phase, now, sizeof now), reason);
+}
+
+static bool is_of_kind(struct instance *instance, const struct call *call, bool exchange)
+{
+    static const char *const interfaces[] = {"Co-Simulation", "Model Exchange"};
+    if (instance == NULL) {
+        return false;
+    }
+    if (instance->host.exchange != exchange) {
+        log_report(instance, MODEL_ERROR, "%s called on an instance of %s, allowed: of %s", call->name,
+                   interfaces[!exchange], interfaces[exchange]);
+        return false;
+    }
+    return true;
+}
+
+bool call_allowed_in_exchange(struct instance *instance, const struct call *call)
+{
+    return is_of_kind(instance, call, true) && call_allowed(instance, call);
+}
+
+bool call_allowed_in_steps(struct instance *instance, const struct call *call)
+{
+    return is_of_kind(instance, call, false) && call_allowed(instance, call);
 }
 
 bool call_array_given(struct instance *instance, const struct call *call, const char *argument,

@@ -15,6 +15,10 @@ struct call {
  */
 bool call_allowed(struct instance *instance, const struct call *call);
 
+/* The same for what only instances of Model Exchange have, or only those of Co-Simulation. */
+bool call_allowed_in_exchange(struct instance *instance, const struct call *call);
+bool call_allowed_in_steps(struct instance *instance, const struct call *call);
+
 /* Refuses a call that is never in order: "fmi2CancelStep called in phase step mode: reason" */
 enum model_status call_refuse(struct instance *instance, const struct call *call, const char *reason);
 

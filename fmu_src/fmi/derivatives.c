@@ -60,13 +60,17 @@ enum model_status output_derivatives(struct instance *instance, const struct cal
     return model_get_output_derivatives(instance->model, references, orders, count, values);
 }
 
-/* Unknowns are the outputs; in initialization mode the calculated parameters too (ModelStructure: initial
- * unknowns). */
+/* Unknowns are the outputs and in Model Exchange the rates of the states; in initialization mode the
+ * calculated parameters and the states too (ModelStructure: initial unknowns). */
 static bool is_unknown(struct instance *instance, const struct call *call, uint32_t reference)
 {
     const struct variable *variable = scene_variable(reference);
-    if ((instance->phase & PHASE_INITIALIZATION) != 0 && variable != NULL &&
-        variable->causality == VARIABLE_CALCULATED_PARAMETER) {
+    const bool starting = (instance->phase & PHASE_INITIALIZATION) != 0;
+    if (variable != NULL && starting && variable->causality == VARIABLE_CALCULATED_PARAMETER) {
+        return true;
+    }
+    if (variable != NULL && instance->host.exchange &&
+        (variable->causality == VARIABLE_RATE || (starting && variable->causality == VARIABLE_STATE))) {
         return true;
     }
     return find_real(instance, call, reference, VARIABLE_OUTPUT) != NULL;
@@ -86,8 +90,12 @@ enum model_status check_unknowns(struct instance *instance, const struct call *c
 enum model_status check_known(struct instance *instance, const struct call *call, uint32_t reference)
 {
     const struct variable *variable = scene_variable(reference);
-    if (variable != NULL && (instance->phase & PHASE_INITIALIZATION) != 0 &&
-        variable->causality == VARIABLE_PARAMETER && variable->type == VARIABLE_REAL) {
+    const bool starting = (instance->phase & PHASE_INITIALIZATION) != 0;
+    if (variable != NULL && instance->host.exchange && !starting && variable->causality == VARIABLE_STATE) {
+        return MODEL_OK;
+    }
+    if (variable != NULL && starting && variable->causality == VARIABLE_PARAMETER &&
+        variable->type == VARIABLE_REAL) {
         return log_report(instance, MODEL_DISCARD,
                           "%s: derivatives with respect to the parameter %s are not provided, allowed: with "
                           "respect to %s inputs",

@@ -20,9 +20,10 @@ enum phase {
     PHASE_ERROR = 1 << 4,   /* a step failed for good: values, saved states and the reset remain */
     PHASE_FATAL = 1 << 5,   /* only freeing the instance remains */
     PHASE_TELLING = 1 << 6, /* beside one of the others: the logger is being called, see log.h */
-    PHASE_EVENT = 1 << 7,   /* event mode, FMI 3.0 */
+    PHASE_EVENT = 1 << 7,   /* event mode: Model Exchange, and Co-Simulation of FMI 3.0 */
     PHASE_INTERMEDIATE =
         1 << 8, /* beside PHASE_STEP: the importer is told of an instant within a step, FMI 3.0 */
+    PHASE_CONTINUOUS = 1 << 9 /* between the steps of an integrator outside, Model Exchange */
 };
 
 /* Of functions that only read: a logger may call them on the instance that is telling it something. */
@@ -46,7 +47,8 @@ struct adapter {
     const char *state_name;    /* of the argument that is a saved state */
     const char *seed_name;     /* of the argument that is a direction of inputs */
     uint32_t state_magic;      /* a saved state fits only the version of the standard that wrote it */
-    unsigned state_phases;     /* in which a state can have been saved */
+    /* in which a state can have been saved, of Co-Simulation and of Model Exchange */
+    unsigned state_phases, exchange_phases;
 };
 
 struct instance {

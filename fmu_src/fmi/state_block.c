@@ -82,8 +82,10 @@ static bool one_phase(uint32_t phase, unsigned allowed)
 
 static bool plausible_header(const struct instance *instance, const struct block_header *header)
 {
-    return one_phase(header->phase, instance->adapter->state_phases) && header->set_up <= 1 &&
-           isfinite(header->start_time) && header->stop_time >= header->start_time;
+    const unsigned phases =
+        instance->host.exchange ? instance->adapter->exchange_phases : instance->adapter->state_phases;
+    return one_phase(header->phase, phases) && header->set_up <= 1 && isfinite(header->start_time) &&
+           header->stop_time >= header->start_time;
 }
 
 static enum model_status refuse_number(struct instance *instance, const struct call *call, const char *what,

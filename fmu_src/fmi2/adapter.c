@@ -19,5 +19,6 @@ const struct adapter adapter_of_fmi2 = {
     .state_name = "FMUstate",
     .seed_name = "dvKnown",
     .state_magic = 0x544E4F43u, /* "CONT" on a little-endian machine */
-    .state_phases = PHASES_ALL | PHASE_FATAL,
+    .state_phases = (PHASES_ALL | PHASE_FATAL) & ~PHASES_EXCHANGED,
+    .exchange_phases = (PHASES_ALL | PHASE_FATAL) & ~PHASE_STEP,
 };

@@ -9,7 +9,7 @@
 static bool arrays_given(struct instance *instance, const struct call *call, const fmi2ValueReference vr[],
                          size_t nvr, const fmi2Integer order[], const fmi2Real value[])
 {
-    return call_allowed(instance, call) && call_array_given(instance, call, "vr", vr, nvr) &&
+    return call_allowed_in_steps(instance, call) && call_array_given(instance, call, "vr", vr, nvr) &&
            call_array_given(instance, call, "order", order, nvr) &&
            call_array_given(instance, call, "value", value, nvr);
 }

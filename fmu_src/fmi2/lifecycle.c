@@ -20,11 +20,12 @@ const char *fmi2GetVersion(void)
 }
 
 /* The importer's memory functions where it gives both; one without the other would mix two heaps. */
-static struct model_host host_of(const fmi2CallbackFunctions *callbacks)
+static struct model_host host_of(const fmi2CallbackFunctions *callbacks, fmi2Type type)
 {
     const bool given = callbacks->allocateMemory != NULL && callbacks->freeMemory != NULL;
     return (struct model_host){.allocate = given ? callbacks->allocateMemory : calloc,
-                               .release = given ? callbacks->freeMemory : free};
+                               .release = given ? callbacks->freeMemory : free,
+                               .exchange = type == fmi2ModelExchange};
 }
 
 /* Whether the arguments are in order; else says what is not, through an instance that lives only for that. */
@@ -33,9 +34,8 @@ static bool arguments_in_order(struct instance *nobody, const char *name, fmi2Ty
     const char *function = "fmi2Instantiate";
     return instance_expects(nobody, function, name != NULL && name[0] != '\0', "instanceName", name,
                             "any name") &&
-           instance_expects(nobody, function, type == fmi2CoSimulation, "fmuType",
-                            type == fmi2ModelExchange ? "fmi2ModelExchange" : "(unknown)",
-                            "fmi2CoSimulation") &&
+           instance_expects(nobody, function, type == fmi2CoSimulation || type == fmi2ModelExchange,
+                            "fmuType", "(unknown)", "fmi2CoSimulation or fmi2ModelExchange") &&
            instance_expects(nobody, function, guid != NULL && strcmp(guid, SCENE_GUID) == 0, "fmuGUID", guid,
                             SCENE_GUID);
 }
@@ -62,7 +62,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     if (!arguments_in_order(&nobody.shared, instanceName, fmuType, fmuGUID)) {
         return NULL;
     }
-    const struct model_host host = host_of(functions);
+    const struct model_host host = host_of(functions, fmuType);
     struct instance *instance = instance_create(&adapter_of_fmi2, &host, sizeof(struct fmi2_instance),
                                                 instanceName, loggingOn != fmi2False);
     if (instance == NULL) {
@@ -118,7 +118,10 @@ fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 
 fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
-    return status_of(instance_exit_initialization(c, CALL(ExitInitializationMode), PHASE_STEP));
+    const struct instance *instance = c;
+    const bool exchange = instance != NULL && instance->host.exchange;
+    return status_of(
+        instance_exit_initialization(c, CALL(ExitInitializationMode), exchange ? PHASE_EVENT : PHASE_STEP));
 }
 
 fmi2Status fmi2Terminate(fmi2Component c)

@@ -8,7 +8,7 @@
  * it. */
 __attribute__((noinline)) static fmi2Status do_step(struct instance *instance, double point, double size)
 {
-    if (!call_allowed(instance, CALL(DoStep))) {
+    if (!call_allowed_in_steps(instance, CALL(DoStep))) {
         return fmi2Error;
     }
     enum model_status status = step_check(instance, CALL(DoStep), point, size);
@@ -63,7 +63,7 @@ static const char *status_kind_name(fmi2StatusKind kind)
 static fmi2Status ask_status(struct instance *instance, const struct call *call, fmi2StatusKind kind,
                              const char *answered, bool known, const void *value)
 {
-    if (!call_allowed(instance, call) || !call_array_given(instance, call, "value", value, 1)) {
+    if (!call_allowed_in_steps(instance, call) || !call_array_given(instance, call, "value", value, 1)) {
         return fmi2Error;
     }
     if (!known) {

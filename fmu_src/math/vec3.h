@@ -56,6 +56,16 @@ static inline double vec3_get(struct vec3 a, int index)
     return index == 0 ? a.x : index == 1 ? a.y : a.z;
 }
 
+static inline void vec3_set(struct vec3 *a, int index, double value)
+{
+    *(index == 0 ? &a->x : index == 1 ? &a->y : &a->z) = value;
+}
+
+static inline void vec3_add_to(struct vec3 *a, int index, double value)
+{
+    vec3_set(a, index, vec3_get(*a, index) + value);
+}
+
 static inline double vec3_max_abs(struct vec3 a)
 {
     const double x = fabs(a.x);

@@ -101,6 +101,48 @@ bool motion_jet(const struct model *m, const struct scene_instant *at, const str
     return false;
 }
 
+void motion_begin_exchange(struct scene_state *q)
+{
+    (void)q;
+}
+
+void motion_set_state(struct scene_state *q, const struct variable *state, double value)
+{
+    (void)q, (void)state, (void)value;
+}
+
+double motion_local(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
+                    const struct variable *variable)
+{
+    (void)v, (void)q, (void)at, (void)variable;
+    return 0.0;
+}
+
+void motion_move_state(const struct scene_values *v, const struct variable *state, double change,
+                       struct scene_jet *along)
+{
+    (void)v, (void)state, (void)change, (void)along;
+}
+
+double motion_local_slope(const struct scene_values *v, const struct scene_state *q,
+                          const struct scene_jet *along, const struct variable *variable)
+{
+    (void)v, (void)q, (void)along, (void)variable;
+    return 0.0;
+}
+
+bool motion_change_regimes(const struct scene_values *v, struct scene_state *q)
+{
+    (void)v, (void)q;
+    return false;
+}
+
+double motion_booked(const struct scene_state *q)
+{
+    (void)q;
+    return 0.0;
+}
+
 void motion_jet_of_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
 {
     (void)v, (void)q, (void)along;

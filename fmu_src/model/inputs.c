@@ -1,7 +1,8 @@
 /*
  * Inputs between communication points: each continues from its last value as a polynomial with the given
  * derivatives. A prescribed body follows its prescribed velocity unless its displacement has derivatives of
- * its own. A force element (all bodies prescribed) moves by given derivatives only.
+ * its own. A force element (all bodies prescribed) moves by given derivatives only. An integrator outside
+ * sets inputs at each instant; they are constants until it sets them again.
  */
 #include <math.h>
 #include <string.h>
@@ -128,7 +129,7 @@ static void renew_path(const struct model *m, int body, const uint8_t *marks, st
     const struct vec3 displacement = body_prescribed_displacement(v, body);
     const struct vec3 velocity = body_prescribed_velocity(v, body);
     const struct vec3 force = body_external_force(v, body);
-    const bool follows_velocity = !all_prescribed(v);
+    const bool follows_velocity = !m->host.exchange && !all_prescribed(v);
     for (int k = 0; k < 3; ++k) {
         if (body_is_prescribed(v, body)) {
             put_signal(path->velocity, k, vec3_get(velocity, k), &signals[3 + k], marks[3 + k]);
@@ -193,7 +194,12 @@ bool model_apply_inputs(struct model *m)
         renew_path(m, i, m->state.marks[i], &next[i]);
         same = same && same_path(&before, &next[i]);
     }
-    const bool applied = same || motion_follow(&m->state.values, q, next);
+    bool applied = true;
+    if (m->state.exchange == EXCHANGE_CONTINUOUS) {
+        memcpy(q->path, next, sizeof q->path); /* its power is integrated */
+    } else {
+        applied = same || motion_follow(&m->state.values, q, next);
+    }
     m->state.signals_changed = !applied;
     return applied;
 }

@@ -31,6 +31,7 @@ void model_reset(struct model *m)
     m->state.version = MODEL_STATE_VERSION;
     m->state.scene = SCENE_HASH;
     m->state.size = (uint32_t)sizeof m->state;
+    m->state.exchange = m->host.exchange ? EXCHANGE_EVENTS : EXCHANGE_NONE;
     scene_start(&m->state.values);
     m->outputs = OUTPUTS_NONE;
 }
@@ -71,7 +72,9 @@ enum model_status model_exit_initialization(struct model *m)
         return status;
     }
     model_prepare(m);
-    status = motion_open(m, &m->state.values, "Initialization failed");
+    if (!m->host.exchange) {
+        status = motion_open(m, &m->state.values, "Initialization failed");
+    }
     if (status == MODEL_OK) {
         m->state.initialized = 1;
         m->outputs = OUTPUTS_NONE;
@@ -135,7 +138,7 @@ bool model_step_deferred(struct model *m, double end_time)
     return !m->state.signals_open && motion_defer(m, end_time);
 }
 
-static void forget_outputs(struct model *m)
+void model_forget_outputs(struct model *m)
 {
     if (m->outputs > OUTPUTS_FIXED) {
         m->outputs = OUTPUTS_FIXED;
@@ -153,7 +156,7 @@ static double ask_readable(void *context, double end_time)
     const struct readable_request *readable = context;
     struct model *m = readable->model;
     const struct scene_state kept = m->state.motion;
-    forget_outputs(m);
+    model_forget_outputs(m);
     end_time = readable->asked->at_event(readable->asked->context, end_time);
     m->state.motion = kept;
     return end_time;
@@ -181,12 +184,12 @@ enum model_status model_step_requested(struct model *m, const struct step_reques
     if (model_step_deferred(m, request->end_time)) {
         return MODEL_OK;
     }
-    forget_outputs(m); /* whoever is told of the step may read in the midst of it */
+    model_forget_outputs(m); /* whoever is told of the step may read in the midst of it */
     struct readable_request readable = {m, request};
     struct step_request inner = *request;
     inner.at_event = request->at_event != NULL ? ask_readable : NULL;
     inner.context = &readable;
     const enum model_status status = take_step(m, &inner);
-    forget_outputs(m);
+    model_forget_outputs(m);
     return status;
 }

@@ -27,6 +27,7 @@ struct model_host {
     bool (*wants)(void *context, const char *category);
     void *(*allocate)(size_t count, size_t size); /* zeroed, as calloc */
     void (*release)(void *memory);
+    bool exchange; /* an integrator outside moves the model (exchange.h); else it takes steps of its own */
 };
 
 struct model;

@@ -50,6 +50,21 @@ const char *motion_unknown(const struct model *m, const struct variable *variabl
 bool motion_jet(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
                 const struct variable *variable, int order, double *term);
 
+/* For an integrator outside (exchange.h). At the start; a state is set; a local variable is computed; regimes
+ * change where their margins ask for it, and whether one did; a sum that tells whether events have changed
+ * the energies [J]. */
+void motion_begin_exchange(struct scene_state *q);
+void motion_set_state(struct scene_state *q, const struct variable *state, double value);
+double motion_local(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
+                    const struct variable *variable);
+/* Along a path: a change of a state; what a local variable changes by. */
+void motion_move_state(const struct scene_values *v, const struct variable *state, double change,
+                       struct scene_jet *along);
+double motion_local_slope(const struct scene_values *v, const struct scene_state *q,
+                          const struct scene_jet *along, const struct variable *variable);
+bool motion_change_regimes(const struct scene_values *v, struct scene_state *q);
+double motion_booked(const struct scene_state *q);
+
 /* Whoever moves a body by a jump of an input does the work on the contact. */
 void motion_jet_of_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along);
 

@@ -87,7 +87,7 @@ static void update_all(struct model *m)
     double sum = 0.0;
     scene_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (scene_is_force_element(v)) {
+        if (scene_is_force_element(v) && !(SCENE_STATES > 0 && m->host.exchange)) {
             q->contact[j].regime = (int32_t)scene_regime(v, q, &at, j);
         }
         q->contact[j].normal = at.geometry[j].normal;

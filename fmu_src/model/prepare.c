@@ -121,6 +121,9 @@ void model_prepare(struct model *m)
         prepare_contact(v, q, j);
     }
     motion_begin(v, q);
+    if (m->host.exchange) {
+        motion_begin_exchange(q);
+    }
 }
 
 static enum model_status check_contact(struct model *m, int contact)

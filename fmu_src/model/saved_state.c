@@ -29,7 +29,7 @@ size_t model_state_size(void)
 
 void model_save(struct model *m, void *bytes)
 {
-    if (m->state.initialized && motion_has_history(&m->state.values)) {
+    if (m->state.initialized && !m->host.exchange && motion_has_history(&m->state.values)) {
         motion_catch_up(&m->state.values, &m->state.motion);
         scene_rebase(&m->state.values, &m->state.motion);
         m->outputs = OUTPUTS_NONE;
@@ -40,6 +40,9 @@ void model_save(struct model *m, void *bytes)
 
 static bool value_in_range(const struct scene_values *values, const struct variable *row)
 {
+    if (variable_is_local(row)) {
+        return true; /* computed from what is checked */
+    }
     const double value = variable_number(row, (const char *)values + row->offset);
     return isfinite(value) && (row->causality == VARIABLE_OUTPUT || (value >= row->min && value <= row->max));
 }
@@ -172,6 +175,11 @@ static enum model_status check_header(struct model *m, const struct model_state 
                             "Saved state refused: it is not of version %u of %s, or it has been altered.",
                             MODEL_STATE_VERSION, SCENE_NAME);
     }
+    if (state->exchange > EXCHANGE_CONTINUOUS || (state->exchange != EXCHANGE_NONE) != m->host.exchange) {
+        return model_report(
+            m, MODEL_ERROR, "Saved state refused: it was saved while %s integrates, expected: while %s does.",
+            m->host.exchange ? "the model" : "the importer", m->host.exchange ? "the importer" : "the model");
+    }
     if (!state_is_sound(state)) {
         return model_report(m, MODEL_ERROR, "Saved state refused: it holds values out of range.");
     }
@@ -194,7 +202,8 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
         return model_report(m, MODEL_ERROR,
                             "Saved state refused: its motion is beyond the range of numbers.");
     }
-    status = state.initialized ? motion_open(m, &state.values, "Saved state refused") : MODEL_OK;
+    status = state.initialized && !m->host.exchange ? motion_open(m, &state.values, "Saved state refused")
+                                                    : MODEL_OK;
     if (status == MODEL_OK) {
         m->state = state;
         m->outputs = OUTPUTS_NONE;

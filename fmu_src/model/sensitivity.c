@@ -94,24 +94,24 @@ enum model_status model_get_output_derivatives(struct model *m, const uint32_t *
     return status;
 }
 
-static void add_component(struct vec3 *a, int component, double value)
-{
-    a->x += component == 0 ? value : 0.0;
-    a->y += component == 1 ? value : 0.0;
-    a->z += component == 2 ? value : 0.0;
-}
-
-/* Forces change accelerations, which are no outputs: at once only prescribed motion has an effect. */
+/* Of a prescribed body its motion has an effect at once; of a free one the force, on its acceleration. */
 static void move_inputs(const struct scene_values *v, const struct variable *known, double change,
                         struct scene_jet *along)
 {
+    if (known->causality == VARIABLE_STATE) {
+        motion_move_state(v, known, change, along);
+        return;
+    }
+    if (known->row == ROW_body_external_force && body_is_free(v, known->element)) {
+        vec3_add_to(&along->force[known->element], known->component, change);
+    }
     if (!body_is_prescribed(v, known->element)) {
         return;
     }
     if (known->row == ROW_body_prescribed_displacement) {
-        add_component(&along->displacement[known->element][1], known->component, change);
+        vec3_add_to(&along->displacement[known->element][1], known->component, change);
     } else if (known->row == ROW_body_prescribed_velocity) {
-        add_component(&along->velocity[known->element][1], known->component, change);
+        vec3_add_to(&along->velocity[known->element][1], known->component, change);
     }
 }
 
@@ -146,6 +146,9 @@ static double input_derivative(const struct model *m, const struct scene_instant
                                const struct scene_jet *along, const struct variable *variable)
 {
     const int j = variable->element;
+    if (variable_is_local(variable)) {
+        return motion_local_slope(&m->state.values, &m->state.motion, along, variable);
+    }
     switch (variable->row) {
     case ROW_contact_effective_penalty_factor:
         return contact_coefficients_of(&along->law_slope[j], REGIME_COMPRESSION).k;
@@ -181,7 +184,7 @@ enum model_status model_get_directional_derivative(struct model *m, const uint32
     }
     vary_factors(m, &along);
     jet_of_contacts(&m->state.values, &m->state.motion, &at, &along);
-    if (m->state.initialized) {
+    if (m->state.initialized && !m->host.exchange) { /* there the work is a state */
         motion_jet_of_work(&m->state.values, &m->state.motion, &along);
     }
     for (size_t i = 0; i < unknown_count && status == MODEL_OK; ++i) {

@@ -8,8 +8,11 @@
 #include "scene/scene_state.h"
 
 /* Raised when struct model_state, struct scene_state or struct scene_values change their meaning. */
-#define MODEL_STATE_VERSION 6u
+#define MODEL_STATE_VERSION 7u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
+
+/* Who integrates: the model itself; or an integrator outside, which is in event mode or goes on. */
+enum exchange_mode { EXCHANGE_NONE, EXCHANGE_EVENTS, EXCHANGE_CONTINUOUS };
 
 /* Bits of input_signal.marks */
 enum {
@@ -35,10 +38,12 @@ struct model_state {
     struct scene_state motion;
     double importer_tolerance; /* 0: none given */
     double start_time;
+    double booked_energy; /* motion_booked when the importer last set or read the states */
     uint8_t marks[SCENE_BODIES][SIGNALS_EACH];
     uint8_t signals_changed; /* some mark is set that model_apply_inputs has not seen */
     uint8_t signals_open;    /* some mark is set since the last step */
     uint8_t initialized;
+    uint8_t exchange; /* enum exchange_mode */
     /* whether the warning of a contradiction of a body's inputs, of a contact without direction was given */
     uint8_t warned_of_rate[SCENE_BODIES], warned_of_direction[SCENE_CONTACTS];
 };
@@ -64,6 +69,9 @@ struct model {
 
 /* Whether the host wants messages of this status: asked before what costs time only to be shown. */
 bool model_reports(const struct model *m, enum model_status status);
+
+/* The outputs that change are no longer those of the present. */
+void model_forget_outputs(struct model *m);
 
 /* Formats and sends a message when the host wants the category. */
 enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)

@@ -40,7 +40,14 @@ enum model_status model_read(struct model *m, const struct variable *variable, v
     if (unknown) {
         return model_report(m, MODEL_DISCARD, "%s is not known: %s.", variable->name, unknown);
     }
-    const char *at = (const char *)&m->state.values + variable->offset;
+    double local = 0.0;
+    const void *at = (const char *)&m->state.values + variable->offset;
+    if (variable_is_local(variable)) {
+        struct scene_instant now;
+        scene_now(&m->state.values, &m->state.motion, &now);
+        local = motion_local(&m->state.values, &m->state.motion, &now, variable);
+        at = &local;
+    }
     if (!isfinite(variable_number(variable, at))) {
         return model_report(m, MODEL_DISCARD,
                             "%s is beyond the range of numbers (allowed: parameters and inputs with finite "

@@ -6,6 +6,7 @@
 #ifndef MODEL_VARIABLE_H
 #define MODEL_VARIABLE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
@@ -16,14 +17,18 @@ enum variable_causality {
     VARIABLE_PARAMETER,
     VARIABLE_CALCULATED_PARAMETER,
     VARIABLE_INPUT,
-    VARIABLE_OUTPUT
+    VARIABLE_OUTPUT,
+    /* local ones, which Model Exchange needs; computed when they are asked for */
+    VARIABLE_STATE,    /* of the integrator outside */
+    VARIABLE_RATE,     /* d/dt of a state */
+    VARIABLE_INDICATOR /* an event where it changes its sign */
 };
 
 struct variable {
     const char *name;
     double min, max;    /* inclusive; of an enumeration the first and last item */
     uint32_t reference; /* FMI value reference */
-    /* bytes into struct scene_values; a double for VARIABLE_REAL, else an int32_t */
+    /* bytes into struct scene_values; a double for VARIABLE_REAL, else an int32_t; of local variables 0 */
     uint16_t offset;
     uint16_t row;      /* enum variable_row of scene.h */
     uint8_t type;      /* enum variable_type */
@@ -31,6 +36,11 @@ struct variable {
     uint8_t element;   /* index of the body or contact, 0 for the rest */
     uint8_t component; /* 0..2 in a vector, else 0 */
 };
+
+static inline bool variable_is_local(const struct variable *variable)
+{
+    return variable->causality >= VARIABLE_STATE;
+}
 
 static inline size_t variable_size(const struct variable *variable)
 {
@@ -66,6 +76,11 @@ extern const uint32_t scene_reals[];
 
 extern const struct variable scene_variables[];
 extern const int scene_variable_count;
+
+/* Where in scene_variables the SCENE_STATES states are, their rates, the SCENE_INDICATORS event indicators;
+ * and the nominal values of the states. */
+extern const uint16_t scene_states[], scene_rates[], scene_indicators[];
+extern const double scene_state_nominals[];
 
 /* The variable of a value reference, NULL when the scene has none; takes the same time for every
  * reference. */

@@ -135,6 +135,11 @@ bool scene_within_extents(const struct contact_shape *shape, const struct contac
     return !SCENE_ANY_CYLINDER || contact_within_extents(shape, geometry->axial);
 }
 
+double scene_beyond_ends(const struct contact_shape *shape, const struct contact_geometry *geometry)
+{
+    return SCENE_ANY_CYLINDER ? fabs(geometry->axial) - shape->half_length : -(double)INFINITY;
+}
+
 double body_inverse_mass(const struct scene_values *v, int body)
 {
     return body_is_free(v, body) ? 1.0 / body_mass(v, body) : 0.0;

@@ -51,6 +51,9 @@ void scene_evaluate(const struct scene_values *v, const struct scene_state *q, d
 /* contact_within_extents, true at compile time in scenes of spheres. */
 bool scene_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry);
 
+/* How far the source is beyond a cylinder's ends, negative within [m]; minus infinity without ends. */
+double scene_beyond_ends(const struct contact_shape *shape, const struct contact_geometry *geometry);
+
 /* 1 / m of a free body, 0 of any other [1/kg]. */
 double body_inverse_mass(const struct scene_values *v, int body);
 

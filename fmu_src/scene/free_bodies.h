@@ -28,4 +28,13 @@ void free_bodies_put_gaps(const struct scene_values *v, const struct scene_state
 bool free_bodies_put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along);
 void free_bodies_put_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along);
 
+/* Half the change of a free body's acceleration with the external force and the contact forces [m/s^3 in
+ * time]; the power of dissipation, and that of external forces on free bodies and of what moves prescribed
+ * ones against the contacts [W], of order 0 or 1. */
+struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body);
+double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
+                                    const struct scene_jet *along, int order);
+double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_jet *along, int order);
+
 #endif

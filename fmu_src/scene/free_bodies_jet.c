@@ -7,11 +7,9 @@ static struct vec3 path_slope(const struct vec3 *path, double clock)
     return vec3_axpy(path[1], 2.0 * clock, path[2]);
 }
 
-/* Half the jerk of a free body: the acceleration changes with the external force and the contact forces. */
-static struct vec3 half_jerk(const struct scene_values *v, const struct scene_state *q,
-                             const struct scene_jet *along, int body)
+struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body)
 {
-    struct vec3 force = path_slope(q->path[body].force, q->clock);
+    struct vec3 force = along->force[body];
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct vec3 source_force = along->contact[j].source_force[1];
         const int sign = (contact_source(j) == body) - (contact_destination(j) == body);
@@ -20,16 +18,13 @@ static struct vec3 half_jerk(const struct scene_values *v, const struct scene_st
     return vec3_scale(0.5 / body_mass(v, body), force);
 }
 
-/* Power of the external forces on free bodies, and of whatever moves the prescribed ones against the
- * contacts. */
-static double external_power(const struct scene_values *v, const struct scene_state *q,
-                             const struct scene_jet *along, int order)
+double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_jet *along, int order)
 {
     double power = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            const struct vec3 *path = q->path[i].force;
-            const struct vec3 force[2] = {path_at(path, 3, q->clock), path_slope(path, q->clock)};
+            const struct vec3 force[2] = {path_at(q->path[i].force, 3, q->clock), along->force[i]};
             power += jet_dot(force, along->velocity[i], order);
         }
     }
@@ -45,8 +40,8 @@ static double external_power(const struct scene_values *v, const struct scene_st
     return power;
 }
 
-static double dissipated_power(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_jet *along, int order)
+double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
+                                    const struct scene_jet *along, int order)
 {
     double power = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -62,7 +57,8 @@ bool free_bodies_put_jerk(const struct scene_values *v, const struct scene_state
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            along->velocity[i][2] = half_jerk(v, q, along, i);
+            along->force[i] = path_slope(q->path[i].force, q->clock);
+            along->velocity[i][2] = free_bodies_half_jerk(v, along, i);
         }
     }
     return !scene_is_force_element(v);
@@ -72,7 +68,7 @@ void free_bodies_put_work(const struct scene_values *v, const struct scene_state
 {
     along->time[1] = 1.0;
     for (int i = 1; i < JET_TERMS; ++i) {
-        along->dissipated[i] = dissipated_power(v, q, along, i - 1) / i;
-        along->external_work[i] = external_power(v, q, along, i - 1) / i;
+        along->dissipated[i] = free_bodies_dissipated_power(v, q, along, i - 1) / i;
+        along->external_work[i] = free_bodies_external_power(v, q, along, i - 1) / i;
     }
 }

@@ -171,12 +171,6 @@ static double not_zero(double value)
     return fabs(value) < 1e-100 ? -1e-100 : value;
 }
 
-/* How far the source is beyond a cylinder's ends, negative within [m]; minus infinity without ends. */
-static double beyond_ends(const struct contact_shape *shape, const struct contact_geometry *g)
-{
-    return SCENE_ANY_CYLINDER ? fabs(g->axial) - shape->half_length : -(double)INFINITY;
-}
-
 /* The event functions of a contact whose bodies are loaded by another contact, so that closed forms do not
  * foresee its changes. */
 static void coupled_events(const struct scene_ode *ode, const struct contact_shape *shape,
@@ -185,9 +179,9 @@ static void coupled_events(const struct scene_ode *ode, const struct contact_sha
 {
     const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
     if (regime == REGIME_APART) {
-        out[0] = not_zero(ode->gap_offset[j] + fmax(g->gap, beyond_ends(shape, g)));
+        out[0] = not_zero(ode->gap_offset[j] + fmax(g->gap, scene_beyond_ends(shape, g)));
     } else {
-        out[0] = not_zero(ode->gap_offset[j] - fmax(g->gap, beyond_ends(shape, g)));
+        out[0] = not_zero(ode->gap_offset[j] - fmax(g->gap, scene_beyond_ends(shape, g)));
     }
     if (regime == REGIME_SEPARATING) {
         out[1] = not_zero(ode->margin_offset[j] + contact_event(law, regime, g->gap, g->gap_rate));

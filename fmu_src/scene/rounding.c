@@ -49,6 +49,14 @@ static double rate_rounding(const struct scene_values *v, const struct contact_l
            tolerated;
 }
 
+double rounding_of_event(const struct scene_values *v, const struct contact_law *law,
+                         const struct contact_slopes *slopes, const struct scene_instant *at, int contact,
+                         double tolerated)
+{
+    return fabs(slopes->by_gap) * rounding_of_gap(v, at, contact) +
+           fabs(slopes->by_rate) * rate_rounding(v, law, at, contact, tolerated);
+}
+
 double rounding_margin_offset(const struct scene_values *v, const struct scene_state *q,
                               const struct scene_instant *at, int contact, double tolerated)
 {
@@ -57,7 +65,6 @@ double rounding_margin_offset(const struct scene_values *v, const struct scene_s
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
     const double event = contact_event(&law, regime, g->gap, g->gap_rate);
     const struct contact_slopes slopes = contact_event_slopes(&law, regime, g->gap, g->gap_rate);
-    const double rounding = fabs(slopes.by_gap) * rounding_of_gap(v, at, contact) +
-                            fabs(slopes.by_rate) * rate_rounding(v, &law, at, contact, tolerated);
+    const double rounding = rounding_of_event(v, &law, &slopes, at, contact, tolerated);
     return 2.0 * (fmax(-event, 0.0) + rounding);
 }

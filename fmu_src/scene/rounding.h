@@ -16,6 +16,12 @@ double rounding_of_axial(const struct scene_values *v, const struct scene_instan
 /* The same for w and g', which are differences of the bodies' velocities [m/s]. */
 double rounding_of_rate(const struct scene_instant *at, int contact);
 
+/* The same for an event function of the law with these slopes (contact_event), of speeds that are right to
+ * `tolerated` [m/s]. */
+double rounding_of_event(const struct scene_values *v, const struct contact_law *law,
+                         const struct contact_slopes *slopes, const struct scene_instant *at, int contact,
+                         double tolerated);
+
 /* An offset that makes a regime's margin positive at the start of a phase although rounding, or an error of
  * the speeds by `tolerated` [m/s], may have left it at or below zero. Without it a root finder would miss the
  * fall of a margin that starts below zero, and would find many of one that stays near zero, as at rest. The

@@ -12,6 +12,7 @@
 struct scene_jet {
     struct vec3 displacement[SCENE_BODIES][JET_TERMS];
     struct vec3 velocity[SCENE_BODIES][JET_TERMS];
+    struct vec3 force[SCENE_BODIES]; /* d/ds of the external forces on free bodies */
     /* d/ds of the factors, where they are automatic */
     struct contact_law law_slope[SCENE_CONTACTS];
     struct contact_jet contact[SCENE_CONTACTS];

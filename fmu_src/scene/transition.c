@@ -102,6 +102,18 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
     note_peaks_of_touching(v, q, at);
 }
 
+void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,
+                              enum contact_regime regime)
+{
+    struct scene_instant at;
+    scene_rebase(v, q);
+    scene_kinematics_now(v, q, &at);
+    const double before = energy_stored(v, q, &at);
+    set_regime(q, contact, regime);
+    q->dissipated += before - energy_stored(v, q, &at);
+    counter_add(&q->counters.events, 1);
+}
+
 void transition_settle_regimes(const struct scene_values *v, struct scene_state *q, double stored_before,
                                bool starting)
 {

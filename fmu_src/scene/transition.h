@@ -14,6 +14,10 @@
 void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime, struct scene_instant *at);
 
+/* The same for bodies that an integrator outside moves: they stay where they are, and peaks are not noted. */
+void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,
+                              enum contact_regime regime);
+
 /*
  * Sets the regimes by the geometry of the present: at the start, and after inputs have jumped.
  * `stored_before` is the stored energy before the jump; the difference is external work of whatever moved the

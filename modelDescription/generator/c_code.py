@@ -13,6 +13,7 @@ C_CAUSALITY = {
     "input": "INPUT",
     "output": "OUTPUT",
 }
+C_ROLE = {"state": "STATE", "rate": "RATE", "indicator": "INDICATOR"}
 # Outputs that need the motion of the bodies and no more.
 BODY_MOTION = ("body_displacement", "body_position", "body_velocity")
 
@@ -62,11 +63,16 @@ def rows_present(resolved: Resolved) -> dict[str, bool]:
 
 
 def structs(resolved: Resolved) -> list[Struct]:
-    """One struct for each owner, doubles first and filled up to 8 bytes, so that no byte of it is padding."""
+    """One struct for each owner, doubles first and filled up to 8 bytes, so that no byte of it is padding.
+
+    Local variables are computed when they are asked for and have no room in it.
+    """
     result = []
     for owner in ("body", "contact", "world"):
         rows = [
-            row for row in resolved.catalogue.rows.values() if row.owner == owner and resolved.has(row.key)
+            row
+            for row in resolved.catalogue.rows.values()
+            if row.owner == owner and resolved.has(row.key) and not row.role
         ]
         reals = [row for row in rows if row.type.base == "Real"]
         others = [row for row in rows if row.type.base != "Real"]
@@ -135,7 +141,8 @@ def _default(row: Row):
 def writers(resolved: Resolved) -> list[Accessor]:
     """An accessor for each row the FMU computes and for the tolerance; empty where the row is absent."""
     result = []
-    for row in (row for row in resolved.catalogue.rows.values() if not row.has_start or row.tolerance):
+    rows = resolved.catalogue.rows.values()
+    for row in (row for row in rows if (not row.has_start and not row.role) or row.tolerance):
         target = f"v->{member(row, row.owner)}"
         if row.dim > 1:
             store = tuple(f"{target}[{k}] = value.{axis};" for k, axis in enumerate("xyz"))
@@ -160,6 +167,8 @@ def start_statements(resolved: Resolved) -> list[str]:
 
 def _offset(variable) -> str:
     row = variable.cell.row
+    if row.role:
+        return "0"
     component = f"[{variable.component}]" if row.dim > 1 else ""
     return f"offsetof(struct scene_values, {member(row, str(variable.cell.element))}{component})"
 
@@ -169,7 +178,7 @@ def reals(resolved: Resolved) -> list[str]:
     lines = []
     for variable in resolved.variables:
         row = variable.cell.row
-        if C_BASE[row.type.base] == "REAL":
+        if C_BASE[row.type.base] == "REAL" and not row.role:
             given = row.causality in ("parameter", "input")
             source = "GIVEN" if given else "BODY" if row.c_name in BODY_MOTION else "COMPUTED"
             vector = " | VARIABLE_VECTOR" if row.dim == 3 and variable.component == 0 else ""
@@ -184,9 +193,26 @@ def table(resolved: Resolved) -> list[str]:
         cell, row = variable.cell, variable.cell.row
         low, high = (repr(float(limit)) for limit in row.limits)
         offset = _offset(variable)
+        causality = C_ROLE[row.role] if row.role else C_CAUSALITY[row.causality]
         lines.append(
             f'{{"{variable.name}", {low}, {high}, {variable.reference}, {offset}, ROW_{row.c_name}, '
-            f"VARIABLE_{C_BASE[row.type.base]}, VARIABLE_{C_CAUSALITY[row.causality]}, {cell.element}, "
+            f"VARIABLE_{C_BASE[row.type.base]}, VARIABLE_{causality}, {cell.element}, "
             f"{variable.component}}},"
         )
     return lines
+
+
+def positions(resolved: Resolved) -> dict[str, list[int]]:
+    """Where the states, their rates and the event indicators are in the table of variables, from 0."""
+    lists = {
+        "states": resolved.in_role("state"),
+        "rates": resolved.rates(),
+        "indicators": resolved.in_role("indicator"),
+    }
+    place = {variable.reference: i for i, variable in enumerate(resolved.variables)}
+    return {name: [place[variable.reference] for variable in chosen] for name, chosen in lists.items()}
+
+
+def nominals(resolved: Resolved) -> list[str]:
+    """Nominal values of the states."""
+    return [repr(variable.cell.row.type.nominal) for variable in resolved.in_role("state")]

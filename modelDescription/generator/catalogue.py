@@ -9,10 +9,11 @@ from .errors import InputError, allowed
 
 ROW_KEYS = {
     "vr", "type", "causality", "start", "start_destination", "min", "max", "dim", "symbol", "description",
-    "shape", "when", "tolerance", "depends", "discrete",
+    "shape", "when", "tolerance", "depends", "discrete", "role", "rate_of", "reinit",
 }  # fmt: skip
 TYPE_KEYS = {"base", "quantity", "unit", "display", "min", "max", "nominal", "description", "items"}
-CAUSALITIES = ("parameter", "calculatedParameter", "input", "output")
+CAUSALITIES = ("parameter", "calculatedParameter", "input", "output", "local")
+ROLES = ("state", "rate", "indicator")  # of local variables
 BASES = ("Real", "Integer", "Boolean", "Enumeration")
 DEPENDENCIES = ("dependent", "fixed")  # of those that FMI 2.0 has
 
@@ -62,7 +63,10 @@ class Row:
     when: tuple[dict, ...] = ()
     tolerance: bool = False
     discrete: bool = False  # an output that changes at communication points and events only
-    depends: dict[str, str] = field(default_factory=dict)  # inputs felt at once -> dependenciesKind
+    role: str | None = None  # of a local variable
+    rate_of: str | None = None  # of a rate: key of its state
+    reinit: bool = False  # a state that may jump at an event
+    depends: dict[str, str] = field(default_factory=dict)  # inputs and states felt -> dependenciesKind
 
     @property
     def owner(self) -> str:
@@ -138,6 +142,7 @@ def read_catalogue(path: Path) -> Catalogue:
     _check_ranges(catalogue, shown)
     _check_references(catalogue, shown)
     _check_dependencies(catalogue, shown)
+    _check_rates(catalogue, shown)
     return catalogue
 
 
@@ -163,6 +168,10 @@ def _row(key: str, entry: dict, types: dict[str, Type], shown: str) -> Row:
         raise InputError(shown, f"{where}: unknown causality '{entry['causality']}' {allowed(CAUSALITIES)}")
     if ("start" in entry) != (entry["causality"] in ("parameter", "input")):
         raise InputError(shown, f"{where}: 'start' belongs to parameters and inputs and only to them")
+    if (entry["causality"] == "local") != (entry.get("role") in ROLES):
+        raise InputError(
+            shown, f"{where}: 'role' belongs to local variables and only to them {allowed(ROLES)}"
+        )
     fields = {**entry, "type": types[entry["type"]], "when": tuple(entry.get("when", ()))}
     return Row(key, **fields)
 
@@ -211,14 +220,29 @@ def _check_references(catalogue: Catalogue, shown: str) -> None:
 
 
 def _check_dependencies(catalogue: Catalogue, shown: str) -> None:
-    """Outputs alone depend on inputs, on inputs that exist, in a way that FMI knows."""
-    inputs = [row.key for row in catalogue.rows.values() if row.causality == "input"]
+    """Outputs alone depend on inputs and states, on those that exist, in a way that FMI knows."""
+    known = [row.key for row in catalogue.rows.values() if row.causality == "input" or row.role == "state"]
     for row in catalogue.rows.values():
         where = f'[variable."{row.key}"]: depends'
         if row.depends and row.causality != "output":
             raise InputError(shown, f"{where} belongs to outputs and only to them")
         for key, kind in row.depends.items():
-            if key not in inputs:
-                raise InputError(shown, f"{where}: unknown input '{key}' {allowed(inputs)}")
+            if key not in known:
+                raise InputError(shown, f"{where}: unknown input or state '{key}' {allowed(known)}")
             if kind not in DEPENDENCIES:
                 raise InputError(shown, f"{where}: '{key}' is {kind!r} {allowed(DEPENDENCIES)}")
+
+
+def _check_rates(catalogue: Catalogue, shown: str) -> None:
+    """Each state has one rate of its own size and owner."""
+    states = {row.key: row for row in catalogue.rows.values() if row.role == "state"}
+    rates = [row for row in catalogue.rows.values() if row.role == "rate" or row.rate_of]
+    for row in rates:
+        state = states.get(row.rate_of)
+        if state is None or (state.owner, state.dim) != (row.owner, row.dim) or row.role != "rate":
+            raise InputError(
+                shown, f"[variable.\"{row.key}\"]: 'rate_of' is {row.rate_of!r} {allowed(list(states))}"
+            )
+    for key in states:
+        if sum(row.rate_of == key for row in rates) != 1:
+            raise InputError(shown, f'[variable."{key}"]: a state with other than one rate (allowed: one)')

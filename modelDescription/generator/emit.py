@@ -103,7 +103,7 @@ def write(files: dict[str, str | bytes], folder: Path) -> None:
 
 def counts(resolved: Resolved) -> dict[str, int]:
     result = {"variables": len(resolved.variables)}
-    for causality in ("parameter", "calculatedParameter", "input", "output"):
+    for causality in ("parameter", "calculatedParameter", "input", "output", "local"):
         result[causality] = sum(v.cell.row.causality == causality for v in resolved.variables)
     result["value_bytes"] = _value_bytes(resolved)
     return result
@@ -146,7 +146,7 @@ def _context(resolved: Resolved) -> dict:
             if variable.cell.row.causality == "output"
         ],
         "arrays": arrays.arrays(resolved),
-        "unknowns": _positions(variables, ("output", "calculatedParameter")),
+        "unknowns": _unknowns(variables),
         "has_inputs": any(v.cell.row.causality == "input" for v in variables),
         "has_derivatives": any(
             v.cell.row.causality == "output" and v.cell.row.type.base == "Real" for v in variables
@@ -164,11 +164,25 @@ def _context(resolved: Resolved) -> dict:
         "start_statements": c_code.start_statements(resolved),
         "table": c_code.table(resolved),
         "reals": c_code.reals(resolved),
+        "positions": c_code.positions(resolved),
+        "nominals": c_code.nominals(resolved),
+        "state_of": _state_of(resolved),
         "references": [(variable.reference, i) for i, variable in enumerate(variables, 1)],
         "page": page.context(resolved),
     }
 
 
-def _positions(variables, causalities) -> list[int]:
-    """1-based indices into ModelVariables, as ModelStructure wants them."""
-    return [i for i, variable in enumerate(variables, 1) if variable.cell.row.causality in causalities]
+def _unknowns(variables) -> list[int]:
+    """1-based indices into ModelVariables of what initialization computes, as ModelStructure wants them."""
+    return [
+        i
+        for i, variable in enumerate(variables, 1)
+        if variable.cell.row.causality in ("output", "calculatedParameter")
+        or variable.cell.row.role in ("state", "rate")
+    ]
+
+
+def _state_of(resolved: Resolved) -> dict[str, int]:
+    """1-based index into ModelVariables of the state of each rate, by the name of the rate."""
+    where = c_code.positions(resolved)["states"]
+    return {rate.name: 1 + at for rate, at in zip(resolved.rates(), where, strict=True)}

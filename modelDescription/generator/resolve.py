@@ -83,8 +83,17 @@ class Resolved:
     def has(self, key: str) -> bool:
         return any(cell.open for cell in self.of(key))
 
+    def in_role(self, role: str) -> list["Variable"]:
+        """States, their rates or event indicators, in the order of modelDescription.xml."""
+        return [variable for variable in self.variables if variable.cell.row.role == role]
+
+    def rates(self) -> list["Variable"]:
+        """The rate of each state, in the order of the states."""
+        of = {(v.cell.row.rate_of, v.cell.element, v.component): v for v in self.in_role("rate")}
+        return [of[v.cell.row.key, v.cell.element, v.component] for v in self.in_role("state")]
+
     def dependencies(self, variable: "Variable") -> list[tuple[int, str]]:
-        """Inputs that an output feels at once: position in modelDescription.xml, dependenciesKind."""
+        """Inputs and states that an output feels: position in modelDescription.xml, dependenciesKind."""
         cell = variable.cell
         bodies = set(range(len(self.scene.bodies)))
         if cell.row.owner == "body":
@@ -240,7 +249,11 @@ def _check_use(scene: Scene, known: dict[str, Cell], cells: list[Cell], constant
 
 def _left_out(scene: Scene, known: dict[str, Cell], cells: list[Cell], constants: dict) -> set[str]:
     """Names of the cells that [leave_out] removes; an entry is a variable, a row (body.velocity) or group."""
-    outputs = {name: cell for name, cell in known.items() if cell.present and not cell.row.has_start}
+    outputs = {
+        name: cell
+        for name, cell in known.items()
+        if cell.present and cell.row.causality in ("output", "calculatedParameter")
+    }
     result: set[str] = set()
     for entry in scene.leave_out:
         found = {
@@ -248,7 +261,11 @@ def _left_out(scene: Scene, known: dict[str, Cell], cells: list[Cell], constants
             for name, cell in outputs.items()
             if entry in (name, cell.row.key, name.partition(".")[0]) and "." in name
         }
-        if not found and entry in known and known[entry].row.has_start:
+        if (
+            not found
+            and entry in known
+            and (known[entry].row.has_start or known[entry].row.causality == "local")
+        ):
             kind = known[entry].row.causality
             raise scene.error(f"[leave_out]: '{entry}' is no output but {kind} {_near(entry, outputs)}")
         if not found and entry in known:

@@ -47,6 +47,8 @@
 #define SCENE_CONTACTS {{ scene.contacts | length }}
 #define SCENE_REFERENCES {{ variables | map(attribute="reference") | max + 1 }} /* one more than the largest */
 #define SCENE_VARIABLES {{ variables | length }}
+#define SCENE_STATES {{ positions.states | length }} /* continuous states, for an integrator outside */
+#define SCENE_INDICATORS {{ positions.indicators | length }} /* event indicators */
 #define SCENE_ANY_FREE {{ any_free | int }}       /* may any body be free? else there are no states and no solver */
 #define SCENE_ANY_PRESCRIBED {{ any_prescribed | int }} /* may any body's motion be prescribed? */
 #define SCENE_ANY_CYLINDER {{ any_cylinder | int }}

@@ -30,6 +30,11 @@ const uint32_t scene_reals[SCENE_REFERENCES] = {
 {% endfor %}
 };
 
+{% for name, places in positions.items() %}
+const uint16_t scene_{{ name }}[] = { {{- places | join(", ") or "0" -}} };
+{% endfor %}
+const double scene_state_nominals[] = { {{- nominals | join(", ") or "0.0" -}} };
+
 const struct variable *scene_variable(uint32_t reference)
 {
     if (reference >= sizeof position_of / sizeof position_of[0] || position_of[reference] == 0) {

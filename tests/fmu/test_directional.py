@@ -19,8 +19,8 @@ from support.fmi2.runs import RUNS, begin, go_on, time_after
 UNKNOWN = 4_000_000_000
 
 
-def declared(fmu: raw.Fmu) -> dict[str, dict[str, str]]:
-    """Output -> input -> dependenciesKind, as ModelStructure has them"""
+def declared(fmu: raw.Fmu, causality: str = "input") -> dict[str, dict[str, str]]:
+    """Output -> input (or state: local) -> dependenciesKind, as ModelStructure has them"""
     root = ElementTree.parse(fmu.folder / "modelDescription.xml").getroot()
     names = list(fmu.variables)
     found = {}
@@ -28,7 +28,11 @@ def declared(fmu: raw.Fmu) -> dict[str, dict[str, str]]:
         indices = entry.get("dependencies").split()
         kinds = entry.get("dependenciesKind", "").split()
         pairs = zip(indices, kinds, strict=True)
-        found[names[int(entry.get("index")) - 1]] = {names[int(i) - 1]: kind for i, kind in pairs}
+        found[names[int(entry.get("index")) - 1]] = {
+            names[int(i) - 1]: kind
+            for i, kind in pairs
+            if fmu.variables[names[int(i) - 1]].causality == causality
+        }
     return found
 
 

@@ -122,8 +122,9 @@ def test_the_force_element_has_at_most_40_percent_of_the_variables(variables):
     assert len(variables("ForceElement")) <= 0.4 * len(variables("SphereCylinder"))
 
 
-def test_the_force_element_has_a_library_of_at_most_60_kb(library_bytes):
-    assert library_bytes("ForceElement") <= 60_000
+def test_the_force_element_has_a_library_of_at_most_64_kb(library_bytes):
+    """59,272 bytes without Model Exchange, whose ten functions and messages fill one more page."""
+    assert library_bytes("ForceElement") <= 64_000
 
 
 def test_the_force_element_has_no_solver(strings):

@@ -16,10 +16,16 @@ BAD = [
     ('type = "Length"', 'type = "Lenght"', ['variable."body.radius"', "'Lenght'", "allowed: Acceleration"]),
     (
         'causality = "parameter"',
-        'causality = "local"',
-        ['variable."body.radius"', "'local'", "allowed: parameter"],
+        'causality = "exported"',
+        ['variable."body.radius"', "'exported'", "allowed: parameter"],
     ),
     ("start = 0.1\n", "", ['variable."body.radius"', "'start' belongs to parameters"]),
+    ('role = "state"\n', "", ['variable."body.displacement_state"', "'role' belongs to local variables"]),
+    (
+        'rate_of = "body.velocity_state"',
+        'rate_of = "body.velocity"',
+        ['variable."body.acceleration"', "'rate_of' is 'body.velocity'", "allowed: body.displacement_state"],
+    ),
     (
         '["free"] }]',
         '["free"], "body.mood" = ["bad"] }]',
@@ -33,17 +39,17 @@ BAD = [
     ('unit = "m", display = "mm"', 'unit = "ft", display = "mm"', ["type.Length", "'ft'", "allowed: 1, J"]),
     ('unit = "m", display = "mm"', 'unit = "m", display = "in"', ["type.Length", "'in'", "allowed: mm"]),
     (
-        'depends = { "body.prescribed_displacement" = "fixed" }',
-        'depends = { "body.displaced" = "fixed" }',
+        'depends = { "body.prescribed_displacement" = "fixed", ',
+        'depends = { "body.displaced" = "fixed", ',
         [
             'variable."body.displacement"',
-            "unknown input 'body.displaced'",
+            "unknown input or state 'body.displaced'",
             "allowed: body.prescribed_displacement",
         ],
     ),
     (
-        'depends = { "body.prescribed_displacement" = "fixed" }',
-        'depends = { "body.prescribed_displacement" = "loose" }',
+        'depends = { "body.prescribed_displacement" = "fixed", ',
+        'depends = { "body.prescribed_displacement" = "loose", ',
         ['variable."body.displacement"', "'body.prescribed_displacement' is 'loose'", "allowed: dependent"],
     ),
     (

@@ -58,7 +58,7 @@ def test_fmpy_finds_no_fault(folder, scene):
         validate_model_structure=True,
     )
     assert description.modelName == scene
-    assert description.modelExchange is None
+    assert description.modelExchange is not None
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -70,6 +70,14 @@ def test_attributes_of_the_slave(folder, scene):
         "canHandleVariableCommunicationStepSize": "true",
         "canInterpolateInputs": "true",
         "maxOutputDerivativeOrder": "2",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+        "providesDirectionalDerivative": "true",
+    }
+    exchange = dict(root.find("ModelExchange").attrib)
+    assert exchange == {
+        "modelIdentifier": scene,
+        "completedIntegratorStepNotNeeded": "false",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
         "providesDirectionalDerivative": "true",
@@ -89,17 +97,46 @@ def test_model_structure_lists_all_outputs_and_all_unknowns(folder, scene):
     names = list(describe(scene))
     listed = {
         part: [names[int(entry.get("index")) - 1] for entry in root.find(f"ModelStructure/{part}")]
-        for part in ("Outputs", "InitialUnknowns")
+        for part in ("Outputs", "Derivatives", "InitialUnknowns")
+        if part != "Derivatives" or root.find("ModelStructure/Derivatives") is not None
     }
     of = {name: entry["causality"] for name, entry in describe(scene).items()}
+    role = {name: row_of(name, scene_file(scene))[1].get("role") for name in names}
+    rates = [name for name in names if role[name] == "rate"]
+    assert sorted(listed.get("Derivatives", [])) == sorted(rates)
+    assert int(root.get("numberOfEventIndicators")) == sum(one == "indicator" for one in role.values())
     assert listed["Outputs"] == [name for name in names if of[name] == "output"]
     assert listed["InitialUnknowns"] == [
-        name for name in names if of[name] in ("output", "calculatedParameter")
+        name
+        for name in names
+        if of[name] in ("output", "calculatedParameter") or role[name] in ("state", "rate")
     ]
 
 
+@pytest.mark.parametrize("scene", SCENES)
+def test_each_rate_names_its_state_and_stands_in_the_order_of_the_states(folder, scene):
+    root = etree.parse(folder / scene / "modelDescription.xml").getroot()
+    scalars = root.findall("ModelVariables/ScalarVariable")
+    names = [scalar.get("name") for scalar in scalars]
+    rows = {name: row_of(name, scene_file(scene)) for name in names}
+    order = [
+        int(scalars[int(entry.get("index")) - 1][0].get("derivative"))
+        for entry in root.findall("ModelStructure/Derivatives/Unknown")
+    ]
+    assert order == [i for i, name in enumerate(names, 1) if rows[name][1].get("role") == "state"]
+    for scalar in scalars:
+        name, value = scalar.get("name"), scalar[0]
+        of = rows[name][1].get("rate_of")
+        if of is None:
+            assert value.get("derivative") is None
+            continue
+        state = names[int(value.get("derivative")) - 1]
+        assert (rows[state][0], state[-3:]) == (of, name[-3:] if name.endswith("]") else state[-3:])
+        assert state.partition(".")[0] == name.partition(".")[0]
+
+
 def felt_at_once(output, scene):
-    """Input -> dependenciesKind of an output, from the names and the rows of variables.toml alone"""
+    """Input or state -> dependenciesKind of an output, from the names and the rows of variables.toml alone"""
     _, row = row_of(output, scene_file(scene))
     owner, component = output.partition(".")[0], output.partition("[")[2]
     bodies = ["source", "destination"] if owner not in ("source", "destination") else [owner]
@@ -107,14 +144,16 @@ def felt_at_once(output, scene):
     for key, kind in row.get("depends", {}).items():
         for body in bodies:
             names = [f"{key.replace('body', body)}[{k}]" for k in (1, 2, 3)]
-            if len(bodies) == 1:
+            if not key.startswith("body."):
+                names = [key]
+            elif len(bodies) == 1:
                 names = [name for name in names if name.endswith(component)]
             found |= {name: kind for name in names if name in describe(scene)}
     return found
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_outputs_depend_on_the_inputs_that_their_rows_name(folder, scene):
+def test_outputs_depend_on_the_inputs_and_states_that_their_rows_name(folder, scene):
     root = etree.parse(folder / scene / "modelDescription.xml").getroot()
     names = list(describe(scene))
     for entry in root.find("ModelStructure/Outputs"):
@@ -134,6 +173,7 @@ def test_variability_and_initial_follow_from_causality(scene):
             "calculatedParameter": ("fixed", "calculated"),
             "input": (varies, None),
             "output": (varies, "calculated"),
+            "local": (varies, "calculated"),
         }[entry["causality"]], name
 
 
@@ -141,6 +181,7 @@ def test_variability_and_initial_follow_from_causality(scene):
 SI = {
     "1": (0, 0, 0), "m": (0, 1, 0), "s": (0, 0, 1), "kg": (1, 0, 0), "m/s": (0, 1, -1), "m/s2": (0, 1, -2),
     "N": (1, 1, -2), "N/m": (1, 0, -2), "N.s/m": (1, 0, -1), "Pa": (1, -1, -2), "J": (1, 2, -2),
+    "W": (1, 2, -3),
 }  # fmt: skip
 PREFIX = {
     "mm": 1e3,

@@ -28,7 +28,7 @@ static void hear(void *context, enum model_status status, const char *category, 
 static struct model *new_model(struct heard *heard)
 {
     *heard = (struct heard){MODEL_OK, 0, ""};
-    const struct model_host host = {heard, hear, 0, scene_allocate, free};
+    const struct model_host host = {heard, hear, 0, scene_allocate, free, false};
     struct model *m = model_create(&host);
     if (!m) {
         exit(2);

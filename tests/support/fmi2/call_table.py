@@ -42,6 +42,13 @@ GetBooleanStatus          . . . x x x . .
 GetStringStatus           . . . x x x . .
 """
 
+# Of Model Exchange alone: refused on an instance of Co-Simulation, whatever its state.
+EXCHANGE = (
+    "EnterEventMode", "NewDiscreteStates", "EnterContinuousTimeMode", "CompletedIntegratorStep", "SetTime",
+    "SetContinuousStates", "GetDerivatives", "GetEventIndicators", "GetContinuousStates",
+    "GetNominalsOfContinuousStates",
+)  # fmt: skip
+
 # Calls these FMUs allow beyond the standard, none of which can harm:
 # - start values may be read while instantiated;
 # - after a discarded step an importer may go on from fmi2LastSuccessfulTime without restoring a state;
@@ -58,6 +65,7 @@ for _line in _STANDARD.split("\n"):
         _function, *_marks = _line.split()
         STANDARD[_function] = {state: mark == "x" for state, mark in zip(STATES, _marks, strict=True)}
 
+STANDARD |= {function: dict.fromkeys(STATES, False) for function in EXCHANGE}
 FUNCTIONS = tuple(STANDARD)
 
 

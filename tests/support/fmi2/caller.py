@@ -1,4 +1,4 @@
-"""Calls any function of FMI 2.0 for co-simulation with good arguments, whatever the state of the instance."""
+"""Calls any function of FMI 2.0 with good arguments, whatever the state of the instance."""
 
 import ctypes
 from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
@@ -105,6 +105,25 @@ class Caller:
 
     def GetStringStatus(self) -> tuple:
         return raw.PENDING_STATUS, byref(c_char_p())
+
+    def NewDiscreteStates(self) -> tuple:
+        return (byref(raw.EventInfo()),)
+
+    def CompletedIntegratorStep(self) -> tuple:
+        return 1, byref(c_int()), byref(c_int())
+
+    def SetTime(self) -> tuple:
+        return (1e-3,)
+
+    def _states(self) -> tuple:
+        count = len(self.instance.fmu.roles["state"])
+        return array(c_double, [0.0] * count), count
+
+    SetContinuousStates = GetDerivatives = GetContinuousStates = GetNominalsOfContinuousStates = _states
+
+    def GetEventIndicators(self) -> tuple:
+        count = len(self.instance.fmu.roles["indicator"])
+        return array(c_double, [0.0] * count), count
 
 
 for _kind in ("Real", "Integer", "Boolean", "String"):

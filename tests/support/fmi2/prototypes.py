@@ -30,6 +30,19 @@ class Callbacks(ctypes.Structure):
     ]
 
 
+class EventInfo(ctypes.Structure):
+    """fmi2EventInfo"""
+
+    _fields_ = [
+        ("again", c_int),
+        ("terminate", c_int),
+        ("nominals_changed", c_int),
+        ("states_changed", c_int),
+        ("next_event_defined", c_int),
+        ("next_event", c_double),
+    ]
+
+
 _GET_SET = [c_void_p, POINTER(c_uint), c_size_t]
 _STATE_OUT = POINTER(c_void_p)
 ARGUMENTS: dict[str, list] = {
@@ -75,6 +88,16 @@ ARGUMENTS: dict[str, list] = {
     "fmi2GetIntegerStatus": [c_void_p, c_int, POINTER(c_int)],
     "fmi2GetBooleanStatus": [c_void_p, c_int, POINTER(c_int)],
     "fmi2GetStringStatus": [c_void_p, c_int, POINTER(c_char_p)],
+    "fmi2EnterEventMode": [c_void_p],
+    "fmi2NewDiscreteStates": [c_void_p, POINTER(EventInfo)],
+    "fmi2EnterContinuousTimeMode": [c_void_p],
+    "fmi2CompletedIntegratorStep": [c_void_p, c_int, POINTER(c_int), POINTER(c_int)],
+    "fmi2SetTime": [c_void_p, c_double],
+    "fmi2SetContinuousStates": [c_void_p, POINTER(c_double), c_size_t],
+    "fmi2GetDerivatives": [c_void_p, POINTER(c_double), c_size_t],
+    "fmi2GetEventIndicators": [c_void_p, POINTER(c_double), c_size_t],
+    "fmi2GetContinuousStates": [c_void_p, POINTER(c_double), c_size_t],
+    "fmi2GetNominalsOfContinuousStates": [c_void_p, POINTER(c_double), c_size_t],
 }
 RESULTS = {
     "fmi2GetTypesPlatform": c_char_p,

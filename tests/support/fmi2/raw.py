@@ -31,6 +31,7 @@ from support.fmi2.prototypes import (
     TERMINATED,
     WARNING,
     Callbacks,
+    EventInfo,
     array,
 )
 from support.fmi2.raw_fmu import SCENES, Fmu, Variable, load
@@ -53,6 +54,7 @@ __all__ = [
     "TERMINATED",
     "WARNING",
     "Callbacks",
+    "EventInfo",
     "Fmu",
     "Instance",
     "Message",

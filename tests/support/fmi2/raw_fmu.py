@@ -53,6 +53,7 @@ class Fmu:
         self.name = description.coSimulation.modelIdentifier
         self.guid = description.guid
         self.variables = {one.name: _variable(one) for one in description.modelVariables}
+        self.roles = _roles(description)
         self._open(next(self.folder.glob(f"binaries/*/{self.name}.so")))
 
     def _open(self, library_file: Path) -> None:
@@ -71,6 +72,18 @@ class Fmu:
             for variable in self.variables.values()
             if variable.causality in causalities and kind in (None, variable.type)
         ]
+
+
+def _roles(description: Any) -> dict[str, list[str]]:
+    """Names of the states, of their rates, and of the event indicators, in the order of their vectors"""
+    rates = [entry.variable for entry in description.derivatives]
+    indicators = [one.name for one in description.modelVariables if one.name.endswith("_indicator")]
+    assert len(indicators) == description.numberOfEventIndicators
+    return {
+        "state": [rate.derivative.name for rate in rates],
+        "rate": [rate.name for rate in rates],
+        "indicator": indicators,
+    }
 
 
 def _variable(scalar: Any) -> Variable:

@@ -79,7 +79,7 @@ def parse_xml(text: str) -> dict[str, dict]:
 
 ROW = re.compile(
     r'^\s*\{"(?P<name>[^"]+)", (?P<min>[^,]+), (?P<max>[^,]+), (?P<reference>\d+), '
-    r"offsetof\(struct scene_values, (?P<member>[^)]+)\), ROW_(?P<row>\w+), "
+    r"(?:offsetof\(struct scene_values, (?P<member>[^)]+)\)|0), ROW_(?P<row>\w+), "
     r"VARIABLE_(?P<base>\w+), VARIABLE_(?P<causality>\w+), (?P<element>\d+), (?P<component>\d+)\},$",
     re.MULTILINE,
 )
@@ -87,7 +87,8 @@ ROW = re.compile(
 
 def parse_c(text: str) -> dict[str, dict]:
     """Name -> the fields of the C table, in the words of FMI."""
-    causality = {"CALCULATED_PARAMETER": "calculatedParameter"}
+    local = dict.fromkeys(("STATE", "RATE", "INDICATOR"), "local")
+    causality = {"CALCULATED_PARAMETER": "calculatedParameter", **local}
     variables = {}
     for match in ROW.finditer(text):
         fields = match.groupdict()

@@ -1,0 +1,52 @@
+/*
+ * The model for an integrator outside of it (Model Exchange): states, their rates, event indicators.
+ *
+ *   states       displacement and velocity of every body that may be free, then the dissipated energy and the
+ *                external work; of a body that is not free they stand still
+ *   rates        their time derivatives, in the regimes in force
+ *   indicators   two for each contact: the gap, or the way beyond a cylinder's ends if that is more; and the
+ *                force at which the dashpot changes the law. A regime changes in event mode only, where an
+ *                indicator has passed zero by more than rounding; then it is as far on the other side.
+ *
+ * The importer says when it changes between event mode and continuous-time mode. In event mode a jump of the
+ * inputs is one of the motion, whose work is booked; in continuous-time mode their power is integrated.
+ * A scene without a body that may be free has none of them: its outputs follow from its inputs.
+ */
+#ifndef CONTACT_MODEL_EXCHANGE_H
+#define CONTACT_MODEL_EXCHANGE_H
+
+#include "model/model.h"
+
+/* Whether an integrator outside moves this model; see model_host. */
+bool model_is_exchange(const struct model *m);
+
+/* SCENE_STATES and SCENE_INDICATORS. */
+size_t model_exchange_states(void);
+size_t model_exchange_indicators(void);
+
+/* Begins continuous-time mode, or event mode; a model begins in event mode. */
+void model_exchange_set_continuous(struct model *m, bool continuous);
+
+/* MODEL_ERROR: no number, or before the last event. */
+enum model_status model_exchange_set_time(struct model *m, double time);
+
+/* MODEL_DISCARD, and nothing set: out of the range of the states. */
+enum model_status model_exchange_set_states(struct model *m, const double *states);
+
+/* What of all that is to be read. */
+enum exchange_values { EXCHANGE_STATES, EXCHANGE_RATES, EXCHANGE_INDICATORS };
+
+/* MODEL_DISCARD: beyond the range of numbers. */
+enum model_status model_exchange_get(struct model *m, enum exchange_values which, double *values);
+
+/* Nominal values of the states. */
+void model_exchange_get_nominals(double *values);
+
+/* In event mode: takes over inputs and changes the regimes of the contacts whose indicators ask for it.
+ * *changed: some regime did, and another one may have to; *jumped: a state did. */
+enum model_status model_exchange_update(struct model *m, bool *changed, bool *jumped);
+
+/* After a step that the integrator accepts: the contacts' directions are those to keep where d = 0. */
+enum model_status model_exchange_accept(struct model *m);
+
+#endif

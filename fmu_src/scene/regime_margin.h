@@ -1,0 +1,26 @@
+/*
+ * How far a contact is from its next change of regime, for an integrator that finds zeros of continuous
+ * functions: event indicators with a hysteresis. Each is widened by a few rounding errors to the side where
+ * it is, so that it is never zero right after a change and rounding alone changes nothing.
+ */
+#ifndef CONTACT_SCENE_REGIME_MARGIN_H
+#define CONTACT_SCENE_REGIME_MARGIN_H
+
+#include "scene/evaluate.h"
+
+/* The gap, or how far the source is beyond the ends of its cylinder where that is more [m]: positive without
+ * contact, negative in contact. */
+double regime_touch_margin(const struct scene_values *v, const struct scene_state *q,
+                           const struct scene_instant *at, int contact);
+
+/* The force at which the dashpot changes the law [N]: F_n of the full law, or under an approach-only dashpot
+ * its viscous part; positive in compression, negative in restitution and while separating; 1 N where nothing
+ * changes. */
+double regime_dashpot_margin(const struct scene_values *v, const struct scene_state *q,
+                             const struct scene_instant *at, int contact);
+
+/* The regime that follows from both: the present one unless a margin has passed zero. */
+enum contact_regime regime_by_margins(const struct scene_values *v, const struct scene_state *q,
+                                      const struct scene_instant *at, int contact);
+
+#endif

@@ -1,0 +1,257 @@
+"""Model Exchange call by call: order, bad input, inputs that move bodies, states saved, derivatives."""
+
+from ctypes import byref, c_double, c_int
+
+import numpy as np
+import pytest
+
+from support.fmi2 import raw
+from support.fmi2.call_table import EXCHANGE
+from support.fmi2.caller import Caller
+from support.fmi2.jacobian import jacobian
+from support.fmi2.outside import Outside
+from support.fmi2.raw import DISCARD, ERROR, MODEL_EXCHANGE, OK, array
+
+# FMI 2.0.5, section 3.2.3: instantiated, Initialization Mode, Event Mode, Continuous-Time Mode, terminated.
+PHASES = {
+    "instantiated": "instantiated",
+    "initialization": "initialization mode",
+    "event": "event mode",
+    "continuous": "continuous-time mode",
+    "terminated": "terminated",
+}
+TABLE = {
+    "SetupExperiment": "x....",
+    "EnterInitializationMode": "x....",
+    "ExitInitializationMode": ".x...",
+    "Terminate": "..xx.",
+    "SetReal": "xxxx.",
+    "SetInteger": "xxx..",
+    "SetBoolean": "xxx..",
+    "GetReal": "xxxxx",
+    "GetFMUstate": "xxxxx",
+    "EnterEventMode": "..xx.",
+    "NewDiscreteStates": "..x..",
+    "EnterContinuousTimeMode": "..x..",
+    "CompletedIntegratorStep": "...x.",
+    "SetTime": "..xx.",
+    "SetContinuousStates": "...x.",
+    "GetDerivatives": ".xxxx",
+    "GetEventIndicators": ".xxxx",
+    "GetContinuousStates": ".xxxx",
+    "GetNominalsOfContinuousStates": "xxxxx",
+    "DoStep": ".....",
+    "SetRealInputDerivatives": ".....",
+    "GetRealOutputDerivatives": ".....",
+    "GetStatus": ".....",
+}
+
+
+def bring_to(instance: raw.Instance, phase: str) -> None:
+    calls = [
+        ("SetupExperiment", 0, 0.0, 0.0, 0, 0.0),
+        ("EnterInitializationMode",),
+        ("ExitInitializationMode",),
+        ("EnterContinuousTimeMode",),
+        ("Terminate",),
+    ]
+    for call in calls[: {"instantiated": 0, "initialization": 2}.get(phase, list(PHASES).index(phase) + 1)]:
+        instance.ok(*call)
+
+
+def arguments_of(instance: raw.Instance, function: str) -> tuple:
+    if function.startswith(("GetReal", "SetReal", "SetInteger", "SetBoolean")):
+        return (None, 0, None) if "Derivatives" not in function else (None, 0, None, None)
+    if function == "DoStep":
+        return 0.0, 1e-3, 1
+    return getattr(Caller(instance), function, tuple)()
+
+
+@pytest.mark.parametrize("phase", PHASES)
+@pytest.mark.parametrize("scene", ["SphereCylinder", "ForceElement"])
+def test_every_function_of_model_exchange_in_every_phase(scene, phase):
+    faults = []
+    for function, marks in TABLE.items():
+        with raw.Instance(raw.load(scene), kind=MODEL_EXCHANGE) as instance:
+            bring_to(instance, phase)
+            status = instance.call(function, *arguments_of(instance, function))
+            if function == "SetupExperiment" and status == OK:
+                instance.ok("EnterInitializationMode")
+            allowed = marks[list(PHASES).index(phase)] == "x"
+            if function == "EnterInitializationMode" and allowed:
+                continue  # needs an experiment first
+            texts = instance.texts()
+            named = PHASES[phase] in "".join(texts) or "on an instance of Model Exchange" in "".join(texts)
+            if (status == OK) != allowed or (not allowed and (status != ERROR or not named)):
+                faults.append(f"{function}: {status} {texts}")
+    assert faults == []
+
+
+@pytest.mark.parametrize("function", EXCHANGE)
+def test_an_instance_of_co_simulation_refuses_model_exchange_in_words(fmu, function):
+    with raw.Instance(fmu) as instance:
+        instance.initialize()
+        with instance.expect(ERROR, f"fmi2{function}", "Co-Simulation", "allowed: of Model Exchange") as got:
+            got(Caller(instance).call(function))
+
+
+def begun(scene: str = "SphereSphere", values: dict | None = None, inputs=lambda _: {}):
+    instance = raw.Instance(raw.load(scene), kind=MODEL_EXCHANGE)
+    instance.initialize(values)
+    return Outside(instance, inputs).begin()
+
+
+def test_bad_times_and_states_are_refused_and_change_nothing():
+    outside = begun()
+    instance, before = outside.instance, outside.states()
+    for time in (float("nan"), float("inf"), -1.0):
+        with instance.expect(ERROR, "time", "allowed: finite, from the last event at 0 s on") as got:
+            got(instance.call("SetTime", time))
+    for bad in (float("nan"), float("inf"), 1e301):
+        with instance.expect(DISCARD, "source.velocity_state[2]", "allowed: -1e+300 .. 1e+300") as got:
+            states = before.copy()
+            states[4] = bad
+            got(instance.call("SetContinuousStates", array(c_double, states), len(states)))
+    with instance.expect(ERROR, "3 values, expected 14") as got:
+        got(instance.call("SetContinuousStates", array(c_double, before[:3]), 3))
+    with instance.expect(ERROR, "null pointer") as got:
+        got(instance.call("GetDerivatives", None, len(before)))
+    with instance.expect(ERROR, "eventInfo") as got:
+        instance.ok("EnterEventMode")
+        got(instance.call("NewDiscreteStates", None))
+    assert (outside.states() == before).all()
+
+
+def test_a_step_past_the_stop_time_is_refused_and_looking_past_it_is_not():
+    with raw.Instance(raw.load("SphereSphere"), kind=MODEL_EXCHANGE) as instance:
+        instance.initialize(stop=1.0)
+        Outside(instance).begin()
+        instance.ok("SetTime", 1.5)
+        with instance.expect(ERROR, "past stopTime = 1 s") as got:
+            got(instance.call("CompletedIntegratorStep", 1, byref(c_int()), byref(c_int())))
+        instance.ok("SetTime", 1.0)
+        instance.ok("CompletedIntegratorStep", 1, byref(c_int()), byref(c_int()))
+
+
+def wall(time: float) -> dict:
+    return {
+        "destination.prescribed_displacement": [0.0, 0.0, time],
+        "destination.prescribed_velocity": [0.0, 0.0, 1.0],
+    }
+
+
+def test_a_wall_that_inputs_move_does_work():
+    """From an elastic wall of 1 m/s the ball leaves with 2 m/s: 2 J, all of it external work."""
+    start = {
+        "destination.motion": "prescribed",
+        "gravity": [0.0, 0.0, 0.0],
+        "source.center": [0.0, 0.0, 0.7],
+        "contact.method": "penalty",
+        "contact.penalty_factor": 1e5,
+    }
+    outside = begun("SphereSphere", start, wall)
+    outside.run(0.2, 1e-4)
+    get = outside.instance.get
+    assert get("source.velocity") == pytest.approx([0.0, 0.0, 2.0], abs=1e-7)
+    assert get("energy.external_work") == pytest.approx(2.0, abs=1e-7)
+    assert get("energy.total") == pytest.approx(0.0, abs=1e-7)
+    assert get("solver.events") == 2
+    assert get("contact.onsets") == 1
+    assert get("contact.last_onset_time") == pytest.approx(0.1, abs=1e-12)
+    assert get("contact.last_duration") == pytest.approx(np.pi * np.sqrt(1.0 / 1e5), abs=1e-7)
+
+
+def test_a_jump_of_an_input_in_event_mode_is_work_and_one_of_a_state():
+    start = {
+        "destination.motion": "prescribed",
+        "gravity": [0.0, 0.0, 0.0],
+        "source.center": [0.0, 0.0, 0.7],
+        "contact.method": "penalty",
+        "contact.penalty_factor": 1e5,
+    }
+    outside = begun("SphereSphere", start)
+    instance = outside.instance
+    instance.ok("EnterEventMode")
+    instance.set({"destination.prescribed_displacement": [0.0, 0.0, 0.11]})  # an overlap of 0.01 m
+    assert outside.update()
+    assert outside.states()[-1] == pytest.approx(0.5 * 1e5 * 0.01**2, rel=1e-12)
+    assert instance.get("contact.active") == 1
+    assert instance.get("energy.total") == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_force_element_is_a_function_of_its_inputs():
+    poses = [(0.58, -0.3), (0.61, 0.2), (0.59, 0.4)]
+    with raw.Instance(raw.load("ForceElement")) as stepping:
+        stepping.initialize({"source.center": [0.0, 0.0, 0.0]})
+        outside = begun("ForceElement", {"source.center": [0.0, 0.0, 0.0]})
+        for time, (place, speed) in enumerate(poses, 1):
+            pose = {
+                "source.prescribed_displacement": [place, 0.0, 0.0],
+                "source.prescribed_velocity": [speed, 0.0, 0.0],
+            }
+            outside.instance.ok("SetTime", float(time))
+            for instance in (stepping, outside.instance):
+                instance.set(pose)
+            assert stepping.bits("output") == outside.instance.bits("output")
+        assert outside.states().size == outside.indicators().size == 0
+
+
+def test_a_saved_state_goes_on_with_the_same_bits_and_fits_only_its_kind():
+    start = {"source.center": [0.02, 0.0, 0.65], "source.initial_velocity": [0.0, 0.0, -1.0]}
+    outside = begun("SphereSphere", start)
+    outside.run(0.042, 1e-3)
+    assert outside.instance.get("contact.active") == 1
+    blob, time = outside.instance.save(), outside.time
+    outside.run(0.1, 1e-3)
+    wanted = outside.states().tobytes(), outside.instance.bits("output", "local")
+    outside.instance.restore(blob)
+    outside.time = time
+    outside.run(0.1, 1e-3)
+    assert (outside.states().tobytes(), outside.instance.bits("output", "local")) == wanted
+    with raw.Instance(raw.load("SphereSphere")) as stepping:
+        stepping.initialize()
+        status, _ = stepping.deserialize(blob)
+        assert status == ERROR
+
+
+@pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])
+@pytest.mark.parametrize("axis", [[0.0, 0.0, 1.0], [0.3, 1.0, 0.2]])
+def test_directional_derivatives_are_those_of_differences(dashpot, axis):
+    """Of outputs and rates with respect to states and inputs, in contact, one body free and one led."""
+    start = {
+        "destination.motion": "free",
+        "source.center": [0.4, 0.3, 0.25],
+        "source.initial_velocity": [-0.3, 0.1, -0.2],
+        "destination.axis": axis,
+        "contact.location": "outside",
+        "contact.dashpot": dashpot,
+        "contact.penalty_factor": 1e3,
+    }
+    outside = begun("SphereCylinder", start)
+    instance, fmu = outside.instance, outside.instance.fmu
+    states = [fmu.variables[name] for name in fmu.roles["state"]]
+    forces = [one for one in fmu.select("input", kind="Real") if "external_force" in one.name]
+    rates = [fmu.variables[name] for name in fmu.roles["rate"]]
+    outputs = [one for one in fmu.select("output", kind="Real") if "last" not in one.name]
+    assert instance.get("contact.active") == 1
+    here = outside.states()
+    given = jacobian(instance, rates + outputs, states + forces)
+    step = 1e-5
+
+    def at(k: int, by: float) -> list[float]:
+        moved = here.copy()
+        if k < len(states):
+            moved[k] += by
+        else:
+            instance.set({forces[k - len(states)].name: by})
+        outside.put(0.0, moved)
+        values = [instance.get_one(one) for one in rates + outputs]
+        if k >= len(states):
+            instance.set({forces[k - len(states)].name: 0.0})
+        return np.array(values)
+
+    for k, known in enumerate(states + forces):
+        expected = (at(k, step) - at(k, -step)) / (2 * step)
+        size = 1e-6 * np.max(np.abs(expected)) + 1e-6
+        wrong = np.flatnonzero(np.abs(given[:, k] - expected) > size)
+        assert [(rates + outputs)[i].name for i in wrong] == [], known.name
