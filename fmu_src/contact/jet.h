@@ -13,6 +13,7 @@
 
 #include "contact/geometry.h"
 #include "contact/law.h"
+#include "math/compiler.h"
 
 enum { JET_TERMS = 3 };
 
@@ -24,11 +25,10 @@ struct contact_jet {
 };
 
 /* From the geometry at s = 0 (c[0] itself is not used), the law and the change d/ds of its factors. */
-__attribute__((cold)) void contact_jet_make(const struct contact_shape *shape,
-                                            const struct contact_geometry *at, const struct vec3 c[JET_TERMS],
-                                            const struct vec3 w[JET_TERMS], const struct contact_law *law,
-                                            const struct contact_law *change, enum contact_regime regime,
-                                            struct contact_jet *result);
+CONTACT_COLD void contact_jet_make(const struct contact_shape *shape, const struct contact_geometry *at,
+                                   const struct vec3 c[JET_TERMS], const struct vec3 w[JET_TERMS],
+                                   const struct contact_law *law, const struct contact_law *change,
+                                   enum contact_regime regime, struct contact_jet *result);
 
 /* Coefficient `order` of a product. */
 double jet_dot(const struct vec3 *a, const struct vec3 *b, int order);

@@ -3,12 +3,7 @@
 #define CONTACT_FMI_LOG_H
 
 #include "fmi/instance.h"
-
-#if defined __GNUC__
-#define CONTACT_PRINTF_LIKE(text, first) __attribute__((format(printf, text, first)))
-#else
-#define CONTACT_PRINTF_LIKE(text, first)
-#endif
+#include "math/compiler.h"
 
 /*
  * Warnings and worse are always told, unless the importer named categories that leave them out; events

@@ -3,10 +3,11 @@
 
 #include "fmi/log.h"
 #include "fmi2/call_order.h"
+#include "math/compiler.h"
 
 /* Any step, with messages. Apart from fmi2DoStep, so that a deferred flight does not save registers for
  * it. */
-__attribute__((noinline)) static fmi2Status do_step(struct instance *instance, double point, double size)
+CONTACT_NOINLINE static fmi2Status do_step(struct instance *instance, double point, double size)
 {
     if (!call_allowed_in_steps(instance, CALL(DoStep))) {
         return fmi2Error;
@@ -23,9 +24,9 @@ __attribute__((noinline)) static fmi2Status do_step(struct instance *instance, d
  * Nothing is kept for going back (states are saved on request), so noSetFMUStatePriorToCurrentPoint is idle.
  * Flattened, because calls would be a good part of what a deferred flight costs.
  */
-__attribute__((flatten)) fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint,
-                                               fmi2Real communicationStepSize,
-                                               fmi2Boolean noSetFMUStatePriorToCurrentPoint)
+CONTACT_FLATTEN fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint,
+                                      fmi2Real communicationStepSize,
+                                      fmi2Boolean noSetFMUStatePriorToCurrentPoint)
 {
     struct instance *instance = c;
     (void)noSetFMUStatePriorToCurrentPoint;

@@ -4,6 +4,7 @@
  */
 #include "fmi/variables.h"
 #include "fmi2/call_order.h"
+#include "math/compiler.h"
 
 /* fmi2SetInteger takes enumerations too. */
 enum { TYPES_WHOLE = TYPES_INTEGER | TYPES_ENUMERATION };
@@ -41,8 +42,8 @@ static fmi2Status get_values(struct instance *instance, const struct call *call,
 
 /* Any number, with messages. Apart from fmi2GetReal, so that reading a vector does not save registers for
  * it. */
-__attribute__((noinline)) static fmi2Status
-get_reals(struct instance *instance, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[])
+CONTACT_NOINLINE static fmi2Status get_reals(struct instance *instance, const fmi2ValueReference vr[],
+                                             size_t nvr, fmi2Real value[])
 {
     if (!ready(instance, CALL(GetReal), vr, nvr, value)) {
         return fmi2Error;
@@ -54,8 +55,8 @@ get_reals(struct instance *instance, const fmi2ValueReference vr[], size_t nvr, 
 }
 
 /* Vectors are mostly read as a whole. Flattened, because calls would be a good part of what that costs. */
-__attribute__((flatten)) fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
-                                                fmi2Real value[])
+CONTACT_FLATTEN fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                                       fmi2Real value[])
 {
     struct instance *instance = c;
     if (instance == NULL) {

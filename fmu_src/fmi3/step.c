@@ -4,6 +4,7 @@
 #include <float.h>
 
 #include "fmi3/call_order.h"
+#include "math/compiler.h"
 
 /* Tells the importer of an instant within the step; when it wants the step to end. */
 static double tell_importer(struct fmi3_instance *own, double end_time)
@@ -83,9 +84,9 @@ static bool have_room(struct instance *instance, const struct results *to)
 
 /* Any step, with messages. Apart from fmi3DoStep, so that a deferred flight does not save registers for it;
  * its arguments are so few that all of them are in registers. */
-__attribute__((noinline)) static fmi3Status do_step(struct instance *instance, double point, double size,
-                                                    fmi3Boolean *event, fmi3Boolean *terminate,
-                                                    fmi3Boolean *early, fmi3Float64 *time)
+CONTACT_NOINLINE static fmi3Status do_step(struct instance *instance, double point, double size,
+                                           fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early,
+                                           fmi3Float64 *time)
 {
     const struct results to = {event, terminate, early, time};
     if (!call_allowed(instance, CALL(DoStep)) || !have_room(instance, &to)) {
@@ -105,10 +106,11 @@ __attribute__((noinline)) static fmi3Status do_step(struct instance *instance, d
  * Nothing is kept for going back (states are saved on request), so noSetFMUStatePriorToCurrentPoint is idle.
  * Flattened, because calls would be a good part of what a deferred flight costs.
  */
-__attribute__((flatten)) fmi3Status
-fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
-           fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
-           fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
+CONTACT_FLATTEN fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint,
+                                      fmi3Float64 communicationStepSize,
+                                      fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+                                      fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
+                                      fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
 {
     struct instance *instance = c;
     (void)noSetFMUStatePriorToCurrentPoint;

@@ -6,6 +6,7 @@
 #include "fmi/variables.h"
 #include "fmi3/call_order.h"
 #include "fmi3/vectors.h"
+#include "math/compiler.h"
 
 /* The independent variable: its reference is 0, which no variable of the model has. */
 enum { TIME_REFERENCE = 0 };
@@ -106,10 +107,9 @@ static enum model_status check_readable(struct instance *instance, const struct 
     return components == count ? MODEL_OK : report_count(instance, call, count, components);
 }
 
-__attribute__((noinline)) static enum model_status get_values(struct instance *instance,
-                                                              const struct call *call, unsigned types,
-                                                              const fmi3ValueReference vr[], size_t nvr,
-                                                              void *values, size_t count)
+CONTACT_NOINLINE static enum model_status get_values(struct instance *instance, const struct call *call,
+                                                     unsigned types, const fmi3ValueReference vr[],
+                                                     size_t nvr, void *values, size_t count)
 {
     if (!ready(instance, call, vr, nvr, values, count)) {
         return MODEL_ERROR;
@@ -200,8 +200,8 @@ static enum model_status set_values(struct instance *instance, const struct call
 
 /* One vector, as they are mostly read in a run. Flattened, because calls would be a good part of what that
  * costs. */
-__attribute__((flatten)) fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference vr[], size_t nvr,
-                                                   fmi3Float64 values[], size_t count)
+CONTACT_FLATTEN fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference vr[], size_t nvr,
+                                          fmi3Float64 values[], size_t count)
 {
     struct instance *instance = c;
     if (instance != NULL && instance->phase == PHASE_STEP && nvr == 1 && count == 3 && vr != NULL) {

@@ -1,19 +1,21 @@
 #include "math/nodal_values.h"
 
-enum { BLOCK = 4 }; /* sums that stay in registers */
+#include "math/compiler.h"
 
-/* sum[i] = sum over j of matrix[j points + i] values[j], for four i */
+enum { BLOCK = 2 * LANES }; /* sums that stay in registers */
+
+/* sum[i] = sum over j of matrix[j points + i] values[j], for i of one block */
 static void multiply_block(int points, const double *matrix, const double *values, double2 sum[2])
 {
-    double2 low = {0.0, 0.0};
-    double2 high = {0.0, 0.0};
+    double2 low = {0.0};
+    double2 high = {0.0};
     for (int j = 0; j < points; j += 2) { /* two at a time: half the loop's overhead */
         const double *by = matrix + j * points;
         const double *then = by + points;
         low += double2_at(by, 0) * values[j];
-        high += double2_at(by, 2) * values[j];
+        high += double2_at(by, LANES) * values[j];
         low += double2_at(then, 0) * values[j + 1];
-        high += double2_at(then, 2) * values[j + 1];
+        high += double2_at(then, LANES) * values[j + 1];
     }
     sum[0] = low;
     sum[1] = high;
@@ -37,8 +39,8 @@ void nodal_values_of(const struct lobatto *nodes, const double *a, double *value
 {
     for (int i = 0; i < nodes->points; i += BLOCK) {
         const double2 *at = (const double2 *)(nodes->node + i);
-        double2 low = {0.0, 0.0};
-        double2 high = {0.0, 0.0};
+        double2 low = {0.0};
+        double2 high = {0.0};
         for (int k = nodes->points - 1; k >= 0; --k) {
             low = low * at[0] + a[k];
             high = high * at[1] + a[k];
@@ -90,14 +92,14 @@ double nodal_integrate(const struct lobatto *nodes, const double *rate, double *
 {
     double change = 0.0;
     for (int i = 0; i < nodes->points; i += BLOCK) {
-        double2 now[2];
-        multiply_block(nodes->points, nodes->integral + i, rate, now);
+        double now[BLOCK];
+        multiply_block(nodes->points, nodes->integral + i, rate, (double2 *)now);
         for (int k = 0; k < BLOCK; ++k) {
-            const double moved = fabs(now[k / 2][k % 2] - sum[i + k]);
+            const double moved = fabs(now[k] - sum[i + k]);
             change = moved > change ? moved : change;
         }
-        double2_put(sum, i, now[0]);
-        double2_put(sum, i + 2, now[1]);
+        double2_put(sum, i, double2_at(now, 0));
+        double2_put(sum, i + LANES, double2_at(now, LANES));
     }
     return change;
 }

@@ -3,13 +3,11 @@
 #ifndef CONTACT_MATH_NODAL_VALUES_H
 #define CONTACT_MATH_NODAL_VALUES_H
 
+#include "math/compiler.h"
 #include "math/lobatto.h"
 #include "math/vec3.h"
 
 typedef double nodal_values[LOBATTO_MAX];
-
-/* Two doubles for one vector instruction; each result has the bits of the scalar operation. */
-typedef double double2 __attribute__((vector_size(16), aligned(8), may_alias));
 
 static inline double2 double2_at(const double *row, int i)
 {

@@ -1,6 +1,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "math/compiler.h"
 #include "model/motion.h"
 #include "model/shortest.h"
 #include "scene/energy.h"
@@ -99,7 +100,7 @@ void motion_catch_up(const struct scene_values *v, struct scene_state *q)
 }
 
 /* Apart from foresee_reading, which need not save registers for it. */
-__attribute__((noinline)) static void show_prescribed(struct scene_values *v, const struct scene_state *q)
+CONTACT_NOINLINE static void show_prescribed(struct scene_values *v, const struct scene_state *q)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_prescribed(v, i)) {

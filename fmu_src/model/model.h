@@ -13,6 +13,7 @@
 #include <stdint.h>
 
 #include "integrator/step_request.h"
+#include "math/compiler.h"
 #include "model/variable.h"
 
 /* In the order of fmi2Status. */
@@ -87,25 +88,24 @@ bool model_has_derivatives(const struct variable *variable);
 
 /* d^order/dt^order of such outputs at the present time, orders 1 and 2, in the regimes in force.
  * MODEL_DISCARD: beyond the range of numbers. */
-__attribute__((cold)) enum model_status model_get_output_derivatives(struct model *m,
-                                                                     const uint32_t *references,
-                                                                     const int *orders, size_t count,
-                                                                     double *values);
+CONTACT_COLD enum model_status model_get_output_derivatives(struct model *m, const uint32_t *references,
+                                                            const int *orders, size_t count, double *values);
 
 /* What the real variables `unknowns` change by, to first order and in the regimes in force, when the real
  * inputs `knowns` change by `direction`: J direction. Until the end of initialization the inputs move the
  * start, with the automatic factors. MODEL_DISCARD: beyond the range of numbers. */
-__attribute__((cold)) enum model_status
-model_get_directional_derivative(struct model *m, const uint32_t *unknowns, size_t unknown_count,
-                                 const uint32_t *knowns, size_t known_count, const double *direction,
-                                 double *values);
+CONTACT_COLD enum model_status model_get_directional_derivative(struct model *m, const uint32_t *unknowns,
+                                                                size_t unknown_count, const uint32_t *knowns,
+                                                                size_t known_count, const double *direction,
+                                                                double *values);
 
 /* The other way round, seed J: what the sum of the unknowns, each times its seed, changes by for each known.
  * At most MODEL_ADJOINT_MOST unknowns. */
 enum { MODEL_ADJOINT_MOST = 64 };
-__attribute__((cold)) enum model_status
-model_get_adjoint_derivative(struct model *m, const uint32_t *unknowns, size_t unknown_count,
-                             const uint32_t *knowns, size_t known_count, const double *seed, double *values);
+CONTACT_COLD enum model_status model_get_adjoint_derivative(struct model *m, const uint32_t *unknowns,
+                                                            size_t unknown_count, const uint32_t *knowns,
+                                                            size_t known_count, const double *seed,
+                                                            double *values);
 
 size_t model_state_size(void);
 

@@ -3,6 +3,7 @@
 #define CONTACT_MODEL_STATE_H
 
 #include "integrator/phases.h"
+#include "math/compiler.h"
 #include "model/model.h"
 #include "scene.h"
 #include "scene/scene_state.h"
@@ -75,7 +76,7 @@ void model_forget_outputs(struct model *m);
 
 /* Formats and sends a message when the host wants the category. */
 enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+    CONTACT_PRINTF_LIKE(3, 4);
 
 /* Puts the motion at the start that the present parameters and inputs describe. */
 void model_prepare(struct model *m);

@@ -7,6 +7,7 @@
 #define CONTACT_SCENE_SCENE_JET_H
 
 #include "contact/jet.h"
+#include "math/compiler.h"
 #include "scene/evaluate.h"
 
 struct scene_jet {
@@ -21,12 +22,12 @@ struct scene_jet {
 };
 
 /* Contacts from what is there of the bodies and the factors. */
-__attribute__((cold)) void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
-                                           const struct scene_instant *at, struct scene_jet *along);
+CONTACT_COLD void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_instant *at, struct scene_jet *along);
 
 /* All of it in time: free bodies by Newton's law, prescribed ones by their velocity, which counts as the
  * derivative of their displacement. */
-__attribute__((cold)) void jet_in_time(const struct scene_values *v, const struct scene_state *q,
-                                       const struct scene_instant *at, struct scene_jet *along);
+CONTACT_COLD void jet_in_time(const struct scene_values *v, const struct scene_state *q,
+                              const struct scene_instant *at, struct scene_jet *along);
 
 #endif

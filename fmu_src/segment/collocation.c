@@ -1,5 +1,7 @@
 #include "segment/collocation.h"
 
+#include "math/compiler.h"
+
 #include <float.h>
 #include <string.h>
 
@@ -25,7 +27,7 @@ static void oscillator_response(struct collocation *p, double softening)
     p->result.oscillator.omega2 += softening;
     p->result.y = p->from.deviation - p->result.x[0];
     p->result.y_rate = p->half * p->local.rate.x - nodal_slope(p->result.slow, points, 0.0);
-    for (int i = 0; i < points && p->kind == COLLOCATION_RESOLVED; i += 2) {
+    for (int i = 0; i < points && p->kind == COLLOCATION_RESOLVED; i += LANES) {
         const double2 y = p->result.y * double2_at(p->result.y_of_y, i) +
                           p->result.y_rate * double2_at(p->result.y_of_rate, i);
         double2_put(p->result.x, i, double2_at(p->result.x, i) + y);
@@ -99,7 +101,7 @@ static double update_load(struct collocation *p)
     nodal_values values;
     nodal_values softening;
     double mean = 0.0;
-    for (int i = 0; i < points; i += 2) {
+    for (int i = 0; i < points; i += LANES) {
         const double2 hz = h.z + double2_at(p->result.h.z, i);
         double2 h_squared = hz * hz;
         double2 drive = (n.x + double2_at(p->result.n.x, i)) * double2_at(p->work.drive_at.x, i) +
@@ -127,7 +129,7 @@ static double integrate_momentum(struct collocation *p)
 {
     const struct nodal_vec3 *a = &p->work.acceleration_at;
     const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
-    for (int i = 0; i < p->nodes->points; i += 2) {
+    for (int i = 0; i < p->nodes->points; i += LANES) {
         const double2 arm = p->half * (p->from.reach + double2_at(p->result.x, i));
         const double2 nx = n.x + double2_at(p->result.n.x, i);
         const double2 ny = n.y + double2_at(p->result.n.y, i);
@@ -151,7 +153,7 @@ static double integrate_normal(struct collocation *p)
 {
     const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
     const struct vec3 h = vec3_sub(p->local.momentum, p->result.momentum_correction);
-    for (int i = 0; i < p->nodes->points; i += 2) {
+    for (int i = 0; i < p->nodes->points; i += LANES) {
         const double2 d = p->from.reach + double2_at(p->result.x, i);
         const double2 by = p->half / (d * d);
         const double2 nx = n.x + double2_at(p->result.n.x, i);

@@ -1,0 +1,58 @@
+/*
+ * What compilers offer beyond C11, in one place. The model is right without any of it: each macro may be empty,
+ * and CONTACT_PLAIN_C empties all of them (tests/platforms compares the bits).
+ */
+#ifndef CONTACT_MATH_COMPILER_H
+#define CONTACT_MATH_COMPILER_H
+
+/* gcc and clang; clang as Microsoft's compiler does not call itself GNU C. */
+#if (defined __GNUC__ || defined __clang__) && !defined CONTACT_PLAIN_C
+#define CONTACT_GNU_C 1
+#else
+#define CONTACT_GNU_C 0
+#endif
+
+/* Kept out of its callers, so that what they do often stays small. */
+#if CONTACT_GNU_C
+#define CONTACT_NOINLINE __attribute__((noinline))
+#elif defined _MSC_VER && !defined CONTACT_PLAIN_C
+#define CONTACT_NOINLINE __declspec(noinline)
+#else
+#define CONTACT_NOINLINE
+#endif
+
+/* Seldom called: made for size. */
+#if CONTACT_GNU_C
+#define CONTACT_COLD __attribute__((cold))
+#else
+#define CONTACT_COLD
+#endif
+
+/* Everything it calls becomes a part of it, where that is possible. clang of some versions knows no flatten. */
+#if CONTACT_GNU_C
+#define CONTACT_FLATTEN __attribute__((flatten))
+#else
+#define CONTACT_FLATTEN
+#endif
+
+/* Parameter number `text` is a format of printf for the parameters from number `first`. gcc for Windows means
+ * Microsoft's formats by printf, but the C library that it links knows C11's. */
+#if CONTACT_GNU_C && defined __MINGW32__ && !defined __clang__
+#define CONTACT_PRINTF_LIKE(text, first) __attribute__((format(gnu_printf, text, first)))
+#elif CONTACT_GNU_C
+#define CONTACT_PRINTF_LIKE(text, first) __attribute__((format(printf, text, first)))
+#else
+#define CONTACT_PRINTF_LIKE(text, first)
+#endif
+
+/* As many doubles as one vector instruction takes, LANES; each result has the bits of the scalar operation. Where the
+ * compiler has no vector types, one. */
+#if CONTACT_GNU_C
+typedef double double2 __attribute__((vector_size(16), aligned(8), may_alias));
+enum { LANES = 2 };
+#else
+typedef double double2;
+enum { LANES = 1 };
+#endif
+
+#endif
