@@ -5,7 +5,8 @@
 #               modelDescription3.xml (FMI 3.0), scene.h, scene_variables.c, documentation/, resources/scene.json and
 #               scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE, SCENE_HAS_CYLINDER); units.txt there lists the sources that the scene has
 #   compile     all of fmu_src as one unit against that scene.h -> <build>/libraries/<Scene>.so, libraries/fmi3/<Scene>.so
-#   pack        the library, stripped, with description and documentation into a ZIP
+#   sources     the same code as one file -> <Scene folder>/sources/, sources3/ (cmake/amalgamate.py)
+#   pack        the library, stripped, with description, documentation and sources into a ZIP
 #
 # contact_scene_library(<Scene>) makes the same code a static library for C tests that need a scene.
 set(CONTACT_FMU_FOLDER "${PROJECT_BINARY_DIR}/fmus")
@@ -28,13 +29,26 @@ if(NOT CONTACT_ZIG)
     endif()
 endif()
 
-# The folder for binaries inside an FMU, FMI 2.0.5 section 2.3 and FMI 3.0.2 section 2.5.1.
-set(contact_platform_fmi2 linux64)
-set(contact_platform_fmi3 x86_64-linux)
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
-    set(contact_platform_fmi2 aarch64-linux)
-    set(contact_platform_fmi3 aarch64-linux)
+# The folder for binaries inside an FMU, FMI 2.0.5 section 2.2 and FMI 3.0.2 section 2.5.1.4, and the ending of their names.
+set(contact_processor x86_64)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64|ARM64")
+    set(contact_processor aarch64)
 endif()
+set(contact_ending .so)
+set(contact_system linux)
+set(contact_platform_fmi2 linux64)
+if(WIN32)
+    set(contact_ending .dll)
+    set(contact_system windows)
+    set(contact_platform_fmi2 win64)
+elseif(APPLE)
+    set(contact_ending .dylib)
+    set(contact_system darwin)
+    set(contact_platform_fmi2 darwin64)
+elseif(contact_processor STREQUAL "aarch64")
+    set(contact_platform_fmi2 aarch64-linux) # the names of FMI 3.0, as most importers take them
+endif()
+set(contact_platform_fmi3 ${contact_processor}-${contact_system})
 
 # Whatever the generator reads makes CMake run again, and with it the generator.
 file(GLOB_RECURSE contact_generator_inputs CONFIGURE_DEPENDS
@@ -109,27 +123,34 @@ function(add_contact_fmu scene)
     file(CONFIGURE OUTPUT "${folder}/units.txt" CONTENT "${model}\n${fmi2}\n" @ONLY)
     file(CONFIGURE OUTPUT "${folder}/units3.txt" CONTENT "${model}\n${fmi3}\n" @ONLY)
 
+    contact_fmu_sources(${SCENE_NAME} "${folder}" 2 units.txt sources ${sources} ${CONTACT_FMI2_SOURCES})
     contact_fmu_library(${SCENE_NAME} "${folder}" fmi2 "${CONTACT_LIBRARY_FOLDER}"
         ${sources} ${CONTACT_FMI2_SOURCES})
     contact_pack_fmu(${SCENE_NAME} "${folder}" "${CONTACT_FMU_FOLDER}/${SCENE_NAME}.fmu"
         "binaries/${contact_platform_fmi2}" modelDescription.xml
-        "model.png=${folder}/model.png")
+        "model.png=${folder}/model.png" "sources=${folder}/sources")
     if(CONTACT_FMI3)
+        contact_fmu_sources(${SCENE_NAME}_fmi3 "${folder}" 3 units3.txt sources3 ${sources} ${CONTACT_FMI3_SOURCES})
         contact_fmu_library(${SCENE_NAME}_fmi3 "${folder}" fmi3 "${CONTACT_LIBRARY_FOLDER}/fmi3"
             ${sources} ${CONTACT_FMI3_SOURCES})
         contact_pack_fmu(${SCENE_NAME}_fmi3 "${folder}" "${CONTACT_FMI3_FMU_FOLDER}/${SCENE_NAME}.fmu"
-            "binaries/${contact_platform_fmi3}" modelDescription3.xml)
+            "binaries/${contact_platform_fmi3}" modelDescription3.xml
+            "sources=${folder}/sources3")
     endif()
 endfunction()
 
 # contact_fmu_library(target scene_folder fmi2|fmi3 output_folder source...): the library of the scene of SCENE_NAME.
 function(contact_fmu_library target folder fmi output)
     set(exports "${PROJECT_SOURCE_DIR}/cmake/${fmi}_exports.map")
-    add_library(${target} MODULE ${ARGN})
+    set(kind MODULE)
+    if(APPLE) # whose modules are no libraries that an importer may link
+        set(kind SHARED)
+    endif()
+    add_library(${target} ${kind} ${ARGN})
     contact_scene_options(${target} "${folder}" ${SCENE_HAS_CVODE})
     target_link_libraries(${target} PRIVATE contact::${fmi}_headers)
     set_target_properties(${target} PROPERTIES
-        OUTPUT_NAME ${SCENE_NAME} PREFIX "" SUFFIX ".so" LIBRARY_OUTPUT_DIRECTORY "${output}"
+        OUTPUT_NAME ${SCENE_NAME} PREFIX "" SUFFIX ${contact_ending} LIBRARY_OUTPUT_DIRECTORY "${output}"
         # One unit, so that what the scene pins reaches every function and what nobody calls any more goes.
         UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0
         # The linker tells the optimizer from the version script that no one else calls the inner functions: only
@@ -139,38 +160,75 @@ function(contact_fmu_library target folder fmi output)
     # Debug information goes when the library is stripped; until then tests read from it which lines have code
     # (format 4: readelf of Debian 12 mixes up the file names of clang's format 5).
     # Nothing here throws or is thrown through: no unwind tables, a tenth of a force element. The debug information
-    # has its own. The linker's optimizer is told too.
+    # has its own. The linker's optimizer is told too. Windows wants the tables of every function.
     set(no_unwinding -fno-asynchronous-unwind-tables -fno-unwind-tables)
-    if(CONTACT_ZIG) # no debug information: there may be no program that strips it
+    if(WIN32)
+        set(no_unwinding "")
+    endif()
+    # zig: no debug information, since there may be no program that strips it. Its linker for macOS has no link-time
+    # optimization, and for Windows that would be one of the C library too, which zig compiles itself.
+    if(NOT CONTACT_ZIG)
+        target_compile_options(${target} PRIVATE -gdwarf-4)
+    elseif(NOT APPLE AND NOT WIN32)
         target_compile_options(${target} PRIVATE -flto)
         target_link_options(${target} PRIVATE -flto)
-    else()
-        target_compile_options(${target} PRIVATE -gdwarf-4)
+    endif()
+    # One FMU for all platforms is to be small: elsewhere than on x86-64 Linux, size is worth more than the last few
+    # percent of speed. Digits do not depend on it.
+    if(CMAKE_CROSSCOMPILING AND NOT contact_platform_fmi2 STREQUAL "linux64")
+        target_compile_options(${target} PRIVATE -Os)
     endif()
     target_compile_options(${target} PRIVATE -ffunction-sections -fdata-sections ${no_unwinding})
     target_link_options(${target} PRIVATE ${no_unwinding})
+    contact_link_options(${target} "${exports}")
+endfunction()
+
+# The functions of FMI are exported and nothing else: a host that links a SUNDIALS of its own would else take over the
+# FMU's calls. Windows and macOS go by the marks in the FMI headers alone, ELF by the version script.
+function(contact_link_options target exports)
+    if(APPLE)
+        target_link_options(${target} PRIVATE -Wl,-dead_strip)
+        set_target_properties(${target} PROPERTIES MACOSX_RPATH ON) # its name, not its place here, is inside
+        return()
+    endif()
+    target_link_options(${target} PRIVATE -Wl,--gc-sections -Wl,--as-needed)
+    if(WIN32)
+        return()
+    endif()
     # Code and constants share their pages: the padding between them would be a seventh of a force element.
-    # The version script hides SUNDIALS too: a host that links its own would else take over the FMU's calls.
-    target_link_options(${target} PRIVATE -Wl,--gc-sections -Wl,--as-needed -Wl,--build-id=none
-        $<$<NOT:$<BOOL:${CONTACT_ZIG}>>:-Wl,-z,noseparate-code>
+    target_link_options(${target} PRIVATE -Wl,--build-id=none $<$<NOT:$<BOOL:${CONTACT_ZIG}>>:-Wl,-z,noseparate-code>
         "-Wl,--version-script=${exports}")
     if(NOT CONTACT_SANITIZE) # whose functions only the host's process has
         target_link_options(${target} PRIVATE -Wl,-z,defs)
     endif()
 endfunction()
 
+# contact_fmu_sources(target scene_folder 2|3 list_of_units folder source...): target <target>_sources.
+function(contact_fmu_sources target folder fmi units output)
+    set(made "${folder}/${output}/contact.c")
+    get_target_property(headers contact_fmi${fmi}_headers INTERFACE_INCLUDE_DIRECTORIES)
+    file(GLOB_RECURSE own_headers CONFIGURE_DEPENDS "${CONTACT_SOURCE_FOLDER}/*.h")
+    add_custom_command(OUTPUT "${made}"
+        COMMAND "${Python3_EXECUTABLE}" -B "${PROJECT_SOURCE_DIR}/cmake/amalgamate.py" "${folder}/${units}"
+            "${folder}" "${CONTACT_SOURCE_FOLDER}" "${headers}" ${fmi} "${folder}/${output}"
+        DEPENDS ${ARGN} ${own_headers} "${folder}/scene.h" "${folder}/scene.cmake" "${folder}/${units}"
+            "${PROJECT_SOURCE_DIR}/cmake/amalgamate.py"
+        COMMENT "Joining the sources of ${target}" VERBATIM)
+    add_custom_target(${target}_sources DEPENDS "${made}")
+endfunction()
+
 # contact_pack_fmu(target scene_folder X.fmu binaries_folder description [member=file...]): target <target>_fmu.
 function(contact_pack_fmu target folder fmu binaries description)
     set(library "$<TARGET_FILE:${target}>")
     set(strip_command "")
-    if(CONTACT_STRIP AND CMAKE_STRIP)
+    if(CONTACT_STRIP AND CMAKE_STRIP AND NOT CMAKE_CROSSCOMPILING)
         set(library "${CONTACT_LIBRARY_FOLDER}/stripped/${target}.so")
         file(MAKE_DIRECTORY "${CONTACT_LIBRARY_FOLDER}/stripped")
         set(strip_command COMMAND "${CMAKE_STRIP}" --strip-all -o "${library}" "$<TARGET_FILE:${target}>")
     endif()
     set(members "modelDescription.xml=${folder}/${description}" "documentation=${folder}/documentation"
         "resources/scene.json=${folder}/resources/scene.json"
-        "${binaries}/${SCENE_NAME}.so=${library}" ${ARGN})
+        "${binaries}/${SCENE_NAME}${contact_ending}=${library}" ${ARGN})
     file(GLOB licenses CONFIGURE_DEPENDS "${contact_description_folder}/documentation/licenses/*")
     foreach(license ${licenses})
         get_filename_component(license_name "${license}" NAME)
@@ -182,7 +240,7 @@ function(contact_pack_fmu target folder fmu binaries description)
     add_custom_command(OUTPUT "${fmu}"
         ${strip_command}
         COMMAND "${Python3_EXECUTABLE}" -B "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${fmu}" ${members}
-        DEPENDS ${target} "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${folder}/${description}"
+        DEPENDS ${target} ${target}_sources "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${folder}/${description}"
             "${folder}/resources/scene.json" ${documentation} ${licenses}
             "${folder}/model.png"
         COMMENT "Packing ${target}.fmu" VERBATIM)

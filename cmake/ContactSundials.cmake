@@ -4,8 +4,13 @@
 #   CONTACT_SUNDIALS=system  the installed one or an error that says why not
 #   CONTACT_SUNDIALS=fetch   upstream at the commit below; -DFETCHCONTENT_SOURCE_DIR_SUNDIALS=<checkout> saves
 #                            the download
-set(CONTACT_SUNDIALS auto CACHE STRING "auto, system or fetch")
-set_property(CACHE CONTACT_SUNDIALS PROPERTY STRINGS auto system fetch)
+#   CONTACT_SUNDIALS=none    no scene of this build needs CVODE
+# For another platform than this one, auto is fetch: what is installed here would not do there.
+set(CONTACT_SUNDIALS auto CACHE STRING "auto, system, fetch or none")
+set_property(CACHE CONTACT_SUNDIALS PROPERTY STRINGS auto system fetch none)
+if(CONTACT_SUNDIALS STREQUAL "none")
+    return()
+endif()
 
 set(contact_sundials_commit c298f0f56c48eb8ce687d399e981ce09b3d0c36e) # v7.5.0
 
@@ -81,7 +86,9 @@ endfunction()
 
 set(contact_use_installed OFF)
 set(contact_use_bundled OFF)
-if(CONTACT_SUNDIALS STREQUAL "auto" AND EXISTS "${contact_bundled_sundials}")
+if(CONTACT_SUNDIALS STREQUAL "auto" AND CMAKE_CROSSCOMPILING)
+    message(STATUS "SUNDIALS: none is installed for another platform")
+elseif(CONTACT_SUNDIALS STREQUAL "auto" AND EXISTS "${contact_bundled_sundials}")
     set(contact_use_bundled ON)
 elseif(NOT CONTACT_SUNDIALS STREQUAL "fetch")
     contact_probe_installed_sundials()

@@ -54,7 +54,7 @@ static double convergent_step(double last_but_one, double last, double whole)
 {
     const double rounding = 0.5 * DBL_EPSILON * whole;
     return fmin(pow(rounding / fabs(last_but_one), 1.0 / (TAYLOR_ORDER - 1)),
-                pow(rounding / fabs(last), 1.0 / TAYLOR_ORDER));
+                pow(rounding / fabs(last), 1.0 / (double)TAYLOR_ORDER));
 }
 
 /* The step for which both the motion, relative to its largest term, and the gap, relative to `distance`, have

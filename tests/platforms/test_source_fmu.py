@@ -1,0 +1,135 @@
+"""The sources in the FMUs: any C11 compiler makes a library of them that gives the bits of the one inside"""
+
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import fmpy
+import pytest
+
+from support.fmi2.elf import exported, needed
+from support.scenes.benchmarks import BENCHMARKS
+from support.sources import BUILD, ROOT
+
+WARNINGS = ["-Wall", "-Wextra", "-pedantic", "-Werror"]
+LIBRARIES = {"libc.so.6", "libm.so.6"}
+OUTPUTS = [f"source.{name}[{axis}]" for name in ("position", "velocity") for axis in (1, 2, 3)]
+OUTPUTS += ["contact.gap", "contact.peak_force", "energy.dissipated"]
+STEPS = 37  # communication steps that no contact begins or ends at
+
+
+def compile_c(*arguments, cwd):
+    run = subprocess.run(["gcc", "-std=c11", *map(str, arguments)], cwd=cwd, capture_output=True, text=True)
+    assert (run.returncode, run.stderr) == (0, "")
+
+
+@pytest.fixture(scope="module")
+def host(tmp_path_factory):
+    """host.c, the importer that compiles everywhere"""
+    program = tmp_path_factory.mktemp("host") / "host"
+    headers = Path(fmpy.__file__).parent / "c-code"
+    compile_c(
+        *WARNINGS, "-O1", f"-I{headers}", ROOT / "tests/platforms/host.c", "-ldl", "-o", program, cwd=ROOT
+    )
+    return program
+
+
+@pytest.fixture(scope="module")
+def unpacked(tmp_path_factory):
+    """Folders of FMUs, each unpacked once"""
+    folders = {}
+
+    def unpack(name):
+        if name not in folders:
+            folders[name] = tmp_path_factory.mktemp(name)
+            with zipfile.ZipFile(BUILD / "fmus" / f"{name}.fmu") as archive:
+                archive.extractall(folders[name])
+        return folders[name]
+
+    return unpack
+
+
+@pytest.fixture(scope="module")
+def compiled(unpacked):
+    """Libraries of the sources, each compiled once, without any help of this project's build"""
+    made = {}
+
+    def library(name, *definitions):
+        if (name, *definitions) not in made:
+            folder = unpacked(name) / "sources"
+            file = folder / f"{name}{len(made)}.so"
+            options = [*WARNINGS, "-O1", "-shared", "-fPIC", *definitions]
+            compile_c(*options, "-o", file, "contact.c", "-lm", cwd=folder)
+            made[(name, *definitions)] = file
+        return made[(name, *definitions)]
+
+    return library
+
+
+def host_arguments(folder, benchmark):
+    """Start values and outputs as host.c takes them: value references, vectors as three, names as numbers"""
+    about = fmpy.read_model_description(str(folder))
+    by_name = {variable.name: variable for variable in about.modelVariables}
+    words = [about.guid, str(benchmark.end), str(STEPS)]
+    for name, value in benchmark.configuration.items():
+        parts = value if isinstance(value, list) else [value]
+        names = [f"{name}[{i + 1}]" for i in range(3)] if isinstance(value, list) else [name]
+        for one, part in zip(names, parts, strict=True):
+            variable = by_name[one]
+            if variable.type == "Enumeration":
+                (part,) = [item.value for item in variable.declaredType.items if item.name == part]
+            words += ["r" if variable.type == "Real" else "i", variable.valueReference, part]
+    for name in OUTPUTS:
+        words += ["get", by_name[name].valueReference]
+    return [str(word) for word in words]
+
+
+def motion(host, library, folder, benchmark):
+    command = [str(host), str(library), *host_arguments(folder, benchmark)]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert len(run.stdout.splitlines()) == STEPS
+    return run.stdout
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_a_plain_compiler_gives_the_bits_of_the_library_inside(host, unpacked, compiled, name):
+    benchmark = BENCHMARKS[name]
+    folder = unpacked(benchmark.fmu)
+    inside = folder / "binaries" / "linux64" / f"{benchmark.fmu}.so"
+    own = motion(host, compiled(benchmark.fmu), folder, benchmark)
+    assert own == motion(host, inside, folder, benchmark)
+    position = [float(word) for word in own.splitlines()[-1].split()[1:4]]
+    assert position == pytest.approx(benchmark.position, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", ["P3", "P3b"])
+def test_c11_without_extensions_gives_the_same_bits(host, unpacked, compiled, name):
+    benchmark = BENCHMARKS[name]
+    folder = unpacked(benchmark.fmu)
+    plain = compiled(benchmark.fmu, "-DCONTACT_PLAIN_C")
+    assert motion(host, plain, folder, benchmark) == motion(host, compiled(benchmark.fmu), folder, benchmark)
+
+
+def test_the_library_shows_only_the_functions_of_fmi(unpacked, compiled):
+    library = compiled("SphereSphere")
+    inside = unpacked("SphereSphere") / "binaries" / "linux64" / "SphereSphere.so"
+    assert exported(library) == exported(inside)
+    assert needed(library) <= LIBRARIES
+
+
+def test_fmpy_compiles_the_sources(unpacked, tmp_path):
+    """The command of fmpy's users; its CMake project links no libm, which Python itself has"""
+    folder = unpacked("ForceElement")
+    fmu = tmp_path / "ForceElement.fmu"
+    with zipfile.ZipFile(fmu, "w") as archive:
+        for file in sorted(folder.rglob("*")):
+            place = file.relative_to(folder)
+            if file.is_file() and place.parts[0] != "binaries":
+                archive.write(file, place)
+    run = subprocess.run([sys.executable, "-m", "fmpy", "compile", str(fmu)], capture_output=True, text=True)
+    assert run.returncode == 0, run.stdout + run.stderr
+    made = fmpy.simulate_fmu(str(fmu), stop_time=0.1, output_interval=0.01)
+    inside = fmpy.simulate_fmu(str(BUILD / "fmus" / "ForceElement.fmu"), stop_time=0.1, output_interval=0.01)
+    assert made.tobytes() == inside.tobytes()
