@@ -1,6 +1,7 @@
 """Scene -> FMU by this project's own CMake files, in a folder of the user's cache
 
-A folder for each tree and compiler is kept: what CMake finds out about a compiler is found out once.
+A folder for each tree, compiler and platform is kept: what CMake finds out about a compiler is found out
+once.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import platformdirs
@@ -29,46 +31,76 @@ FLAGS_OF_OTHERS = ("CFLAGS", "CPPFLAGS", "LDFLAGS", "CC")
 ZIG = {"CMAKE_C_FLAGS": "-O2", "CMAKE_EXE_LINKER_FLAGS": "-s", "CMAKE_MODULE_LINKER_FLAGS": "-s"}
 
 
-def check_scene(scene: Path, folder: Path) -> str:
-    """The scene's name, once the generator has no complaint; what it warns of goes to stderr"""
+@dataclass(frozen=True)
+class Scene:
+    """A scene file that the generator has no complaint about"""
+
+    file: Path
+    name: str
+    has_cvode: bool
+
+
+@dataclass(frozen=True)
+class How:
+    """What makes the FMU, and for which version of the standard"""
+
+    compiler: tuple[str, ...]
+    toolchain: str | None = None  # a file of cmake/platforms, which is zig's; None: for this machine
+    sundials: Path | None = None  # a checkout, where the toolchain needs the sources
+    fmi: int = 2
+
+
+def check_scene(file: Path, folder: Path) -> Scene:
+    """What the generator says of the scene; what it warns of goes to stderr"""
     generator = repository() / "modelDescription" / "generate.py"
-    command = [sys.executable, "-B", str(generator), "--scene", str(scene.resolve()), "--output", str(folder)]
+    command = [sys.executable, "-B", str(generator), "--scene", str(file.resolve()), "--output", str(folder)]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     if run.returncode == 2:
         raise UserError(" ".join(run.stderr.split()))
     if run.returncode != 0:
-        raise RunFailure(f"{scene}: the generator failed: {run.stderr.strip().splitlines()[-1]}")
+        raise RunFailure(f"{file}: the generator failed: {run.stderr.strip().splitlines()[-1]}")
     sys.stderr.write(run.stderr)
     text = (folder / "scene.cmake").read_text(encoding="utf-8")
-    return text.partition("set(SCENE_NAME ")[2].partition(")")[0].strip('"')
+
+    def told(name: str) -> str:
+        return text.partition(f"set({name} ")[2].partition(")")[0].strip('"')
+
+    return Scene(file, told("SCENE_NAME"), told("SCENE_HAS_CVODE") == "ON")
 
 
-def build_fmu(scene: Path, name: str, compiler: list[str], say: Callable[[str], None]) -> Path:
+def build_fmu(scene: Scene, how: How, say: Callable[[str], None]) -> Path:
     """The FMU in the cache; RunFailure with the compiler's first error where it cannot be built"""
-    with _folder(compiler) as folder:
+    kind = "_fmi3" if how.fmi == 3 else ""
+    with _folder(how) as folder:
         log = folder.with_suffix(".log")
         say("configuring")
-        _run(_configuration(scene, compiler, folder), scene, log)
+        _run(_configuration(scene, how, folder), scene.file, log, how)
         say("compiling")
-        _run([_program("cmake"), "--build", str(folder), "--target", f"{name}_fmu"], scene, log)
-        finished = folder.with_name(f"{name}.fmu")
-        shutil.copyfile(folder / "fmus" / f"{name}.fmu", finished)
+        target = f"{scene.name}{kind}_fmu"
+        _run([_program("cmake"), "--build", str(folder), "--target", target], scene.file, log, how)
+        finished = folder.with_name(f"{scene.name}{kind}.fmu")
+        shutil.copyfile(folder / f"fmus{kind.replace('_', '-')}" / f"{scene.name}.fmu", finished)
         return finished
 
 
-def _configuration(scene: Path, compiler: list[str], folder: Path) -> list[str]:
-    if ";" in str(scene):
-        raise UserError(f"{scene}: CMake takes no path with a semicolon")
+def _configuration(scene: Scene, how: How, folder: Path) -> list[str]:
+    if ";" in str(scene.file):
+        raise UserError(f"{scene.file}: CMake takes no path with a semicolon")
     values = {
         "CMAKE_BUILD_TYPE": "Release",
         "CMAKE_TRY_COMPILE_CONFIGURATION": "Release",
-        "CMAKE_C_COMPILER": ";".join(compiler),
         "CMAKE_MAKE_PROGRAM": _program("ninja"),
         "Python3_EXECUTABLE": sys.executable,
-        "CONTACT_SCENES": str(scene.resolve()),
+        "CONTACT_SCENES": str(scene.file.resolve()),
     }
-    if Path(compiler[0]).name == "zig":
-        values |= ZIG
+    if how.toolchain is not None:
+        values["CMAKE_TOOLCHAIN_FILE"] = str(repository() / "cmake" / "platforms" / f"{how.toolchain}.cmake")
+        values["CONTACT_SUNDIALS"] = "fetch" if scene.has_cvode else "none"
+        values["FETCHCONTENT_SOURCE_DIR_SUNDIALS"] = str(how.sundials.resolve()) if how.sundials else ""
+    else:
+        values["CMAKE_C_COMPILER"] = ";".join(how.compiler)
+        if Path(how.compiler[0]).name == "zig":
+            values |= ZIG
     definitions = [f"-D{name}={value}" for name, value in values.items()]
     return [
         *(_program("cmake"), "-Wno-dev", "-G", "Ninja"),
@@ -92,9 +124,9 @@ def _program(name: str) -> str:
 
 
 @contextmanager
-def _folder(compiler: list[str]) -> Iterator[Path]:
-    """The build folder of this tree and compiler, for one build at a time; made anew after an update"""
-    about = "\n".join([str(repository()), *compiler, sys.executable])
+def _folder(how: How) -> Iterator[Path]:
+    """The build folder of these, for one build at a time; made anew after an update"""
+    about = "\n".join([str(repository()), *how.compiler, how.toolchain or "", sys.executable])
     name = hashlib.sha256(about.encode()).hexdigest()[:12]
     folder = Path(platformdirs.user_cache_path("contact-fmus")) / name / "build"
     folder.parent.mkdir(parents=True, exist_ok=True)
@@ -118,8 +150,10 @@ def _tree() -> str:
     return hashlib.sha256(about.encode()).hexdigest()
 
 
-def _run(command: list[str], scene: Path, log: Path) -> None:
+def _run(command: list[str], scene: Path, log: Path, how: How) -> None:
     environment = {name: value for name, value in os.environ.items() if name not in FLAGS_OF_OTHERS}
+    if how.toolchain is not None:
+        environment["CONTACT_ZIG_PROGRAM"] = how.compiler[0]
     run = subprocess.run(
         command,
         stdin=subprocess.DEVNULL,

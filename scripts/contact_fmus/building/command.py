@@ -13,8 +13,9 @@ from rich.console import Console
 
 from contact_fmus.errors import UserError
 
-from .cmake_build import build_fmu, check_scene
+from .cmake_build import How, build_fmu, check_scene
 from .compiler import find_compiler
+from .platforms import PLATFORMS, join, toolchains
 from .template import SHAPES, scene_text
 
 
@@ -26,20 +27,41 @@ def build(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--compiler", metavar="CC", help="gcc, clang, zig or a path; default: CC, or the first that works"
     )
+    parser.add_argument(
+        "--platforms",
+        metavar="LIST",
+        help=f"all or some of {','.join(PLATFORMS)}, in one FMU, by zig; default: this machine's",
+    )
+    parser.add_argument("--fmi", type=int, choices=(2, 3), default=2, help="version of the standard (2)")
+    parser.add_argument(
+        "--sundials-source",
+        type=Path,
+        metavar="DIR",
+        help="sources of SUNDIALS for --platforms and scenes with CVODE; default: fetched",
+    )
     parser.add_argument("--json", action="store_true", help="what was built, as JSON")
     options = parser.parse_args(arguments)
     if not options.scene.is_file():
         raise UserError(f"{options.scene}: there is no such file")
+    if options.sundials_source and not (options.sundials_source / "src" / "cvode").is_dir():
+        raise UserError(f"--sundials-source: {options.sundials_source} has no folder src/cvode")
+    wanted = toolchains(options.platforms) if options.platforms is not None else [None]
     begin = time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
-        name = check_scene(options.scene, Path(folder))
-    compiler = find_compiler(options.compiler)
-    console = Console(stderr=True)
-    with console.status(name) as status:
-        made = build_fmu(options.scene, name, compiler, lambda text: status.update(f"{name}: {text}"))
+        scene = check_scene(options.scene, Path(folder))
+    compiler = find_compiler(options.compiler if wanted == [None] else "zig")
     options.output.mkdir(parents=True, exist_ok=True)
-    fmu = options.output / f"{name}.fmu"
-    shutil.copyfile(made, fmu)
+    fmu = options.output / f"{scene.name}.fmu"
+    made = []
+    with Console(stderr=True).status(scene.name) as status:
+        for toolchain in wanted:
+            place = f"{scene.name} for {toolchain}" if toolchain else scene.name
+            how = How(tuple(compiler), toolchain, options.sundials_source, options.fmi)
+            made.append(build_fmu(scene, how, lambda text, place=place: status.update(f"{place}: {text}")))
+    if len(made) == 1:
+        shutil.copyfile(made[0], fmu)
+    else:
+        join(made, fmu)
     about = {
         "fmu": str(fmu),
         "bytes": fmu.stat().st_size,
