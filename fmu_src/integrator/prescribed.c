@@ -2,17 +2,12 @@
 
 #include <float.h>
 
+#include "math/gauss.h"
 #include "scene/energy.h"
 #include "scene/rounding.h"
 #include "segment/regime_change.h"
 
-enum { NODES = 5, TERMS = 3 * SCENE_CONTACTS + 2 };
-
-/* Five-point Gauss-Legendre rule on [-1, 1]: exact to degree nine. Nodes 0, +-sqrt(5 -+ 2 sqrt(10/7))/3. */
-static const double node[NODES] = {-0.90617984593866399, -0.53846931010568309, 0.0, 0.53846931010568309,
-                                   0.90617984593866399};
-static const double weight[NODES] = {0.23692688505618909, 0.47862867049936647, 0.56888888888888889,
-                                     0.47862867049936647, 0.23692688505618909};
+enum { TERMS = 3 * SCENE_CONTACTS + 2 };
 
 /* Impulses, dissipated energy, external work over a panel, and how large their integrands are. */
 struct panel {
@@ -47,34 +42,25 @@ static struct panel integrate(const struct scene_values *v, struct scene_state *
 {
     struct panel result = {{0.0}, {0.0}};
     const double half = 0.5 * (to - from);
-    for (int i = 0; i < NODES; ++i) {
+    for (int i = 0; i < GAUSS_NODES; ++i) {
         double value[TERMS];
-        powers(v, q, from + half * (1.0 + node[i]), value);
+        powers(v, q, from + half * (1.0 + GAUSS_NODE[i]), value);
         for (int k = 0; k < TERMS; ++k) {
-            result.sum[k] += half * weight[i] * value[k];
-            result.size[k] += half * weight[i] * fabs(value[k]);
+            result.sum[k] += half * GAUSS_WEIGHT[i] * value[k];
+            result.size[k] += half * GAUSS_WEIGHT[i] * fabs(value[k]);
         }
     }
-    counter_add(&q->counters.force_evaluations, NODES);
+    counter_add(&q->counters.force_evaluations, GAUSS_NODES);
     return result;
 }
 
-/* What rounding alone does to the force, through g, n and n.w; no agreement can be asked for below. */
+/* No agreement can be asked for below. */
 static double force_rounding(const struct scene_values *v, const struct scene_state *q,
                              const struct scene_instant *at)
 {
     double noise = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (is_driven(v, q, j)) {
-            const struct contact_law law = scene_contact_law(v, q, j);
-            const struct contact_geometry *g = &at->geometry[j];
-            const struct contact_slopes slopes =
-                contact_force_slopes(&law, REGIME_COMPRESSION, g->gap, g->gap_rate);
-            const double gap_rounding = rounding_of_gap(v, at, j);
-            const double angle = fmin(8.0 * DBL_EPSILON + gap_rounding / g->distance, 1.0);
-            noise += fabs(slopes.by_gap) * gap_rounding +
-                     angle * (fabs(slopes.by_rate) * vec3_norm(at->rate[j]) + fabs(at->normal_force[j]));
-        }
+        noise += is_driven(v, q, j) ? rounding_of_force(v, q, at, j) : 0.0;
     }
     return noise;
 }

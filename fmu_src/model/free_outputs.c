@@ -86,12 +86,6 @@ double motion_energy(const struct scene_values *v, const struct scene_state *q,
                : energy_kinetic_of(v, at) + energy_potential_of(v, at) + energy_stored(v, q, at);
 }
 
-bool model_has_derivatives(const struct variable *variable)
-{
-    return variable->row != ROW_contact_mean_force && variable->row != ROW_contact_peak_force &&
-           variable->row != ROW_contact_peak_penetration;
-}
-
 static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
 {
     const struct scene_values *v = &m->state.values;
@@ -133,20 +127,11 @@ bool motion_jet(const struct model *m, const struct scene_instant *at, const str
     case ROW_contact_last_duration: /* grows with the time while the bodies touch */
         *term = contact[j].regime != REGIME_APART ? along->time[order] : 0.0;
         return true;
-    case ROW_contact_peak_force: /* peaks are those of the start until the end of initialization */
-        *term =
-            !m->state.initialized && at->normal_force[j] > 0.0 ? along->contact[j].normal_force[order] : 0.0;
-        return true;
-    case ROW_contact_peak_penetration:
-        *term =
-            !m->state.initialized && contact[j].regime != REGIME_APART ? -along->contact[j].gap[order] : 0.0;
-        return true;
-    case ROW_contact_mean_force:
     case ROW_contact_last_onset_time:
         *term = 0.0;
         return true;
     default:
-        return false;
+        return motion_jet_of_step(m, at, along, variable, order, term);
     }
 }
 

@@ -1,8 +1,14 @@
 /* In place of free_motion.c and free_outputs.c in scenes without a body that may be free: a force element has
- * no state but the clock, and its outputs are functions of the inputs. */
+ * no state but the clock; its outputs are functions of the inputs, now or over the last step. */
+#include <math.h>
 #include <string.h>
 
 #include "model/motion.h"
+#include "segment/given_force.h"
+
+/* Whether the scene has not left all of them out. */
+static const bool SUMS_UP_STEPS =
+    HAS_contact_mean_force || HAS_contact_peak_force || HAS_contact_peak_penetration;
 
 enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise)
 {
@@ -28,7 +34,9 @@ void motion_place(const struct scene_values *v, struct scene_state *q)
 
 void motion_begin(const struct scene_values *v, struct scene_state *q)
 {
-    (void)v, (void)q;
+    if (SUMS_UP_STEPS) {
+        given_force_begin(v, q);
+    }
 }
 
 bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next)
@@ -41,7 +49,11 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
 enum model_status motion_advance(struct model *m, const struct step_request *request)
 {
     struct scene_state *q = &m->state.motion;
-    q->clock += scene_remaining(q, request->end_time);
+    const double length = scene_remaining(q, request->end_time);
+    if (SUMS_UP_STEPS) {
+        given_force_over(&m->state.values, q, length);
+    }
+    q->clock += length;
     scene_rebase(&m->state.values, q);
     return MODEL_OK;
 }
@@ -57,10 +69,21 @@ bool motion_defer(struct model *m, double end_time)
     return false;
 }
 
+/* A sum that is finite only if all parts are. */
+static double size_of_step(const struct contact_step *step)
+{
+    const struct vec3 mean = step->mean_force;
+    return fabs(mean.x) + fabs(mean.y) + fabs(mean.z) + step->peak_force + step->peak_penetration;
+}
+
 double motion_size(const struct scene_values *v, const struct scene_state *q)
 {
-    (void)v, (void)q;
-    return 0.0;
+    (void)v;
+    double sum = 0.0;
+    for (int j = 0; SUMS_UP_STEPS && j < SCENE_CONTACTS; ++j) {
+        sum += size_of_step(&q->contact[j].step);
+    }
+    return sum;
 }
 
 double motion_least_speed(const struct scene_values *v)
@@ -71,8 +94,14 @@ double motion_least_speed(const struct scene_values *v)
 
 double motion_show(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
 {
-    (void)v, (void)q, (void)at;
-    return 0.0;
+    (void)at;
+    for (int j = 0; SUMS_UP_STEPS && j < SCENE_CONTACTS; ++j) {
+        const struct contact_step *step = &q->contact[j].step;
+        put_contact_mean_force(v, j, step->mean_force);
+        put_contact_peak_force(v, j, step->peak_force);
+        put_contact_peak_penetration(v, j, step->peak_penetration);
+    }
+    return motion_size(v, q);
 }
 
 double motion_energy(const struct scene_values *v, const struct scene_state *q,
@@ -80,12 +109,6 @@ double motion_energy(const struct scene_values *v, const struct scene_state *q,
 {
     (void)v, (void)q, (void)at;
     return 0.0;
-}
-
-bool model_has_derivatives(const struct variable *variable)
-{
-    (void)variable;
-    return true;
 }
 
 const char *motion_unknown(const struct model *m, const struct variable *variable)
@@ -97,8 +120,7 @@ const char *motion_unknown(const struct model *m, const struct variable *variabl
 bool motion_jet(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
                 const struct variable *variable, int order, double *term)
 {
-    (void)m, (void)at, (void)along, (void)variable, (void)order, (void)term;
-    return false;
+    return motion_jet_of_step(m, at, along, variable, order, term);
 }
 
 void motion_begin_exchange(struct scene_state *q)

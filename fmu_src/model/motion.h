@@ -50,6 +50,10 @@ const char *motion_unknown(const struct model *m, const struct variable *variabl
 bool motion_jet(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
                 const struct variable *variable, int order, double *term);
 
+/* The same of mean force and peaks, which scenes of both kinds have. */
+bool motion_jet_of_step(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
+                        const struct variable *variable, int order, double *term);
+
 /* For an integrator outside (exchange.h). At the start; a state is set; a local variable is computed; regimes
  * change where their margins ask for it, and whether one did; a sum that tells whether events have changed
  * the energies [J]. */

@@ -35,6 +35,18 @@ double rounding_of_rate(const struct scene_instant *at, int contact)
     return 8.0 * DBL_EPSILON * fmax(vec3_norm(at->rate[contact]), fmax(source, destination));
 }
 
+double rounding_of_force(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, int contact)
+{
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_slopes slopes = contact_force_slopes(&law, REGIME_COMPRESSION, g->gap, g->gap_rate);
+    const double gap_rounding = rounding_of_gap(v, at, contact);
+    const double angle = fmin(8.0 * DBL_EPSILON + gap_rounding / g->distance, 1.0);
+    return fabs(slopes.by_gap) * gap_rounding +
+           angle * (fabs(slopes.by_rate) * vec3_norm(at->rate[contact]) + fabs(at->normal_force[contact]));
+}
+
 /* Below this [m/s] the sign of g' means nothing: rounding of w; rounding of n, which has no meaning where d =
  * 0; the speed of an oscillation as large as the gap's rounding bound; the integrator's tolerance. */
 static double rate_rounding(const struct scene_values *v, const struct contact_law *law,

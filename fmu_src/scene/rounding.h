@@ -22,6 +22,10 @@ double rounding_of_event(const struct scene_values *v, const struct contact_law 
                          const struct contact_slopes *slopes, const struct scene_instant *at, int contact,
                          double tolerated);
 
+/* What rounding alone does to the force of a contact, through g, n and n.w [N]. */
+double rounding_of_force(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, int contact);
+
 /* An offset that makes a regime's margin positive at the start of a phase although rounding, or an error of
  * the speeds by `tolerated` [m/s], may have left it at or below zero. Without it a root finder would miss the
  * fall of a margin that starts below zero, and would find many of one that stays near zero, as at rest. The

@@ -69,6 +69,13 @@ struct contact_record {
     int32_t unused; /* in place of padding */
 };
 
+/* Where all motion is given, the past is the last communication step. */
+struct contact_step {
+    struct vec3 mean_force;  /* on the source [N] */
+    double peak_force;       /* [N] */
+    double peak_penetration; /* max(-g) >= 0 [m] */
+};
+
 /* What has been foreseen. */
 struct contact_schedule {
     /* the regime changes at this clock in closed form; INFINITY: not before the horizon */
@@ -88,6 +95,8 @@ struct contact_state {
     struct contact_physics physics;
     struct contact_record record;
     struct contact_schedule schedule;
+#else
+    struct contact_step step;
 #endif
     int32_t regime; /* enum contact_regime */
     int32_t side;   /* +1 outside, -1 inside: the location in force */

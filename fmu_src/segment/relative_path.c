@@ -1,5 +1,6 @@
 #include "segment/relative_path.h"
 
+#if SCENE_ANY_FREE
 #include "segment/flight.h"
 
 static void add_free(const struct scene_values *v, const struct scene_state *q,
@@ -15,6 +16,14 @@ static void add_free(const struct scene_values *v, const struct scene_state *q,
         out->c[i + 1] = vec3_axpy(out->c[i + 1], sign * FLIGHT_MEAN[i], rate[i]);
     }
 }
+#else /* there are none to be added */
+static void add_free(const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at, double clock, int body, double sign,
+                     struct separation_path *out)
+{
+    (void)v, (void)q, (void)at, (void)clock, (void)body, (void)sign, (void)out;
+}
+#endif
 
 static void add_prescribed(const struct scene_state *q, double clock, int body, double sign,
                            struct separation_path *out)

@@ -118,13 +118,17 @@ def test_the_library_names_no_variable_that_the_interface_lacks(variables, strin
     assert inside & gone == set()
 
 
-def test_the_force_element_has_at_most_40_percent_of_the_variables(variables):
-    assert len(variables("ForceElement")) <= 0.4 * len(variables("SphereCylinder"))
+def test_the_force_element_has_at_most_43_percent_of_the_variables(variables):
+    """40 % for the instant, 3 % for mean force and peaks over a step"""
+    assert len(variables("ForceElement")) <= 0.43 * len(variables("SphereCylinder"))
 
 
-def test_the_force_element_has_a_library_of_at_most_64_kb(library_bytes):
-    """59,272 bytes without Model Exchange, whose ten functions and messages fill one more page."""
-    assert library_bytes("ForceElement") <= 64_000
+def test_the_force_element_has_a_library_of_at_most_84_kb(library_bytes):
+    """60 kB for the force at an instant, 4 kB for the ten functions of Model Exchange and their messages, 20 kB
+    for mean and peaks over a step: the polynomials that tell when contact begins and ends within it, their
+    roots, the quadrature between.
+    """
+    assert library_bytes("ForceElement") <= 84_000
 
 
 def test_the_force_element_has_no_solver(strings):

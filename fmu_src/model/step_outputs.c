@@ -1,0 +1,29 @@
+/* Derivatives of the outputs that sum up a communication step. */
+#include "model/motion.h"
+
+bool model_has_derivatives(const struct variable *variable)
+{
+    return variable->row != ROW_contact_mean_force && variable->row != ROW_contact_peak_force &&
+           variable->row != ROW_contact_peak_penetration;
+}
+
+bool motion_jet_of_step(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
+                        const struct variable *variable, int order, double *term)
+{
+    const int j = variable->element;
+    const bool touches = m->state.motion.contact[j].regime != REGIME_APART;
+    switch (variable->row) {
+    case ROW_contact_peak_force: /* peaks are those of the start until the end of initialization */
+        *term =
+            !m->state.initialized && at->normal_force[j] > 0.0 ? along->contact[j].normal_force[order] : 0.0;
+        return true;
+    case ROW_contact_peak_penetration:
+        *term = !m->state.initialized && touches ? -along->contact[j].gap[order] : 0.0;
+        return true;
+    case ROW_contact_mean_force:
+        *term = 0.0;
+        return true;
+    default:
+        return false;
+    }
+}

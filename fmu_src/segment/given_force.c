@@ -1,0 +1,238 @@
+#include "segment/given_force.h"
+
+#include <float.h>
+
+#include "math/gauss.h"
+#include "scene/rounding.h"
+#include "segment/flight_candidates.h"
+
+/* How closely a panel and its two halves must agree, relative to the size of what is integrated. The rule is
+ * of degree nine, so the halves are a thousand times better than the panel: rounding is all that is left. */
+static const double AGREEMENT = 1e-13;
+
+/* So many panels of a step may be halved. A pass of the centres at a distance of 1e-16 takes about a hundred;
+ * a step has at most some dozen such places. */
+enum { HALVINGS = 4096 };
+
+/* One contact over a step, s in [0, 1]. */
+struct given_step {
+    const struct scene_values *v;
+    struct scene_state *q; /* its regime is the one that is looked at */
+    int contact;
+    double length; /* of the step [s] */
+    int halvings;  /* that are left */
+};
+
+static struct contact_state *contact_of(const struct given_step *step)
+{
+    return &step->q->contact[step->contact];
+}
+
+/* Called from many places: one copy is enough. */
+__attribute__((noinline)) static void instant_at(const struct given_step *step, double s,
+                                                 struct scene_instant *at)
+{
+    scene_evaluate(step->v, step->q, step->q->clock + s * step->length, 0, at);
+}
+
+__attribute__((noinline)) static double force_slope_at(const struct given_step *step, double s)
+{
+    struct scene_instant at;
+    instant_at(step, s, &at);
+    return scene_force_rate(step->v, step->q, step->q->clock + s * step->length, &at, step->contact);
+}
+
+static void note(struct contact_step *sum, double force, double penetration)
+{
+    sum->peak_force = fmax(sum->peak_force, force);
+    sum->peak_penetration = fmax(sum->peak_penetration, penetration);
+}
+
+__attribute__((noinline)) static void note_at(const struct given_step *step, double s)
+{
+    struct scene_instant at;
+    instant_at(step, s, &at);
+    note(&contact_of(step)->step, at.normal_force[step->contact], -at.geometry[step->contact].gap);
+}
+
+/* The top of the force between two places, where its slope is positive at the first and negative at the
+ * second. Near it the force is flat: half the digits of the place give all of the force. */
+static void note_top_between(const struct given_step *step, double rising, double falling)
+{
+    while (falling - rising > 1e-9 * falling) {
+        const double middle = 0.5 * (rising + falling);
+        if (force_slope_at(step, middle) > 0.0) {
+            rising = middle;
+        } else {
+            falling = middle;
+        }
+    }
+    note_at(step, falling);
+}
+
+/* The integral of the force over a panel, and of its size. */
+struct panel {
+    struct vec3 sum;
+    double size;
+};
+
+__attribute__((noinline)) static struct panel panel_of(const struct given_step *step, double from, double to)
+{
+    struct panel panel = {{0.0, 0.0, 0.0}, 0.0};
+    const double half = 0.5 * (to - from);
+    for (int i = 0; i < GAUSS_NODES; ++i) {
+        struct scene_instant at;
+        instant_at(step, from + half * (1.0 + GAUSS_NODE[i]), &at);
+        panel.sum = vec3_axpy(panel.sum, half * GAUSS_WEIGHT[i], at.source_force[step->contact]);
+        panel.size += half * GAUSS_WEIGHT[i] * fabs(at.normal_force[step->contact]);
+    }
+    return panel;
+}
+
+static void note_tops(const struct given_step *step, double from, double to)
+{
+    double before = from;
+    bool rises = force_slope_at(step, from) > 0.0;
+    for (int i = 0; i <= GAUSS_NODES; ++i) {
+        const double place = i < GAUSS_NODES ? from + 0.5 * (to - from) * (1.0 + GAUSS_NODE[i]) : to;
+        const double slope = force_slope_at(step, place);
+        if (rises && slope < 0.0) {
+            note_top_between(step, before, place);
+        }
+        rises = slope > 0.0;
+        before = place;
+    }
+}
+
+/* Near the centre n may be rounding at one end of a panel: the bound of the other then holds for nearly all
+ * of it. */
+static double rounding_between(const struct given_step *step, double from, double to)
+{
+    struct scene_instant ends[2];
+    instant_at(step, from, &ends[0]);
+    instant_at(step, to, &ends[1]);
+    return (to - from) * fmin(rounding_of_force(step->v, step->q, &ends[0], step->contact),
+                              rounding_of_force(step->v, step->q, &ends[1], step->contact));
+}
+
+static bool agree(const struct given_step *step, const struct panel *whole, const struct panel *left,
+                  const struct panel *right, double from, double to)
+{
+    const struct vec3 difference = vec3_sub(vec3_add(left->sum, right->sum), whole->sum);
+    const double allowed = AGREEMENT * (left->size + right->size) + rounding_between(step, from, to);
+    return vec3_max_abs(difference) <= allowed + DBL_MIN;
+}
+
+/* Within one regime. */
+static void integrate_smooth(struct given_step *step, double from, double end)
+{
+    struct vec3 *mean = &contact_of(step)->step.mean_force;
+    double width = end - from;
+    while (from < end) {
+        const double to = from + width < end ? from + width : end;
+        const double middle = 0.5 * (from + to);
+        const struct panel whole = panel_of(step, from, to);
+        const struct panel left = panel_of(step, from, middle);
+        const struct panel right = panel_of(step, middle, to);
+        const bool divides = middle > from && middle < to && step->halvings > 0;
+        if (divides && !agree(step, &whole, &left, &right, from, to)) {
+            width = 0.5 * (to - from);
+            step->halvings -= 1;
+            continue;
+        }
+        *mean = vec3_add(*mean, vec3_add(left.sum, right.sum));
+        note_tops(step, from, middle);
+        note_tops(step, middle, to);
+        from = to;
+        width *= 2.0;
+    }
+}
+
+/* Between two places next to each other at which the law may change, or the gap has an extreme. */
+static void integrate_between(struct given_step *step, double from, double to)
+{
+    struct scene_instant at;
+    instant_at(step, 0.5 * (from + to), &at);
+    const enum contact_regime regime = scene_regime(step->v, step->q, &at, step->contact);
+    contact_of(step)->regime = (int32_t)regime;
+    if (regime == REGIME_APART) {
+        return;
+    }
+    note_at(step, from);
+    note_at(step, to);
+    if (regime != REGIME_SEPARATING) {
+        integrate_smooth(step, from, to);
+    }
+}
+
+static void integrate(struct given_step *step, const struct relative_path *path)
+{
+    const struct contact_shape shape = scene_contact_shape(step->v, step->q, step->contact);
+    const struct contact_law law = scene_contact_law(step->v, step->q, step->contact);
+    const struct extremes extremes = extremes_of(path);
+    double events[MAX_CANDIDATES];
+    const int count = candidates_of_all(path, &extremes, &shape, &law, events);
+    int event = 0;
+    int extreme = 0;
+    double from = 0.0;
+    while (from < 1.0) {
+        const double next_event = event < count ? events[event] : 1.0;
+        const double next_extreme = extreme < extremes.count ? extremes.at[extreme] : 1.0;
+        const double to = fmin(next_event, next_extreme);
+        event += next_event <= to;
+        extreme += next_extreme <= to;
+        if (to > from) {
+            integrate_between(step, from, to);
+            from = to;
+        }
+    }
+}
+
+static bool is_steady(const struct separation_path *path)
+{
+    return path_is_steady(path->c, SEPARATION_DEGREE + 1) && path_is_steady(path->w, SEPARATION_DEGREE);
+}
+
+/* The force of an instant that lasts; returns it on the source. */
+static struct vec3 note_present(const struct scene_values *v, struct scene_state *q, int contact)
+{
+    struct scene_instant at;
+    struct contact_state *state = &q->contact[contact];
+    scene_kinematics_now(v, q, &at);
+    state->regime = (int32_t)scene_regime(v, q, &at, contact);
+    state->step = (struct contact_step){.peak_force = 0.0};
+    if (state->regime == REGIME_APART) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    scene_forces(v, q, q->clock, &at);
+    note(&state->step, at.normal_force[contact], -at.geometry[contact].gap);
+    return at.source_force[contact];
+}
+
+void given_force_over(const struct scene_values *v, struct scene_state *q, double length)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        struct scene_instant at;
+        scene_kinematics_now(v, q, &at);
+        const struct separation_path separation = separation_path_of(v, q, &at, q->clock, j);
+        const struct vec3 present = note_present(v, q, j);
+        if (is_steady(&separation)) {
+            q->contact[j].step.mean_force = present;
+            continue;
+        }
+        const struct contact_shape shape = scene_contact_shape(v, q, j);
+        const struct relative_path path = relative_path_make(&shape, &separation, at.geometry[j].gap, length);
+        if (candidates_least_gap(&path) < 0.0) {
+            struct given_step step = {v, q, j, length, HALVINGS};
+            q->contact[j].step = (struct contact_step){.peak_force = 0.0};
+            integrate(&step, &path);
+        }
+    }
+}
+
+void given_force_begin(const struct scene_values *v, struct scene_state *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        (void)note_present(v, q, j);
+    }
+}

@@ -1,0 +1,18 @@
+/*
+ * The force of contacts over a communication step when all motion is given: neither body is free, so the
+ * separation is a polynomial of time, and so are the conditions at which the law changes. Between the roots
+ * of these the force is smooth; its mean is a quadrature, its largest value a root of its slope.
+ */
+#ifndef CONTACT_SEGMENT_GIVEN_FORCE_H
+#define CONTACT_SEGMENT_GIVEN_FORCE_H
+
+#include "scene/present.h"
+
+/* Mean force, peak force and peak penetration of all contacts from the present until `length` seconds later,
+ * into q->contact[].step. The regimes of q become those at the end. */
+void given_force_over(const struct scene_values *v, struct scene_state *q, double length);
+
+/* Those of the present instant alone, with a mean force of zero: before the first step. */
+void given_force_begin(const struct scene_values *v, struct scene_state *q);
+
+#endif
