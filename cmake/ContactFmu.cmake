@@ -62,9 +62,13 @@ set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${contact_generat
 function(contact_generate_scene scene result)
     get_filename_component(stem "${scene}" NAME_WE)
     set(folder "${CONTACT_SCENE_FOLDER}/${stem}")
+    set(choices "")
+    if(CONTACT_CHOICES) # instead of what the scene file says
+        set(choices --choices "${CONTACT_CHOICES}")
+    endif()
     execute_process(
         COMMAND "${Python3_EXECUTABLE}" -B "${contact_description_folder}/generate.py"
-            --scene "${scene}" --output "${folder}" --icon "${folder}/model.png"
+            --scene "${scene}" --output "${folder}" --icon "${folder}/model.png" ${choices}
         RESULT_VARIABLE status ERROR_VARIABLE complaint)
     if(status)
         message(FATAL_ERROR "${complaint}")
@@ -128,14 +132,15 @@ function(add_contact_fmu scene)
         ${sources} ${CONTACT_FMI2_SOURCES})
     contact_pack_fmu(${SCENE_NAME} "${folder}" "${CONTACT_FMU_FOLDER}/${SCENE_NAME}.fmu"
         "binaries/${contact_platform_fmi2}" modelDescription.xml
-        "model.png=${folder}/model.png" "sources=${folder}/sources")
+        "model.png=${folder}/model.png" "sources=${folder}/sources"
+        "terminalsAndIcons=${folder}/terminals2")
     if(CONTACT_FMI3)
         contact_fmu_sources(${SCENE_NAME}_fmi3 "${folder}" 3 units3.txt sources3 ${sources} ${CONTACT_FMI3_SOURCES})
         contact_fmu_library(${SCENE_NAME}_fmi3 "${folder}" fmi3 "${CONTACT_LIBRARY_FOLDER}/fmi3"
             ${sources} ${CONTACT_FMI3_SOURCES})
         contact_pack_fmu(${SCENE_NAME}_fmi3 "${folder}" "${CONTACT_FMI3_FMU_FOLDER}/${SCENE_NAME}.fmu"
             "binaries/${contact_platform_fmi3}" modelDescription3.xml
-            "sources=${folder}/sources3")
+            "sources=${folder}/sources3" "terminalsAndIcons=${folder}/terminals3")
     endif()
 endfunction()
 
@@ -228,7 +233,8 @@ function(contact_pack_fmu target folder fmu binaries description)
     endif()
     set(members "modelDescription.xml=${folder}/${description}" "documentation=${folder}/documentation"
         "resources/scene.json=${folder}/resources/scene.json"
-        "${binaries}/${SCENE_NAME}${contact_ending}=${library}" ${ARGN})
+        "${binaries}/${SCENE_NAME}${contact_ending}=${library}"
+        "terminalsAndIcons/icon.png=${folder}/model.png" "terminalsAndIcons/icon.svg=${folder}/icon.svg" ${ARGN})
     file(GLOB licenses CONFIGURE_DEPENDS "${contact_description_folder}/documentation/licenses/*")
     foreach(license ${licenses})
         get_filename_component(license_name "${license}" NAME)
@@ -242,7 +248,8 @@ function(contact_pack_fmu target folder fmu binaries description)
         COMMAND "${Python3_EXECUTABLE}" -B "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${fmu}" ${members}
         DEPENDS ${target} ${target}_sources "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${folder}/${description}"
             "${folder}/resources/scene.json" ${documentation} ${licenses}
-            "${folder}/model.png"
+            "${folder}/model.png" "${folder}/icon.svg"
+            "${folder}/terminals2/terminalsAndIcons.xml" "${folder}/terminals3/terminalsAndIcons.xml"
         COMMENT "Packing ${target}.fmu" VERBATIM)
     add_custom_target(${target}_fmu ALL DEPENDS "${fmu}")
     cmake_path(GET fmu PARENT_PATH fmu_folder)

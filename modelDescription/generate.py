@@ -3,6 +3,7 @@
 
 generate.py --scene scenes/BallOnSphere.toml --output DIR   modelDescription.xml, C table, documentation
 generate.py --scene ... --output DIR --icon model.png       the icon as well
+generate.py --scene ... --output DIR --choices integer      choices as Integers, not Enumerations
 generate.py --table                                         JSON: how many variables each scene has
 generate.py --guide docs/scenes.md                          every key of a scene file
 """
@@ -19,14 +20,19 @@ from generator.catalogue import read_catalogue  # noqa: E402
 from generator.emit import counts, guide, render, write  # noqa: E402
 from generator.errors import InputError  # noqa: E402
 from generator.icon import draw  # noqa: E402
+from generator.icon_svg import draw_svg  # noqa: E402
 from generator.resolve import Resolved, resolve  # noqa: E402
-from generator.scene import read_scene  # noqa: E402
+from generator.scene import CHOICES, read_scene  # noqa: E402
 from generator.start import Start, check_start  # noqa: E402
 
 
-def load(scene: Path) -> Resolved:
+def load(path: Path, choices: str | None = None) -> Resolved:
+    """choices: instead of what the scene file says of them"""
     catalogue = read_catalogue(HERE / "variables.toml")
-    resolved = resolve(read_scene(scene, catalogue), catalogue)
+    scene = read_scene(path, catalogue)
+    if (choices or scene.choices) == "integer":
+        catalogue = catalogue.with_integer_choices()
+    resolved = resolve(scene, catalogue)
     for warning in check_start(resolved):
         print(f"{resolved.scene.file}: warning: {warning}", file=sys.stderr)
     return resolved
@@ -49,7 +55,8 @@ def arguments(args: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--table", action="store_true", help="print a JSON table of variable counts instead of writing files"
     )
-    parser.add_argument("--icon", type=Path, help="PNG file to draw the scene in, besides --output")
+    parser.add_argument("--icon", type=Path, help="PNG file to draw the scene in; icon.svg beside it")
+    parser.add_argument("--choices", choices=CHOICES, help="instead of what the scene file says")
     parser.add_argument("--guide", type=Path, help="file to write the guide to scene files to")
     result = parser.parse_args(args)
     if not (result.table or result.guide) and (result.output is None or len(result.scene or []) != 1):
@@ -67,10 +74,12 @@ def main(args: list[str] | None = None) -> int:
             text = guide(read_catalogue(HERE / "variables.toml"))
             write({options.guide.name: text}, options.guide.parent)
         else:
-            resolved = load(options.scene[0])
+            resolved = load(options.scene[0], options.choices)
             write(render(resolved) | licence(), options.output)
             if options.icon:
-                write({options.icon.name: draw(Start(resolved))}, options.icon.parent)
+                start = Start(resolved)
+                icons = {options.icon.name: draw(start), "icon.svg": draw_svg(start).encode()}
+                write(icons, options.icon.parent)
     except InputError as error:
         print(error, file=sys.stderr)
         return 2

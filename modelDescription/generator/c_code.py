@@ -47,7 +47,7 @@ def constant(row: Row, value) -> str:
     """A value as a C expression."""
     if isinstance(value, tuple):
         return f"vec3_make({', '.join(map(repr, value))})"
-    if row.type.base == "Enumeration":
+    if row.type.items:
         item = next(item for item in row.type.items if item.value == value)
         prefix = re.sub(r"(?<!^)(?=[A-Z])", "_", row.type.name)
         return f"{prefix}_{item.name}".upper()

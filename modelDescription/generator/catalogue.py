@@ -1,7 +1,9 @@
 """Reading variables.toml: units, declared types and the row of every variable."""
 
+from __future__ import annotations
+
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from .conditions import SCENE_CVODE
@@ -38,7 +40,7 @@ class Type:
     min: float | int | None = None
     max: float | int | None = None
     nominal: float | None = None
-    items: tuple[Item, ...] = ()
+    items: tuple[Item, ...] = ()  # of a choice, whether it is declared as an Enumeration or as an Integer
 
     def item(self, name: str) -> Item | None:
         return next((item for item in self.items if item.name == name), None)
@@ -90,7 +92,7 @@ class Row:
     @property
     def limits(self) -> tuple:
         """(min, max), of an enumeration the first and last item."""
-        if self.type.base == "Enumeration":
+        if self.type.items:
             values = [item.value for item in self.type.items]
             return min(values), max(values)
         if self.type.base == "Boolean":
@@ -110,12 +112,40 @@ class Catalogue:
 
     def choices(self) -> dict[str, Row]:
         """Rows whose value decides what else is needed: parameters that are enumerations or Booleans."""
-        bases = ("Enumeration", "Boolean")
         return {
             key: row
             for key, row in self.rows.items()
-            if row.causality == "parameter" and row.type.base in bases
+            if row.causality == "parameter" and (row.type.items or row.type.base == "Boolean")
         }
+
+    def with_integer_choices(self) -> Catalogue:
+        """For importers that know no enumerations: Integers, with the items in the descriptions."""
+        types = {name: _as_integer(kind) if kind.items else kind for name, kind in self.types.items()}
+        rows = {
+            key: replace(
+                row,
+                type=types[row.type.name],
+                description=row.description + _numbered(row.type) if row.type.items else row.description,
+            )
+            for key, row in self.rows.items()
+        }
+        return replace(self, types=types, rows=rows)
+
+
+def _numbered(kind: Type) -> str:
+    return ": " + ", ".join(f"{item.value} = {item.name}" for item in kind.items)
+
+
+def _as_integer(kind: Type) -> Type:
+    values = [item.value for item in kind.items]
+    return replace(
+        kind,
+        base="Integer",
+        quantity="Choice",
+        min=min(values),
+        max=max(values),
+        description=kind.description + _numbered(kind),
+    )
 
 
 def read_toml(path: Path, shown: str) -> dict:

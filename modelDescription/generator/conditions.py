@@ -9,7 +9,7 @@ def number_of(row, value):
         return None
     if isinstance(value, list):
         return tuple(float(x) for x in value)
-    if row.type.base == "Enumeration":
+    if row.type.items:
         return row.type.item(value).value
     return float(value) if row.type.base == "Real" else int(value)
 

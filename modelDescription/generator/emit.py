@@ -6,7 +6,7 @@ from pathlib import Path
 
 import jinja2
 
-from . import arrays, c_code, page
+from . import arrays, c_code, page, terminals
 from . import guide as scene_guide
 from .catalogue import Catalogue
 from .resolve import Resolved
@@ -58,6 +58,10 @@ def render(resolved: Resolved) -> dict[str, str]:
     )
     files = {name: templates.get_template(name).render(context) for name in names}
     files["resources/scene.json"] = _scene_for_viewers(resolved)
+    connectors = templates.get_template("terminalsAndIcons.xml")
+    for folder, whole in (("terminals2", False), ("terminals3", True)):
+        found = terminals.terminals(resolved, whole)
+        files[f"{folder}/terminalsAndIcons.xml"] = connectors.render(terminals=found)
     # Symbols as character references: some readers of descriptions take one byte for one character.
     for name in descriptions:
         files[name] = files[name].encode("ascii", "xmlcharrefreplace").decode()

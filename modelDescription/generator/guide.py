@@ -52,11 +52,11 @@ def _toml(row: Row, value) -> str:
         return f"[{', '.join(shortest(x) for x in value)}]"
     if row.type.base == "Boolean":
         return "true" if value else "false"
-    return f'"{value}"' if row.type.base == "Enumeration" else shortest(value)
+    return f'"{value}"' if row.type.items else shortest(value)
 
 
 def _allowed(row: Row) -> str:
-    if row.type.base == "Enumeration":
+    if row.type.items:
         return ", ".join(f'"{item.name}"' for item in row.type.items)
     if row.type.base == "Boolean":
         return "true, false"

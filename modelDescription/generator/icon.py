@@ -34,7 +34,7 @@ class Layer:
 
 def draw(start: Start) -> bytes:
     """The PNG"""
-    view = _View(start)
+    view = View(start)
     pixels = bytearray(4 * SIZE * SIZE)
     for layer in view.layers():
         _paint(pixels, layer)
@@ -54,7 +54,7 @@ def _unit(a: Vector) -> Vector:
     return tuple(x / length for x in a)
 
 
-class _View:
+class View:
     """Where bodies are on the icon: z upwards, unless one looks along it."""
 
     def __init__(self, start: Start):
@@ -69,7 +69,7 @@ class _View:
         self.sizes = [start.value("body.radius", body) for body in range(len(places))]
         self._fit(())
         for _ in range(3):  # the arrow has its length in pixels, so that the scale moves its tip
-            self._fit((self._arrow()[1],))
+            self._fit((self.arrow()[1],))
 
     def _fit(self, more: tuple[tuple[float, float], ...]) -> None:
         """Scale and places in pixels, with room for `more` points in pixels of the scale before."""
@@ -116,30 +116,39 @@ class _View:
 
     def _body(self, body: int, fill: tuple, line: tuple):
         distance, box = self._shape(body)
-        hollow = any(
+        if not self.is_hollow(body):
+            yield Layer(fill, distance, box)
+        width = 2 * LINE if self.is_hollow(body) else LINE
+        yield Layer(line, lambda x, y: abs(distance(x, y) + width / 2) - width / 2, box)
+
+    def is_hollow(self, body: int) -> bool:
+        return any(
             contact.destination == body and self.start.inside(j)
             for j, contact in enumerate(self.scene.contacts)
         )
-        if not hollow:
-            yield Layer(fill, distance, box)
-        width = 2 * LINE if hollow else LINE
-        yield Layer(line, lambda x, y: abs(distance(x, y) + width / 2) - width / 2, box)
+
+    def side_view(self, body: int) -> tuple[tuple[float, float], float] | None:
+        """Of a cylinder seen from its side: direction of the axis, half length in pixels. Else a circle."""
+        axis = self._axis(body)
+        if axis is None:
+            return None
+        e = (_dot(axis, self.right), -_dot(axis, self.up))
+        seen = math.hypot(*e)  # 1 from the side, 0 from the end
+        if seen <= 0.3:
+            return None
+        finite = self.start.value("body.finite_length", body)
+        half = self.scale * seen * self.start.value("body.length", body) / 2 if finite else 2.0 * SIZE
+        return (e[0] / seen, e[1] / seen), half
 
     def _shape(self, body: int) -> tuple[Distance, tuple]:
         (x0, y0), radius = self.at[body], self.radius[body]
-        axis = self._axis(body)
-        if axis:
-            e = (_dot(axis, self.right), -_dot(axis, self.up))
-            seen = math.hypot(*e)  # 1 from the side, 0 from the end
-            if seen > 0.3:
-                e = (e[0] / seen, e[1] / seen)
-                finite = self.start.value("body.finite_length", body)
-                half = self.scale * seen * self.start.value("body.length", body) / 2 if finite else 2.0 * SIZE
-                return _rectangle(x0, y0, e, half, radius), (0, 0, SIZE, SIZE)
+        side = self.side_view(body)
+        if side:
+            return _rectangle(x0, y0, side[0], side[1], radius), (0, 0, SIZE, SIZE)
         box = (x0 - radius - 1, y0 - radius - 1, x0 + radius + 1, y0 + radius + 1)
         return lambda x, y: math.hypot(x - x0, y - y0) - radius, box
 
-    def _arrow(self) -> tuple:
+    def arrow(self) -> tuple:
         """Tail, tip and direction: from the source's centre away from the surface that it touches."""
         contact = self.scene.contacts[0]
         (x, y), (x0, y0) = self.at[contact.source], self.at[contact.destination]
@@ -149,7 +158,7 @@ class _View:
         return (x, y), (x + ARROW * e[0], y + ARROW * e[1]), e
 
     def _force(self):
-        tail, tip, e = self._arrow()
+        tail, tip, e = self.arrow()
         half = (ARROW - 16.0) / 2  # the head goes on from there
         everywhere = (0, 0, SIZE, SIZE)
         shaft = _rectangle(tail[0] + half * e[0], tail[1] + half * e[1], e, half, 2.0)

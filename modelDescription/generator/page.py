@@ -61,7 +61,9 @@ def _may(resolved: Resolved, key: str, value: str) -> bool:
 
 
 def _is_choice(cell: Cell) -> bool:
-    return cell.row.causality == "parameter" and cell.row.type.base in ("Enumeration", "Boolean")
+    return cell.row.causality == "parameter" and (
+        bool(cell.row.type.items) or cell.row.type.base == "Boolean"
+    )
 
 
 def _groups(resolved: Resolved) -> list[tuple[str, list[Cell]]]:

@@ -40,7 +40,7 @@ class Cell:
         """The value as a user writes it: item of an enumeration, Boolean, number or list."""
         if self.value is None:
             return None
-        if self.row.type.base == "Enumeration":
+        if self.row.type.items:
             return next(item.name for item in self.row.type.items if item.value == self.value)
         if self.row.type.base == "Boolean":
             return "true" if self.value else "false"
@@ -192,7 +192,7 @@ def checked(scene: Scene, catalogue: Catalogue, where: str, cell: Cell, value):
     """`value` of the scene file as numbers, or the error that says what is allowed."""
     row, base = cell.row, cell.row.type.base
     said = f"{where}: '{cell.name}' is {value!r}"
-    if base == "Enumeration":
+    if row.type.items:
         items = [item.name for item in row.type.items]
         if value not in items:
             raise scene.error(f"{said} {allowed(items)}")

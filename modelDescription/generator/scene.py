@@ -23,6 +23,8 @@ SCENE_KEYS = {
     "pinned": "table of constants, by default none: every choice stays open",
     "leave_out": "table with `outputs`, the outputs to leave out, by default none",
     "experiment": "table of what a tool proposes as a run",
+    "choices": '`"enumeration"`, the default, or `"integer"`, for importers that know no enumerations: a '
+    "choice is then an Integer whose description names the items",
 }
 BODY_KEYS = {
     "name": "small letters, digits and `_`; variables begin with it: `marble.radius`. Required",
@@ -42,6 +44,7 @@ EXPERIMENT_KEYS = {
 EXPERIMENT = {"start_time": 0.0, "stop_time": 1.0, "step_size": 1e-3, "tolerance": 1e-8}
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 SNAKE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+CHOICES = ("enumeration", "integer")
 LIMIT = 255  # bodies, contacts: their index is a byte in the C table
 
 
@@ -70,6 +73,7 @@ class Scene:
     pinned: dict = field(default_factory=dict)
     leave_out: tuple[str, ...] = ()
     experiment: dict = field(default_factory=dict)
+    choices: str = CHOICES[0]
 
     def error(self, text: str) -> InputError:
         return InputError(self.file, text)
@@ -161,6 +165,7 @@ def read_scene(path: Path, catalogue: Catalogue) -> Scene:
         reader.values(data, "pinned"),
         _leave_out(reader, data),
         _experiment(reader, data),
+        _choices(reader, data),
     )
 
 
@@ -209,6 +214,13 @@ def _leave_out(reader: _Reader, data: dict) -> tuple[str, ...]:
     if not isinstance(outputs, list) or not all(isinstance(name, str) for name in outputs):
         reader.fail("[leave_out]", f"'outputs' must be a list of names, got {outputs!r}")
     return tuple(outputs)
+
+
+def _choices(reader: _Reader, data: dict) -> str:
+    value = data.get("choices", CHOICES[0])
+    if value not in CHOICES:
+        reader.fail("", f"'choices' is {value!r} {allowed(CHOICES)}")
+    return value
 
 
 def _experiment(reader: _Reader, data: dict) -> dict:

@@ -48,6 +48,7 @@ class How:
     toolchain: str | None = None  # a file of cmake/platforms, which is zig's; None: for this machine
     sundials: Path | None = None  # a checkout, where the toolchain needs the sources
     fmi: int = 2
+    choices: str = ""  # "integer" or "enumeration"; empty: as the scene file says
 
 
 def check_scene(file: Path, folder: Path) -> Scene:
@@ -92,6 +93,7 @@ def _configuration(scene: Scene, how: How, folder: Path) -> list[str]:
         "CMAKE_MAKE_PROGRAM": _program("ninja"),
         "Python3_EXECUTABLE": sys.executable,
         "CONTACT_SCENES": str(scene.file.resolve()),
+        "CONTACT_CHOICES": how.choices,
     }
     if how.toolchain is not None:
         values["CMAKE_TOOLCHAIN_FILE"] = str(repository() / "cmake" / "platforms" / f"{how.toolchain}.cmake")

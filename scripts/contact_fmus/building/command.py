@@ -39,6 +39,12 @@ def build(arguments: list[str] | None = None) -> int:
         metavar="DIR",
         help="sources of SUNDIALS for --platforms and scenes with CVODE; default: fetched",
     )
+    parser.add_argument(
+        "--choices",
+        choices=("enumeration", "integer"),
+        default="",
+        help="integer: for importers that know no enumerations; default: as the scene file says",
+    )
     parser.add_argument("--json", action="store_true", help="what was built, as JSON")
     options = parser.parse_args(arguments)
     if not options.scene.is_file():
@@ -56,7 +62,7 @@ def build(arguments: list[str] | None = None) -> int:
     with Console(stderr=True).status(scene.name) as status:
         for toolchain in wanted:
             place = f"{scene.name} for {toolchain}" if toolchain else scene.name
-            how = How(tuple(compiler), toolchain, options.sundials_source, options.fmi)
+            how = How(tuple(compiler), toolchain, options.sundials_source, options.fmi, options.choices)
             made.append(build_fmu(scene, how, lambda text, place=place: status.update(f"{place}: {text}")))
     if len(made) == 1:
         shutil.copyfile(made[0], fmu)

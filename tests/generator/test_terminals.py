@@ -1,0 +1,94 @@
+"""terminalsAndIcons.xml: valid by the schema of FMI 3.0, a terminal for each body, its members variables."""
+
+from pathlib import Path
+
+import fmpy
+import matplotlib.image
+import numpy as np
+import pytest
+from lxml import etree
+
+from support.generator.generated import FOLDER, SCENES, run, scene_file
+
+SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
+KIND = "contact-fmus.body"
+# FMI 2.0 and FMI 3.0: where the terminals are, the description, the element of a variable
+GIVEN = ["prescribed_displacement", "prescribed_velocity", "external_force"]
+VERSIONS = [("terminals2", "modelDescription.xml"), ("terminals3", "modelDescription3.xml")]
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    root = tmp_path_factory.mktemp("terminals")
+    for scene in SCENES:
+        icon = root / scene / "model.png"
+        done = run(
+            "--scene", FOLDER / "scenes" / f"{scene}.toml", "--output", root / scene, "--icon", icon
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+    return root
+
+
+def terminals(folder, which):
+    document = etree.parse(folder / which / "terminalsAndIcons.xml")
+    etree.XMLSchema(etree.parse(SCHEMA)).assertValid(document)
+    return document.findall("Terminals/Terminal")
+
+
+@pytest.mark.parametrize("which,description", VERSIONS)
+@pytest.mark.parametrize("scene", SCENES)
+def test_every_body_has_a_terminal_whose_members_are_variables(folders, scene, which, description):
+    variables = {
+        entry.get("name"): entry.get("causality")
+        for entry in etree.parse(folders / scene / description).find("ModelVariables")
+    }
+    found = terminals(folders / scene, which)
+    assert [entry.get("name") for entry in found] == [body["name"] for body in scene_file(scene)["body"]]
+    for terminal in found:
+        assert (terminal.get("matchingRule"), terminal.get("terminalKind")) == ("plug", KIND)
+        members = {member.get("memberName"): member.get("variableName") for member in terminal}
+        assert len(members) == len(terminal)
+        assert set(members.values()) <= set(variables)
+        force = [name for name in members if name.partition("[")[0] == "force"]
+        assert len(force) == (3 if which == "terminals2" else 1)
+
+
+def test_inputs_and_motion_of_a_body_are_together(folders):
+    [source, _] = terminals(folders / "SphereCylinder", "terminals3")
+    assert {member.get("memberName"): member.get("variableName") for member in source} == {
+        **{row: f"source.{row}" for row in [*GIVEN, "displacement", "position", "velocity"]},
+        "force": "contact.source_force",
+    }
+
+
+def test_a_body_in_two_contacts_has_its_forces_numbered(tmp_path):
+    text = (FOLDER / "scenes" / "BallOnSphere.toml").read_text(encoding="utf-8")
+    text = text.replace('"BallOnSphere"', '"Two"', 1).replace(
+        "[pinned]",
+        '[[body]]\nname = "other"\nshape = "sphere"\n\n[[contact]]\nname = "second"\nsource = "source"\n'
+        'destination = "other"\n\n[pinned]\n"second.location" = "outside"',
+        1,
+    )
+    scene = tmp_path / "Two.toml"
+    scene.write_text(text, encoding="utf-8")
+    done = run("--scene", scene, "--output", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    source = terminals(tmp_path / "out", "terminals3")[0]
+    forces = {m.get("memberName"): m.get("variableName") for m in source if "force_" in m.get("memberName")}
+    assert forces["force_1"] == "contact.source_force"
+    assert forces["force_2"] == "second.source_force"
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_svg_shows_the_bodies_where_the_png_does(folders, scene):
+    """The middle of each circle has the colour of its filling on the PNG, unless something is drawn above."""
+    picture = etree.parse(folders / scene / "icon.svg")
+    pixels = np.round(255 * matplotlib.image.imread(folders / scene / "model.png")).astype(int)
+    space = "{http://www.w3.org/2000/svg}"
+    circles = [entry for entry in picture.iter(f"{space}circle") if entry.get("fill") != "none"]
+    last = circles[-1]  # the source, which is above all
+    x, y = (int(float(last.get(key))) for key in ("cx", "cy"))
+    assert "#" + "".join(f"{value:02x}" for value in pixels[y, x, :3]) == last.get("fill")
+    assert len(list(picture.iter(f"{space}polygon"))) == 1
+    shapes = len(list(picture.iter(f"{space}circle"))) + len(list(picture.iter(f"{space}rect")))
+    assert shapes == len(scene_file(scene)["body"])
