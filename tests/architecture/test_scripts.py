@@ -32,6 +32,7 @@ PACKAGES = (
     "building",
     "running",
     "checking",
+    "importers",
     "fuzzing",
     "whole_report",
 )

@@ -1,0 +1,1 @@
+"""Every FMU in every importer that is installed: end values against those of fmpy (importers)"""

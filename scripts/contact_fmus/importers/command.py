@@ -1,0 +1,50 @@
+"""The command importers"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import platformdirs
+from rich.console import Console
+
+from contact_fmus.errors import UserError
+
+from .page import page
+from .trying import AGREE, IMPORTERS, installed, prepared_java, tried
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """0: every importer that ran an FMU agrees with fmpy; 1: one does not, or refuses one; 2: no such FMU"""
+    parser = argparse.ArgumentParser(
+        prog="contact-fmus importers",
+        description="Runs FMUs in every importer that is installed and compares end values with fmpy's.",
+    )
+    parser.add_argument("fmus", type=Path, nargs="+", metavar="FMU")
+    parser.add_argument("--steps", type=int, default=1000, metavar="N", help="communication steps (1000)")
+    parser.add_argument("--step", type=float, default=1e-3, metavar="S", help="of so many seconds (0.001)")
+    parser.add_argument("--python", type=Path, default=Path(sys.executable), help="that has the importers")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page, as docs/importers.md")
+    options = parser.parse_args(arguments)
+    for fmu in options.fmus:
+        if not fmu.is_file():
+            raise UserError(f"{fmu}: there is no such file")
+    if not (options.steps > 0 and 0.0 < options.step < 1e6):
+        raise UserError("--steps and --step: (allowed: at least 1 step of more than 0 and less than 1e6 s)")
+    java = prepared_java(Path(platformdirs.user_cache_path("contact-fmus")) / "fmi4j")
+    present = [importer for importer in IMPORTERS if installed(importer, options.python, java)]
+    console, trials = Console(stderr=True), []
+    for fmu in options.fmus:
+        with console.status(fmu.stem):
+            given = fmu, options.step, options.steps, options.python, java
+            trials += [tried(importer, *given) for importer in present]
+    references = {trial.fmu: trial for trial in trials if trial.importer.name == "fmpy"}
+    good = True
+    for trial in trials:
+        off = None if trial.problem else trial.difference(references[trial.fmu])
+        good = good and off is not None and off <= AGREE
+        print(f"{trial.fmu}: {trial.importer.name}: {trial.problem or f'differs by {off:.1e}'}")
+    if options.output:
+        options.output.write_text(page(trials, present, options.step, options.steps), encoding="utf-8")
+    return 0 if good else 1

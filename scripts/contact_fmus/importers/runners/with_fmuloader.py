@@ -1,0 +1,22 @@
+"""fmuloader: a thin binding by ctypes"""
+
+import zipfile
+from importlib.metadata import version
+from xml.etree import ElementTree
+
+from fmuloader.fmi2 import Fmi2Slave, Fmi2Type
+from request import answer, request
+
+asked = request()
+about = ElementTree.fromstring(zipfile.ZipFile(asked.fmu).read("modelDescription.xml"))
+fmu = Fmi2Slave(asked.fmu, model_identifier=about.find("CoSimulation").get("modelIdentifier"))
+fmu.instantiate("tried", Fmi2Type.CO_SIMULATION, guid=about.get("guid"))
+fmu.setup_experiment(start_time=0.0)
+fmu.enter_initialization_mode()
+fmu.exit_initialization_mode()
+for k in range(asked.count):
+    fmu.do_step(k * asked.step, asked.step)
+values = list(fmu.get_real(list(asked.references.values())))
+fmu.terminate()
+fmu.free_instance()
+answer(version("fmuloader"), asked.references, values)

@@ -1,0 +1,118 @@
+"""Runs an FMU in each importer, in a process of its own, and compares end values with fmpy's
+
+Some importers report success for an FMU that never ran: numbers are compared, always.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import subprocess
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import fmpy
+
+from contact_fmus.errors import UserError
+
+RUNNERS = Path(__file__).resolve().parent / "runners"
+SECONDS = 120  # a run takes less than one; the rest is a busy machine
+
+# Where both make the same calls at the same times the bits are the same. Importers that add up their clock
+# make steps that differ by rounding; what comes of it was 1e-14 at most.
+AGREE = 1e-12
+
+TEXT = {"capture_output": True, "text": True, "check": False}
+
+
+@dataclass(frozen=True)
+class Importer:
+    name: str
+    registry: str
+    package: str  # as the registry knows it
+    module: str  # of Python; empty for Java
+    script: str
+
+
+IMPORTERS = (
+    Importer("fmpy", "PyPI", "fmpy", "fmpy", "with_fmpy.py"),
+    Importer("libcosim", "PyPI", "libcosimpy", "libcosimpy", "with_libcosim.py"),
+    Importer("fmuloader", "PyPI", "fmuloader", "fmuloader", "with_fmuloader.py"),
+    Importer("ecos", "PyPI", "ecospy", "ecospy", "with_ecos.py"),
+    Importer("FMI4j", "Maven", "info.laht.fmi4j:fmi-import", "", "WithFmi4j.java"),
+)
+
+
+@dataclass
+class Trial:
+    """An FMU in an importer"""
+
+    importer: Importer
+    fmu: str
+    version: str = ""
+    values: dict[str, float] = field(default_factory=dict)
+    problem: str = ""  # one line; empty where it ran
+
+    def difference(self, other: Trial) -> float:
+        """The largest, relative to values above 1 and absolute below"""
+        pairs = [(self.values[name], value) for name, value in other.values.items()]
+        off = [abs(a - b) / max(1.0, abs(b)) for a, b in pairs]
+        return max(off) if all(map(math.isfinite, off)) else math.inf
+
+
+def installed(importer: Importer, python: Path, java: Path | None) -> bool:
+    if not importer.module:
+        return java is not None
+    command = [str(python), "-c", f"import {importer.module}"]
+    return subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+
+def prepared_java(folder: Path) -> Path | None:
+    """The folder of FMI4j's classes and of the runner's, by Maven and javac; None where one is missing"""
+    done = folder / "WithFmi4j.class"
+    if not done.is_file():
+        libraries = ["mvn", "-q", "-B", "-f", str(RUNNERS / "pom.xml"), "dependency:copy-dependencies"]
+        compiling = ["javac", "-cp", f"{folder}/*", "-d", str(folder), str(RUNNERS / "WithFmi4j.java")]
+        for command in ([*libraries, f"-DoutputDirectory={folder}"], compiling):
+            try:
+                subprocess.run(command, capture_output=True, check=True)
+            except (OSError, subprocess.CalledProcessError):
+                return None
+    return folder
+
+
+def outputs(fmu: Path) -> dict[str, int]:
+    """Real outputs by name"""
+    try:
+        variables = fmpy.read_model_description(str(fmu)).modelVariables
+    except Exception as error:  # fmpy raises what its parts raise, of a dozen kinds
+        raise UserError(f"{fmu}: no FMU that fmpy can read: {str(error).splitlines()[0]}") from None
+    return {v.name: v.valueReference for v in variables if v.causality == "output" and v.type == "Real"}
+
+
+def tried(importer: Importer, fmu: Path, step: float, count: int, python: Path, java: Path | None) -> Trial:
+    """In a folder of its own, for importers that write logs"""
+    program = [str(python), str(RUNNERS / importer.script)]
+    if not importer.module:
+        program = ["java", "-cp", f"{java}/*:{java}", Path(importer.script).stem]
+    names = [f"{name}={reference}" for name, reference in outputs(fmu).items()]
+    command = [*program, str(fmu.resolve()), repr(step), str(count), *names]
+    trial = Trial(importer, fmu.stem)
+    environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            run = subprocess.run(command, cwd=folder, env=environment, timeout=SECONDS, **TEXT)
+        except subprocess.TimeoutExpired:
+            trial.problem = f"no answer within {SECONDS} s"
+            return trial
+    lines = [line for line in run.stdout.splitlines() if line.startswith('{"version"')]
+    if run.returncode or not lines:
+        said = (run.stderr.strip() or run.stdout.strip() or f"status {run.returncode}").splitlines()[-1]
+        trial.problem = re.sub(r"/\S*/", "", said)[-160:]  # whose folders differ from run to run
+        return trial
+    found = json.loads(lines[-1])
+    trial.version, trial.values = found["version"], found["values"]
+    return trial

@@ -1,0 +1,74 @@
+"""Every FMU in the importers of requirements.txt, in processes of their own, and where a user may put it."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from contact_fmus.errors import UserError
+from contact_fmus.importers.page import page
+from contact_fmus.importers.trying import AGREE, IMPORTERS, Trial, tried
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENES = sorted(path.stem for path in (ROOT / "modelDescription" / "scenes").glob("*.toml"))
+FMPY, LIBCOSIM = (next(one for one in IMPORTERS if one.name == name) for name in ("fmpy", "libcosim"))
+STEP, COUNT = 1e-3, 400
+
+# fmpy as users call it, twice at once, with a reset between; it prints the end of each run.
+SIMULATE = """
+import sys
+from fmpy import extract, instantiate_fmu, read_model_description, simulate_fmu
+path = sys.argv[1]
+about, folder = read_model_description(path), extract(path)
+fmus = [instantiate_fmu(folder, about, "CoSimulation") for _ in range(2)]
+ends = []
+for _ in range(2):
+    for fmu in fmus:
+        arguments = dict(fmu_instance=fmu, model_description=about, stop_time=0.1, output_interval=0.01)
+        ends.append(simulate_fmu(folder, **arguments)[-1].tolist())
+        fmu.reset()
+assert all(end == ends[0] for end in ends), ends
+"""
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_libcosim_ends_where_fmpy_does(fmu_path, scene):
+    here, there = (
+        tried(importer, Path(fmu_path(scene)), STEP, COUNT, Path(sys.executable), None)
+        for importer in (FMPY, LIBCOSIM)
+    )
+    assert (here.problem, there.problem) == ("", "")
+    assert len(here.values) > 10
+    assert there.difference(here) <= AGREE
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_fmpy_runs_it_from_a_folder_with_blanks_and_umlauts_in_silence(fmu_path, tmp_path, scene):
+    folder = tmp_path / "Bälle und Röhren ç"
+    folder.mkdir()
+    path = shutil.copy(fmu_path(scene), folder / f"{scene} 2.fmu")
+    run = subprocess.run([sys.executable, "-c", SIMULATE, path], capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
+
+
+def test_an_fmu_that_cannot_run_is_refused_with_the_reason(tmp_path):
+    broken = tmp_path / "Broken.fmu"
+    source = ROOT / "modelDescription" / "variables.toml"
+    shutil.copy(source, broken)
+    with pytest.raises(UserError, match="no FMU that fmpy can read: File is not a zip file"):
+        tried(FMPY, broken, STEP, COUNT, Path(sys.executable), None)
+
+
+def test_other_numbers_are_told():
+    """An importer that says nothing is wrong, of an FMU that stayed at its start"""
+    reference = Trial(FMPY, "Ball", "1", {"contact.gap": 0.5, "source.position[3]": 2.0})
+    still = Trial(LIBCOSIM, "Ball", "1", {"contact.gap": 0.5, "source.position[3]": 3.0})
+    assert still.difference(reference) == 0.5
+    for name in still.values:
+        lost = Trial(LIBCOSIM, "Ball", "1", {**reference.values, name: float("nan")})
+        assert lost.difference(reference) > 1.0
+    text = page([reference, still], [FMPY, LIBCOSIM], STEP, COUNT)
+    assert "| libcosim (PyPI) | 1 | 5e-01 **differs** |" in text
+    assert "| ecos (PyPI) |  | not installed |" in text
