@@ -128,6 +128,9 @@ def test_the_archive_holds_what_the_standard_lists_and_nothing_else(fmu_path, sc
         f"binaries/linux64/{scene}.so",
         "documentation/index.html",
         "resources/scene.json",
+        "terminalsAndIcons/terminalsAndIcons.xml",
+        "terminalsAndIcons/icon.png",
+        "terminalsAndIcons/icon.svg",
     }
     assert required <= set(names)
     others = {name for name in names if not name.startswith("documentation/")} - required
