@@ -1,6 +1,6 @@
 /*
- * What compilers offer beyond C11, in one place. The model is right without any of it: each macro may be empty,
- * and CONTACT_PLAIN_C empties all of them (tests/platforms compares the bits).
+ * What compilers offer beyond C11, in one place. The model is right without any of it: each macro may be
+ * empty, and CONTACT_PLAIN_C empties all of them (tests/platforms compares the bits).
  */
 #ifndef CONTACT_MATH_COMPILER_H
 #define CONTACT_MATH_COMPILER_H
@@ -28,7 +28,7 @@
 #define CONTACT_COLD
 #endif
 
-/* Everything it calls becomes a part of it, where that is possible. clang of some versions knows no flatten. */
+/* Everything it calls becomes a part of it, where possible. clang of some versions knows no flatten. */
 #if CONTACT_GNU_C
 #define CONTACT_FLATTEN __attribute__((flatten))
 #else
@@ -45,8 +45,8 @@
 #define CONTACT_PRINTF_LIKE(text, first)
 #endif
 
-/* As many doubles as one vector instruction takes, LANES; each result has the bits of the scalar operation. Where the
- * compiler has no vector types, one. */
+/* As many doubles as one vector instruction takes, LANES; each result has the bits of the scalar operation.
+ * Where the compiler has no vector types, one. */
 #if CONTACT_GNU_C
 typedef double double2 __attribute__((vector_size(16), aligned(8), may_alias));
 enum { LANES = 2 };

@@ -124,7 +124,7 @@ def test_the_force_element_has_at_most_43_percent_of_the_variables(variables):
 
 
 def test_the_force_element_has_a_library_of_at_most_84_kb(library_bytes):
-    """60 kB for the force at an instant, 4 kB for the ten functions of Model Exchange and their messages, 20 kB
+    """60 kB for the force at an instant, 4 kB for the functions of Model Exchange and their messages, 20 kB
     for mean and peaks over a step: the polynomials that tell when contact begins and ends within it, their
     roots, the quadrature between.
     """
