@@ -83,6 +83,11 @@ double contact_event(const struct contact_law *law, enum contact_regime regime, 
     return regime == REGIME_SEPARATING ? -force : force;
 }
 
+double contact_event_force(const struct contact_law *law, double event)
+{
+    return law->dashpot == DASHPOT_APPROACH_ONLY ? law->damping * event : event;
+}
+
 struct contact_slopes contact_event_slopes(const struct contact_law *law, enum contact_regime regime,
                                            double gap, double gap_rate)
 {

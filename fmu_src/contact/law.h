@@ -83,6 +83,9 @@ double contact_event(const struct contact_law *law, enum contact_regime regime, 
 struct contact_slopes contact_event_slopes(const struct contact_law *law, enum contact_regime regime,
                                            double gap, double gap_rate);
 
+/* A value of the event function as a force [N]: that of an approach-only dashpot is a rate. */
+double contact_event_force(const struct contact_law *law, double event);
+
 /* Whether the law ever ends a regime, and the regime after its event. */
 bool contact_has_events(const struct contact_law *law);
 enum contact_regime contact_regime_after(const struct contact_law *law, enum contact_regime regime);

@@ -36,7 +36,7 @@ static double body_local(const struct scene_values *v, const struct scene_state 
     const int body = variable->element;
     const struct vec3 none = {0.0, 0.0, 0.0};
     const bool free = body_is_free(v, body);
-    struct vec3 value = none;
+    struct vec3 value;
     switch (variable->row) {
     case ROW_body_displacement_state:
         value = vec3_add(q->origin[body].displacement, q->body[body].moved);

@@ -23,12 +23,6 @@ double regime_touch_margin(const struct scene_values *v, const struct scene_stat
     return apart ? margin + MARGIN_ROUNDINGS * rounding : margin - MARGIN_ROUNDINGS * rounding;
 }
 
-/* An approach-only dashpot changes with the sign of g', here as a force. */
-static double force_of_event(const struct contact_law *law, double event)
-{
-    return law->dashpot == DASHPOT_APPROACH_ONLY ? law->damping * event : event;
-}
-
 double regime_dashpot_margin(const struct scene_values *v, const struct scene_state *q,
                              const struct scene_instant *at, int contact)
 {
@@ -42,8 +36,8 @@ double regime_dashpot_margin(const struct scene_values *v, const struct scene_st
     const double tolerated =
         solver_relative_tolerance(v) * vec3_norm(at->rate[contact]) + solver_absolute_tolerance(v);
     const double rounding = rounding_of_event(v, &law, &slopes, at, contact, tolerated);
-    const double margin =
-        force_of_event(&law, contact_event(&law, regime, g->gap, g->gap_rate) + MARGIN_ROUNDINGS * rounding);
+    const double margin = contact_event_force(&law, contact_event(&law, regime, g->gap, g->gap_rate) +
+                                                        MARGIN_ROUNDINGS * rounding);
     return regime == REGIME_COMPRESSION ? margin : -margin;
 }
 

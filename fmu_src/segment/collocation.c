@@ -1,16 +1,15 @@
 #include "segment/collocation.h"
 
-#include "math/compiler.h"
-
 #include <float.h>
 #include <string.h>
+
+#include "math/compiler.h"
 
 /* Sweep k multiplies the error by about 1/k of the radians of tangential motion in the step, some two. Where
  * more sweeps than this are needed, a shorter step costs less. */
 enum { MAX_SWEEPS = 30 };
 
-/* Rounding of coefficients relative to the values: they are sums with factors up to 611
- * (lobatto_monomial). */
+/* Rounding of coefficients relative to the values: sums with factors up to 611 (lobatto_monomial). */
 static const double COEFFICIENT_ROUNDING = 1e-12;
 
 static double larger(double a, double b)
@@ -279,9 +278,8 @@ bool collocation_finish(struct collocation *p, double before, double tolerance)
     double gain = 1.0;
     for (int i = p->work.sweeps; i < MAX_SWEEPS; ++i) {
         const double change = collocation_sweep(p);
-        /* The error left is about change * gain, where gain is the factor by which the last sweep converged.
-         * H and n converge in turn, so the larger of two successive factors counts. In overdamped steps no
-         * factor is used, because X, which covers several decay times, converges last. */
+        /* The error left is about change * gain, the factor by which the last sweep converged. H and n
+         * converge in turn: the larger of two factors counts. None where overdamped: X converges last. */
         const double gain_before = gain;
         gain = before > 0.0 && p->kind != COLLOCATION_OVERDAMPED ? fmin(1.0, change / before) : 1.0;
         if (change * fmax(gain, gain_before) <= tolerance) {

@@ -38,6 +38,7 @@ struct body_state flight_body_at(const struct scene_values *v, const struct scen
  * stored energy that is lost. Only while flight_is_free. */
 void flight_advance(const struct scene_values *v, struct scene_state *q, double clock);
 
+#if SCENE_ANY_FREE
 /* flight_body_at where there is no force, bit for bit. */
 static inline struct body_state flight_unforced_at(const struct scene_values *v, const struct scene_state *q,
                                                    int body, double clock)
@@ -46,6 +47,7 @@ static inline struct body_state flight_unforced_at(const struct scene_values *v,
     const struct vec3 mean = vec3_axpy(start, clock, vec3_scale(0.5, gravity(v)));
     return (struct body_state){vec3_scale(clock, mean), vec3_axpy(start, clock, gravity(v))};
 }
+#endif
 
 /*
  * Deferred flight: without external forces the body states are closed forms of the clock, so they need not be

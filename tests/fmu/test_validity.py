@@ -133,7 +133,9 @@ def test_the_archive_holds_what_the_standard_lists_and_nothing_else(fmu_path, sc
         "terminalsAndIcons/icon.svg",
     }
     assert required <= set(names)
-    others = {name for name in names if not name.startswith("documentation/")} - required
+    sources = {name for name in names if name.startswith("sources/")}
+    assert {"sources/buildDescription.xml", "sources/contact.c", "sources/scene.h"} <= sources
+    others = {name for name in names if not name.startswith("documentation/")} - required - sources
     assert others == set()
     licenses = {Path(name).name for name in names if name.startswith("documentation/licenses/")}
     assert licenses & {"license.txt", "license.html"}, "FMI 2.0.5, 2.3: the entry point to the licences"

@@ -16,7 +16,6 @@ from support.generator.generated import (
     describe,
     generate,
     row_of,
-    run,
     scene_file,
     table,
 )
@@ -292,18 +291,3 @@ def test_every_licence_of_what_is_inside_is_named(folder, scene):
         ).is_file()
     licence = (folder / scene / "documentation" / "licenses" / "license.txt").read_text(encoding="utf-8")
     assert licence == (ROOT / "LICENSE").read_text(encoding="utf-8")
-
-
-def test_unchanged_files_are_not_written_again(tmp_path):
-    icon = ("--icon", tmp_path / "model.png")
-    generate("ForceElement", tmp_path)
-    run("--scene", FOLDER / "scenes" / "ForceElement.toml", "--output", tmp_path, *icon)
-    before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
-    run("--scene", FOLDER / "scenes" / "ForceElement.toml", "--output", tmp_path, *icon)
-    assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")} == before
-
-
-def test_wrong_arguments_say_what_is_needed():
-    done = run("--scene", FOLDER / "scenes" / "BallOnSphere.toml")
-    assert done.returncode == 2
-    assert "--output" in done.stderr

@@ -173,3 +173,81 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2Stri
     (void)value;
     return fmi2Discard;
 }
+
+/* Model Exchange: no instance of that kind is ever made. */
+
+fmi2Status fmi2EnterEventMode(fmi2Component c)
+{
+    (void)c;
+    return fmi2Error;
+}
+
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *info)
+{
+    (void)c;
+    (void)info;
+    return fmi2Error;
+}
+
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c)
+{
+    (void)c;
+    return fmi2Error;
+}
+
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean no_setting_prior,
+                                       fmi2Boolean *enter_event_mode, fmi2Boolean *terminate)
+{
+    (void)c;
+    (void)no_setting_prior;
+    (void)enter_event_mode;
+    (void)terminate;
+    return fmi2Error;
+}
+
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time)
+{
+    (void)c;
+    (void)time;
+    return fmi2Error;
+}
+
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx)
+{
+    (void)c;
+    (void)x;
+    (void)nx;
+    return fmi2Error;
+}
+
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx)
+{
+    (void)c;
+    (void)derivatives;
+    (void)nx;
+    return fmi2Error;
+}
+
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real indicators[], size_t ni)
+{
+    (void)c;
+    (void)indicators;
+    (void)ni;
+    return fmi2Error;
+}
+
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx)
+{
+    (void)c;
+    (void)x;
+    (void)nx;
+    return fmi2Error;
+}
+
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real nominals[], size_t nx)
+{
+    (void)c;
+    (void)nominals;
+    (void)nx;
+    return fmi2Error;
+}
