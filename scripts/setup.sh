@@ -60,11 +60,9 @@ find_python() {
 }
 
 make_python_environment() {
-    local python about wanted stamp=$root/.venv/made-from
+    local python wanted stamp=$root/.venv/made-from
     python=$(find_python)
-    # What installs the package: all of pyproject.toml before the settings of ruff and pytest
-    about=$(cat "$root/requirements.txt" && sed '/^\[tool\.ruff\]/,$d' "$root/pyproject.toml")
-    wanted="$("$python" --version), requirements.txt and pyproject.toml $(sha256sum <<<"$about")"
+    wanted="$("$python" --version), requirements.txt $(sha256sum <"$root/requirements.txt")"
     if [[ -x $root/.venv/bin/python && -f $stamp && $(<"$stamp") == "$wanted" ]]; then
         tell "Python environment .venv: already installed"
         return
@@ -74,10 +72,26 @@ make_python_environment() {
     "$python" -m venv "$root/.venv"
     "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-input \
         -r "$root/requirements.txt" </dev/null
-    # The command contact-fmus, by the sources of this clone; its C code is what the scripts build.
+    printf '%s\n' "$wanted" >"$stamp"    # last, so that an interrupted installation starts anew
+}
+
+# The command contact-fmus, by the sources of this clone; its C code is what the scripts build. The installation notes
+# where each module lies, so a module that is new, moved or gone asks for another one.
+install_package() {
+    local about wanted stamp=$root/.venv/package-made-from
+    # All of pyproject.toml before the settings of ruff and pytest, and the names of the modules
+    about=$(sed '/^\[tool\.ruff\]/,$d' "$root/pyproject.toml" &&
+        cd "$root/scripts" && find contact_fmus -name '*.py' | LC_ALL=C sort)
+    wanted=$(sha256sum <<<"$about")
+    if [[ -f $stamp && $(<"$stamp") == "$wanted" ]]; then
+        tell "command contact-fmus: already installed"
+        return
+    fi
+    tell "command contact-fmus: installing"
+    rm -f "$stamp"
     "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-input --no-deps \
         --no-build-isolation --config-settings=wheel.cmake=false --editable "$root" </dev/null
-    printf '%s\n' "$wanted" >"$stamp"    # last, so that an interrupted installation starts anew
+    printf '%s\n' "$wanted" >"$stamp"
 }
 
 # three.js for the animations: from its npm package into one file, which pages carry (package.json)
@@ -96,5 +110,6 @@ make_three() {
 
 install_debian_packages
 make_python_environment
+install_package
 make_three
 tell "done"

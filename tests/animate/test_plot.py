@@ -16,7 +16,7 @@ from contact_fmus.results import Result
 
 @pytest.fixture(scope="module")
 def shell():
-    return open_runs("BallInShell", {}, None)[0].result
+    return open_runs("BallInShell", (), None)[0].result
 
 
 def test_every_contact_of_a_run_is_found_and_shown(shell):
@@ -40,7 +40,7 @@ def test_a_contact_between_prescribed_motions_is_read_from_the_gap():
 
 def test_a_result_file_is_drawn_as_the_run_it_came_from(shell, tmp_path):
     shell.write_csv(tmp_path / "run.csv")
-    again = open_runs(str(tmp_path / "run.csv"), {}, None)[0].result
+    again = open_runs(str(tmp_path / "run.csv"), (), None)[0].result
     assert touches(again) == touches(shell)
     there, here = motion_of(again), motion_of(shell)
     for body in ("source", "destination"):
@@ -49,7 +49,7 @@ def test_a_result_file_is_drawn_as_the_run_it_came_from(shell, tmp_path):
 
 
 def test_a_scene_of_any_names_has_its_panels(three_balls):
-    runs = open_runs(str(three_balls), {}, None)
+    runs = open_runs(str(three_balls), (), None)
     panels = {panel.title: [line.label for line in panel.lines] for panel in usual(runs[0].result)}
     assert panels["gap"] == panels["normal force"] == ["first", "second"]
     assert panels["position, x"] == ["left", "middle", "right"]

@@ -7,7 +7,6 @@ from pathlib import Path
 
 from contact_fmus.errors import UserError, similar
 from contact_fmus.plot.command import add_run_options, output_file
-from contact_fmus.plot.experiment import read_settings
 from contact_fmus.plot.source import KINDS, Run, find, open_runs
 
 from .page import write_page
@@ -25,7 +24,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="default NAME.html here")
     options = parser.parse_args(arguments)
     output = output_file(options.output, find(options.source).stem + ".html", (".html",))
-    runs = open_runs(options.source, read_settings(options.set), options.stop, options.fmu)
+    runs = open_runs(options.source, options.set, options.stop, options.fmu)
     write_page(_chosen(runs, options.variant), output)
     print(output)
     return 0

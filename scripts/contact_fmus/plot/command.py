@@ -8,7 +8,6 @@ from pathlib import Path
 from contact_fmus.errors import UserError, similar
 
 from . import page, panels, picture
-from .experiment import read_settings
 from .source import KINDS, find, open_runs
 
 SUFFIXES = (*picture.SUFFIXES, ".html")
@@ -30,7 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     options = parser.parse_args(arguments)
     output = output_file(options.output, find(options.source).stem + ".png", SUFFIXES)
-    runs = open_runs(options.source, read_settings(options.set), options.stop, options.fmu)
+    runs = open_runs(options.source, options.set, options.stop, options.fmu)
     first = runs[0].result
     drawn = panels.chosen(first, options.variables) if options.variables else panels.usual(first)
     if not drawn:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -31,8 +31,8 @@ class Run:
     result: Result
 
 
-def open_runs(name: str, settings: dict[str, Any], stop: float | None, fmu: Path | None = None) -> list[Run]:
-    """One run, or those that a scenario compares. `fmu` is for results that do not say theirs."""
+def open_runs(name: str, settings: Sequence[str], stop: float | None, fmu: Path | None = None) -> list[Run]:
+    """One run, or those that a scenario compares. `settings`: NAME=VALUE; `fmu`: for results naming none."""
     path = find(name)
     if path.suffix == ".csv":
         if settings or stop is not None:
@@ -46,7 +46,7 @@ def open_runs(name: str, settings: dict[str, Any], stop: float | None, fmu: Path
     return [Run(one.title, one.label, record_densely(one)) for one in experiments]
 
 
-def _experiments(path: Path, settings: dict[str, Any], stop: float | None) -> list[Experiment]:
+def _experiments(path: Path, settings: Sequence[str], stop: float | None) -> list[Experiment]:
     if path.suffix == ".fmu":
         with readable(path):
             return [of_fmu(path, settings, stop)]

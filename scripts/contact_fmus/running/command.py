@@ -15,10 +15,10 @@ from rich.progress import Progress
 
 from contact_fmus.errors import UserError
 from contact_fmus.fmu.files import unpack
+from contact_fmus.fmu.settings import read_settings
 from contact_fmus.fmu.variables import read_variables
 from contact_fmus.results import Result
 
-from .settings import read_settings
 from .simulate import StoppedEarly, simulate
 from .target import Experiment, find_experiment
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from contact_fmus.errors import RunFailure, UserError
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError
+from contact_fmus.fmu.settings import known
 from contact_fmus.fmu.variables import Variable
 from contact_fmus.results import Result
 
-from .settings import known
 from .target import Experiment
 
 RECORDED = ("output", "input")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 from contact_fmus.errors import UserError, similar
@@ -12,7 +13,7 @@ SETTABLE = ("parameter", "input")
 BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 
 
-def read_settings(texts: list[str], variables: dict[str, Variable], fmu: str) -> dict[str, Any]:
+def read_settings(texts: Iterable[str], variables: dict[str, Variable], fmu: str) -> dict[str, Any]:
     """Values by name; UserError for a name that is not there, or a value that is none of its kind"""
     return dict(_setting(text, variables, fmu) for text in texts)
 
