@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from scipy import stats
+from scipy.stats import qmc
 
 from support.sweeps import read, write_study
 
@@ -29,6 +30,15 @@ def test_each_stratum_of_each_parameter_has_one_sample(tmp_path):
         assert stats.kstest(np.modf(unit * count)[0], "uniform").pvalue > 1e-3
     # one parameter says nothing of the other
     assert abs(stats.spearmanr(linear, logarithmic).statistic) < 4 / np.sqrt(count)
+
+
+def test_a_latin_hypercube_is_that_of_scipy(tmp_path):
+    for count in (1, 2, 9000):
+        samples = samples_of(tmp_path, {RADIUS: "{ range = [0.05, 0.15] }"}, count)
+        engine = qmc.LatinHypercube(1, scramble=False, rng=samples._generator(RADIUS, "strata"))
+        centers = engine.random(count)[:, 0] * count
+        values = samples.values(0, count)[RADIUS][:, 0]
+        assert np.floor((values - 0.05) / 0.1 * count).tolist() == np.floor(centers).tolist()
 
 
 @pytest.mark.parametrize("method", ["latin_hypercube", "random", "sobol", "halton"])

@@ -12,6 +12,8 @@ from distributed.comm import parse_address
 
 from contact_fmus.errors import RunFailure, UserError
 
+from .processes import METHOD, end, keep_dask_from_importing
+
 CONNECT = 5.0  # s that a scheduler has to answer
 ARRIVE = 60.0  # s that its first worker has to appear
 SETTINGS = {
@@ -22,6 +24,7 @@ SETTINGS = {
     "distributed.admin.tick.limit": "60s",
     "distributed.worker.memory.terminate": False,
     "distributed.worker.memory.pause": False,
+    "distributed.worker.multiprocessing-method": METHOD,
     # What an embedded cluster can do without: it would take a tenth of the processors.
     "distributed.worker.profile.enabled": False,
     "distributed.scheduler.active-memory-manager.start": False,
@@ -49,6 +52,7 @@ def connected(address: str | None, workers: int, dashboard: str | None = None) -
 @contextlib.contextmanager
 def _embedded(workers: int, dashboard: str | None) -> Iterator[Client]:
     """Processes of this machine that nobody else can reach"""
+    keep_dask_from_importing()
     cluster = LocalCluster(
         n_workers=workers,
         threads_per_worker=1,
@@ -61,8 +65,11 @@ def _embedded(workers: int, dashboard: str | None) -> Iterator[Client]:
         preload="contact_fmus.sweep.quiet",
         silence_logs=logging.CRITICAL,
     )
-    with cluster, Client(cluster) as client:
-        yield client
+    try:
+        with cluster, Client(cluster) as client:
+            yield client
+    finally:
+        end()
 
 
 @contextlib.contextmanager

@@ -16,15 +16,19 @@ from pathlib import Path
 
 from contact_fmus.errors import DONE, INTERRUPTED, UserError
 
+from .processes import start_early
+
 FOLDER = Path("results")
 
 
 def main(arguments: list[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
-    from .study import read_study
-
     if options.workers is not None and options.workers < 1:
         raise UserError(f"--workers: a whole number from 1 is wanted, not {options.workers}")
+    if options.study.is_file() and not options.scheduler and not options.compare:
+        start_early()
+    from .study import read_study
+
     study = read_study(options.study)
     folder = options.output or FOLDER / options.study.stem
     if options.compare:

@@ -1,10 +1,10 @@
 """The values of every run, by its number: any stretch of runs, in any order, gives the same bits.
 
 Lists and grids make every combination, the last one named fastest; at each combination all samples are
-taken. Samples are numbers in [0, 1), one row for each, by scipy.stats.qmc. Of a Latin hypercube only the
-strata are kept, 4 bytes for each sample and parameter; the place within a stratum is drawn again where it
-is needed, in blocks. Samples of a Latin hypercube and random ones depend on the parameter's name, the seed
-and the count alone.
+taken. Samples are numbers in [0, 1), one row for each: a Latin hypercube with the bits of scipy.stats.qmc,
+sequences by scipy.stats.qmc itself. Of a Latin hypercube only the strata are kept, 4 bytes for each sample
+and parameter; the place within a stratum is drawn again where it is needed, in blocks. Samples of a Latin
+hypercube and random ones depend on the parameter's name, the seed and the count alone.
 """
 
 from __future__ import annotations
@@ -102,11 +102,10 @@ class Samples:
     def _stratum(self, name: str) -> np.ndarray:
         """Sample by sample the stratum of one parameter, 0 to count - 1: each once"""
         if name not in self._strata:
-            from scipy.stats import qmc
-
-            engine = qmc.LatinHypercube(1, scramble=False, rng=self._generator(name, "strata"))
-            centers = engine.random(self.samples)[:, 0]
-            self._strata[name] = (centers * self.samples).astype(np.uint32)
+            # As scipy.stats.qmc.LatinHypercube permutes them, bit by bit; to import that takes a second.
+            strata = np.arange(self.samples, dtype=np.uint32)
+            self._generator(name, "strata").spawn(1)[0].shuffle(strata)
+            self._strata[name] = strata
         return self._strata[name]
 
     def _jitter(self, name: str, start: int, size: int) -> np.ndarray:
