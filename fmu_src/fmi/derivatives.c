@@ -60,8 +60,14 @@ enum model_status output_derivatives(struct instance *instance, const struct cal
     return model_get_output_derivatives(instance->model, references, orders, count, values);
 }
 
-/* Unknowns are the outputs and in Model Exchange the rates of the states; in initialization mode the
- * calculated parameters and the states too (ModelStructure: initial unknowns). */
+/* Whether the states and their rates are unknowns and knowns of the importer. */
+static bool knows_states(const struct instance *instance)
+{
+    return instance->host.exchange || instance->adapter->knows_states_in_steps;
+}
+
+/* Unknowns are the outputs and the rates of the states; in initialization mode the calculated parameters and
+ * the states too (ModelStructure: initial unknowns). */
 static bool is_unknown(struct instance *instance, const struct call *call, uint32_t reference)
 {
     const struct variable *variable = scene_variable(reference);
@@ -69,7 +75,7 @@ static bool is_unknown(struct instance *instance, const struct call *call, uint3
     if (variable != NULL && starting && variable->causality == VARIABLE_CALCULATED_PARAMETER) {
         return true;
     }
-    if (variable != NULL && instance->host.exchange &&
+    if (variable != NULL && knows_states(instance) &&
         (variable->causality == VARIABLE_RATE || (starting && variable->causality == VARIABLE_STATE))) {
         return true;
     }
@@ -91,7 +97,7 @@ enum model_status check_known(struct instance *instance, const struct call *call
 {
     const struct variable *variable = scene_variable(reference);
     const bool starting = (instance->phase & PHASE_INITIALIZATION) != 0;
-    if (variable != NULL && instance->host.exchange && !starting && variable->causality == VARIABLE_STATE) {
+    if (variable != NULL && knows_states(instance) && !starting && variable->causality == VARIABLE_STATE) {
         return MODEL_OK;
     }
     if (variable != NULL && starting && variable->causality == VARIABLE_PARAMETER &&

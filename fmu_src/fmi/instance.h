@@ -49,6 +49,8 @@ struct adapter {
     uint32_t state_magic;      /* a saved state fits only the version of the standard that wrote it */
     /* in which a state can have been saved, of Co-Simulation and of Model Exchange */
     unsigned state_phases, exchange_phases;
+    /* importers of Co-Simulation too may ask for derivatives of the states' rates */
+    bool knows_states_in_steps;
 };
 
 struct instance {

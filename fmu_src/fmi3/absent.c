@@ -9,7 +9,6 @@ static const char NO_PARTITIONS[] = "there are no model partitions, Scheduled Ex
 static const char NO_STRUCTURE[] = "there are no structural parameters";
 static const char NO_EVALUATION[] = "providesEvaluateDiscreteStates is false";
 static const char NO_ELEMENTS[] = "providesPerElementDependencies is false";
-static const char NO_MODEL_EXCHANGE[] = "Model Exchange is not provided";
 
 fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                         fmi3Clock values[])
@@ -122,66 +121,4 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference depend
     (void)dependent, (void)elementIndicesOfDependent, (void)independents, (void)elementIndicesOfIndependents,
         (void)dependencyKinds, (void)nDependencies;
     return status_of(call_refuse(c, CALL(GetVariableDependencies), NO_ELEMENTS));
-}
-
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c)
-{
-    return status_of(call_refuse(c, CALL(EnterContinuousTimeMode), NO_MODEL_EXCHANGE));
-}
-
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
-                                       fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
-{
-    (void)noSetFMUStatePriorToCurrentPoint, (void)enterEventMode, (void)terminateSimulation;
-    return status_of(call_refuse(c, CALL(CompletedIntegratorStep), NO_MODEL_EXCHANGE));
-}
-
-fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 time)
-{
-    (void)time;
-    return status_of(call_refuse(c, CALL(SetTime), NO_MODEL_EXCHANGE));
-}
-
-fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 continuousStates[],
-                                   size_t nContinuousStates)
-{
-    (void)continuousStates, (void)nContinuousStates;
-    return status_of(call_refuse(c, CALL(SetContinuousStates), NO_MODEL_EXCHANGE));
-}
-
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 derivatives[],
-                                             size_t nContinuousStates)
-{
-    (void)derivatives, (void)nContinuousStates;
-    return status_of(call_refuse(c, CALL(GetContinuousStateDerivatives), NO_MODEL_EXCHANGE));
-}
-
-fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 eventIndicators[], size_t nEventIndicators)
-{
-    (void)eventIndicators, (void)nEventIndicators;
-    return status_of(call_refuse(c, CALL(GetEventIndicators), NO_MODEL_EXCHANGE));
-}
-
-fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 continuousStates[], size_t nContinuousStates)
-{
-    (void)continuousStates, (void)nContinuousStates;
-    return status_of(call_refuse(c, CALL(GetContinuousStates), NO_MODEL_EXCHANGE));
-}
-
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 nominals[], size_t nContinuousStates)
-{
-    (void)nominals, (void)nContinuousStates;
-    return status_of(call_refuse(c, CALL(GetNominalsOfContinuousStates), NO_MODEL_EXCHANGE));
-}
-
-fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *nEventIndicators)
-{
-    (void)nEventIndicators;
-    return status_of(call_refuse(c, CALL(GetNumberOfEventIndicators), NO_MODEL_EXCHANGE));
-}
-
-fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *nContinuousStates)
-{
-    (void)nContinuousStates;
-    return status_of(call_refuse(c, CALL(GetNumberOfContinuousStates), NO_MODEL_EXCHANGE));
 }

@@ -18,5 +18,7 @@ const struct adapter adapter_of_fmi3 = {
     .state_name = "FMUState",
     .seed_name = "seed",
     .state_magic = 0x334E4F43u, /* "CON3" on a little-endian machine */
-    .state_phases = PHASES_ALL | PHASE_FATAL,
+    .state_phases = (PHASES_ALL | PHASE_FATAL) & ~PHASE_CONTINUOUS,
+    .exchange_phases = (PHASES_ALL | PHASE_FATAL) & ~PHASE_STEP,
+    .knows_states_in_steps = true,
 };

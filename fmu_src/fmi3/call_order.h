@@ -7,15 +7,17 @@
 
 #define PHASES_SETTABLE (PHASE_INSTANTIATED | PHASE_INITIALIZATION | PHASE_STEP | PHASE_EVENT)
 #define PHASES_STEPPED (PHASE_STEP | PHASE_TERMINATED | PHASE_ERROR)
-#define PHASES_INITIALIZED (PHASE_INITIALIZATION | PHASE_EVENT | PHASES_STEPPED)
+#define PHASES_EXCHANGED (PHASE_EVENT | PHASE_CONTINUOUS)
+#define PHASES_INITIALIZED (PHASE_INITIALIZATION | PHASES_EXCHANGED | PHASES_STEPPED)
 #define PHASES_ALL (PHASE_INSTANTIATED | PHASES_INITIALIZED)
+/* In which a state vector can be read. */
+#define PHASES_OF_STATES (PHASE_INITIALIZATION | PHASES_EXCHANGED | PHASE_TERMINATED | PHASE_ERROR)
 /* In an intermediate update outputs are read, and the logger may be told of it. */
 #define PHASES_WITHIN(phases) (PHASES_READ(phases) | PHASE_INTERMEDIATE)
 
-/* Rows of all types of variables, whether there are such variables or not. */
+/* Rows of all types of variables but Float64, whether there are such variables or not. */
 #define CALL_TYPES(ROW, Verb, phases)                                                                        \
     ROW(Verb##Float32, phases)                                                                               \
-    ROW(Verb##Float64, phases)                                                                               \
     ROW(Verb##Int8, phases)                                                                                  \
     ROW(Verb##UInt8, phases)                                                                                 \
     ROW(Verb##Int16, phases)                                                                                 \
@@ -28,8 +30,7 @@
     ROW(Verb##String, phases)                                                                                \
     ROW(Verb##Binary, phases)
 
-/* What is never in order: there are no clocks, no structural parameters, and only Co-Simulation is provided
- * (absent.c). */
+/* What is never in order: there are no clocks and no structural parameters (absent.c). */
 #define CALL_ABSENT(ROW)                                                                                     \
     ROW(GetClock, 0)                                                                                         \
     ROW(SetClock, 0)                                                                                         \
@@ -46,33 +47,39 @@
     ROW(ExitConfigurationMode, 0)                                                                            \
     ROW(EvaluateDiscreteStates, 0)                                                                           \
     ROW(GetNumberOfVariableDependencies, 0)                                                                  \
-    ROW(GetVariableDependencies, 0)                                                                          \
-    ROW(EnterContinuousTimeMode, 0)                                                                          \
-    ROW(CompletedIntegratorStep, 0)                                                                          \
-    ROW(SetTime, 0)                                                                                          \
-    ROW(SetContinuousStates, 0)                                                                              \
-    ROW(GetContinuousStateDerivatives, 0)                                                                    \
-    ROW(GetEventIndicators, 0)                                                                               \
-    ROW(GetContinuousStates, 0)                                                                              \
-    ROW(GetNominalsOfContinuousStates, 0)                                                                    \
-    ROW(GetNumberOfEventIndicators, 0)                                                                       \
-    ROW(GetNumberOfContinuousStates, 0)
+    ROW(GetVariableDependencies, 0)
+
+/* Of Model Exchange alone (exchange.c). */
+#define CALL_EXCHANGE(ROW)                                                                                   \
+    ROW(EnterContinuousTimeMode, PHASE_EVENT)                                                                \
+    ROW(CompletedIntegratorStep, PHASE_CONTINUOUS)                                                           \
+    ROW(SetTime, PHASE_CONTINUOUS)                                                                           \
+    ROW(SetContinuousStates, PHASE_CONTINUOUS)                                                               \
+    ROW(GetContinuousStateDerivatives, PHASES_READ(PHASES_OF_STATES))                                        \
+    ROW(GetEventIndicators, PHASES_READ(PHASES_OF_STATES))                                                   \
+    ROW(GetContinuousStates, PHASES_READ(PHASES_OF_STATES))                                                  \
+    ROW(GetNominalsOfContinuousStates, PHASES_READ(PHASES_OF_STATES))                                        \
+    ROW(GetNumberOfEventIndicators, PHASES_READ(PHASES_ALL))                                                 \
+    ROW(GetNumberOfContinuousStates, PHASES_READ(PHASES_ALL))
 
 /*
- * After the state machine for Co-Simulation of FMI 3.0.2, sections 2.3 and 4.2. Two harmless extensions:
- * values may be read while instantiated (only those that have a start value), and between setting an input
- * and the next step.
+ * After the state machines of FMI 3.0.2, sections 2.3, 3.2 and 4.2: an instance of Model Exchange is never in
+ * step mode, one of Co-Simulation never in continuous-time mode. Three harmless extensions: values may be
+ * read while instantiated (only those that have a start value), and between setting an input and the next
+ * step; how many states and event indicators there are is always told.
  */
 #define CALL_TABLE(ROW)                                                                                      \
     ROW(SetDebugLogging, PHASES_ALL)                                                                         \
     ROW(EnterInitializationMode, PHASE_INSTANTIATED)                                                         \
     ROW(ExitInitializationMode, PHASE_INITIALIZATION)                                                        \
-    ROW(EnterEventMode, PHASE_STEP)                                                                          \
+    ROW(EnterEventMode, PHASE_STEP | PHASE_CONTINUOUS)                                                       \
     ROW(UpdateDiscreteStates, PHASE_EVENT)                                                                   \
     ROW(EnterStepMode, PHASE_EVENT)                                                                          \
-    ROW(Terminate, PHASE_STEP | PHASE_EVENT)                                                                 \
+    ROW(Terminate, PHASE_STEP | PHASES_EXCHANGED)                                                            \
     ROW(Reset, PHASES_ALL)                                                                                   \
+    ROW(GetFloat64, PHASES_WITHIN(PHASES_ALL))                                                               \
     CALL_TYPES(ROW, Get, PHASES_WITHIN(PHASES_ALL))                                                          \
+    ROW(SetFloat64, PHASES_SETTABLE | PHASE_CONTINUOUS)                                                      \
     CALL_TYPES(ROW, Set, PHASES_SETTABLE)                                                                    \
     ROW(GetFMUState, PHASES_ALL)                                                                             \
     ROW(SetFMUState, PHASES_ALL)                                                                             \
@@ -84,6 +91,7 @@
     ROW(GetAdjointDerivative, PHASES_READ(PHASES_INITIALIZED))                                               \
     ROW(GetOutputDerivatives, PHASES_WITHIN(PHASES_STEPPED))                                                 \
     ROW(DoStep, PHASE_STEP)                                                                                  \
+    CALL_EXCHANGE(ROW)                                                                                       \
     CALL_ABSENT(ROW)
 
 #define CALL_NAME(function, phases) CALL_##function,

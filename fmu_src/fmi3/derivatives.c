@@ -9,7 +9,8 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference vr[
 {
     struct instance *instance = c;
     const struct call *call = CALL(GetOutputDerivatives);
-    if (!call_allowed(instance, call) || !call_array_given(instance, call, "valueReferences", vr, nvr) ||
+    if (!call_allowed_in_steps(instance, call) ||
+        !call_array_given(instance, call, "valueReferences", vr, nvr) ||
         !call_array_given(instance, call, "orders", orders, nvr) ||
         !call_array_given(instance, call, "values", values, count) ||
         !vectors_match(instance, call, vr, nvr, "nValues", count)) {

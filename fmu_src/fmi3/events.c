@@ -1,18 +1,23 @@
 /*
- * Event mode. A contact that begins or ends has changed its regime when fmi3DoStep returns: nothing is left
- * to iterate, and nothing is scheduled.
+ * Event mode. In Co-Simulation a contact that begins or ends has changed its regime when fmi3DoStep returns:
+ * nothing is left to iterate. In Model Exchange regimes change here. Nothing is scheduled.
  */
+#include "fmi/exchange.h"
 #include "fmi/lifecycle.h"
 #include "fmi3/call_order.h"
 
 fmi3Status fmi3EnterEventMode(fmi3Instance c)
 {
     struct fmi3_instance *own = c;
-    if (!call_allowed(c, CALL(EnterEventMode))) {
+    const struct call *call = CALL(EnterEventMode);
+    if (!call_allowed(c, call)) {
         return fmi3Error;
     }
+    if (own->shared.host.exchange) {
+        return status_of(exchange_enter(c, call, PHASE_EVENT));
+    }
     if (!own->event_mode_used) {
-        return status_of(call_refuse(c, CALL(EnterEventMode), "instantiated with eventModeUsed = false"));
+        return status_of(call_refuse(c, call, "instantiated with eventModeUsed = false"));
     }
     own->shared.phase = PHASE_EVENT;
     return fmi3OK;
@@ -20,7 +25,8 @@ fmi3Status fmi3EnterEventMode(fmi3Instance c)
 
 fmi3Status fmi3EnterStepMode(fmi3Instance c)
 {
-    return status_of(instance_enter(c, CALL(EnterStepMode), PHASE_STEP));
+    const struct call *call = CALL(EnterStepMode);
+    return call_allowed_in_steps(c, call) ? status_of(instance_enter(c, call, PHASE_STEP)) : fmi3Error;
 }
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesNeedUpdate,
@@ -29,6 +35,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
                                     fmi3Boolean *valuesOfContinuousStatesChanged,
                                     fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime)
 {
+    struct instance *instance = c;
     const struct call *call = CALL(UpdateDiscreteStates);
     if (!call_allowed(c, call) ||
         !call_array_given(c, call, "discreteStatesNeedUpdate", discreteStatesNeedUpdate, 1) ||
@@ -40,11 +47,14 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
         !call_array_given(c, call, "nextEventTime", nextEventTime, 1)) {
         return fmi3Error;
     }
-    *discreteStatesNeedUpdate = fmi3False;
+    struct exchange_news news = {false, false};
+    const enum model_status status =
+        instance->host.exchange ? exchange_update(instance, call, &news) : MODEL_OK;
+    *discreteStatesNeedUpdate = news.again;
     *terminateSimulation = fmi3False;
     *nominalsOfContinuousStatesChanged = fmi3False;
-    *valuesOfContinuousStatesChanged = fmi3False;
+    *valuesOfContinuousStatesChanged = news.jumped;
     *nextEventTimeDefined = fmi3False;
     *nextEventTime = 0.0;
-    return fmi3OK;
+    return status_of(status);
 }

@@ -7,12 +7,13 @@ fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *FMUState)
     return status_of(state_block_get(c, CALL(GetFMUState), FMUState));
 }
 
-/* A state of another instance may be one of event mode, which this one may not have. */
+/* A state of another instance of Co-Simulation may be one of event mode, which this one may not have. */
 fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState FMUState)
 {
     struct fmi3_instance *own = c;
     const enum model_status status = state_block_set(c, CALL(SetFMUState), FMUState);
-    if (status <= MODEL_WARNING && own->shared.phase == PHASE_EVENT && !own->event_mode_used) {
+    if (status <= MODEL_WARNING && own->shared.phase == PHASE_EVENT && !own->shared.host.exchange &&
+        !own->event_mode_used) {
         own->shared.phase = PHASE_STEP;
     }
     return status_of(status);

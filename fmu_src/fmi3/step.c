@@ -89,7 +89,7 @@ CONTACT_NOINLINE static fmi3Status do_step(struct instance *instance, double poi
                                            fmi3Float64 *time)
 {
     const struct results to = {event, terminate, early, time};
-    if (!call_allowed(instance, CALL(DoStep)) || !have_room(instance, &to)) {
+    if (!call_allowed_in_steps(instance, CALL(DoStep)) || !have_room(instance, &to)) {
         return fmi3Error;
     }
     enum model_status status = step_check(instance, CALL(DoStep), point, size);

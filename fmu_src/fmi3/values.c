@@ -7,6 +7,7 @@
 #include "fmi3/call_order.h"
 #include "fmi3/vectors.h"
 #include "math/compiler.h"
+#include "model/exchange.h"
 
 /* The independent variable: its reference is 0, which no variable of the model has. */
 enum { TIME_REFERENCE = 0 };
@@ -77,12 +78,25 @@ static enum model_status report_count(struct instance *instance, const struct ca
                       call->name, (unsigned long)given, (unsigned long)expected);
 }
 
+/* In Model Exchange states may be set one by one; in event mode not those that events may make jump (FMI
+ * 3.0.2, sections 2.3.5 and 3.2.1). */
+static bool is_settable_state(const struct instance *instance, const struct variable *variable,
+                              unsigned types)
+{
+    return variable->causality == VARIABLE_STATE && instance->host.exchange && (types & TYPES_REAL) != 0 &&
+           (instance->phase == PHASE_CONTINUOUS || (instance->phase == PHASE_EVENT && !variable->reinit));
+}
+
 /* The variable, of a vector its first component, as find_readable and find_settable have it. */
 static const struct variable *find_first(struct instance *instance, const struct call *call,
                                          uint32_t reference, unsigned types, bool to_set)
 {
-    if (vector_variable(reference) == NULL) {
+    const struct variable *first = vector_variable(reference);
+    if (first == NULL) {
         return report_wrong_reference(instance, call, NULL, reference);
+    }
+    if (to_set && is_settable_state(instance, first, types)) {
+        return first;
     }
     return to_set ? find_settable(instance, call, reference, types)
                   : find_readable(instance, call, reference, types);
@@ -192,7 +206,11 @@ static enum model_status set_values(struct instance *instance, const struct call
         for (size_t k = 0; k < length; ++k) {
             union model_value value;
             take_value(first, values, at++, &value);
-            model_set(instance->model, first + k, &value);
+            if (first->causality == VARIABLE_STATE) {
+                model_exchange_set_state(instance->model, first + k, value.real);
+            } else {
+                model_set(instance->model, first + k, &value);
+            }
         }
     }
     return status;

@@ -44,6 +44,13 @@ enum model_status model_exchange_set_time(struct model *m, double time)
     return MODEL_OK;
 }
 
+void model_exchange_set_state(struct model *m, const struct variable *state, double value)
+{
+    motion_set_state(&m->state.motion, state, value);
+    m->state.booked_energy = motion_booked(&m->state.motion);
+    model_forget_outputs(m);
+}
+
 enum model_status model_exchange_set_states(struct model *m, const double *states)
 {
     for (int i = 0; i < SCENE_STATES; ++i) {
@@ -53,10 +60,8 @@ enum model_status model_exchange_set_states(struct model *m, const double *state
         }
     }
     for (int i = 0; i < SCENE_STATES; ++i) {
-        motion_set_state(&m->state.motion, &scene_variables[scene_states[i]], states[i]);
+        model_exchange_set_state(m, &scene_variables[scene_states[i]], states[i]);
     }
-    m->state.booked_energy = motion_booked(&m->state.motion);
-    model_forget_outputs(m);
     return MODEL_OK;
 }
 

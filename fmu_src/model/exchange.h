@@ -33,6 +33,9 @@ enum model_status model_exchange_set_time(struct model *m, double time);
 /* MODEL_DISCARD, and nothing set: out of the range of the states. */
 enum model_status model_exchange_set_states(struct model *m, const double *states);
 
+/* Sets one that model_check has found in range. */
+void model_exchange_set_state(struct model *m, const struct variable *state, double value);
+
 /* What of all that is to be read. */
 enum exchange_values { EXCHANGE_STATES, EXCHANGE_RATES, EXCHANGE_INDICATORS };
 

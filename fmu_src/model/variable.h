@@ -35,6 +35,7 @@ struct variable {
     uint8_t causality; /* enum variable_causality */
     uint8_t element;   /* index of the body or contact, 0 for the rest */
     uint8_t component; /* 0..2 in a vector, else 0 */
+    uint8_t reinit;    /* of a state: whether events may make it jump */
 };
 
 static inline bool variable_is_local(const struct variable *variable)

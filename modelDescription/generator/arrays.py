@@ -17,7 +17,8 @@ class Array:
     variability: str
     initial: str | None
     start: tuple  # one value for each component; empty for what the FMU computes
-    dependencies: tuple[tuple[int, str], ...]  # of outputs: inputs felt at once, dependenciesKind
+    dependencies: tuple[tuple[int, str], ...]  # of outputs: inputs and states felt at once, dependenciesKind
+    derivative: int | None  # of a rate: value reference of its state
 
     @property
     def description(self) -> str:
@@ -44,8 +45,22 @@ def _array(resolved: Resolved, cell: Cell) -> Array:
     initial = {"parameter": "exact", "input": None}.get(row.causality, "calculated")
     return Array(
         cell, ELEMENTS[row.type.base], variability, initial, values if row.has_start else (),
-        tuple(_dependencies(resolved, cell)),
+        tuple(_dependencies(resolved, cell)), _state_of(resolved, cell),
     )  # fmt: skip
+
+
+def in_role(found: list[Array], role: str) -> list[Array]:
+    """States or event indicators; rates in the order of their states."""
+    chosen = [array for array in found if array.cell.row.role == role]
+    if role != "rate":
+        return chosen
+    states = [array.cell.reference for array in in_role(found, "state")]
+    return sorted(chosen, key=lambda rate: states.index(rate.derivative))
+
+
+def _state_of(resolved: Resolved, cell: Cell) -> int | None:
+    states = (other for other in resolved.of(cell.row.rate_of) if other.element == cell.element)
+    return next((state.reference for state in states), None)
 
 
 def _dependencies(resolved: Resolved, cell: Cell) -> list[tuple[int, str]]:

@@ -149,7 +149,9 @@ def _context(resolved: Resolved) -> dict:
             for i, variable in enumerate(variables, 1)
             if variable.cell.row.causality == "output"
         ],
-        "arrays": arrays.arrays(resolved),
+        "arrays": (whole := arrays.arrays(resolved)),
+        "array_rates": arrays.in_role(whole, "rate"),
+        "array_indicators": arrays.in_role(whole, "indicator"),
         "unknowns": _unknowns(variables),
         "has_inputs": any(v.cell.row.causality == "input" for v in variables),
         "has_derivatives": any(

@@ -7,15 +7,17 @@ import pytest
 
 from support.fmi2.blob import PHASES, forge
 from support.fmi3 import raw
-from support.fmi3.call_table import FUNCTIONS, STATES, allowed
+from support.fmi3.call_table import FOREIGN, FUNCTIONS, NUMBERS, STATES, allowed
 from support.fmi3.prototypes import ARGUMENTS, ERROR, OK, WITHOUT_INSTANCE
 from support.fmi3.raw import Instance
+from support.outside import Outside
 
 NAMES = {
     "instantiated": "instantiated",
     "initialization": "initialization mode",
     "event": "event mode",
     "step": "step mode",
+    "continuous": "continuous-time mode",
     "terminated": "terminated",
     "error": "error",
     "fatal": "fatal",
@@ -28,12 +30,16 @@ REASONS = {
     "ModelPartition": "Scheduled Execution is not provided",
     "Evaluate": "providesEvaluateDiscreteStates is false",
     "Dependencies": "providesPerElementDependencies is false",
-    "Continuous": "Model Exchange is not provided",
-    "Indicators": "Model Exchange is not provided",
-    "Completed": "Model Exchange is not provided",
-    "SetTime": "Model Exchange is not provided",
 }
+VECTORS = (
+    "SetContinuousStates",
+    "GetContinuousStates",
+    "GetContinuousStateDerivatives",
+    "GetNominalsOfContinuousStates",
+)
 SCENES = ["SphereCylinder", "PinnedEvent"]
+KINDS = {"CoSimulation": "Co-Simulation", "ModelExchange": "Model Exchange"}
+EVERY_STATE = [(kind, state) for kind, states in STATES.items() for state in states]
 
 
 def bring_to(instance, state):
@@ -46,8 +52,11 @@ def bring_to(instance, state):
     instance.ok("ExitInitializationMode")
     if state == "event":
         return
-    instance.handle_event(enter=False)
-    assert instance.step(0.0, 0.001).status == OK
+    if instance.exchange:
+        Outside(instance).begin()
+    else:
+        instance.handle_event(enter=False)
+        assert instance.step(0.0, 0.001).status == OK
     if state == "terminated":
         instance.ok("Terminate")
 
@@ -67,6 +76,11 @@ def arguments_of(instance, function, kept):
         "SetDebugLogging": (False, 0, None),
         "EnterInitializationMode": (False, 0.0, 0.0, False, 0.0),
         "UpdateDiscreteStates": (*flags, byref(c_double())),
+        "CompletedIntegratorStep": (True, *flags[:2]),
+        "SetTime": (1e-3,),
+        **dict.fromkeys(NUMBERS, (byref(c_size_t()),)),
+        **dict.fromkeys(VECTORS, vector(instance, "state")),
+        "GetEventIndicators": vector(instance, "indicator"),
         "DoStep": (0.001, 0.001, True, *flags[:3], byref(c_double())),
         "GetFMUState": (byref(c_void_p()),),
         "SetFMUState": (kept["state"],),
@@ -82,13 +96,23 @@ def arguments_of(instance, function, kept):
     return special.get(function, [nothing(kind) for kind in ARGUMENTS[function]])
 
 
+def vector(instance, role):
+    count = len(instance.fmu.roles[role])
+    return (c_double * count)(), count
+
+
 def nothing(kind):
     return 0 if kind in (c_bool, c_double, c_size_t, ctypes.c_uint32, ctypes.c_int) else None
 
 
-def fault_of(fmu, state, function):
+def instance_of(fmu, kind):
+    events = kind == "CoSimulation"
+    return Instance(fmu, event_mode=events, early_return=events, exchange=not events)
+
+
+def fault_of(fmu, kind, state, function):
     """What is wrong about the answer, or None"""
-    with Instance(fmu, event_mode=True, early_return=True) as instance:
+    with instance_of(fmu, kind) as instance:
         bring_to(instance, state)
         kept = {"state": c_void_p(), "blob": instance.save()}
         instance.ok("GetFMUState", byref(kept["state"]))
@@ -97,19 +121,21 @@ def fault_of(fmu, state, function):
         arguments = arguments_of(instance, function, kept)
         del instance.messages[:]
         status = instance.call(function, *arguments)
-        if allowed(function, state):
+        if allowed(function, state, kind):
             return None if status == OK else f"{function}: status {status}, {instance.texts()}"
         if status != ERROR or len(instance.texts()) != 1:
             return f"{function}: status {status}, messages {instance.texts()}"
         words = f"fmi3{function} called in phase {NAMES[state]}"
+        if function in FOREIGN[kind]:
+            words = f"fmi3{function} called on an instance of {KINDS[kind]}, allowed: of "
         return None if words in instance.texts()[0] else f"{function}: {instance.texts()}"
 
 
-@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize("kind, state", EVERY_STATE)
 @pytest.mark.parametrize("scene", SCENES)
-def test_every_function_in_every_state(scene, state):
+def test_every_function_in_every_state(scene, kind, state):
     fmu = raw.load(scene)
-    assert [fault for name in FUNCTIONS if (fault := fault_of(fmu, state, name))] == []
+    assert [fault for name in FUNCTIONS if (fault := fault_of(fmu, kind, state, name))] == []
 
 
 def test_what_is_not_provided_says_so(fmu):
@@ -118,11 +144,11 @@ def test_what_is_not_provided_says_so(fmu):
         instance.initialize()
         for function in FUNCTIONS:
             reason = next((text for part, text in REASONS.items() if part in function), None)
-            if reason and not any(allowed(function, state) for state in STATES):
+            if reason and not any(allowed(function, state, kind) for kind, state in EVERY_STATE):
                 with instance.expect(ERROR, f"fmi3{function}", reason) as got:
                     got(instance.call(function, *map(nothing, ARGUMENTS[function])))
                 said += 1
-    assert said == 26
+    assert said == 16
 
 
 def test_no_function_crashes_without_an_instance(fmu):
@@ -136,21 +162,22 @@ def test_the_version_needs_no_instance(fmu):
     assert fmu.library.fmi3GetVersion() == b"3.0"
 
 
-@pytest.mark.parametrize("kind", ["ModelExchange", "ScheduledExecution"])
-def test_only_co_simulation_is_offered(fmu, kind):
+def test_scheduled_execution_is_not_offered(fmu):
     told = []
-    arguments = [nothing(argument) for argument in ARGUMENTS[f"Instantiate{kind}"]]
+    function = "InstantiateScheduledExecution"
+    arguments = [nothing(argument) for argument in ARGUMENTS[function]]
     arguments[0] = b"tested"
     logger = raw.LOGGER(lambda _environment, status, _category, text: told.append((status, text.decode())))
     arguments[6] = logger
-    assert getattr(fmu.library, f"fmi3Instantiate{kind}")(*arguments) is None
+    assert getattr(fmu.library, f"fmi3{function}")(*arguments) is None
     ((status, text),) = told
-    assert status == ERROR and "Co-Simulation" in text and f"fmi3Instantiate{kind}" in text
+    assert status == ERROR and "Co-Simulation or Model Exchange" in text and f"fmi3{function}" in text
 
 
+@pytest.mark.parametrize("exchange", [False, True])
 @pytest.mark.parametrize("wrong", [{"name": None}, {"name": b""}, {"token": None}, {"token": b"{other}"}])
-def test_a_nameless_instance_or_a_wrong_token_is_refused(fmu, wrong):
-    with Instance(fmu, **wrong) as instance:
+def test_a_nameless_instance_or_a_wrong_token_is_refused(fmu, wrong, exchange):
+    with Instance(fmu, **wrong, exchange=exchange) as instance:
         assert instance.component is None
         assert ("instanceName" if "name" in wrong else "instantiationToken") in instance.texts()[0]
 
@@ -158,3 +185,5 @@ def test_a_nameless_instance_or_a_wrong_token_is_refused(fmu, wrong):
 def test_the_table_names_every_function():
     assert {*FUNCTIONS, *WITHOUT_INSTANCE, "FreeInstance"} == set(ARGUMENTS)
     assert sum(allowed(name, "step") for name in FUNCTIONS) == 14 + 2 * 13
+    assert sum(allowed(name, "continuous", "ModelExchange") for name in FUNCTIONS) == 21 + 1 + 13
+    assert {len(FOREIGN["CoSimulation"]), len(FOREIGN["ModelExchange"])} == {10, 3}

@@ -1,46 +1,18 @@
 """Model Exchange: fmpy's CVODE drives the FMUs, against references, energies and co-simulation."""
 
-import fmpy
 import numpy as np
 import pytest
 
 from contact_fmus.bench.problems import benchmarks
 from contact_fmus.fmu.files import fmu_file
+from support import exchange_runs
 from support.fmi2.raw import SCENES
 
-# Relative tolerance of fmpy's CVODE, whose absolute one is that times the nominal value of each state.
-TOLERANCE = 1e-11
 ENERGIES = ["energy.total", "energy.dissipated", "energy.external_work", "solver.events"]
 
 
-def scalars(start: dict, description) -> dict:
-    """Start values by scalar names, items of enumerations as numbers"""
-    known = {variable.name: variable for variable in description.modelVariables}
-    flat = {}
-    for name, value in start.items():
-        if isinstance(value, (list, tuple)):
-            flat |= {f"{name}[{k}]": one for k, one in enumerate(value, 1)}
-        elif isinstance(value, str):
-            items = known[name].declaredType.items
-            flat[name] = int(next(item.value for item in items if item.name == value))
-        else:
-            flat[name] = value
-    return flat
-
-
-def simulate(scene: str, start: dict, stop: float, names: list[str], kind: str = "ModelExchange", **more):
-    file = str(fmu_file(scene))
-    description = fmpy.read_model_description(file)
-    return fmpy.simulate_fmu(
-        file,
-        fmi_type=kind,
-        start_values=scalars(start, description),
-        stop_time=stop,
-        relative_tolerance=TOLERANCE,
-        output=names,
-        output_interval=1e-3,
-        **more,
-    )
+def simulate(scene: str, start: dict, stop: float, names: list[str], kind: str = "ModelExchange"):
+    return exchange_runs.simulate(fmu_file(scene), start, stop, names, kind)
 
 
 def vector(name: str) -> list[str]:

@@ -9,8 +9,8 @@ from support.fmi2 import raw
 from support.fmi2.call_table import EXCHANGE
 from support.fmi2.caller import Caller
 from support.fmi2.jacobian import jacobian
-from support.fmi2.outside import Outside
 from support.fmi2.raw import DISCARD, ERROR, MODEL_EXCHANGE, OK, array
+from support.outside import Outside
 
 # FMI 2.0.5, section 3.2.3: instantiated, Initialization Mode, Event Mode, Continuous-Time Mode, terminated.
 PHASES = {

@@ -230,6 +230,19 @@ class Instance:
         self.ok("GetRealStatus", LAST_SUCCESSFUL_TIME, ctypes.byref(time))
         return time.value
 
+    # Model Exchange
+
+    RATES = "GetDerivatives"
+
+    def update_discrete_states(self) -> tuple[bool, bool]:
+        """Whether that has to be done again, and whether a state has jumped"""
+        news = EventInfo()
+        self.ok("NewDiscreteStates", ctypes.byref(news))
+        return bool(news.again), bool(news.states_changed)
+
+    def complete_step(self) -> None:
+        self.ok("CompletedIntegratorStep", 1, ctypes.byref(c_int()), ctypes.byref(c_int()))
+
     # states
 
     def save(self) -> bytes:

@@ -50,6 +50,7 @@ class Fmu:
         self.library_file = next(self.folder.glob(f"binaries/*/{self.name}.so"))
         self.library = bind(self.library_file)
         self.variables = {one.name: _variable(one) for one in self.description.modelVariables}
+        self.roles = _roles(self.description)
 
     def select(self, *causalities: str, kind: str | None = None) -> list[Variable]:
         return [
@@ -63,6 +64,19 @@ def _variable(found: Any) -> Variable:
     length = int(np.prod([int(one.start) for one in found.dimensions])) if found.dimensions else 1
     items = tuple(item.name for item in found.declaredType.items) if found.type == "Enumeration" else ()
     return Variable(found.name, found.valueReference, found.type, found.causality, length, items)
+
+
+def _roles(description: Any) -> dict[str, list[str]]:
+    """Names of the states, of their rates, and of the event indicators, component by component"""
+    rates = [entry.variable for entry in description.derivatives]
+    roles = {"state": [one.derivative for one in rates], "rate": rates}
+    roles["indicator"] = [entry.variable for entry in description.eventIndicators]
+    return {role: [name for one in found for name in _components(one)] for role, found in roles.items()}
+
+
+def _components(found: Any) -> list[str]:
+    length = _variable(found).length
+    return [found.name] if length == 1 else [f"{found.name}[{k}]" for k in range(1, length + 1)]
 
 
 @functools.cache
@@ -103,14 +117,19 @@ class Instance:
         early_return: bool = False,
         required: Iterable[int] = (),
         update: Callable | None = None,
+        exchange: bool = False,
     ):
-        self.fmu = fmu
+        self.fmu, self.exchange = fmu, exchange
         self.messages: list[tuple[int, str, str]] = []  # status, category, text
         self.logger = LOGGER(self._log)
         self.update = INTERMEDIATE(functools.partial(self._update, update)) if update else INTERMEDIATE()
         required = list(required)
+        identity = (name, fmu.token.encode() if token == b"" else token, b"", False, logging)
+        if exchange:
+            self.component = fmu.library.fmi3InstantiateModelExchange(*identity, None, self.logger)
+            return
         self.component = fmu.library.fmi3InstantiateCoSimulation(
-            *(name, fmu.token.encode() if token == b"" else token, b"", False, logging),
+            *identity,
             *(event_mode, early_return, (c_uint32 * len(required))(*required), len(required), None),
             *(self.logger, self.update),
         )
@@ -206,10 +225,24 @@ class Instance:
         """One visit of event mode, as an importer makes it"""
         if enter:
             self.ok("EnterEventMode")
-        flags = [c_bool(True) for _ in range(5)]
-        self.ok("UpdateDiscreteStates", *map(byref, flags), byref(c_double()))
-        assert not any(flag.value for flag in flags)
+        assert self.update_discrete_states() == (False, False)
         self.ok("EnterStepMode")
+
+    # Model Exchange
+
+    RATES = "GetContinuousStateDerivatives"
+
+    def update_discrete_states(self) -> tuple[bool, bool]:
+        """Whether that has to be done again, and whether a state has jumped"""
+        again, terminate, nominals, jumped, scheduled = flags = [c_bool(True) for _ in range(5)]
+        self.ok("UpdateDiscreteStates", *map(byref, flags), byref(c_double()))
+        assert not any(flag.value for flag in (terminate, nominals, scheduled))
+        return again.value, jumped.value
+
+    def complete_step(self) -> None:
+        enter, terminate = c_bool(True), c_bool(True)
+        self.ok("CompletedIntegratorStep", True, byref(enter), byref(terminate))
+        assert not enter.value and not terminate.value
 
     # derivatives
 

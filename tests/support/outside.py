@@ -1,16 +1,18 @@
 """An integrator outside of an FMU: the classical Runge-Kutta method, events found by halving the step.
 
-It asks for derivatives as the standard has it, with the inputs of each instant.
+It asks for derivatives as the standard has it, with the inputs of each instant, and drives instances of FMI
+2.0 and of FMI 3.0 by the same numbers.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from ctypes import byref, c_double, c_int
+from ctypes import c_double
 
 import numpy as np
 
 from support.fmi2 import raw
+from support.fmi3 import raw as raw3
 
 NO_INPUTS: Callable[[float], dict] = lambda _time: {}  # noqa: E731
 
@@ -18,7 +20,7 @@ NO_INPUTS: Callable[[float], dict] = lambda _time: {}  # noqa: E731
 class Outside:
     """An instance of Model Exchange and the steps it takes"""
 
-    def __init__(self, instance: raw.Instance, inputs: Callable[[float], dict] = NO_INPUTS):
+    def __init__(self, instance: raw.Instance | raw3.Instance, inputs: Callable[[float], dict] = NO_INPUTS):
         self.instance, self.inputs = instance, inputs
         self.count = {role: len(names) for role, names in instance.fmu.roles.items()}
         self.time = 0.0
@@ -31,14 +33,18 @@ class Outside:
     def states(self) -> np.ndarray:
         return self.read("GetContinuousStates")
 
-    def put(self, time: float, states: np.ndarray) -> None:
+    def feed(self, time: float) -> None:
+        """Time and the inputs of that instant"""
         self.instance.ok("SetTime", time)
         self.instance.set(self.inputs(time))
+
+    def put(self, time: float, states: np.ndarray) -> None:
+        self.feed(time)
         self.instance.ok("SetContinuousStates", raw.array(c_double, states), len(states))
 
     def rates(self, time: float, states: np.ndarray) -> np.ndarray:
         self.put(time, states)
-        return self.read("GetDerivatives")
+        return self.read(self.instance.RATES)
 
     def indicators(self) -> np.ndarray:
         return self.read("GetEventIndicators", "indicator")
@@ -47,10 +53,9 @@ class Outside:
         """Event mode until nothing changes any more; whether a state has jumped"""
         jumped = False
         for _ in range(10):
-            news = raw.EventInfo()
-            self.instance.ok("NewDiscreteStates", byref(news))
-            jumped = jumped or bool(news.states_changed)
-            if not news.again:
+            again, now = self.instance.update_discrete_states()
+            jumped = jumped or now
+            if not again:
                 return jumped
         raise AssertionError("event iteration does not end")
 
@@ -96,7 +101,7 @@ class Outside:
 
     def _accept(self, size: float) -> None:
         self.time += size
-        self.instance.ok("CompletedIntegratorStep", 1, byref(c_int()), byref(c_int()))
+        self.instance.complete_step()
 
     def run(self, stop: float, size: float) -> None:
         for _ in range(round((stop - self.time) / size)):

@@ -1,0 +1,309 @@
+"""Bad input in Model Exchange: FMI 2.0 and FMI 3.0 refuse the same with the same status in the same words.
+
+One table for both. A row is what is asked, the status, and words that the message must have: what, where,
+the allowed range. Nothing that is refused changes anything.
+"""
+
+import contextlib
+import math
+from ctypes import c_double, c_uint, c_void_p
+from typing import NamedTuple
+
+import pytest
+
+from support.fmi2 import raw as raw2
+from support.fmi2.call_table import EXCHANGE
+from support.fmi3 import raw
+from support.fmi3.prototypes import DISCARD, ERROR, OK
+from support.outside import Outside
+
+SCENE = "SphereSphere"
+STOP = 1.0
+START = {"destination.motion": "free", "source.center": [0.1, 0.0, 0.7]}
+# Names of functions and types of FMI 2.0 -> of FMI 3.0
+THIRD = {
+    "GetDerivatives": "GetContinuousStateDerivatives",
+    "NewDiscreteStates": "UpdateDiscreteStates",
+    "GetRealOutputDerivatives": "GetOutputDerivatives",
+    "SetReal": "SetFloat64",
+    "GetReal": "GetFloat64",
+    "Real": "Float64",
+    "dvKnown": "seed",
+    "SetFMUstate": "SetFMUState",
+    "FMUstate": "FMUState",
+    "fmi2": "fmi3",
+    "[1]": "",
+}
+
+
+class Version(NamedTuple):
+    """One version of the standard: an instance in Model Exchange, and how it is called"""
+
+    number: int
+    instance: raw2.Instance | raw.Instance
+    outside: Outside
+
+    def name(self, function: str) -> str:
+        return THIRD.get(function, function) if self.number == 3 else function
+
+    def call(self, function: str, *arguments) -> int:
+        return self.instance.call(self.name(function), *arguments)
+
+    def vector(self, function: str, values, count: int | None = None) -> int:
+        """A function that takes an array and its length"""
+        array = None if values is None else (c_double * max(1, len(values)))(*values)
+        return self.call(function, array, len(values or ()) if count is None else count)
+
+    def states(self, change: dict[int, float]) -> int:
+        """Sets the present states with some of them changed"""
+        states = self.outside.states()
+        for place, value in change.items():
+            states[place] = value
+        return self.vector("SetContinuousStates", states.tolist())
+
+    def reference(self, name: str) -> int:
+        known = self.instance.fmu.variables
+        return known[name if name in known else f"{name}[1]"].reference
+
+    def set_real(self, name: str, value: float) -> int:
+        """All components of a variable to the same value; FMI 2.0 is told of the first one alone"""
+        known = self.instance.fmu.variables
+        count = known[name].length if self.number == 3 else 1
+        more = (count,) if self.number == 3 else ()
+        return self.call(
+            "SetReal", (c_uint * 1)(self.reference(name)), 1, (c_double * count)(*[value] * count), *more
+        )
+
+    def slope(self, unknown: str, known: str, seed: float) -> int:
+        """A directional derivative"""
+        counts = [1, 1]
+        if self.number == 3:
+            counts = [self.instance.fmu.variables[name].length for name in (unknown, known)]
+        one = [(c_uint * 1)(self.reference(name)) for name in (unknown, known)]
+        seeds, values = (c_double * 3)(seed, seed, seed), (c_double * 3)()
+        if self.number == 2:
+            return self.call("GetDirectionalDerivative", one[0], 1, one[1], 1, seeds, values)
+        return self.call(
+            *("GetDirectionalDerivative", one[0], 1, one[1], 1, seeds, counts[1], values, counts[0])
+        )
+
+    def event_mode(self) -> None:
+        self.instance.ok("EnterEventMode")
+
+
+def in_event_mode(attempt):
+    def run(one):
+        one.event_mode()
+        return attempt(one)
+
+    return run
+
+
+def at(one, time):
+    one.instance.ok("SetTime", time)
+
+
+def far_out(one):
+    """A velocity and a force in range whose power is not"""
+    assert one.states({3: 1e200}) == OK
+    assert one.set_real("source.external_force", 1e150) == OK
+    return one.vector("GetDerivatives", [0.0] * 14)
+
+
+# what is asked -> how, status, words
+REFUSALS = {
+    "a time that is no number": (
+        *(lambda one: one.call("SetTime", math.nan), ERROR),
+        *("time", "nan", "allowed: finite, from the last event at 0 s on"),
+    ),
+    "a time without end": (lambda one: one.call("SetTime", math.inf), ERROR, "inf", "allowed: finite"),
+    "a time before the last event": (
+        *(lambda one: one.call("SetTime", -0.5), ERROR, "-0.5", "from the last event at 0 s on"),
+    ),
+    "a state that is no number": (
+        *(lambda one: one.states({4: math.nan}), DISCARD),
+        *("source.velocity_state[2] = nan refused", "allowed: -1e+300 .. 1e+300", "stays as it was"),
+    ),
+    "an infinite state": (lambda one: one.states({0: -math.inf}), DISCARD, "source.displacement_state"),
+    "a state out of range": (lambda one: one.states({12: 1.1e300}), DISCARD, "energy.dissipated_state"),
+    "too few states": (
+        lambda one: one.vector("SetContinuousStates", [0.0] * 3), ERROR, "3 values, expected 14",
+    ),
+    "too many rates": (
+        lambda one: one.vector("GetDerivatives", [0.0] * 15), ERROR, "15 values, expected 14",
+    ),
+    "too few nominals": (
+        *(lambda one: one.vector("GetNominalsOfContinuousStates", [0.0]), ERROR, "1 values, expected 14"),
+    ),
+    "indicators without end": (
+        *(lambda one: one.vector("GetEventIndicators", [0.0], 2**64 - 1), ERROR, "expected 2"),
+    ),
+    "no array of states": (
+        *(lambda one: one.vector("SetContinuousStates", None, 14), ERROR, "null pointer", "14 elements"),
+    ),
+    "no array for states": (
+        *(lambda one: one.vector("GetContinuousStates", None, 14), ERROR, "null pointer", "14 elements"),
+    ),
+    "no place for what a step says": (
+        *(lambda one: one.call("CompletedIntegratorStep", 1, None, None), ERROR, "enterEventMode"),
+    ),
+    "a step past the stop time": (
+        lambda one: (at(one, 1.5), one.instance.complete_step()),
+        *(ERROR, "step to 1.5 s goes past stopTime = 1 s"),
+    ),
+    "a force that is no number": (
+        *(lambda one: one.set_real("source.external_force", math.nan), DISCARD),
+        *("source.external_force", "nan refused", "allowed: -1e+150 .. 1e+150"),
+    ),
+    "a parameter while it runs": (
+        *(lambda one: one.set_real("source.radius", 0.3), ERROR),
+        "source.radius is a parameter, fixed after initialization",
+    ),
+    "a rate": (lambda one: one.set_real("source.acceleration", 0.0), ERROR, "calculated and cannot be set"),
+    "an indicator": (
+        lambda one: one.set_real("contact.touch_indicator", 0.0), ERROR, "calculated and cannot be set",
+    ),
+    "numbers too large for their power": (far_out, DISCARD, "beyond the range of numbers", "allowed:"),
+    "a slope of what is no unknown": (
+        *(lambda one: one.slope("source.velocity_state", "source.velocity_state", 1.0), ERROR),
+        *("source.velocity_state", "output"),
+    ),
+    "a slope by what is no known": (
+        *(lambda one: one.slope("source.acceleration", "source.radius", 1.0), ERROR, "source.radius"),
+    ),
+    "a seed that is no number": (
+        *(lambda one: one.slope("source.acceleration", "source.velocity_state", math.inf), DISCARD),
+        *("source.velocity_state", "inf refused", "allowed: finite"),
+    ),
+    "continuous time twice": (
+        lambda one: one.call("EnterContinuousTimeMode"),
+        *(ERROR, "called in phase continuous-time mode, allowed in: event mode"),
+    ),
+    "states in event mode": (
+        in_event_mode(lambda one: one.states({})),
+        *(ERROR, "called in phase event mode, allowed in: continuous-time mode"),
+    ),
+    "a step in event mode": (
+        in_event_mode(lambda one: one.instance.complete_step()),
+        *(ERROR, "called in phase event mode, allowed in: continuous-time mode"),
+    ),
+    "a new event between events": (
+        lambda one: one.instance.update_discrete_states(),
+        *(ERROR, "called in phase continuous-time mode, allowed in: event mode"),
+    ),
+    "initialization again": (
+        *(lambda one: one.call("ExitInitializationMode"), ERROR),
+        "called in phase continuous-time mode, allowed in: initialization mode",
+    ),
+    "a state of nobody": (lambda one: one.call("SetFMUstate", None), ERROR, "null pointer"),
+    "derivatives of outputs": (
+        lambda one: one.call("GetRealOutputDerivatives", None, 0, None, None, *[0] * (one.number - 2)),
+        *(ERROR, "called on an instance of Model Exchange, allowed: of Co-Simulation"),
+    ),
+}  # fmt: skip
+
+
+def opened(number: int) -> Version:
+    if number == 2:
+        instance = raw2.Instance(raw2.load(SCENE), b"both", kind=raw2.MODEL_EXCHANGE)
+    else:
+        instance = raw.Instance(raw.load(SCENE), b"both", exchange=True)
+    return Version(number, instance, Outside(instance.initialize(START, stop=STOP)).begin())
+
+
+def answer(one: Version, attempt):
+    """Status and message of what is refused, and whether the states stay as they were"""
+    before = one.outside.states().tobytes()
+    del one.instance.messages[:]
+    with contextlib.suppress(AssertionError):  # `ok` of a refused call; the message tells
+        attempt(one)
+    ((status, category, text),) = one.instance.messages
+    unchanged = one.outside.states().tobytes() == before
+    return status, category, text, unchanged
+
+
+def in_words_of_fmi3(text: str) -> str:
+    for second, third in THIRD.items():
+        text = text.replace(second, third)
+    return text
+
+
+@pytest.mark.parametrize("what", REFUSALS)
+def test_both_versions_refuse_with_one_status_in_one_wording(what):
+    attempt, status, *words = REFUSALS[what]
+    versions = [opened(number) for number in (2, 3)]
+    try:
+        second, third = (answer(one, attempt) for one in versions)
+    finally:
+        for one in versions:
+            one.instance.free()
+    for got in (second, third):
+        assert got[0] == status, got
+        assert [word for word in words if word not in got[2]] == [], got
+        assert got[3] or what == "numbers too large for their power", "a refused call changed a state"
+    assert second[1] == third[1] == {DISCARD: "logStatusDiscard", ERROR: "logStatusError"}[status]
+    assert in_words_of_fmi3(second[2]) == third[2].replace("[1]", "")
+
+
+# EnterEventMode and UpdateDiscreteStates are Co-Simulation's too in FMI 3.0.
+@pytest.mark.parametrize("function", sorted({*EXCHANGE} - {"EnterEventMode", "NewDiscreteStates"}))
+def test_instances_of_co_simulation_refuse_in_the_same_words(function):
+    third_name = THIRD.get(function, function)
+    texts = []
+    for fmu, module, name in ((raw2.load(SCENE), raw2, function), (raw.load(SCENE), raw, third_name)):
+        with module.Instance(fmu, b"both") as instance:
+            instance.initialize()
+            missing = {"SetTime": (0.0,), "CompletedIntegratorStep": (1, None, None)}
+            none = () if name.startswith("Enter") else (None, 0)
+            with instance.expect(ERROR, "Co-Simulation", "allowed: of Model Exchange") as got:
+                got(instance.call(name, *missing.get(name, none)))
+            texts.append(instance.texts()[0])
+    assert in_words_of_fmi3(texts[0]) == texts[1]
+
+
+def test_places_for_news_and_numbers_must_be_given():
+    with raw.Instance(raw.load(SCENE), exchange=True) as instance:
+        instance.initialize()
+        names = ["discreteStatesNeedUpdate", "terminateSimulation", "nominalsOfContinuousStatesChanged"]
+        names += ["valuesOfContinuousStatesChanged", "nextEventTimeDefined", "nextEventTime"]
+        flag, time = raw.TYPES["Boolean"](), c_double()
+        for missing, name in enumerate(names):
+            places = [flag] * 5 + [time]
+            places[missing] = None
+            with instance.expect(ERROR, "fmi3UpdateDiscreteStates", name, "null pointer") as got:
+                got(instance.call("UpdateDiscreteStates", *places))
+        for name in ("nContinuousStates", "nEventIndicators"):
+            function = name.replace("n", "GetNumberOf", 1)
+            with instance.expect(ERROR, f"fmi3{function}", name, "null pointer") as got:
+                got(instance.call(function, None))
+
+
+def test_states_of_one_kind_do_not_fit_the_other():
+    fmu = raw.load(SCENE)
+    with raw.Instance(fmu, exchange=True) as outside, raw.Instance(fmu) as stepping:
+        for giver, taker, words in ((outside, stepping, "the model"), (stepping, outside, "the importer")):
+            giver.ok("Reset")
+            taker.ok("Reset")
+            giver.initialize()
+            taker.initialize()
+            before = taker.bits("output")
+            blob, state = giver.save(), c_void_p()
+            assert taker.call("DeserializeFMUState", blob, len(blob), state) in (OK, ERROR)
+            del taker.messages[:]
+            if state.value is not None:
+                assert taker.call("SetFMUState", state) == ERROR
+                assert words in taker.texts()[0]
+            assert taker.bits("output") == before
+
+
+def test_a_refused_row_leaves_other_variables_alone():
+    """All of it is checked before any is written: a good state beside a bad input"""
+    with raw.Instance(raw.load(SCENE), exchange=True) as instance:
+        Outside(instance.initialize()).begin()
+        chosen = [instance.fmu.variables[name] for name in ("source.velocity_state", "source.external_force")]
+        before = instance.get("source.velocity_state")
+        values = raw.reals([1.0, 2.0, 3.0, 0.0, math.nan, 0.0])
+        with instance.expect(DISCARD, "source.external_force[2]") as got:
+            got(instance.call("SetFloat64", raw.references(chosen), 2, values, 6))
+        assert instance.get("source.velocity_state") == before
+        assert instance.get("source.external_force") == [0.0, 0.0, 0.0]
