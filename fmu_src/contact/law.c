@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "contact/restitution.h"
 #include "math/taylor.h"
 
 struct contact_coefficients contact_coefficients_of(const struct contact_law *law, enum contact_regime regime)
@@ -156,6 +157,17 @@ double contact_dissipated_term(const struct contact_law *law, enum contact_regim
                                       law->stiffness * taylor_multiply(gap, gap_rate, order));
 }
 
+/* p_nv that gives the coefficient of restitution with the spring p_n; 0 between bodies that cannot
+ * rebound. */
+static double damping_by_restitution(const struct contact_factors *factors, enum dashpot dashpot, double p_n)
+{
+    if (!(factors->inverse_mass > 0.0)) {
+        return 0.0;
+    }
+    const double ratio = restitution_damping_ratio(factors->restitution, dashpot);
+    return 2.0 * ratio * sqrt(p_n) / sqrt(factors->inverse_mass);
+}
+
 struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot,
                                   double diagonal)
 {
@@ -167,6 +179,8 @@ struct contact_law contact_law_of(const struct contact_factors *factors, enum da
     }
     if (factors->viscous_control == VISCOUS_CONTROL_USER_DEFINED) {
         law.damping = factors->viscous_penalty_factor;
+    } else if (factors->viscous_control == VISCOUS_CONTROL_RESTITUTION) {
+        law.damping = damping_by_restitution(factors, dashpot, law.stiffness);
     } else {
         law.damping = factors->characteristic_time * (viscous_only ? scale : law.stiffness);
     }
@@ -179,12 +193,16 @@ struct contact_law contact_law_of(const struct contact_factors *factors, enum da
     return law;
 }
 
-struct contact_law contact_law_slope(const struct contact_factors *factors, double diagonal_slope)
+struct contact_law contact_law_slope(const struct contact_factors *factors, struct contact_coefficients at,
+                                     double diagonal_slope)
 {
     const struct contact_law none = contact_law_of(factors, DASHPOT_UNCLAMPED, 0.0);
     struct contact_law slope = contact_law_of(factors, DASHPOT_UNCLAMPED, diagonal_slope);
     slope.stiffness -= none.stiffness;
     slope.damping -= none.damping;
+    if (factors->viscous_control == VISCOUS_CONTROL_RESTITUTION) {
+        slope.damping = 0.5 * at.c * slope.stiffness / at.k;
+    }
     return slope;
 }
 

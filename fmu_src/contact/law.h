@@ -118,16 +118,21 @@ struct contact_factors {
     double characteristic_time;    /* tau_n [s] */
     double viscous_penalty_factor; /* p_nv [N s/m], user defined */
     double reference_modulus;      /* E_ref [Pa] */
+    double restitution;            /* e [1] */
+    double inverse_mass;           /* 1 / m_red: sum of the free bodies' inverse masses [1/kg] */
 };
 
 /* The factors in force. Automatic: p_n = f_p E_ref diag, p_nv = tau_n p_n; viscous only: p_n = 0,
- * p_nv = tau_n E_ref diag. `diagonal` is that of the bounding box of both bodies [m]. */
+ * p_nv = tau_n E_ref diag. Restitution: p_nv = 2 zeta sqrt(p_n m_red) with zeta of restitution.h. `diagonal`
+ * is that of the bounding box of both bodies [m]. */
 struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot,
                                   double diagonal);
 
-/* The derivatives of the factors where the diagonal changes at `diagonal_slope`: automatic ones are
- * proportional to it, the others do not know it. */
-struct contact_law contact_law_slope(const struct contact_factors *factors, double diagonal_slope);
+/* The derivatives of the factors `at` the present ones where the diagonal changes at `diagonal_slope`:
+ * automatic ones are proportional to it, others do not know it, that of restitution goes with the root of
+ * p_n. */
+struct contact_law contact_law_slope(const struct contact_factors *factors, struct contact_coefficients at,
+                                     double diagonal_slope);
 
 /* The law with these factors in force. The choices, constants where a scene pins them, leave out what they do
  * not need. */

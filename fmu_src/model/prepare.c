@@ -51,7 +51,9 @@ static struct contact_factors factors_of(const struct scene_values *v, int conta
         .penalty_factor = contact_penalty_factor(v, contact),
         .characteristic_time = contact_characteristic_time(v, contact),
         .viscous_penalty_factor = contact_viscous_penalty_factor(v, contact),
-        .reference_modulus = contact_reference_modulus(v, contact)};
+        .reference_modulus = contact_reference_modulus(v, contact),
+        .restitution = contact_restitution(v, contact),
+        .inverse_mass = scene_inverse_mass(v, contact)};
 }
 
 double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate)
@@ -64,7 +66,7 @@ double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate
 struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope)
 {
     const struct contact_factors factors = factors_of(&m->state.values, contact);
-    return contact_law_slope(&factors, diagonal_slope);
+    return contact_law_slope(&factors, m->state.motion.contact[contact].parameters.factors, diagonal_slope);
 }
 
 /* Inside when the centre (or axis) is closer than r_d and the source fits in, else outside. */
@@ -126,6 +128,42 @@ void model_prepare(struct model *m)
     }
 }
 
+/* A coefficient of restitution needs a spring that throws the bodies apart, and a body that can be thrown. */
+static enum model_status check_restitution(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const char *name = scene_contact_name(contact);
+    if (contact_viscous_control(v, contact) != VISCOUS_CONTROL_RESTITUTION ||
+        contact_method(v, contact) == METHOD_PENALTY) {
+        return MODEL_OK;
+    }
+    if (contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.viscous_control = restitution contradicts %s.penalty_control = viscous_only: "
+                            "without a spring there is no rebound (allowed: automatic, user_defined).",
+                            name, name);
+    }
+    if (contact_is_driven(v, contact)) {
+        return model_report(
+            m, MODEL_ERROR,
+            "%s.viscous_control = restitution contradicts the motion of %s and %s: neither is "
+            "free, and p_nv depends on their masses (allowed: %s.motion = free or "
+            "%s.motion = free).",
+            name, scene_body_name(contact_source(contact)), scene_body_name(contact_destination(contact)),
+            scene_body_name(contact_source(contact)), scene_body_name(contact_destination(contact)));
+    }
+    const bool is_given = contact_penalty_control(v, contact) == PENALTY_CONTROL_USER_DEFINED;
+    if (is_given ? contact_penalty_factor(v, contact) == 0.0
+                 : contact_penalty_multiplier(v, contact) == 0.0) {
+        return model_report(
+            m, MODEL_ERROR,
+            "%s.viscous_control = restitution contradicts %s.%s = 0: without a spring there is "
+            "no rebound (allowed: a factor above 0).",
+            name, name, is_given ? "penalty_factor" : "penalty_multiplier");
+    }
+    return MODEL_OK;
+}
+
 static enum model_status check_contact(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
@@ -154,7 +192,7 @@ static enum model_status check_contact(struct model *m, int contact)
                             "(allowed: at least one component other than zero).",
                             destination, destination, destination);
     }
-    return MODEL_OK;
+    return check_restitution(m, contact);
 }
 
 /* Finite parameters can still multiply to infinity. */

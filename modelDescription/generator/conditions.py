@@ -4,13 +4,15 @@ SCENE_CVODE = "scene.cvode"  # in `when`: whether the scene may come to integrat
 
 
 def number_of(row, value):
-    """A value as written in a TOML file (already valid) as the numbers C and XML use."""
+    """A value as written in a TOML file (already valid) as the numbers C and XML use; None for an item that
+    the scene has left out of the choice."""
     if value is None:
         return None
     if isinstance(value, list):
         return tuple(float(x) for x in value)
     if row.type.items:
-        return row.type.item(value).value
+        item = row.type.item(value)
+        return item.value if item else None
     return float(value) if row.type.base == "Real" else int(value)
 
 
@@ -19,8 +21,10 @@ def possible(choice: str, items: list, cell, cells: list, constants: dict, scene
     if choice == SCENE_CVODE:
         return may_need_cvode(cells, constants, scene) in items
     for other in _choices(choice, cell, cells, scene):
+        if other.row.type.items:  # of these a scene may leave a choice some only
+            items = [item for item in items if other.row.type.item(item)]
         wanted = [number_of(other.row, item) for item in items]
-        if other.name not in constants or constants[other.name] in wanted:
+        if wanted and (other.name not in constants or constants[other.name] in wanted):
             return True
     return False
 
@@ -44,7 +48,7 @@ def why_not(cell, cells: list, constants: dict, scene) -> tuple[str, str]:
             if possible(choice, items, cell, cells, constants, scene):
                 continue
             others = _choices(choice, cell, cells, scene)
-            pins += [f"{one.name} = {_item(one.row, constants[one.name])}" for one in others]
+            pins += [f"{one.name} = {_item(one.row, constants.get(one.name))}" for one in others]
             wanted = " or ".join(str(item).lower() for item in items)
             remedies += [f"{one.name} = {wanted}" for one in others]
     pins, remedies = list(dict.fromkeys(pins)), list(dict.fromkeys(remedies))
@@ -55,7 +59,9 @@ def why_not(cell, cells: list, constants: dict, scene) -> tuple[str, str]:
 
 
 def _item(row, number) -> str:
-    """The value of a choice as a scene file says it."""
+    """The value of a choice as a scene file says it; None: all that it has been left."""
+    if number is None:
+        return str([item.name for item in row.type.items])
     if row.type.base == "Boolean":
         return "true" if number else "false"
     return next(item.name for item in row.type.items if item.value == number)
@@ -66,9 +72,9 @@ def may_need_cvode(cells: list, constants: dict, scene) -> bool:
 
     def may_be(key: str, item: str, element: int) -> bool:
         return any(
-            cell.name not in constants or constants[cell.name] == cell.row.type.item(item).value
+            cell.name not in constants or constants[cell.name] == number_of(cell.row, item)
             for cell in cells
-            if cell.row.key == key and cell.element == element
+            if cell.row.key == key and cell.element == element and cell.row.type.item(item)
         )
 
     free = [body for body in range(len(scene.bodies)) if may_be("body.motion", "free", body)]

@@ -2,6 +2,7 @@
 
 import json
 import uuid
+from dataclasses import replace
 from pathlib import Path
 
 import jinja2
@@ -85,7 +86,11 @@ def _scene_for_viewers(resolved: Resolved) -> str:
             }
             for contact in scene.contacts
         ],
-        "pinned": scene.pinned,
+        "pinned": {
+            name: value
+            for name, value in scene.pinned.items()
+            if name in {c.name for c in resolved.cells if c.pinned}
+        },
     }
     return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
 
@@ -134,7 +139,7 @@ def _identity(resolved: Resolved, xml: str) -> uuid.UUID:
 def _context(resolved: Resolved) -> dict:
     rows = resolved.catalogue.rows.values()
     variables = resolved.variables
-    types = [t for t in resolved.catalogue.types.values() if any(v.cell.row.type is t for v in variables)]
+    types = _types(resolved)
     units, used = resolved.catalogue.units, {t.unit for t in types}
     return {
         "scene": resolved.scene,
@@ -176,6 +181,21 @@ def _context(resolved: Resolved) -> dict:
         "references": [(variable.reference, i) for i, variable in enumerate(variables, 1)],
         "page": page.context(resolved),
     }
+
+
+def _types(resolved: Resolved) -> list:
+    """The declared types in use, in the order of the catalogue; of an enumeration the items that any choice
+    has."""
+    used: dict[str, list] = {}
+    for variable in resolved.variables:
+        used.setdefault(variable.cell.row.type.name, []).append(variable.cell.row.type.items)
+    return [
+        replace(
+            kind, items=tuple(item for item in kind.items if any(item in items for items in used[kind.name]))
+        )
+        for kind in resolved.catalogue.types.values()
+        if kind.name in used
+    ]
 
 
 def _unknowns(variables) -> list[int]:

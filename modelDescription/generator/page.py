@@ -48,6 +48,7 @@ CHOICES = (
     "contact.penalty_control=automatic", "contact.penalty_control=user_defined",
     "contact.penalty_control=viscous_only",
     "contact.viscous_control=automatic", "contact.viscous_control=user_defined",
+    "contact.viscous_control=restitution",
     "contact.dashpot=non_adhesive", "contact.dashpot=unclamped", "contact.dashpot=approach_only",
     "body.motion=fixed", "body.motion=prescribed", "body.motion=free",
     "body.finite_length=true", "body.finite_length=false",
@@ -57,7 +58,9 @@ CHOICES = (
 def _may(resolved: Resolved, key: str, value: str) -> bool:
     """False too where the choice itself plays no part, as a dashpot does not for the penalty method."""
     cells = resolved.of(key)
-    return any(cell.open or (cell.pinned and cell.value_name == value) for cell in cells)
+    return any(
+        (cell.open and cell.offers(value)) or (cell.pinned and cell.value_name == value) for cell in cells
+    )
 
 
 def _is_choice(cell: Cell) -> bool:

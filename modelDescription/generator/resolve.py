@@ -35,6 +35,10 @@ class Cell:
     def open(self) -> bool:
         return self.present and not self.pinned
 
+    def offers(self, item: str) -> bool:
+        """Whether a choice that is open has this item: a scene may leave it some of them only."""
+        return not self.row.type.items or self.row.type.item(item) is not None
+
     @property
     def value_name(self) -> str | None:
         """The value as a user writes it: item of an enumeration, Boolean, number or list."""
@@ -75,7 +79,7 @@ class Resolved:
     def may(self, key: str, value: str, element: int | None = None) -> bool:
         """May the choice `key` of any (or of one) element have the item `value`?"""
         return any(
-            not cell.pinned or cell.value_name == value
+            cell.value_name == value if cell.pinned else cell.offers(value)
             for cell in self.of(key)
             if element is None or cell.element == element
         )
@@ -113,7 +117,10 @@ class Resolved:
 def resolve(scene: Scene, catalogue: Catalogue) -> Resolved:
     cells = [cell for row in catalogue.rows.values() for cell in _cells_of(row, scene)]
     known = {cell.name: cell for cell in cells}
-    constants = _constants(scene, catalogue, known)
+    narrowed, constants = _pins(scene, known)
+    cells = [_narrow(cell, narrowed.get(cell.name), scene) for cell in cells]
+    known = {cell.name: cell for cell in cells}
+    constants = {name: checked(scene, catalogue, "[pinned]", known[name], v) for name, v in constants.items()}
     cells = [_place(cell, cells, constants, scene) for cell in cells]
     known = {cell.name: cell for cell in cells}
     _check_use(scene, known, cells, constants)
@@ -158,8 +165,9 @@ def _cell(row: Row, scene: Scene, element: int, name: str, block: int, **names: 
     )  # fmt: skip
 
 
-def _constants(scene: Scene, catalogue: Catalogue, known: dict[str, Cell]) -> dict[str, object]:
-    constants = {}
+def _pins(scene: Scene, known: dict[str, Cell]) -> tuple[dict[str, list], dict[str, object]]:
+    """Choices that keep some of their items only, and what is pinned to one value."""
+    narrowed, constants = {}, {}
     parameters = {name: cell for name, cell in known.items() if cell.row.causality == "parameter"}
     for name, value in scene.pinned.items():
         if name not in known:
@@ -167,10 +175,36 @@ def _constants(scene: Scene, catalogue: Catalogue, known: dict[str, Cell]) -> di
         if name not in parameters:
             kind = known[name].row.causality
             raise scene.error(f"[pinned]: '{name}' is no parameter but {kind} {_near(name, parameters)}")
+        if known[name].row.type.items and isinstance(value, list):
+            narrowed[name] = value
+            continue
         if name in scene.start:
             raise scene.error(f"[pinned]: '{name}' also stands in [start] (allowed: one of the two)")
-        constants[name] = checked(scene, catalogue, "[pinned]", known[name], value)
-    return constants
+        constants[name] = value
+    return narrowed, constants
+
+
+def _narrow(cell: Cell, wanted: list | None, scene: Scene) -> Cell:
+    """The cell of a choice with these items alone: two or more, next to each other, as FMI knows ranges."""
+    if wanted is None:
+        return cell
+    kind = cell.row.type
+    kept = tuple(item for item in kind.items if item.name in wanted)
+    names = [item.name for item in kind.items]
+    numbers = [item.value for item in kept]
+    if sorted(wanted, key=str) != sorted(item.name for item in kept) or len(kept) < 2:
+        raise scene.error(
+            f"[pinned]: '{cell.name}' is {wanted!r} "
+            f"(allowed: one of them, or two or more different ones, of: {', '.join(names)})"
+        )
+    if numbers[-1] - numbers[0] != len(numbers) - 1:
+        raise scene.error(f"[pinned]: '{cell.name}' leaves a gap (allowed: neighbours in {', '.join(names)})")
+    if cell.name not in scene.start and cell.value not in numbers:
+        start = kind.items[[item.value for item in kind.items].index(cell.value)].name
+        raise scene.error(
+            f"[pinned]: '{cell.name}' leaves out its start value {start} (allowed: another under [start])"
+        )
+    return replace(cell, row=replace(cell.row, type=replace(kind, items=kept)))
 
 
 def _unknown(where: str, name: str, known: dict[str, Cell]) -> str:

@@ -20,7 +20,8 @@ SCENE_KEYS = {
     "body": "`[[body]]`, a table for each body, 1 to 255. Required",
     "contact": "`[[contact]]`, a table for each pair of bodies that may touch, 1 to 255. Required",
     "start": "table of start values, by default none: those listed below",
-    "pinned": "table of constants, by default none: every choice stays open",
+    "pinned": "table of constants, by default none: every choice stays open. A list of two or more items "
+    "leaves a choice these alone",
     "leave_out": "table with `outputs`, the outputs to leave out, by default none",
     "experiment": "table of what a tool proposes as a run",
     "choices": '`"enumeration"`, the default, or `"integer"`, for importers that know no enumerations: a '

@@ -56,6 +56,7 @@ class Start:
                 f"{contact.name}.penalty_control = viscous_only contradicts {contact.name}.method = penalty: "
                 "no force would be left (allowed: viscous_only with penalty_dynamic)"
             )
+        self.check_restitution(index, contact, viscous_only)
         if self.scene.bodies[destination].shape == "cylinder":
             axis = self.cell("body.axis", destination)
             if not any(axis.value):
@@ -63,6 +64,32 @@ class Start:
                     f"'{axis.name}' is {list(axis.value)!r}, which has no direction "
                     "(allowed: at least one component other than zero)"
                 )
+
+    def check_restitution(self, index: int, contact: Contact, viscous_only: bool) -> None:
+        """A coefficient of restitution needs a spring, and a body that can rebound."""
+        if not self.is_item("contact.viscous_control", index, "restitution") or self.is_item(
+            "contact.method", index, "penalty"
+        ):
+            return
+        said = f"{contact.name}.viscous_control = restitution contradicts"
+        if viscous_only:
+            raise self.scene.error(
+                f"{said} {contact.name}.penalty_control = viscous_only: without a spring there is no rebound "
+                "(allowed: automatic, user_defined)"
+            )
+        ends = (contact.source, contact.destination)
+        if not any(self.is_item("body.motion", body, "free") for body in ends):
+            first, second = (self.scene.bodies[body].name for body in ends)
+            raise self.scene.error(
+                f"{said} the motion of {first} and {second}: neither is free, and p_nv depends on their "
+                f"masses (allowed: {first}.motion = free or {second}.motion = free)"
+            )
+        given = self.is_item("contact.penalty_control", index, "user_defined")
+        factor = self.cell("contact.penalty_factor" if given else "contact.penalty_multiplier", index)
+        if factor.value == 0.0:
+            raise self.scene.error(
+                f"{said} {factor.name} = 0: without a spring there is no rebound (allowed: a factor above 0)"
+            )
 
     def centre(self, body: int) -> list[float]:
         moved = {"free": "body.initial_displacement", "prescribed": "body.prescribed_displacement"}

@@ -250,6 +250,21 @@ CONTRADICTIONS = [
         ("contact.method", "contact.penalty_control"),
         {"contact.penalty_control": "user_defined"},
     ),
+    (
+        {"contact.viscous_control": "restitution", "contact.penalty_control": "viscous_only"},
+        ("contact.viscous_control", "contact.penalty_control"),
+        {"contact.penalty_control": "user_defined"},
+    ),
+    (
+        {"contact.viscous_control": "restitution", "source.motion": "prescribed"},
+        ("contact.viscous_control", "source.motion", "destination.motion"),
+        {"destination.motion": "free"},
+    ),
+    (
+        {"contact.viscous_control": "restitution", "contact.penalty_factor": 0.0},
+        ("contact.viscous_control", "contact.penalty_factor"),
+        {"contact.penalty_factor": 1.0},
+    ),
 ]
 
 

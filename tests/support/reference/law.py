@@ -11,6 +11,7 @@ Rounding errors are relative to that size, not to a result that may have cancell
 
 from dataclasses import dataclass
 
+import mpmath
 import numpy as np
 
 REAL = np.longdouble
@@ -47,6 +48,7 @@ START_VALUES = {
     "contact.characteristic_time": 1e-4,
     "contact.viscous_penalty_factor": 100.0,
     "contact.reference_modulus": 1e9,
+    "contact.restitution": 0.8,
     "contact.dashpot": "non_adhesive",
     "contact.gap_beyond_ends": 1e30,
     "gravity": [0.0, 0.0, -9.81],
@@ -167,10 +169,33 @@ class ReferenceContact:
             viscous = REAL(0)
         elif values["contact.viscous_control"] == "user_defined":
             viscous = REAL(values["contact.viscous_penalty_factor"])
+        elif values["contact.viscous_control"] == "restitution":
+            viscous = 2 * self.damping_ratio() * np.sqrt(penalty * self.reduced_mass())
         else:
             scale = modulus_length if control == "viscous_only" else penalty
             viscous = REAL(values["contact.characteristic_time"]) * scale
         return penalty, viscous
+
+    def reduced_mass(self):
+        """Of the free bodies: the others are infinitely heavy."""
+        values = self.values
+        free = [body for body in ("source", "destination") if values[f"{body}.motion"] == "free"]
+        return 1 / sum(1 / REAL(values[f"{body}.mass"]) for body in free)
+
+    def damping_ratio(self):
+        """sin(phi), for which an impact loses the factor exp(-turned tan(phi)): support/scenes/head_on.py.
+        mpmath inverts it with complex phi, that is beyond critical damping too.
+        """
+        wanted = -mpmath.log(mpmath.mpf(float(self.values["contact.restitution"])))
+        if self.values["contact.dashpot"] == "unclamped":
+            return REAL(float(wanted / mpmath.hypot(mpmath.pi, wanted)))
+        times = 2 if self.values["contact.dashpot"] == "non_adhesive" else 1
+
+        def missing(ratio):
+            phi = mpmath.asin(mpmath.mpc(ratio))
+            return mpmath.re(times * (mpmath.pi / 2 - phi) * mpmath.tan(phi)) - wanted
+
+        return REAL(float(mpmath.findroot(missing, (0.1, 0.9 + wanted), solver="anderson", tol=1e-28)))
 
     def normal_force(self, gap, gap_rate):
         """F_n of the laws and dashpots of DESIGN section 1."""
