@@ -7,7 +7,8 @@ from pathlib import Path
 
 from contact_fmus.errors import UserError, similar
 from contact_fmus.plot.command import add_run_options, output_file
-from contact_fmus.plot.source import KINDS, Run, find, open_runs
+from contact_fmus.plot.source import Run, open_runs
+from contact_fmus.scenarios.target import ANY, find, words
 
 from .page import write_page
 
@@ -18,12 +19,14 @@ def main(arguments: list[str] | None = None) -> int:
         prog="contact-fmus animate",
         description="Writes a page that plays a run in three dimensions. It needs no network.",
     )
-    parser.add_argument("source", help=f"{KINDS}; of shipped ones the name")
+    parser.add_argument(
+        "source", metavar="FMU|SCENARIO|RESULT", help=f"{words(ANY)}; of shipped ones the name"
+    )
     add_run_options(parser)
     parser.add_argument("--variant", metavar="LABEL", help="which run of a scenario; default the last")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="default NAME.html here")
     options = parser.parse_args(arguments)
-    output = output_file(options.output, find(options.source).stem + ".html", (".html",))
+    output = output_file(options.output, find(options.source, ANY).stem + ".html", (".html",))
     runs = open_runs(options.source, options.set, options.stop, options.fmu)
     write_page(_chosen(runs, options.variant), output)
     print(output)

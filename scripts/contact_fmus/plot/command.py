@@ -6,9 +6,10 @@ import argparse
 from pathlib import Path
 
 from contact_fmus.errors import UserError, similar
+from contact_fmus.scenarios.target import ANY, find, words
 
 from . import page, panels, picture
-from .source import KINDS, find, open_runs
+from .source import open_runs
 
 SUFFIXES = (*picture.SUFFIXES, ".html")
 
@@ -19,7 +20,9 @@ def main(arguments: list[str] | None = None) -> int:
         prog="contact-fmus plot",
         description="Draws gaps, forces, positions and energies of any scene over time.",
     )
-    parser.add_argument("source", help=f"{KINDS}; of shipped ones the name")
+    parser.add_argument(
+        "source", metavar="FMU|SCENARIO|RESULT", help=f"{words(ANY)}; of shipped ones the name"
+    )
     parser.add_argument(
         "--variables", nargs="+", default=[], metavar="NAME", help="drawn instead; * stands for anything"
     )
@@ -28,7 +31,7 @@ def main(arguments: list[str] | None = None) -> int:
         "-o", "--output", type=Path, metavar="FILE", help=f"{', '.join(SUFFIXES)}; default NAME.png here"
     )
     options = parser.parse_args(arguments)
-    output = output_file(options.output, find(options.source).stem + ".png", SUFFIXES)
+    output = output_file(options.output, find(options.source, ANY).stem + ".png", SUFFIXES)
     runs = open_runs(options.source, options.set, options.stop, options.fmu)
     first = runs[0].result
     drawn = panels.chosen(first, options.variables) if options.variables else panels.usual(first)

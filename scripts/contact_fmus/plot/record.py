@@ -15,9 +15,9 @@ from contact_fmus.errors import RunFailure, UserError
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError
 from contact_fmus.fmu.variables import Variable
 from contact_fmus.results import Result
+from contact_fmus.scenarios.target import Experiment
 
 from .contacts import Touch, missed, touches
-from .experiment import Experiment
 
 POINTS = 600  # of a run besides those for contacts: as many as a screen shows, and as many frames in 10 s
 DENSE = 8000  # shared by all contacts of a run
@@ -28,7 +28,7 @@ LEAST_STEP = 16  # roundings of the time: a shorter step could end where it bega
 
 def record_densely(experiment: Experiment, points: int = POINTS) -> Result:
     """`points` of the run in all, and some inside and beside each contact"""
-    even = np.linspace(experiment.start_time, experiment.stop, points + 1)
+    even = np.linspace(experiment.start_time, experiment.stop_time, points + 1)
     times = even
     for _ in range(SEARCHES):
         result = record(experiment, times)
@@ -54,7 +54,7 @@ def _around(touch: Touch, count: int) -> np.ndarray:
 
 def _distinct(times: np.ndarray, experiment: Experiment) -> np.ndarray:
     """Rising, inside the run, no two closer than a step can be"""
-    begin, end = experiment.start_time, experiment.stop
+    begin, end = experiment.start_time, experiment.stop_time
     times = np.unique(times[(times > begin) & (times < end)])
     least = LEAST_STEP * np.spacing(max(abs(begin), abs(end)))
     kept = [begin]
@@ -68,10 +68,10 @@ def record(experiment: Experiment, times: np.ndarray) -> Result:
     """The FMU's outputs and inputs at these times, the first of which is the start"""
     try:
         with ContactFmu(experiment.fmu) as fmu:
-            start = dict(experiment.start)
+            start = dict(experiment.values)
             for signal in experiment.inputs:
                 start[signal.variable] = signal.evaluate(experiment.start_time, 0)
-            fmu.start(start, experiment.tolerance, experiment.start_time, experiment.stop)
+            fmu.start(start, experiment.tolerance, experiment.start_time, experiment.stop_time)
             return _step_through(fmu, experiment, times)
     except FmuError as error:
         raise RunFailure(f"{experiment.fmu.name}: {error}") from None

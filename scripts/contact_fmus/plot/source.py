@@ -11,17 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from contact_fmus.errors import UserError, similar
-from contact_fmus.fmu.files import fmu_file, fmus_folder, repository, unpack
+from contact_fmus.errors import UserError
+from contact_fmus.fmu.files import unpack
 from contact_fmus.fmu.scene import Scene, read_scene
 from contact_fmus.results import Result
 from contact_fmus.scenarios.motion import Motion
-from contact_fmus.scenarios.scenario import ScenarioError, read_scenario
+from contact_fmus.scenarios.target import ANY, changed, drawn_runs, find
 
-from .experiment import Experiment, of_fmu, of_scenario
 from .record import record_densely
-
-KINDS = "a result (.csv), an FMU (.fmu) or a scenario (.toml)"
 
 
 @dataclass(frozen=True)
@@ -33,7 +30,7 @@ class Run:
 
 def open_runs(name: str, settings: Sequence[str], stop: float | None, fmu: Path | None = None) -> list[Run]:
     """One run, or those that a scenario compares. `settings`: NAME=VALUE; `fmu`: for results naming none."""
-    path = find(name)
+    path = find(name, ANY)
     if path.suffix == ".csv":
         if settings or stop is not None:
             raise UserError(f"{path}: --set and --stop are for runs; this one is over")
@@ -42,19 +39,9 @@ def open_runs(name: str, settings: Sequence[str], stop: float | None, fmu: Path 
             raise UserError(f"{path}: {len(result.time)} row of values; two are needed")
         result.fmu = fmu or result.fmu
         return [Run(path.stem, "", result)]
-    experiments = _experiments(path, settings, stop)
+    with readable(path):
+        experiments = [changed(one, settings, stop) for one in drawn_runs(path)]
     return [Run(one.title, one.label, record_densely(one)) for one in experiments]
-
-
-def _experiments(path: Path, settings: Sequence[str], stop: float | None) -> list[Experiment]:
-    if path.suffix == ".fmu":
-        with readable(path):
-            return [of_fmu(path, settings, stop)]
-    try:
-        scenario = read_scenario(path)
-    except ScenarioError as error:
-        raise UserError(str(error)) from None
-    return [of_scenario(scenario, variant, settings, stop) for variant in scenario.plotted()]
 
 
 @contextlib.contextmanager
@@ -67,28 +54,6 @@ def readable(fmu: Path) -> Iterator[None]:
     except Exception as error:
         text = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise UserError(f"{fmu}: this is no FMU that can be run: {text}") from None
-
-
-def find(name: str) -> Path:
-    """The file of this name, or the shipped FMU or scenario"""
-    path = Path(name)
-    if path.suffix in (".csv", ".fmu", ".toml"):
-        if not path.is_file():
-            raise UserError(f"{name}: no such file{similar(path.name, _neighbours(path))}")
-        return path
-    if path.is_file() or path.is_dir():
-        raise UserError(f"{name}: {KINDS} is needed")
-    scenarios = {file.stem: file for file in (repository() / "scripts" / "scenarios").glob("*.toml")}
-    fmus = [file.stem for file in fmus_folder().glob("*.fmu")]
-    if name in fmus:
-        return fmu_file(name)
-    if name in scenarios:
-        return scenarios[name]
-    raise UserError(f"no FMU or scenario '{name}'{similar(name, [*fmus, *scenarios])}; {KINDS} will do")
-
-
-def _neighbours(path: Path) -> list[str]:
-    return [file.name for file in path.parent.glob("*.*")] if path.parent.is_dir() else []
 
 
 def motion_of(result: Result) -> Motion:

@@ -13,14 +13,10 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
-from contact_fmus.errors import UserError
-from contact_fmus.fmu.files import unpack
-from contact_fmus.fmu.settings import read_settings
-from contact_fmus.fmu.variables import read_variables
 from contact_fmus.results import Result
+from contact_fmus.scenarios.target import Experiment, changed, find, first_run
 
 from .simulate import StoppedEarly, simulate
-from .target import Experiment, find_experiment
 
 EPILOG = """examples:
   contact-fmus run SphereSphere --set contact.dashpot=unclamped --stop 1 --csv bounce.csv
@@ -32,8 +28,6 @@ def main(arguments: list[str] | None = None) -> int:
     """0: run to its end; 2: the request makes no sense; 3: the FMU refused on the way"""
     options = _parser().parse_args(arguments)
     experiment = _experiment(options)
-    if experiment.note:
-        print(experiment.note, file=sys.stderr)
     try:
         result = _with_progress(experiment, options.output_interval)
     except StoppedEarly as stopped:
@@ -91,17 +85,13 @@ def number(text: str) -> float:
 
 def _experiment(options: argparse.Namespace) -> Experiment:
     """The target's own experiment, and what the options change of it"""
-    experiment = find_experiment(options.target)
-    variables = read_variables(unpack(experiment.fmu)[1])
-    values = experiment.values | read_settings(options.set, variables, experiment.fmu.name)
-    stop = options.stop if options.stop is not None else experiment.stop_time
-    if stop <= experiment.start_time:
-        raise UserError(f"--stop {stop} s is not after the start at {experiment.start_time} s")
+    experiment, note = first_run(find(options.target))
+    experiment = changed(experiment, options.set, options.stop)
+    if note:
+        print(note, file=sys.stderr)
     return dataclasses.replace(
         experiment,
-        values=values,
-        stop_time=stop,
-        step=options.step or min(experiment.step, stop - experiment.start_time),
+        step=options.step or experiment.step,
         tolerance=options.tolerance or experiment.tolerance,
     )
 

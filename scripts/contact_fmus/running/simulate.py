@@ -13,8 +13,7 @@ from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError
 from contact_fmus.fmu.settings import known
 from contact_fmus.fmu.variables import Variable
 from contact_fmus.results import Result
-
-from .target import Experiment
+from contact_fmus.scenarios.target import Experiment
 
 RECORDED = ("output", "input")
 PARAMETERS = ("parameter", "calculatedParameter")
