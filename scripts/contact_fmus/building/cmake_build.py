@@ -26,9 +26,10 @@ from contact_fmus.fmu.files import is_clone, repository
 # A user's own flags may let a compiler choose digits; cmake/ContactWarnings.cmake has those of all FMUs.
 FLAGS_OF_OTHERS = ("CFLAGS", "CPPFLAGS", "LDFLAGS", "CC")
 
-# zig compiles a run-time library once for each kind of build: here one kind for CMake's trials and for FMUs
-# alike. The linker leaves symbols out, since strip may not be installed.
-ZIG = {"CMAKE_C_FLAGS": "-O2", "CMAKE_EXE_LINKER_FLAGS": "-s", "CMAKE_MODULE_LINKER_FLAGS": "-s"}
+# zig compiles a run-time library, in seconds, once for each kind of build: here one kind for CMake's trials
+# and for FMUs alike. -s leaves symbols out, since strip may not be installed; zig takes it when it compiles
+# as well, and CMake's first trial, which knows no flags of the linker, would else have one of its own.
+ZIG = {"CMAKE_C_FLAGS": "-O2 -s"}
 
 
 @dataclass(frozen=True)
