@@ -114,12 +114,16 @@ def amalgamated(units, source, scene, fmi):
         with_it = "".join(one.text(unit) for unit in cvode)
         without = one.text(source / "integrator" / "cvode_absent.c")
         body += f"\n#ifdef CONTACT_WITH_CVODE\n{with_it}\n#else\n{without}\n#endif\n"
-    spheres = 'set(SCENE_HAS_CYLINDER "OFF")' in about
+    # What the contact folder, which knows no scene, hears of it.
+    absent = {"CYLINDER": "CONTACT_SPHERES_ONLY", "HERTZ": "CONTACT_LINEAR_ONLY"}
+    definitions = [
+        f"#define {macro}\n" for what, macro in absent.items() if f"set(SCENE_HAS_{what} OFF)" in about
+    ]
     name = re.search(r'SCENE_NAME "(\w+)"', about)[1]
     head = HEAD.format(
         name=name,
         fmi=fmi,
-        definitions="#define CONTACT_SPHERES_ONLY\n" if spheres else "",
+        definitions="".join(definitions),
         libraries="".join(f"#include <{library}>\n" for library in sorted(one.libraries)),
     )
     return name, head + without_comments(body) + TAIL

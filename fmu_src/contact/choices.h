@@ -10,6 +10,8 @@ enum location { LOCATION_AUTOMATIC = 1, LOCATION_OUTSIDE, LOCATION_INSIDE };
 
 enum method { METHOD_PENALTY = 1, METHOD_PENALTY_DYNAMIC };
 
+enum contact_force_law { LAW_LINEAR = 1, LAW_HERTZ };
+
 enum penalty_control {
     PENALTY_CONTROL_AUTOMATIC = 1,
     PENALTY_CONTROL_USER_DEFINED,

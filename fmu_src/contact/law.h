@@ -5,10 +5,15 @@
  *   penalty, dynamic   F_n = -p_n g - p_nv g'
  *   viscous only       F_n = -p_nv g'             (p_n = 0)
  *
- * for g < 0, zero otherwise. The dashpot says what becomes of the viscous term: unclamped (as it stands),
- * non-adhesive (F_n clipped at zero) or acting on approach only. In each regime the force is F_n = -(k g + c
- * g') with constant k and c, a smooth function of the motion; the regimes change where a smooth function
- * passes through zero.
+ * for g < 0, zero otherwise; or, with delta = -g, Hertz's law with the damping of Hunt and Crossley
+ * (hertz_law.h)
+ *
+ *   hertz              F_n = k_h delta^(3/2) (1 + chi delta')
+ *
+ * The dashpot says what becomes of the viscous term: unclamped (as it stands),
+ * non-adhesive (F_n clipped at zero) or acting on approach only. In each regime the force is a smooth
+ * function of the motion, of the linear law F_n = -(k g + c g') with constant k and c; the regimes change
+ * where a smooth function passes through zero.
  */
 #ifndef CONTACT_CONTACT_LAW_H
 #define CONTACT_CONTACT_LAW_H
@@ -18,10 +23,23 @@
 #include "contact/choices.h"
 
 struct contact_law {
-    double stiffness;     /* p_n in force [N/m]; 0 for viscous only */
-    double damping;       /* p_nv in force [N s/m]; 0 for the undamped penalty method */
+    double stiffness;     /* p_n in force [N/m], 0 for viscous only; k_h [N/m^1.5] */
+    double damping;       /* p_nv in force [N s/m], 0 for the undamped penalty method; chi [s/m] */
     enum dashpot dashpot; /* without damping it plays no part */
+    enum contact_force_law law;
 };
+
+/* Whether it is Hertz's law; never, at compile time, where the build knows of the linear law only
+ * (ContactFmu.cmake). */
+static inline bool contact_is_hertz(const struct contact_law *law)
+{
+#ifdef CONTACT_LINEAR_ONLY
+    (void)law;
+    return false;
+#else
+    return law->law == LAW_HERTZ;
+#endif
+}
 
 enum contact_regime {
     REGIME_APART,       /* no contact: g >= 0 or beyond a cylinder's end */
@@ -34,8 +52,9 @@ struct contact_coefficients {
     double k, c; /* F_n = -(k g + c g') [N/m, N s/m] */
 };
 
-/* The constants of the linear law in a regime. For what is in closed form because the law is linear, and for
- * reporting p_n and p_nv; whoever only needs forces and events asks the functions below. */
+/* The constants of the linear law in a regime, zero of any other law. For what is in closed form because the
+ * law is linear, and for reporting p_n and p_nv; whoever only needs forces and events asks the functions
+ * below. */
 struct contact_coefficients contact_coefficients_of(const struct contact_law *law,
                                                     enum contact_regime regime);
 
@@ -44,6 +63,9 @@ static inline double contact_linear_force(struct contact_coefficients linear, do
 {
     return -(linear.k * gap + linear.c * gap_rate);
 }
+
+/* The factors of either law: p_n and p_nv, or k_h and chi. */
+struct contact_coefficients contact_factors_of(const struct contact_law *law);
 
 /* The regime of a contact with gap g and rate g', within (or beyond) the destination's extents. */
 enum contact_regime contact_regime_of(const struct contact_law *law, double gap, double gap_rate,
@@ -73,17 +95,23 @@ double contact_force_term(const struct contact_law *law, const struct contact_la
  * The event function of a regime, positive within it: its fall through zero ends the regime by the law itself
  * (not by the gap).
  *
- *   dashpot         compression   restitution   separating
- *   non-adhesive    F_n                         -F_n of compression
- *   approach-only   -g'           g'
+ *   dashpot                compression   restitution   separating
+ *   non-adhesive           F_n                         -F_n of compression
+ *   non-adhesive, hertz    1 - chi g'                  chi g' - 1
+ *   approach-only          -g'           g'
  *
- * 1 where the law ends nothing.
+ * 1 where the law ends nothing. Hertz's F_n is zero wherever g is, and says nothing there.
  */
 double contact_event(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate);
 struct contact_slopes contact_event_slopes(const struct contact_law *law, enum contact_regime regime,
                                            double gap, double gap_rate);
 
-/* A value of the event function as a force [N]: that of an approach-only dashpot is a rate. */
+/* Coefficient `order` of the event function of separating along a path. */
+double contact_separating_event_term(const struct contact_law *law, const double *gap, const double *gap_rate,
+                                     int order);
+
+/* A value of the event function as a force [N]: that of an approach-only dashpot is a rate. Of Hertz's law
+ * it has no unit, and 1 N stands for 1. */
 double contact_event_force(const struct contact_law *law, double event);
 
 /* Whether the law ever ends a regime, and the regime after its event. */
@@ -93,7 +121,7 @@ enum contact_regime contact_regime_after(const struct contact_law *law, enum con
 /* Whether contact gives back all the energy that it takes. */
 bool contact_is_elastic(const struct contact_law *law);
 
-/* E_c = p_n g^2 / 2 while overlapping [J], its first two derivatives with respect to g [N], [N/m], and its
+/* E_c = p_n g^2 / 2, or 2/5 k_h delta^(5/2), while overlapping [J], its first two derivatives with respect to g [N], [N/m], and its
  * coefficient `order` along a path, with `change` as in contact_force_term. */
 double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap);
 double contact_stored_slope(const struct contact_law *law, enum contact_regime regime, double gap);
@@ -107,36 +135,5 @@ double contact_dissipated_power(const struct contact_law *law, enum contact_regi
 double contact_dissipated_term(const struct contact_law *law, enum contact_regime regime,
                                const double *normal_force, const double *gap, const double *gap_rate,
                                int order);
-
-/* What sets the penalty factors, as the user chose it. */
-struct contact_factors {
-    enum method method;
-    enum penalty_control penalty_control;
-    enum viscous_control viscous_control;
-    double multiplier;             /* f_p [1] */
-    double penalty_factor;         /* p_n [N/m], user defined */
-    double characteristic_time;    /* tau_n [s] */
-    double viscous_penalty_factor; /* p_nv [N s/m], user defined */
-    double reference_modulus;      /* E_ref [Pa] */
-    double restitution;            /* e [1] */
-    double inverse_mass;           /* 1 / m_red: sum of the free bodies' inverse masses [1/kg] */
-};
-
-/* The factors in force. Automatic: p_n = f_p E_ref diag, p_nv = tau_n p_n; viscous only: p_n = 0,
- * p_nv = tau_n E_ref diag. Restitution: p_nv = 2 zeta sqrt(p_n m_red) with zeta of restitution.h. `diagonal`
- * is that of the bounding box of both bodies [m]. */
-struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot,
-                                  double diagonal);
-
-/* The derivatives of the factors `at` the present ones where the diagonal changes at `diagonal_slope`:
- * automatic ones are proportional to it, others do not know it, that of restitution goes with the root of
- * p_n. */
-struct contact_law contact_law_slope(const struct contact_factors *factors, struct contact_coefficients at,
-                                     double diagonal_slope);
-
-/* The law with these factors in force. The choices, constants where a scene pins them, leave out what they do
- * not need. */
-struct contact_law contact_law_with(struct contact_coefficients factors, enum method method,
-                                    enum penalty_control penalty_control, enum dashpot dashpot);
 
 #endif

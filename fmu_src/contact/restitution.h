@@ -29,4 +29,17 @@
  */
 CONTACT_COLD double restitution_damping_ratio(double restitution, enum dashpot dashpot);
 
+/*
+ * The number y = chi v of Hunt and Crossley's law, with the speed v of the onset, for e in [0, 1]; it does not
+ * depend on the spring, nor on the exponent of its force.
+ *
+ *   full damping    y (1 + e) = ln((1 + y)/(1 - e y)); the force then never pulls: unclamped is non-adhesive
+ *   approach-only   e^2 = 2 (y - ln(1 + y))/y^2
+ *
+ * Source: with the energy E of the spring for a state of motion, v dv/dE = -(1 + chi v)/m; both are its
+ * integrals from the touch to the deepest point, E = (m/chi^2)(y - ln(1 + y)), and back. Marhefka and Orin,
+ * IEEE Transactions on Systems, Man, and Cybernetics A 29 (1999) 566.
+ */
+CONTACT_COLD double restitution_hunt_crossley(double restitution, enum dashpot dashpot);
+
 #endif

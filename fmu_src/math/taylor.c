@@ -30,6 +30,19 @@ double taylor_root(const double *s, const double *r, int order)
     return sum / (2.0 * r[0]);
 }
 
+/* a p' = exponent a' p, order by order. */
+double taylor_power(const double *a, double exponent, const double *p, int order)
+{
+    if (order == 0) {
+        return pow(a[0], exponent);
+    }
+    double sum = 0.0;
+    for (int i = 1; i <= order; ++i) {
+        sum += (exponent * i - (order - i)) * a[i] * p[order - i];
+    }
+    return sum / (order * a[0]);
+}
+
 double taylor_divide(const double *a, const double *b, const double *q, int order)
 {
     double sum = a[order];

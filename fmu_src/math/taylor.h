@@ -25,6 +25,9 @@ double taylor_multiply(const double *a, const double *b, int order);
 /* Coefficient of the root r of s > 0, r r = s; coefficients below `order` of r are known. */
 double taylor_root(const double *s, const double *r, int order);
 
+/* Coefficient of the power p = a^exponent, a[0] > 0; coefficients below `order` of p are known. */
+double taylor_power(const double *a, double exponent, const double *p, int order);
+
 /* Coefficient of the quotient q = a / b, b[0] != 0. */
 double taylor_divide(const double *a, const double *b, const double *q, int order);
 struct vec3 taylor_divide_vec3(const struct taylor_vec3 *a, const double *b, const struct taylor_vec3 *q,

@@ -67,19 +67,20 @@ enum model_status model_setup(struct model *m, bool tolerance_defined, double to
 
 enum model_status model_exit_initialization(struct model *m)
 {
-    enum model_status status = model_check_consistency(m);
-    if (status != MODEL_OK) {
-        return status;
+    const enum model_status checked = model_check_consistency(m);
+    if (checked > MODEL_WARNING) {
+        return checked;
     }
     model_prepare(m);
     if (!m->host.exchange) {
-        status = motion_open(m, &m->state.values, "Initialization failed");
+        const enum model_status status = motion_open(m, &m->state.values, "Initialization failed");
+        if (status != MODEL_OK) {
+            return status;
+        }
     }
-    if (status == MODEL_OK) {
-        m->state.initialized = 1;
-        m->outputs = OUTPUTS_NONE;
-    }
-    return status;
+    m->state.initialized = 1;
+    m->outputs = OUTPUTS_NONE;
+    return checked;
 }
 
 double model_time(const struct model *m)

@@ -3,6 +3,7 @@
 
 #include "model/motion.h"
 #include "model/shortest.h"
+#include "scene/onset.h"
 
 /* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d
  * n. */
@@ -34,9 +35,13 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     const enum contact_regime regime = (enum contact_regime)state->regime;
     const bool within = scene_within_extents(&shape, g);
     const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
+    const struct contact_coefficients none = {0.0, 0.0};
     const struct contact_coefficients factors = contact_coefficients_of(&law, REGIME_COMPRESSION);
     put_contact_effective_penalty_factor(v, contact, factors.k);
     put_contact_effective_viscous_penalty_factor(v, contact, factors.c);
+    const struct contact_coefficients hertz = contact_is_hertz(&law) ? contact_factors_of(&law) : none;
+    put_contact_effective_hertz_stiffness(v, contact, hertz.k);
+    put_contact_effective_hunt_crossley_factor(v, contact, hertz.c);
     put_contact_diagonal(v, contact, state->parameters.diagonal);
     put_contact_gap(v, contact, within ? g->gap : contact_gap_beyond_ends(v, contact));
     put_contact_gap_rate(v, contact, within ? g->gap_rate : 0.0);
@@ -46,7 +51,7 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     put_contact_active(v, contact, regime != REGIME_APART);
     put_contact_within_extents(v, contact, within);
     put_force(v, contact, force, vec3_scale(-shape.side * force, g->normal));
-    return force + g->distance + g->gap_rate + factors.k + factors.c;
+    return force + g->distance + g->gap_rate + factors.k + factors.c + hertz.k + hertz.c;
 }
 
 static void warn_of_missing_direction(struct model *m, const struct scene_instant *at)
@@ -88,7 +93,7 @@ static void update_all(struct model *m)
     scene_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (scene_is_force_element(v) && !(SCENE_STATES > 0 && m->host.exchange)) {
-            q->contact[j].regime = (int32_t)scene_regime(v, q, &at, j);
+            q->contact[j].regime = (int32_t)onset_note(v, q, &at, j, scene_regime(v, q, &at, j));
         }
         q->contact[j].normal = at.geometry[j].normal;
         sum += put_contact(v, q, &at, j);

@@ -3,6 +3,8 @@
 #include <string.h>
 
 #include "contact/bounding_box.h"
+#include "contact/factors.h"
+#include "contact/hertz_stiffness.h"
 #include "model/motion.h"
 #include "model/shortest.h"
 
@@ -41,19 +43,47 @@ static void start_boxes(const struct scene_values *v, const struct scene_state *
     boxes[1] = body_box(v, to, vec3_add(apart, moved));
 }
 
-static struct contact_factors factors_of(const struct scene_values *v, int contact)
+static struct contact_material material_of(const struct scene_values *v, int body)
 {
-    return (struct contact_factors){
-        .method = (enum method)contact_method(v, contact),
-        .penalty_control = (enum penalty_control)contact_penalty_control(v, contact),
-        .viscous_control = (enum viscous_control)contact_viscous_control(v, contact),
-        .multiplier = contact_penalty_multiplier(v, contact),
-        .penalty_factor = contact_penalty_factor(v, contact),
-        .characteristic_time = contact_characteristic_time(v, contact),
-        .viscous_penalty_factor = contact_viscous_penalty_factor(v, contact),
-        .reference_modulus = contact_reference_modulus(v, contact),
-        .restitution = contact_restitution(v, contact),
-        .inverse_mass = scene_inverse_mass(v, contact)};
+    return (struct contact_material){body_youngs_modulus(v, body), body_poissons_ratio(v, body)};
+}
+
+/* k_h of Hertz's theory, or the user's. */
+static double hertz_stiffness_of(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    if (!scene_is_hertz(v, contact) || contact_penalty_control(v, contact) != PENALTY_CONTROL_AUTOMATIC) {
+        return contact_hertz_stiffness(v, contact);
+    }
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    return hertz_stiffness(&shape, hertz_modulus(material_of(v, contact_source(contact)),
+                                                 material_of(v, contact_destination(contact))));
+}
+
+/* Never restitution, to the compiler too, where the scene has none. */
+static enum viscous_control viscous_control_of(const struct scene_values *v, int contact)
+{
+    const int control = contact_viscous_control(v, contact);
+    return SCENE_ANY_RESTITUTION || control != VISCOUS_CONTROL_RESTITUTION ? (enum viscous_control)control
+                                                                           : VISCOUS_CONTROL_USER_DEFINED;
+}
+
+static struct contact_factors factors_of(const struct scene_values *v, const struct scene_state *q,
+                                         int contact)
+{
+    return (struct contact_factors){.law = scene_is_hertz(v, contact) ? LAW_HERTZ : LAW_LINEAR,
+                                    .hertz_stiffness = hertz_stiffness_of(v, q, contact),
+                                    .hunt_crossley_factor = contact_hunt_crossley_factor(v, contact),
+                                    .method = (enum method)contact_method(v, contact),
+                                    .penalty_control =
+                                        (enum penalty_control)contact_penalty_control(v, contact),
+                                    .viscous_control = viscous_control_of(v, contact),
+                                    .multiplier = contact_penalty_multiplier(v, contact),
+                                    .penalty_factor = contact_penalty_factor(v, contact),
+                                    .characteristic_time = contact_characteristic_time(v, contact),
+                                    .viscous_penalty_factor = contact_viscous_penalty_factor(v, contact),
+                                    .reference_modulus = contact_reference_modulus(v, contact),
+                                    .restitution = contact_restitution(v, contact),
+                                    .inverse_mass = scene_inverse_mass(v, contact)};
 }
 
 double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate)
@@ -65,7 +95,7 @@ double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate
 
 struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope)
 {
-    const struct contact_factors factors = factors_of(&m->state.values, contact);
+    const struct contact_factors factors = factors_of(&m->state.values, &m->state.motion, contact);
     return contact_law_slope(&factors, m->state.motion.contact[contact].parameters.factors, diagonal_slope);
 }
 
@@ -82,10 +112,6 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
     struct bounding_box boxes[2];
     start_boxes(v, q, contact, boxes);
     state->parameters.diagonal = bounding_box_diagonal(&boxes[0], &boxes[1]);
-    const struct contact_factors factors = factors_of(v, contact);
-    const struct contact_law law =
-        contact_law_of(&factors, (enum dashpot)contact_dashpot(v, contact), state->parameters.diagonal);
-    state->parameters.factors = contact_coefficients_of(&law, REGIME_COMPRESSION);
     state->side = 1;
     state->regime = (int32_t)REGIME_APART;
 #if SCENE_ANY_CYLINDER
@@ -103,6 +129,10 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
         state->side = shape.side;
     }
     state->normal = at.geometry[contact].normal;
+    const struct contact_factors factors = factors_of(v, q, contact);
+    const struct contact_law law =
+        contact_law_of(&factors, (enum dashpot)contact_dashpot(v, contact), state->parameters.diagonal);
+    state->parameters.factors = contact_factors_of(&law);
 }
 
 void model_prepare(struct model *m)
@@ -128,12 +158,32 @@ void model_prepare(struct model *m)
     }
 }
 
-/* A coefficient of restitution needs a spring that throws the bodies apart, and a body that can be thrown. */
+/* The factor that a contact's spring is made of; its name. */
+struct spring_factor {
+    double value;
+    const char *name;
+};
+
+static struct spring_factor spring_factor_of(const struct scene_values *v, int contact)
+{
+    const bool automatic = contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC;
+    if (scene_is_hertz(v, contact)) { /* a modulus is never zero */
+        return (struct spring_factor){automatic ? 1.0 : contact_hertz_stiffness(v, contact),
+                                      "hertz_stiffness"};
+    }
+    return automatic ? (struct spring_factor){contact_penalty_multiplier(v, contact), "penalty_multiplier"}
+                     : (struct spring_factor){contact_penalty_factor(v, contact), "penalty_factor"};
+}
+
+/* A coefficient of restitution needs a spring that throws the bodies apart, and with the linear law the mass
+ * of a body that can be thrown. */
 static enum model_status check_restitution(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
     const char *name = scene_contact_name(contact);
-    if (contact_viscous_control(v, contact) != VISCOUS_CONTROL_RESTITUTION ||
+    const char *source = scene_body_name(contact_source(contact));
+    const char *destination = scene_body_name(contact_destination(contact));
+    if (!SCENE_ANY_RESTITUTION || contact_viscous_control(v, contact) != VISCOUS_CONTROL_RESTITUTION ||
         contact_method(v, contact) == METHOD_PENALTY) {
         return MODEL_OK;
     }
@@ -143,25 +193,37 @@ static enum model_status check_restitution(struct model *m, int contact)
                             "without a spring there is no rebound (allowed: automatic, user_defined).",
                             name, name);
     }
-    if (contact_is_driven(v, contact)) {
+    if (contact_is_driven(v, contact) && !scene_is_hertz(v, contact)) {
         return model_report(
             m, MODEL_ERROR,
             "%s.viscous_control = restitution contradicts the motion of %s and %s: neither is "
             "free, and p_nv depends on their masses (allowed: %s.motion = free or "
             "%s.motion = free).",
-            name, scene_body_name(contact_source(contact)), scene_body_name(contact_destination(contact)),
-            scene_body_name(contact_source(contact)), scene_body_name(contact_destination(contact)));
+            name, source, destination, source, destination);
     }
-    const bool is_given = contact_penalty_control(v, contact) == PENALTY_CONTROL_USER_DEFINED;
-    if (is_given ? contact_penalty_factor(v, contact) == 0.0
-                 : contact_penalty_multiplier(v, contact) == 0.0) {
+    const struct spring_factor spring = spring_factor_of(v, contact);
+    if (spring.value == 0.0) {
         return model_report(
             m, MODEL_ERROR,
             "%s.viscous_control = restitution contradicts %s.%s = 0: without a spring there is "
             "no rebound (allowed: a factor above 0).",
-            name, name, is_given ? "penalty_factor" : "penalty_multiplier");
+            name, name, spring.name);
     }
     return MODEL_OK;
+}
+
+/* What one law has and the other has not. */
+static enum model_status check_law(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const char *name = scene_contact_name(contact);
+    if (scene_is_hertz(v, contact) && contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.penalty_control = viscous_only contradicts %s.law = hertz "
+                            "(allowed: automatic, user_defined; viscous_only with law linear).",
+                            name, name);
+    }
+    return check_restitution(m, contact);
 }
 
 static enum model_status check_contact(struct model *m, int contact)
@@ -192,7 +254,7 @@ static enum model_status check_contact(struct model *m, int contact)
                             "(allowed: at least one component other than zero).",
                             destination, destination, destination);
     }
-    return check_restitution(m, contact);
+    return check_law(m, contact);
 }
 
 /* Finite parameters can still multiply to infinity. */
@@ -203,6 +265,12 @@ static enum model_status check_factors(struct model *m, int contact)
         return MODEL_OK;
     }
     const char *name = scene_contact_name(contact);
+    if (scene_is_hertz(&m->state.values, contact)) {
+        return model_report(m, MODEL_ERROR,
+                            "Hertz's factors of %s are not finite: k_h = %g N/m^1.5, chi = %g s/m "
+                            "(allowed: finite products of moduli, radii and times).",
+                            name, state->parameters.factors.k, state->parameters.factors.c);
+    }
     return model_report(
         m, MODEL_ERROR,
         "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N s/m from "
@@ -229,6 +297,28 @@ static enum model_status check_start(struct model *m)
                                         "(allowed: finite forces and energies).");
 }
 
+/* Hertz's theory takes the contact for small beside the bodies. */
+static enum model_status warn_of_conforming(struct model *m)
+{
+    enum model_status status = MODEL_OK;
+    const struct scene_values *v = &m->state.values;
+    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
+        const struct contact_shape shape = scene_contact_shape(v, &m->state.motion, j);
+        if (scene_is_hertz(v, j) && contact_penalty_control(v, j) == PENALTY_CONTROL_AUTOMATIC &&
+            hertz_is_conforming(&shape)) {
+            status = model_report(
+                m, MODEL_WARNING,
+                "%s: %s.radius = %s m is hardly smaller than %s.radius = %s m around it: such "
+                "surfaces follow each other, and the stiffness of Hertz's theory is only "
+                "roughly right (its range: up to nine tenths).",
+                scene_contact_name(j), scene_body_name(contact_source(j)),
+                shortest_digits(shape.source_radius).text, scene_body_name(contact_destination(j)),
+                shortest_digits(shape.other_radius).text);
+        }
+    }
+    return status;
+}
+
 enum model_status model_check_consistency(struct model *m)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -241,5 +331,6 @@ enum model_status model_check_consistency(struct model *m)
             return status;
         }
     }
-    return check_start(m);
+    const enum model_status status = check_start(m);
+    return status == MODEL_OK ? warn_of_conforming(m) : status;
 }

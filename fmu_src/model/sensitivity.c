@@ -154,6 +154,10 @@ static double input_derivative(const struct model *m, const struct scene_instant
         return contact_coefficients_of(&along->law_slope[j], REGIME_COMPRESSION).k;
     case ROW_contact_effective_viscous_penalty_factor:
         return contact_coefficients_of(&along->law_slope[j], REGIME_COMPRESSION).c;
+    case ROW_contact_effective_hertz_stiffness:
+        return 0.0; /* of shapes and materials, which inputs do not change */
+    case ROW_contact_effective_hunt_crossley_factor:
+        return contact_is_hertz(&along->law_slope[j]) ? contact_factors_of(&along->law_slope[j]).c : 0.0;
 #if HAS_contact_diagonal
     case ROW_contact_diagonal:
         return diagonal_slope(m, along, j);

@@ -2,6 +2,7 @@
 
 #include <float.h>
 
+#include "contact/factors.h"
 #include "scene/free_bodies.h"
 
 struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
@@ -29,9 +30,16 @@ struct contact_shape scene_contact_shape(const struct scene_values *v, const str
 
 struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    return contact_law_with(q->contact[contact].parameters.factors, (enum method)contact_method(v, contact),
+    struct contact_coefficients factors = q->contact[contact].parameters.factors;
+#if SCENE_ANY_HERTZ
+    if (scene_damps_by_onset(v, contact)) {
+        factors.c = q->contact[contact].onset_damping;
+    }
+#endif
+    return contact_law_with(factors, (enum method)contact_method(v, contact),
                             (enum penalty_control)contact_penalty_control(v, contact),
-                            (enum dashpot)contact_dashpot(v, contact));
+                            (enum dashpot)contact_dashpot(v, contact),
+                            (enum contact_force_law)contact_law(v, contact));
 }
 
 static struct body_instant body_at(const struct scene_values *v, const struct scene_state *q, double clock,
@@ -138,6 +146,17 @@ bool scene_within_extents(const struct contact_shape *shape, const struct contac
 double scene_beyond_ends(const struct contact_shape *shape, const struct contact_geometry *geometry)
 {
     return SCENE_ANY_CYLINDER ? fabs(geometry->axial) - shape->half_length : -(double)INFINITY;
+}
+
+bool scene_is_hertz(const struct scene_values *v, int contact)
+{
+    return SCENE_ANY_HERTZ && contact_law(v, contact) == LAW_HERTZ;
+}
+
+bool scene_damps_by_onset(const struct scene_values *v, int contact)
+{
+    return SCENE_ANY_RESTITUTION && scene_is_hertz(v, contact) &&
+           contact_viscous_control(v, contact) == VISCOUS_CONTROL_RESTITUTION;
 }
 
 double body_inverse_mass(const struct scene_values *v, int body)

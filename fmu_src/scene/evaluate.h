@@ -32,6 +32,11 @@ struct contact_shape scene_contact_shape(const struct scene_values *v, const str
                                          int contact);
 struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact);
 
+/* Whether a contact has Hertz's law; and one whose damping is made from the speed of each onset. Constant
+ * false in scenes without. */
+bool scene_is_hertz(const struct scene_values *v, int contact);
+bool scene_damps_by_onset(const struct scene_values *v, int contact);
+
 /* One body at the present state of q. */
 struct body_instant scene_body_now(const struct scene_values *v, const struct scene_state *q, int body);
 

@@ -56,7 +56,7 @@ static double rate_rounding(const struct scene_values *v, const struct contact_l
     const struct contact_geometry *g = &at->geometry[contact];
     const double angle = g->degenerate ? 0.0 : fmin(gap_rounding / g->distance, 1.0);
     const double spring = -contact_force_slopes(law, REGIME_COMPRESSION, g->gap, g->gap_rate).by_gap;
-    const double oscillation = sqrt(spring * scene_inverse_mass(v, contact));
+    const double oscillation = sqrt(fmax(spring, 0.0) * scene_inverse_mass(v, contact));
     return vec3_norm(at->rate[contact]) * angle + rounding_of_rate(at, contact) + oscillation * gap_rounding +
            tolerated;
 }

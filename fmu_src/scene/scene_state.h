@@ -36,7 +36,8 @@ struct body_path {
 
 /* What the start fixes. */
 struct contact_parameters {
-    struct contact_coefficients factors; /* p_n and p_nv in force [N/m, N s/m] */
+    /* p_n and p_nv in force [N/m, N s/m]; k_h and chi [N/m^1.5, s/m], with restitution k_h and chi v */
+    struct contact_coefficients factors;
     double diagonal;                     /* of the bounding box of both bodies at the start [m] */
 #if SCENE_ANY_CYLINDER
     struct vec3 axis; /* e_d, unit length; zero where the destination is a sphere */
@@ -91,6 +92,9 @@ struct contact_schedule {
 struct contact_state {
     struct vec3 normal; /* the last valid n, for d = 0 */
     struct contact_parameters parameters;
+#if SCENE_ANY_HERTZ
+    double onset_damping; /* with restitution: chi of the contact under way, or of the last one [s/m] */
+#endif
 #if SCENE_ANY_FREE
     struct contact_physics physics;
     struct contact_record record;

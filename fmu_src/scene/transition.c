@@ -3,6 +3,7 @@
 #include <float.h>
 
 #include "scene/energy.h"
+#include "scene/onset.h"
 #include "scene/projection.h"
 #include "scene/rounding.h"
 
@@ -95,6 +96,7 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
     const double before = energy_stored(v, q, at);
     at->geometry[contact].gap = gap_at_change(v, q, at, contact, regime, lasted);
     q->contact[contact].physics.accumulated_gap = at->geometry[contact].gap;
+    regime = onset_note(v, q, at, contact, regime);
     set_regime(q, contact, regime);
     q->dissipated += before - energy_stored(v, q, at);
     counter_add(&q->counters.events, 1);
@@ -109,6 +111,7 @@ void transition_switch_regime(const struct scene_values *v, struct scene_state *
     scene_rebase(v, q);
     scene_kinematics_now(v, q, &at);
     const double before = energy_stored(v, q, &at);
+    regime = onset_note(v, q, &at, contact, regime);
     set_regime(q, contact, regime);
     q->dissipated += before - energy_stored(v, q, &at);
     counter_add(&q->counters.events, 1);
@@ -121,7 +124,7 @@ void transition_settle_regimes(const struct scene_values *v, struct scene_state 
     scene_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (starting || fabs(at.geometry[j].gap) > rounding_of_gap(v, &at, j)) {
-            set_regime(q, j, scene_regime(v, q, &at, j));
+            set_regime(q, j, onset_note(v, q, &at, j, scene_regime(v, q, &at, j)));
         }
     }
     if (!starting) {

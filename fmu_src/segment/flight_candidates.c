@@ -1,5 +1,16 @@
 #include "segment/flight_candidates.h"
 
+/* chi g' = 1, where Hunt and Crossley's damping would begin to pull: g' = side (c.w)/d, squared. */
+static struct polynomial hertz_condition(const struct relative_path *path, const struct contact_law *law)
+{
+    const double unit = contact_factors_of(law).c * path->scale / path->horizon;
+    const struct polynomial distance2 = relative_path_distance_squared(path);
+    const struct polynomial squared_rate = polynomial_multiply(&path->half_rate, &path->half_rate);
+    struct polynomial sum = {{0.0}, 0};
+    sum = polynomial_add(&sum, fmin(unit * unit, 1.0), &squared_rate);
+    return polynomial_add(&sum, -fmin(1.0 / (unit * unit), 1.0), &distance2);
+}
+
 /* k (d - reach) + c d' = 0, times d, with the root squared: (k d^2 + c d d')^2 = k^2 reach^2 d^2. */
 static struct polynomial law_condition(const struct relative_path *path, const struct contact_law *law)
 {
@@ -110,8 +121,11 @@ int candidates_of_all(const struct relative_path *path, const struct extremes *e
     }
     if (contact_has_events(law)) {
         count = add_candidates(&path->half_rate, candidates, count);
-        if (contact_regime_after(law, REGIME_COMPRESSION) == REGIME_SEPARATING &&
-            contact_coefficients_of(law, REGIME_COMPRESSION).k > 0.0) {
+        if (contact_is_hertz(law)) {
+            const struct polynomial condition = hertz_condition(path, law);
+            count = add_candidates(&condition, candidates, count);
+        } else if (contact_regime_after(law, REGIME_COMPRESSION) == REGIME_SEPARATING &&
+                   contact_coefficients_of(law, REGIME_COMPRESSION).k > 0.0) {
             const struct polynomial condition = law_condition(path, law);
             const struct polynomial nearby = law_condition_nearby(path, law);
             count = add_candidates(&condition, candidates, count);

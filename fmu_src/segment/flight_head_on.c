@@ -125,10 +125,9 @@ bool flight_head_on_regime_end(const struct contact_shape *shape, const struct c
     const struct parabola overlap = {-gap.value, -gap.rate, -gap.bend};
     const double gap_terms[3] = {gap.value, gap.rate, gap.bend};
     const double rate_terms[3] = {gap.rate, 2.0 * gap.bend, 0.0};
-    /* the event function while separating: the force of compression, negated */
     double terms[3];
     for (int i = 0; i < 3; ++i) {
-        terms[i] = -contact_force_term(law, NULL, REGIME_COMPRESSION, gap_terms, rate_terms, i);
+        terms[i] = contact_separating_event_term(law, gap_terms, rate_terms, i);
     }
     struct parabola margin = {terms[0], terms[1], terms[2]};
     if (fabs(margin.value) <= margin_rounding) {

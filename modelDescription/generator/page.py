@@ -49,6 +49,7 @@ CHOICES = (
     "contact.penalty_control=viscous_only",
     "contact.viscous_control=automatic", "contact.viscous_control=user_defined",
     "contact.viscous_control=restitution",
+    "contact.law=linear", "contact.law=hertz",
     "contact.dashpot=non_adhesive", "contact.dashpot=unclamped", "contact.dashpot=approach_only",
     "body.motion=fixed", "body.motion=prescribed", "body.motion=free",
     "body.finite_length=true", "body.finite_length=false",

@@ -56,7 +56,13 @@ class Start:
                 f"{contact.name}.penalty_control = viscous_only contradicts {contact.name}.method = penalty: "
                 "no force would be left (allowed: viscous_only with penalty_dynamic)"
             )
-        self.check_restitution(index, contact, viscous_only)
+        hertz = self.is_item("contact.law", index, "hertz")
+        if viscous_only and hertz:
+            raise self.scene.error(
+                f"{contact.name}.penalty_control = viscous_only contradicts {contact.name}.law = hertz "
+                "(allowed: automatic, user_defined; viscous_only with law linear)"
+            )
+        self.check_restitution(index, contact, viscous_only, hertz)
         if self.scene.bodies[destination].shape == "cylinder":
             axis = self.cell("body.axis", destination)
             if not any(axis.value):
@@ -65,7 +71,7 @@ class Start:
                     "(allowed: at least one component other than zero)"
                 )
 
-    def check_restitution(self, index: int, contact: Contact, viscous_only: bool) -> None:
+    def check_restitution(self, index: int, contact: Contact, viscous_only: bool, hertz: bool) -> None:
         """A coefficient of restitution needs a spring, and a body that can rebound."""
         if not self.is_item("contact.viscous_control", index, "restitution") or self.is_item(
             "contact.method", index, "penalty"
@@ -78,15 +84,16 @@ class Start:
                 "(allowed: automatic, user_defined)"
             )
         ends = (contact.source, contact.destination)
-        if not any(self.is_item("body.motion", body, "free") for body in ends):
+        if not hertz and not any(self.is_item("body.motion", body, "free") for body in ends):
             first, second = (self.scene.bodies[body].name for body in ends)
             raise self.scene.error(
                 f"{said} the motion of {first} and {second}: neither is free, and p_nv depends on their "
                 f"masses (allowed: {first}.motion = free or {second}.motion = free)"
             )
         given = self.is_item("contact.penalty_control", index, "user_defined")
-        factor = self.cell("contact.penalty_factor" if given else "contact.penalty_multiplier", index)
-        if factor.value == 0.0:
+        automatic = "contact.penalty_multiplier"
+        factor = self.cell(f"contact.{'hertz_stiffness' if hertz else 'penalty_factor'}" if given else automatic, index)
+        if (given or not hertz) and factor.value == 0.0:
             raise self.scene.error(
                 f"{said} {factor.name} = 0: without a spring there is no rebound (allowed: a factor above 0)"
             )

@@ -52,6 +52,9 @@
 #define SCENE_ANY_FREE {{ any_free | int }}       /* may any body be free? else there are no states and no solver */
 #define SCENE_ANY_PRESCRIBED {{ any_prescribed | int }} /* may any body's motion be prescribed? */
 #define SCENE_ANY_CYLINDER {{ any_cylinder | int }}
+#define SCENE_ANY_LINEAR {{ any_linear | int }} /* may the law of any contact be linear? */
+#define SCENE_ANY_HERTZ {{ any_hertz | int }}  /* may it be Hertz's? */
+#define SCENE_ANY_RESTITUTION {{ any_restitution | int }} /* may damping be given by a coefficient of restitution? */
 #define SCENE_HAS_CVODE {{ has_cvode | int }} /* may CVODE be needed? else SUNDIALS is not linked */
 
 /* Every row of variables.toml, whether this scene has it or not. */

@@ -1,0 +1,57 @@
+#include "scene/onset.h"
+
+#include <float.h>
+
+#if SCENE_ANY_HERTZ
+
+/* How fast a load presses the bodies together: -g'' without a contact force [m/s^2]. */
+static double pressing_acceleration(const struct scene_values *v, const struct scene_state *q,
+                                    const struct scene_instant *kinematics, int contact)
+{
+    struct scene_instant at = *kinematics;
+    scene_forces(v, q, q->clock, &at); /* the contact is apart */
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_geometry *g = &at.geometry[contact];
+    const struct vec3 relative =
+        vec3_sub(at.acceleration[contact_destination(contact)], at.acceleration[contact_source(contact)]);
+    const struct vec3 across = contact_tangential(&shape, g->normal, at.rate[contact]);
+    const double turning = g->degenerate ? 0.0 : vec3_dot(across, across) / g->distance;
+    return fmax(-shape.side * (vec3_dot(g->normal, relative) + turning), 0.0);
+}
+
+/*
+ * The speed of the onset [m/s]. A load m a presses m x'' = m a - k x^(3/2) from rest to its largest speed
+ * where both balance, x_0 = (m a/k)^(2/3), v^2/2 = a x_0 - (2/5) (k/m) x_0^(5/2) = (3/5) a x_0.
+ */
+static double onset_speed(const struct scene_values *v, const struct scene_state *q,
+                          const struct scene_instant *at, int contact)
+{
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double per_mass = scene_inverse_mass(v, contact);
+    if (!(per_mass > 0.0)) {
+        return fabs(g->gap_rate);
+    }
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const double stored = contact_stored_energy(&law, REGIME_COMPRESSION, g->gap);
+    const double speed_squared = g->gap_rate * g->gap_rate + 2.0 * stored * per_mass;
+    const double a = pressing_acceleration(v, q, at, contact);
+    const double depth = cbrt(pow(a / (contact_factors_of(&law).k * per_mass), 2.0));
+    return sqrt(fmax(speed_squared, 1.2 * a * depth));
+}
+
+enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
+                               const struct scene_instant *at, int contact, enum contact_regime next)
+{
+    struct contact_state *state = &q->contact[contact];
+    if (!scene_damps_by_onset(v, contact) || next == REGIME_APART || state->regime != (int32_t)REGIME_APART) {
+        return next;
+    }
+    const double damping = state->parameters.factors.c / onset_speed(v, q, at, contact);
+    state->onset_damping = isfinite(damping) ? damping : 0.0;
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    return g->gap < 0.0 ? scene_regime(v, q, at, contact)
+                        : contact_regime_of(&law, -DBL_MIN, g->gap_rate, true);
+}
+
+#endif

@@ -1,0 +1,33 @@
+/*
+ * What a contact takes from its onset: with a coefficient of restitution the factor chi of Hunt and Crossley's
+ * damping, such that chi v is the number that gives it, v the speed of approach [m/s].
+ *
+ * A start in overlap counts with the speed that its motion and its stored energy together would have at the
+ * touch. Where the bodies touch without speed, v is the largest that their load gives them while it presses
+ * them together from rest; so it is in place of any smaller one, of which a load leaves no trace. Bodies that
+ * touch with no speed and no load have no damping.
+ */
+#ifndef CONTACT_SCENE_ONSET_H
+#define CONTACT_SCENE_ONSET_H
+
+#include "math/compiler.h"
+#include "scene/present.h"
+
+#if SCENE_ANY_HERTZ
+/* Before a contact enters the regime `next` at the instant `at`: the regime that it enters with the damping of
+ * its onset. Nothing is done, and that is `next`, where it touches already, where it remains apart, or where
+ * damping knows no onset. */
+CONTACT_COLD enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
+                                            const struct scene_instant *at, int contact,
+                                            enum contact_regime next);
+#else
+static inline enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
+                                             const struct scene_instant *at, int contact,
+                                             enum contact_regime next)
+{
+    (void)v, (void)q, (void)at, (void)contact;
+    return next;
+}
+#endif
+
+#endif
