@@ -63,8 +63,8 @@ static bool add_pair(struct synchronized_step *all, const struct scene_values *v
     if (!segment_make(p, v, q, at, contact, longest, tolerance_of(v, q, at, contact))) {
         return false;
     }
-    const double end = p->end * p->unit;
-    const double terminal = p->terminal.s * p->unit;
+    const double end = segment_time(p, p->end);
+    const double terminal = p->terminal.s <= p->end ? segment_time(p, p->terminal.s) : (double)INFINITY;
     const double latest = all->terminal < 0 ? all->time / ALL_OF_IT : all->time;
     if (p->terminal.s <= p->end && terminal < latest) {
         all->time = terminal;
@@ -131,8 +131,8 @@ static void synchronized_step_apply(struct synchronized_step *all, const struct 
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (has_segment(v, q, j)) {
             struct segment *p = &all->segment[j];
-            const double s =
-                j == all->terminal || all->time < p->end * p->unit ? all->time / p->unit : p->end;
+            const bool is_shortened = j == all->terminal || all->time < segment_time(p, p->end);
+            const double s = is_shortened ? segment_place(p, all->time) : p->end;
             segment_advance(p, s, v, q, j);
             counter_add(&q->counters.steps, 1);
             counter_add(&q->counters.force_evaluations, 1);

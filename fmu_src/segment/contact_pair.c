@@ -77,13 +77,27 @@ static bool path_contradicts(const struct scene_values *v, const struct scene_st
     return false;
 }
 
+static void take_law(struct contact_pair *p, const struct contact_law *law, enum contact_regime regime,
+                     const struct contact_geometry *geometry)
+{
+    p->law = *law;
+    p->coefficients = contact_coefficients_of(law, regime);
+    p->chi = 0.0;
+    if (contact_is_hertz(law)) {
+        const struct contact_slopes slopes =
+            contact_force_slopes(law, regime, geometry->gap, geometry->gap_rate);
+        p->coefficients = (struct contact_coefficients){-slopes.by_gap, -slopes.by_rate};
+        p->chi = regime == REGIME_COMPRESSION ? law->damping : 0.0;
+    }
+}
+
 void pair_make(struct contact_pair *p, const struct scene_values *v, const struct scene_state *q,
                const struct scene_instant *at, int contact)
 {
     const struct contact_geometry *geometry = &at->geometry[contact];
     p->shape = scene_contact_shape(v, q, contact);
-    p->law = scene_contact_law(v, q, contact);
-    p->coefficients = contact_coefficients_of(&p->law, (enum contact_regime)q->contact[contact].regime);
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    take_law(p, &law, (enum contact_regime)q->contact[contact].regime, geometry);
     p->flight = separation_path_of(v, q, at, q->clock, contact);
     p->normal = geometry->normal;
     p->distance = geometry->distance;

@@ -30,7 +30,9 @@ struct pair_work {
 struct contact_pair {
     struct contact_shape shape;
     struct contact_law law;
-    struct contact_coefficients coefficients; /* of the linear law in the regime */
+    /* k and c in the regime; of Hertz's law the slopes of the force at the start, for estimates */
+    struct contact_coefficients coefficients;
+    double chi; /* the factor of Hunt and Crossley in the regime; 0 under the linear law [s/m] */
     /* C, W; of a cylinder the part along its axis too, but for C(0) at the axis */
     struct separation_path flight;
     struct vec3 normal;   /* n */

@@ -20,6 +20,15 @@ bool resolved_make(struct segment *p);
 bool overdamped_applies(const struct segment *p);
 bool overdamped_make(struct segment *p);
 
+/* Under Hertz's law; false where its force is nothing beside the load, as at rest at the touch, and the motion
+ * is a Taylor series over p->longest, which is then as long as that lasts. p->terminal is known. */
+bool hertz_applies(const struct segment *p);
+bool hertz_make(struct segment *p);
+
+/* Under a load that presses, far slower than the contact's oscillation or its decay. */
+bool hertz_slow_applies(const struct segment *p);
+bool hertz_slow_make(struct segment *p);
+
 /* Smallest length of a collocated segment [radians of the oscillator]. Below it one Taylor step is exact, and
  * oscillator_particular loses digits. */
 static const double COLLOCATED_SHORTEST = 3.0;

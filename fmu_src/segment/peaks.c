@@ -203,15 +203,18 @@ static double largest_of(struct segment *p, const struct event_function *what, d
 void peaks_note(struct segment *p, struct contact_state *state, double end)
 {
     struct contact_record *record = &state->record;
-    if (p->pair.coefficients.c > 0.0) {
+    if (p->pair.coefficients.c > 0.0 || p->pair.chi > 0.0) {
         record->peak_penetration = largest_of(p, &peak_penetration, end, record->peak_penetration);
         record->peak_force = largest_of(p, &peak_force, end, record->peak_force);
     } else { /* the largest force of a spring is that of its largest penetration */
         const double deepest = largest_of(p, &peak_penetration, end, -(double)INFINITY);
         record->peak_penetration = fmax(record->peak_penetration, deepest);
-        record->peak_force = fmax(record->peak_force, p->pair.coefficients.k * deepest);
+        const double force = contact_is_hertz(&p->pair.law)
+                                 ? contact_normal_force_of(&p->pair.law, p->regime, -deepest, 0.0)
+                                 : p->pair.coefficients.k * deepest;
+        record->peak_force = fmax(record->peak_force, force);
     }
     if (p->pair.coefficients.k >= PAIR_STIFF) {
-        peak_error_note(p, end * p->unit, record);
+        peak_error_note(p, segment_time(p, end), record);
     }
 }

@@ -45,6 +45,12 @@ static const struct {
                             pair_collocation_change},
     /* Everything else, soft contacts and short remainders: two radians of the contact or of its passage. */
     [SEGMENT_TAYLOR] = {taylor_applies, taylor_make, pair_taylor_sample, pair_taylor_change},
+#if SCENE_ANY_HERTZ
+    /* Hertz's law, the oscillation died away: a radian of the tangential motion. */
+    [SEGMENT_HERTZ_SLOW] = {hertz_slow_applies, hertz_slow_make, slow_hertz_sample, slow_hertz_change},
+    /* Hertz's law: a third of the radius of convergence in a variable of its own. */
+    [SEGMENT_HERTZ] = {hertz_applies, hertz_make, pair_hertz_sample, pair_hertz_change},
+#endif
 };
 
 static bool make_kind(struct segment *p, enum segment_kind kind)
@@ -63,13 +69,17 @@ static bool make_kind(struct segment *p, enum segment_kind kind)
 
 static bool is_collocated(const struct segment *p)
 {
-    return p->kind != SEGMENT_CLOSED_FORM && p->kind != SEGMENT_TAYLOR;
+    return p->kind != SEGMENT_CLOSED_FORM && p->kind < SEGMENT_TAYLOR;
 }
 
 static void make_up_to(struct segment *p, double longest)
 {
     p->longest = longest;
-    if (!make_kind(p, SEGMENT_CLOSED_FORM)) {
+    if (contact_is_hertz(&p->pair.law)) {
+        if (!make_kind(p, SEGMENT_HERTZ_SLOW) && !make_kind(p, SEGMENT_HERTZ)) {
+            (void)make_kind(p, SEGMENT_TAYLOR);
+        }
+    } else if (!make_kind(p, SEGMENT_CLOSED_FORM)) {
         enum segment_kind kind = SEGMENT_AVERAGED;
         pair_timescales_make(&p->scales, &p->pair);
         p->as.collocation.from = &p->pair;
@@ -103,6 +113,27 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
     }
     terminal_event_at_centre(p);
     return p->end > 0.0;
+}
+
+double segment_time(const struct segment *p, double s)
+{
+#if SCENE_ANY_HERTZ
+    if (p->kind == SEGMENT_HERTZ) {
+        return pair_hertz_time(&p->as.hertz, s);
+    }
+#endif
+    return s * p->unit;
+}
+
+double segment_place(const struct segment *p, double time)
+{
+#if SCENE_ANY_HERTZ
+    if (p->kind == SEGMENT_HERTZ) {
+        const double end = fmin(p->end, p->terminal.s);
+        return !(time < segment_time(p, end)) ? end : pair_hertz_place(&p->as.hertz, time, end);
+    }
+#endif
+    return time / p->unit;
 }
 
 const struct pair_sample *segment_sample(struct segment *p, double s)

@@ -7,17 +7,20 @@
 #define CONTACT_SEGMENT_SEGMENT_H
 
 #include "segment/dense_output.h"
+#include "segment/hertz_slow.h"
 #include "segment/pair_collocation.h"
 #include "segment/pair_oscillation.h"
 #include "segment/pair_taylor.h"
 
-/* In order of preference; the table in segment.c says why. */
+/* Of the linear law in order of preference; the table in segment.c says why. */
 enum segment_kind {
     SEGMENT_CLOSED_FORM,
     SEGMENT_AVERAGED,
     SEGMENT_RESOLVED,
     SEGMENT_OVERDAMPED,
-    SEGMENT_TAYLOR
+    SEGMENT_TAYLOR,
+    SEGMENT_HERTZ_SLOW,
+    SEGMENT_HERTZ
 };
 
 /* The event that ends the regime: at s (INFINITY: not within the segment), where `function` falls through
@@ -35,7 +38,7 @@ struct segment {
     bool gap_is_known;   /* carried, or exactly zero: without that rounding */
     double tolerance;    /* the error allowed in the segment [m] */
     double longest;      /* the segment need not be longer [s] */
-    double unit, end;    /* time per s [s]; the segment covers s from 0 to `end` */
+    double unit, end;    /* time per s [s], see segment_time; the segment covers s from 0 to `end` */
     struct dense_output output;
     struct terminal_event terminal;
     /* Below: for the kinds and the search for peaks. */
@@ -44,6 +47,8 @@ struct segment {
         struct pair_oscillation oscillation;
         struct pair_taylor taylor;
         struct pair_collocation collocation;
+        struct pair_hertz hertz;
+        struct hertz_slow hertz_slow;
     } as;
     struct pair_timescales scales;    /* of all kinds but the closed form */
     bool event_free;                  /* known to have no event */
@@ -55,6 +60,10 @@ struct segment {
  * it [m]. False where there is none. */
 bool segment_make(struct segment *p, const struct scene_values *v, const struct scene_state *q,
                   const struct scene_instant *at, int contact, double longest, double tolerance);
+
+/* The time since the segment's start at s [s], and the s in [0, end] of such a time. */
+double segment_time(const struct segment *p, double s);
+double segment_place(const struct segment *p, double time);
 
 /* Gap, gap rate and force with two derivatives at s in [0, end]. */
 const struct pair_sample *segment_sample(struct segment *p, double s);

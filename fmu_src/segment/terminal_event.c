@@ -61,11 +61,22 @@ bool terminal_event_by_law(const struct segment *p)
     return contact_has_events(&p->pair.law);
 }
 
-/* Ratio of the approach speed at which the spring alone ends to the separation speed at its start, r0. */
-static double rebound_of(const struct contact_pair *from)
+/* k and c of the full law; of Hertz's law its slopes at the deepest of the segment. */
+static struct contact_coefficients full_coefficients(const struct segment *p)
 {
-    const struct contact_coefficients full = contact_coefficients_of(&from->law, REGIME_COMPRESSION);
-    const double swing = full.c / sqrt(full.k * from->reduced_mass);
+    const struct contact_law *law = &p->pair.law;
+    if (!contact_is_hertz(law)) {
+        return contact_coefficients_of(law, REGIME_COMPRESSION);
+    }
+    const struct contact_slopes slopes =
+        contact_force_slopes(law, REGIME_COMPRESSION, -largest_size(p, PAIR_GAP), 0.0);
+    return (struct contact_coefficients){-slopes.by_gap, -slopes.by_rate};
+}
+
+/* Ratio of the approach speed at which the spring alone ends to the separation speed at its start, r0. */
+static double rebound_of(struct contact_coefficients full, double reduced_mass)
+{
+    const double swing = full.c / sqrt(full.k * reduced_mass);
     return full.k > 0.0 && swing >= CRITICAL_SWING ? REBOUND * swing : 1.0;
 }
 
@@ -73,7 +84,10 @@ struct event_function terminal_event_margin(const struct segment *p)
 {
     const struct contact_law *law = &p->pair.law;
     const double rate = p->pair.rate_rounding;
-    const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
+    if (contact_is_hertz(law) && law->dashpot == DASHPOT_NON_ADHESIVE) {
+        return (struct event_function){PAIR_GAP_RATE, -1.0, (1.0 + HYSTERESIS) / law->damping + rate};
+    }
+    const struct contact_coefficients full = full_coefficients(p);
     const double open =
         HYSTERESIS * pair_load(&p->pair) + full.k * 8.0 * DBL_EPSILON * largest_size(p, PAIR_GAP);
     if (law->dashpot == DASHPOT_NON_ADHESIVE) {
@@ -81,7 +95,7 @@ struct event_function terminal_event_margin(const struct segment *p)
     }
     const double load = pair_load(&p->pair);
     const double idle = fmin(full.k * p->tolerance, IDLE_DASHPOT * load);
-    const double rebound = rebound_of(&p->pair);
+    const double rebound = rebound_of(full, p->pair.reduced_mass);
     const double separating = fmax(open, idle / rebound) / full.c + rate;
     return p->regime == REGIME_RESTITUTION ? (struct event_function){PAIR_GAP_RATE, 1.0, rebound * separating}
                                            : (struct event_function){PAIR_GAP_RATE, -1.0, separating};

@@ -1,15 +1,21 @@
-"""Writes the constants of fmu_src/math/lobatto.c: collocation at the Gauss-Lobatto nodes, with 60 digits.
+"""Writes the constants of fmu_src/math/lobatto.c, collocation at the Gauss-Lobatto nodes, and radau.c, at those of
+Radau, with 60 digits.
 
     python scripts/tools/make_lobatto.py > fmu_src/math/lobatto.c
+    python scripts/tools/make_lobatto.py radau > fmu_src/math/radau.c
 
-Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32). With l_j the Lagrange polynomials
+Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32); of Radau the roots of P_{n-1} - P_n, of
+which 1 is one (25.4.31, mirrored). With l_j the Lagrange polynomials
 of the n nodes: `integral[j n + i]` is the integral of l_j from -1 to node i, `monomial[j n + k]` the
 coefficient of sigma^k in l_j.
 """
 
+import sys
+
 import mpmath
 
 POINTS = (4, 8, 12)
+RADAU = 12
 
 
 def nodes(points: int) -> list:
@@ -18,6 +24,13 @@ def nodes(points: int) -> list:
     slope = [k * legendre[k] for k in range(points - 1, 0, -1)]
     inner = sorted(mpmath.re(root) for root in mpmath.polyroots(slope, maxsteps=500, extraprec=500))
     return [mpmath.mpf(-1), *inner, mpmath.mpf(1)]
+
+
+def radau_nodes(points: int) -> list:
+    """The right Radau nodes, ascending."""
+    row = mpmath.taylor(lambda x: mpmath.legendre(points - 1, x) - mpmath.legendre(points, x), 0, points)
+    roots = mpmath.polyroots(row[::-1], maxsteps=500, extraprec=500)
+    return [*sorted(mpmath.re(root) for root in roots)[:-1], mpmath.mpf(1)]
 
 
 def lagrange(at: list, j: int) -> list:
@@ -52,9 +65,9 @@ def table(name: str, rows: list) -> str:
     return "\n".join([*lines, "};\n"])
 
 
-def tables(points: int) -> str:
+def tables(at: list) -> str:
     """Those of so many nodes."""
-    at = nodes(points)
+    points = len(at)
     basis = [lagrange(at, j) for j in range(points)]
     return "\n".join(
         [
@@ -65,17 +78,34 @@ def tables(points: int) -> str:
     )
 
 
-def main() -> None:
-    """Prints the file."""
-    mpmath.mp.dps = 60
+def print_radau() -> None:
+    """Prints the file of Radau's nodes."""
+    print("/* Written by scripts/tools/make_lobatto.py radau; not to be edited. */")
+    print('#include "math/radau.h"\n\n/* clang-format off */')
+    print(tables(radau_nodes(RADAU)).replace(f"_{RADAU}[", f"_radau_{RADAU}["))
+    rows = ", ".join(f"{name}_radau_{RADAU}" for name in ("node", "integral", "monomial"))
+    print(f"const struct lobatto radau = {{{RADAU}, {rows}}};\n/* clang-format on */")
+
+
+def print_lobatto() -> None:
+    """Prints the file of Lobatto's nodes."""
     print("/* Written by scripts/tools/make_lobatto.py; not to be edited. */")
     print('#include "math/lobatto.h"\n\n/* clang-format off */')
     for points in POINTS:
-        print(tables(points))
+        print(tables(nodes(points)))
     print("const struct lobatto lobatto[LOBATTO_SIZES] = {")
     for points in POINTS:
         print(f"    {{{points}, node_{points}, integral_{points}, monomial_{points}}},")
     print("};\n/* clang-format on */")
+
+
+def main() -> None:
+    """Prints one of the two files."""
+    mpmath.mp.dps = 60
+    if sys.argv[1:] == ["radau"]:
+        print_radau()
+    else:
+        print_lobatto()
 
 
 if __name__ == "__main__":

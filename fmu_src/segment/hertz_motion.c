@@ -1,0 +1,197 @@
+#include <float.h>
+
+#include "math/radau.h"
+#include "segment/kinds.h"
+#include "segment/terminal_event.h"
+
+/* A contact force of this part of the load is none. */
+static const double NO_FORCE = 0.5 * DBL_EPSILON;
+
+/* Places at which a segment is sampled: it is a third of the radius of convergence at most, so that between
+ * two of them no quantity has two extrema. */
+enum { PLACES = 5 };
+
+/* Halvings of a step at most: from the longest to the shortest that double precision tells apart. */
+enum { HALVINGS = 1100 };
+
+/* Bounds of penetration [m] and relative acceleration [m/s^2] after a time without contact force. */
+struct coasting {
+    double depth, acceleration;
+};
+
+static struct coasting coasting_to(const struct contact_pair *from, double time)
+{
+    const struct vec3 *c = from->flight.c;
+    const double load = pair_load(from) / from->reduced_mass;
+    const double cubic = vec3_norm(c[3]) * time;
+    const double quartic = vec3_norm(c[4]) * time * time;
+    const double speed = fabs(pair_gap_derivative(from));
+    return (struct coasting){fmax(-from->gap, 0.0) + time * (speed + time * (0.5 * load + cubic + quartic)),
+                             load + 6.0 * cubic + 12.0 * quartic};
+}
+
+/*
+ * At rest at the touch, or nearly so, u = sqrt(delta) is no variable to begin with. For how long the contact's
+ * force stays nothing beside the load [s]; 0 where it is not, or where the bodies move on their own.
+ */
+static double coasting_time(const struct segment *p)
+{
+    const struct contact_pair *from = &p->pair;
+    const double load = pair_load(from) / from->reduced_mass;
+    const double depth = pair_hertz_depth_under(from, NO_FORCE * load);
+    const double speed = pair_gap_derivative(from);
+    if (!(-from->gap <= depth && speed * speed <= 2.0 * load * depth)) {
+        return 0.0;
+    }
+    double time = p->longest;
+    for (int i = 0; i < HALVINGS && time > 0.0; ++i) {
+        const struct coasting then = coasting_to(from, time);
+        /* four: penetration, speed and load bring one depth each, and the force is a little more than
+         * proportional */
+        if (then.depth <= 4.0 * pair_hertz_depth_under(from, NO_FORCE * then.acceleration)) {
+            return time;
+        }
+        time *= 0.5;
+    }
+    return time;
+}
+
+bool hertz_applies(const struct segment *p)
+{
+    return contact_is_hertz(&p->pair.law);
+}
+
+static void find_terminal_event(struct segment *p, double parting)
+{
+    const struct terminal_event parts = {parting, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
+    p->terminal = parts;
+    if (terminal_event_by_law(p)) {
+        const struct event_function margin = terminal_event_margin(p);
+        const double s = dense_output_first_event(&p->output, &margin);
+        if (s < parting) {
+            p->terminal = (struct terminal_event){s, margin, contact_regime_after(&p->pair.law, p->regime)};
+        }
+    }
+}
+
+bool hertz_make(struct segment *p)
+{
+    struct pair_hertz *made = &p->as.hertz;
+    const double coasting = coasting_time(p);
+    if (coasting > 0.0) {
+        p->longest = coasting;
+        return false;
+    }
+    pair_hertz_make(made, &p->pair);
+    p->unit = made->unit;
+    double parting = pair_hertz_parting(made, made->step);
+    p->end = fmin(made->step, parting > 0.0 ? parting : made->step);
+    if (parting > 0.0 && pair_hertz_time(made, p->end) > p->longest) {
+        p->end = pair_hertz_place(made, p->longest, p->end);
+        parting = p->end < parting ? (double)INFINITY : parting;
+    }
+    for (int i = 0; i < PLACES; ++i) {
+        dense_output_add(&p->output, p->end * i / (PLACES - 1));
+    }
+    find_terminal_event(p, parting);
+    return true;
+}
+
+/* Length of a slow segment [radians of the tangential motion]; an event may end it, so that it is accurate in
+ * between too. */
+static const double SLOW_STEP = 0.7;
+
+/* Smallest length of it [radians of the contact's oscillation, or decay times of its damping]. A shorter one
+ * is no longer than a few of the other kind. */
+static const double SLOW_SHORTEST = 16.0;
+
+/* The accuracy of the penetration, and what is left of its oscillation, relative to it: outputs of the force
+ * are then as good. */
+static const double SLOW_DEPTH = 1e-9;
+
+/* Where the slow motion is guessed to third order in the ratio of the rates, so many of its cubes are left. */
+static const double THIRD_ORDER = 10.0;
+
+enum { SLOW_ATTEMPTS = 2 };
+
+/* The pair as the slow motion sees it. */
+struct slow_scales {
+    double load, load_rate, load_bend; /* L and two derivatives, in part where forces change with time */
+    double along;                      /* the tangential rate [1/s] */
+    double spring, dashpot;            /* rates of the contact's oscillation and of its damping [1/s] */
+};
+
+static struct slow_scales slow_scales_of(const struct contact_pair *from)
+{
+    const struct vec3 across = pair_tangential(from, pair_across(from, from->flight.c[1]));
+    const struct vec3 acceleration = pair_across(from, vec3_scale(2.0, from->flight.c[2]));
+    const double d = from->distance;
+    const double depth = -from->gap;
+    const double k = from->law.stiffness / from->reduced_mass;
+    const double jerk = 6.0 * vec3_dot(from->normal, from->flight.c[3]);
+    const struct vec3 beside = pair_tangential(from, acceleration);
+    const double turned = vec3_norm(beside) + vec3_norm(across);
+    const double load = vec3_dot(across, across) / d + vec3_dot(from->normal, acceleration);
+    return (struct slow_scales){
+        .load = -from->shape.side * load,
+        .load_bend =
+            -from->shape.side * 3.0 / d *
+            (vec3_dot(beside, beside) - vec3_dot(across, across) / d * vec3_dot(from->normal, acceleration)),
+        .load_rate = -from->shape.side * (3.0 * vec3_dot(across, acceleration) / d + jerk),
+        .along = turned > 0.0 ? vec3_norm(across) / d + sqrt(vec3_norm(acceleration) / d) : 0.0,
+        .spring = sqrt(1.5 * k * sqrt(depth)),
+        .dashpot = k * from->chi * depth * sqrt(depth)};
+}
+
+/*
+ * Whether the oscillation may be small enough for it to be left out, by the slow motion to third order. With D
+ * the penetration at rest under the load, k D^(3/2) = L: k delta^(3/2) (1 + chi delta') = L - D'', and delta' is
+ * that of D (1 - 2/3 chi D'). Beyond critical damping nothing oscillates.
+ */
+static bool may_be_slow(const struct contact_pair *from, const struct slow_scales *scales)
+{
+    const double depth = pair_hertz_depth_under(from, scales->load);
+    const double growth = scales->load_rate / scales->load;
+    const double rate = depth * growth / 1.5;
+    const double bend = depth / 1.5 * (scales->load_bend / scales->load - growth * growth / 3.0);
+    const double speed = rate - from->chi / 1.5 * (rate * rate + depth * bend);
+    const double force = (scales->load - bend) / (1.0 + from->chi * speed);
+    const double off = -from->gap - pair_hertz_depth_under(from, force);
+    const double swing = (-pair_gap_derivative(from) - speed) / scales->spring;
+    const double ratio = scales->along / scales->spring;
+    const bool by_time = vec3_norm(from->flight.c[3]) > 0.0 || vec3_norm(from->flight.c[4]) > 0.0;
+    const double allowed = 10.0 * SLOW_DEPTH + THIRD_ORDER * ratio * ratio * (by_time ? 1.0 : ratio);
+    return scales->dashpot > 2.0 * scales->spring || fmax(fabs(off), fabs(swing)) <= depth * allowed;
+}
+
+bool hertz_slow_applies(const struct segment *p)
+{
+    const struct contact_pair *from = &p->pair;
+    if (!contact_is_hertz(&from->law) || from->has_mismatch || !(from->gap < 0.0)) {
+        return false;
+    }
+    const struct slow_scales scales = slow_scales_of(from);
+    return scales.load > 0.0 && may_be_slow(from, &scales);
+}
+
+bool hertz_slow_make(struct segment *p)
+{
+    struct hertz_slow *made = &p->as.hertz_slow;
+    const struct slow_scales scales = slow_scales_of(&p->pair);
+    const double fast = fmax(scales.spring, scales.dashpot);
+    double step = scales.along > 0.0 ? fmin(p->longest, SLOW_STEP / scales.along) : p->longest;
+    for (int i = 0; i < SLOW_ATTEMPTS && step * fast >= SLOW_SHORTEST; ++i) {
+        if (slow_hertz_make(made, &p->pair, step, p->tolerance, -p->pair.gap * SLOW_DEPTH)) {
+            p->unit = made->half;
+            p->end = 2.0;
+            dense_output_add(&p->output, 0.0);
+            for (int k = 0; k < RADAU_POINTS; ++k) {
+                dense_output_add(&p->output, 1.0 + radau.node[k]);
+            }
+            find_terminal_event(p, (double)INFINITY);
+            return true;
+        }
+        step *= 0.5;
+    }
+    return false;
+}

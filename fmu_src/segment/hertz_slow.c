@@ -1,0 +1,450 @@
+#include "segment/hertz_slow.h"
+
+#include <float.h>
+
+#include "math/radau.h"
+
+enum { SLOW_N = RADAU_POINTS, SLOW_SWEEPS = 30 };
+
+/* A sweep that changes delta and n by less than this part of them has converged; their rounding is less. */
+static const double SLOW_SWEPT = 4.0 * DBL_EPSILON;
+
+/* Newton's matrix is made anew while delta changes by more than this part, on its way to its place. */
+static const double NEW_MATRIX = 1e-3;
+
+/* d g_i / d of the change of the bend: 1 + spring I I + dashpot I, factored. */
+struct slow_newton {
+    double a[SLOW_N][SLOW_N];
+    int pivot[SLOW_N];
+};
+
+/* The relative acceleration of flight at a time, in the frame [m/s^2]. */
+static void slow_acceleration(const struct hertz_flight *flight, double time, double out[HERTZ_DIMENSIONS])
+{
+    for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
+        out[j] = 0.0;
+        for (int k = flight->degree; k >= 2; --k) {
+            out[j] = out[j] * time + k * (k - 1) * flight->c[k][j];
+        }
+    }
+}
+
+static void slow_cross(const double *a, const double *b, double slow_factor, double out[HERTZ_DIMENSIONS])
+{
+    out[0] = slow_factor * (a[1] * b[2] - a[2] * b[1]);
+    out[1] = slow_factor * (a[2] * b[0] - a[0] * b[2]);
+    out[2] = slow_factor * (a[0] * b[1] - a[1] * b[0]);
+}
+
+static double slow_dot(const double *a, const double *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static double slow_distance(const struct hertz_slow *p, double depth)
+{
+    return p->from->distance - p->from->shape.side * (depth - p->depth_start);
+}
+
+/* Rates of n and H per s, and the load half^2 L [m], where n, H and delta are known. */
+static double turning_at(const struct hertz_slow *p, const double *at, double depth, double time,
+                         double rates[HERTZ_TURNING])
+{
+    const double *n = at;
+    const double *h = at + HERTZ_DIMENSIONS;
+    const double d = slow_distance(p, depth);
+    double a[HERTZ_DIMENSIONS];
+    slow_acceleration(&p->flight, time, a);
+    double load = slow_dot(n, a);
+    for (int j = 0; j < HERTZ_TURNING; ++j) {
+        rates[j] = 0.0;
+    }
+    if (p->flight.dimensions > 1) {
+        load += slow_dot(h, h) / (d * d * d);
+        slow_cross(h, n, p->half / (d * d), rates);
+        slow_cross(n, a, p->half * d, rates + HERTZ_DIMENSIONS);
+    }
+    return -p->from->shape.side * p->half * p->half * load;
+}
+
+static bool is_turning(const struct hertz_slow *p, int row)
+{
+    const bool in_plane = row == 0 || row == 1 || row == HERTZ_TURNING - 1;
+    return p->flight.dimensions == 3 || (p->flight.dimensions == 2 && in_plane);
+}
+
+/* One sweep of n and H with delta as it is; returns the largest change of n, `load` at the nodes. */
+static double sweep_turning(struct hertz_slow *p, double *load)
+{
+    double change = 0.0;
+    for (int i = 0; i < SLOW_N; ++i) {
+        double at[HERTZ_TURNING];
+        double rates[HERTZ_TURNING];
+        for (int j = 0; j < HERTZ_TURNING; ++j) {
+            at[j] = p->start[j] + p->turned[j][i];
+        }
+        load[i] = turning_at(p, at, p->depth[i], p->half * (1.0 + radau.node[i]), rates);
+        for (int j = 0; j < HERTZ_TURNING; ++j) {
+            p->turning[j][i] = rates[j];
+        }
+    }
+    for (int j = 0; j < HERTZ_TURNING; ++j) {
+        if (is_turning(p, j)) {
+            const double moved = nodal_integrate(&radau, p->turning[j], p->turned[j]);
+            change = fmax(change, j < HERTZ_DIMENSIONS ? moved : 0.0);
+        }
+    }
+    return change;
+}
+
+/* The bend by the law, and its derivatives with respect to delta and d delta/ds. */
+static void slow_law(const struct hertz_slow *p, double depth, double rate, double out[3])
+{
+    const double root = sqrt(depth);
+    const double scale = p->half * p->half * p->k;
+    const double damping = 1.0 + p->from->chi * rate / p->half;
+    out[0] = scale * depth * root * damping;
+    out[1] = 1.5 * scale * root * damping;
+    out[2] = scale * depth * root * p->from->chi / p->half;
+}
+
+/* Gaussian elimination with pivots of columns. */
+static void slow_factor(struct slow_newton *newton)
+{
+    for (int k = 0; k < SLOW_N; ++k) {
+        int best = k;
+        for (int i = k + 1; i < SLOW_N; ++i) {
+            best = fabs(newton->a[i][k]) > fabs(newton->a[best][k]) ? i : best;
+        }
+        newton->pivot[k] = best;
+        for (int j = 0; j < SLOW_N; ++j) {
+            const double moved = newton->a[k][j];
+            newton->a[k][j] = newton->a[best][j];
+            newton->a[best][j] = moved;
+        }
+        const double inverse = 1.0 / newton->a[k][k];
+        for (int i = k + 1; i < SLOW_N; ++i) {
+            const double by = newton->a[i][k] * inverse;
+            newton->a[i][k] = by;
+            for (int j = k + 1; j < SLOW_N; ++j) {
+                newton->a[i][j] -= by * newton->a[k][j];
+            }
+        }
+    }
+}
+
+static void slow_solve(const struct slow_newton *newton, double *x)
+{
+    for (int k = 0; k < SLOW_N; ++k) {
+        const int best = newton->pivot[k];
+        const double moved = x[k];
+        x[k] = x[best];
+        x[best] = moved;
+    }
+    for (int i = 1; i < SLOW_N; ++i) {
+        for (int j = 0; j < i; ++j) {
+            x[i] -= newton->a[i][j] * x[j];
+        }
+    }
+    for (int i = SLOW_N - 1; i >= 0; --i) {
+        for (int j = i + 1; j < SLOW_N; ++j) {
+            x[i] -= newton->a[i][j] * x[j];
+        }
+        x[i] /= newton->a[i][i];
+    }
+}
+
+/* I I, with I[i][j] the integral to node i of the polynomial that is 1 at node j. */
+static void integrate_twice(double twice[SLOW_N][SLOW_N])
+{
+    for (int i = 0; i < SLOW_N; ++i) {
+        for (int j = 0; j < SLOW_N; ++j) {
+            twice[i][j] = 0.0;
+            for (int k = 0; k < SLOW_N; ++k) {
+                twice[i][j] += radau.integral[k * SLOW_N + i] * radau.integral[j * SLOW_N + k];
+            }
+        }
+    }
+}
+
+static void slow_matrix(const struct hertz_slow *p, double twice[SLOW_N][SLOW_N], struct slow_newton *newton)
+{
+    for (int i = 0; i < SLOW_N; ++i) {
+        double law[3];
+        slow_law(p, p->depth[i], p->rate[i], law);
+        for (int j = 0; j < SLOW_N; ++j) {
+            newton->a[i][j] =
+                (i == j ? 1.0 : 0.0) + law[1] * twice[i][j] + law[2] * radau.integral[j * SLOW_N + i];
+        }
+    }
+    slow_factor(newton);
+}
+
+/* delta and its rate from the bend; false where the bodies would part. */
+static bool take_bend(struct hertz_slow *p, double *change)
+{
+    nodal_values moved = {0.0};
+    nodal_values deeper = {0.0};
+    (void)nodal_integrate(&radau, p->bend, moved);
+    for (int i = 0; i < SLOW_N; ++i) {
+        p->rate[i] = p->rate_start + moved[i];
+    }
+    (void)nodal_integrate(&radau, p->rate, deeper);
+    *change = 0.0;
+    for (int i = 0; i < SLOW_N; ++i) {
+        const double depth = p->depth_start + deeper[i];
+        *change = fmax(*change, fabs(depth - p->depth[i]) / depth);
+        if (!(depth > 0.0)) {
+            return false;
+        }
+        p->depth[i] = depth;
+    }
+    return true;
+}
+
+/* A first guess of delta, with the bend that leads there: at rest under the load at each node; as at the start
+ * beyond critical damping, for there it creeps. */
+static bool guess_depth(struct hertz_slow *p, const double *load, double twice[SLOW_N][SLOW_N])
+{
+    double law[3];
+    slow_law(p, p->depth_start, p->rate_start, law);
+    const bool creeps = law[2] * law[2] > 4.0 * law[1];
+    struct slow_newton inverse;
+    for (int i = 0; i < SLOW_N; ++i) {
+        if (!(load[i] > 0.0)) {
+            return false;
+        }
+        const double rest = load[i] / (p->half * p->half * p->k);
+        p->depth[i] = creeps ? p->depth_start : cbrt(rest * rest);
+        p->bend[i] = p->depth[i] - p->depth_start - p->rate_start * (1.0 + radau.node[i]);
+        for (int j = 0; j < SLOW_N; ++j) {
+            inverse.a[i][j] = twice[i][j];
+        }
+    }
+    slow_factor(&inverse);
+    slow_solve(&inverse, p->bend);
+    double ignored;
+    return take_bend(p, &ignored);
+}
+
+/* The polynomial through the nodes at the start, less the value there: what truncation leaves, and a part that
+ * is too fast for the step. */
+static double misses_start(const double *values, double start)
+{
+    nodal_values a;
+    nodal_coefficients(&radau, values, a);
+    return fabs(nodal_polynomial_at(a, SLOW_N, 0.0) - start);
+}
+
+/* After so many sweeps delta is near enough to its place to tell whether anything fast is left of it: a step is
+ * given up where that is so many times too much. */
+enum { LOOK_AFTER = 2 };
+static const double TOO_FAST = 1e3;
+
+static bool slow_iterate(struct hertz_slow *p, double depth_tolerance)
+{
+    struct slow_newton newton;
+    double twice[SLOW_N][SLOW_N];
+    nodal_values load;
+    (void)sweep_turning(p, load);
+    (void)sweep_turning(p, load);
+    integrate_twice(twice);
+    if (!guess_depth(p, load, twice)) {
+        return false;
+    }
+    double change = 1.0;
+    for (int i = 0; i < SLOW_SWEEPS; ++i) {
+        double error[SLOW_N];
+        const double turned = sweep_turning(p, load);
+        if (change > NEW_MATRIX) {
+            slow_matrix(p, twice, &newton);
+        }
+        for (int j = 0; j < SLOW_N; ++j) {
+            double law[3];
+            slow_law(p, p->depth[j], p->rate[j], law);
+            error[j] = load[j] - law[0] - p->bend[j];
+        }
+        slow_solve(&newton, error);
+        for (int j = 0; j < SLOW_N; ++j) {
+            p->bend[j] += error[j];
+        }
+        if (!take_bend(p, &change)) {
+            return false;
+        }
+        if (fmax(change, turned) <= SLOW_SWEPT) {
+            return true;
+        }
+        if (i == LOOK_AFTER && misses_start(p->depth, p->depth_start) > TOO_FAST * depth_tolerance) {
+            return false;
+        }
+    }
+    return false;
+}
+
+static bool slow_is_accurate(const struct hertz_slow *p, double tolerance, double depth_tolerance)
+{
+    const double stiffness = 1.5 * p->k * sqrt(p->depth_start);
+    const double damping = p->k * p->depth_start * sqrt(p->depth_start) * p->from->chi;
+    const double fast = fmax(sqrt(stiffness), damping) * p->half;
+    double error = misses_start(p->depth, p->depth_start);
+    error = fmax(error, misses_start(p->rate, p->rate_start) / fmax(1.0, fast));
+    if (!(error <= depth_tolerance)) {
+        return false;
+    }
+    for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
+        if (is_turning(p, j) && !(p->from->distance * misses_start(p->turned[j], 0.0) <= tolerance)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool slow_hertz_make(struct hertz_slow *p, const struct contact_pair *from, double step, double tolerance,
+                     double depth_tolerance)
+{
+    p->from = from;
+    p->flight = hertz_flight_of(from);
+    p->half = 0.5 * step;
+    p->k = from->law.stiffness / from->reduced_mass;
+    p->depth_start = -from->gap;
+    p->rate_start = -p->half * pair_gap_derivative(from);
+    const double normal[HERTZ_TURNING] = {
+        1.0, 0.0, 0.0, 0.0, -from->distance * p->flight.w[0][2], from->distance * p->flight.w[0][1]};
+    for (int j = 0; j < HERTZ_TURNING; ++j) {
+        p->start[j] = normal[j];
+        for (int i = 0; i < SLOW_N; ++i) {
+            p->turned[j][i] = p->turning[j][i] = 0.0;
+        }
+    }
+    for (int i = 0; i < SLOW_N; ++i) {
+        p->depth[i] = p->depth_start;
+    }
+    if (!slow_iterate(p, depth_tolerance) || !slow_is_accurate(p, tolerance, depth_tolerance)) {
+        return false;
+    }
+    nodal_coefficients(&radau, p->rate, p->rate_terms);
+    return true;
+}
+
+static double slow_depth(const struct hertz_slow *p, double s)
+{
+    return p->depth_start + nodal_integral(p->rate_terms, SLOW_N, s);
+}
+
+void slow_hertz_sample(const void *hertz_slow, double s, struct pair_sample *sample)
+{
+    const struct hertz_slow *p = hertz_slow;
+    double rate[4];
+    const double depth = slow_depth(p, s);
+    const double root = sqrt(fmax(depth, 0.0));
+    nodal_derivatives(p->rate_terms, SLOW_N, s, rate);
+    const double chi = p->from->chi / p->half;
+    const double damping[3] = {1.0 + chi * rate[0], chi * rate[1], chi * rate[2]};
+    const double spring[3] = {depth * root, 1.5 * root * rate[0],
+                              0.75 / root * rate[0] * rate[0] + 1.5 * root * rate[1]};
+    const double k = p->from->law.stiffness;
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PAIR_GAP][i] = i == 0 ? -depth : -rate[i - 1];
+        sample->of[PAIR_GAP_RATE][i] = -rate[i] / p->half;
+    }
+    sample->of[PAIR_FORCE][0] = k * spring[0] * damping[0];
+    sample->of[PAIR_FORCE][1] = k * (spring[1] * damping[0] + spring[0] * damping[1]);
+    sample->of[PAIR_FORCE][2] =
+        k * (spring[2] * damping[0] + 2.0 * spring[1] * damping[1] + spring[0] * damping[2]);
+}
+
+/* n, H, delta and d delta/ds at s. */
+struct slow_place {
+    double turned[HERTZ_TURNING];
+    double depth, rate;
+};
+
+static struct slow_place slow_place_at(const struct hertz_slow *p, double s)
+{
+    struct slow_place at = {.depth = slow_depth(p, s), .rate = nodal_polynomial_at(p->rate_terms, SLOW_N, s)};
+    for (int j = 0; j < HERTZ_TURNING; ++j) {
+        at.turned[j] = p->start[j];
+        if (is_turning(p, j)) {
+            at.turned[j] += nodal_integral_to(&radau, p->turned[j], p->turning[j], s);
+        }
+    }
+    return at;
+}
+
+/* r and r' at a place, in the frame. */
+static void slow_deviation(const struct hertz_slow *p, const struct slow_place *at, double s,
+                           double r[HERTZ_DIMENSIONS], double r_rate[HERTZ_DIMENSIONS])
+{
+    const double time = p->half * s;
+    const double d = slow_distance(p, at->depth);
+    const double radial = -p->from->shape.side * at->rate / p->half;
+    double along[HERTZ_DIMENSIONS] = {0.0, 0.0, 0.0};
+    slow_cross(at->turned + HERTZ_DIMENSIONS, at->turned, 1.0 / d, along);
+    for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
+        double c = 0.0;
+        double w = 0.0;
+        for (int k = p->flight.degree; k >= 1; --k) {
+            c = (c + p->flight.c[k][j]) * time;
+            w = w * time + k * p->flight.c[k][j];
+        }
+        const double start = j == 0 ? p->from->distance : 0.0;
+        const bool counts = j < p->flight.dimensions;
+        r[j] = counts ? (d * at->turned[j] - start) - c : 0.0;
+        r_rate[j] = counts ? radial * at->turned[j] + along[j] - w : 0.0;
+    }
+}
+
+/* F_n at a place [SLOW_N]. */
+static double slow_force(const struct hertz_slow *p, const struct slow_place *at)
+{
+    double law[3];
+    slow_law(p, at->depth, at->rate, law);
+    return p->from->reduced_mass * law[0] / (p->half * p->half);
+}
+
+/* The integrals of pair_work and of the dashpot's power over [0, s], by Radau's quadrature. */
+static void slow_powers(const struct hertz_slow *p, double s, struct pair_change *change)
+{
+    change->dissipated = change->work[0] = change->work[1] = 0.0;
+    if (p->from->work[0].order == 0 && p->from->work[1].order == 0 && !(p->from->chi > 0.0)) {
+        return;
+    }
+    for (int i = 0; i < SLOW_N; ++i) {
+        const double place = 0.5 * s * (1.0 + radau.node[i]);
+        const double weight = 0.5 * s * p->half * radau.integral[i * SLOW_N + SLOW_N - 1];
+        const double time = p->half * place;
+        const struct slow_place at = slow_place_at(p, place);
+        const double force = slow_force(p, &at);
+        const double rate = at.rate / p->half;
+        const double spring = p->from->law.stiffness * at.depth * sqrt(at.depth);
+        double rows[3][HERTZ_DIMENSIONS];
+        slow_deviation(p, &at, place, rows[0], rows[1]);
+        change->dissipated += weight * (force - spring) * rate;
+        for (int body = 0; body < PAIR_BODIES; ++body) {
+            const struct pair_work *work = &p->from->work[body];
+            for (int j = 0; j < p->flight.dimensions && work->order > 0; ++j) {
+                rows[2][j] = p->from->shape.side * force / p->from->reduced_mass * at.turned[j];
+                const struct vec3 path =
+                    vec3_axpy(vec3_axpy(work->path[0], time, work->path[1]), time * time, work->path[2]);
+                change->work[body] += weight * vec3_dot(path, p->flight.frame[j]) * rows[work->order][j];
+            }
+        }
+    }
+}
+
+struct pair_change slow_hertz_change(const void *hertz_slow, double s)
+{
+    const struct hertz_slow *p = hertz_slow;
+    const struct slow_place at = slow_place_at(p, s);
+    double r[HERTZ_DIMENSIONS];
+    double r_rate[HERTZ_DIMENSIONS];
+    slow_deviation(p, &at, s, r, r_rate);
+    struct pair_change change = {.time = p->half * s, .gap = -at.depth};
+    change.r = change.r_rate = vec3_make(0.0, 0.0, 0.0);
+    for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
+        change.r = vec3_axpy(change.r, r[j], p->flight.frame[j]);
+        change.r_rate = vec3_axpy(change.r_rate, r_rate[j], p->flight.frame[j]);
+    }
+    slow_powers(p, s, &change);
+    return change;
+}

@@ -1,0 +1,176 @@
+"""An independent reference for contacts by Hertz's law with Hunt and Crossley's damping: the equations of motion
+in world coordinates, as DESIGN sections 1 and 6 write them, by extrapolation (Gragg, Bulirsch, Stoer) in extended
+precision.
+
+Nothing is made of what is known about the contact: time is the variable, steps shrink by error control where the
+force is not smooth, and an event is the root of its function in the length of the last step.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+LONG = np.longdouble
+COLUMNS = 8  # of the extrapolation: order 16
+TOLERANCE = LONG("1e-15")  # of a step, relative to sizes and speeds
+LANDED = LONG("1e-18")  # of an event, relative to the step
+APART, FULL, SPRING, CLIPPED = "apart", "full", "spring", "clipped"
+
+
+class HertzPair(NamedTuple):
+    """One ball and its counterpart; a mass of infinity does not move."""
+
+    stiffness: float  # k_h
+    chi: float
+    dashpot: str
+    reach: float  # d at g = 0
+    side: int  # +1 outside, -1 inside
+    masses: tuple
+    gravity: tuple = (0.0, 0.0, 0.0)
+    axis: tuple | None = None  # of a cylinder, unit length
+    plane: tuple | None = None  # the outward normal of a plane, unit length
+
+    def across(self, c):
+        return c if self.axis is None else c - (c @ self.axis) * self.axis
+
+    def gap_and_rate(self, state):
+        c, w = self.across(state[3:6] - state[0:3]), self.across(state[9:12] - state[6:9])
+        if self.plane is not None:
+            return -(c @ self.plane) - self.reach, -(w @ self.plane), -self.plane
+        d = np.sqrt(c @ c)
+        n = c / d
+        return self.side * (d - self.reach), self.side * (n @ w), n
+
+    def force(self, gap, rate, branch):
+        depth = max(-gap, LONG(0))
+        chi = self.chi if branch == FULL else LONG(0)
+        return LONG(0) if branch in (APART, CLIPPED) else self.stiffness * depth * np.sqrt(depth) * (1 - chi * rate)
+
+    def slope(self, state, branch):
+        """Positions of both bodies, their velocities, dissipated energy."""
+        gap, rate, n = self.gap_and_rate(state)
+        force = self.force(gap, rate, branch)
+        spring = self.force(gap, LONG(0), SPRING)
+        out = np.empty(13, LONG)
+        out[0:6] = state[6:12]
+        for i, sign in ((0, -self.side), (1, self.side)):
+            mass = self.masses[i]
+            pull = self.gravity + (sign * force / mass) * n
+            out[6 + 3 * i : 9 + 3 * i] = pull if np.isfinite(mass) else 0
+        out[12] = -(force - spring) * rate if branch in (FULL, SPRING) else 0
+        return out
+
+    def margin(self, state, branch):
+        """Falls through zero where the branch ends."""
+        gap, rate, _ = self.gap_and_rate(state)
+        if branch == APART:
+            return gap
+        if self.chi == 0 or self.dashpot == "unclamped":
+            return -gap
+        if self.dashpot == "approach_only":
+            law = -rate if branch == FULL else rate
+        else:
+            law = 1 - self.chi * rate if branch == FULL else self.chi * rate - 1
+        return (-gap, law)
+
+
+def precise(pair):
+    vectors = {k: np.array(getattr(pair, k), LONG) for k in ("gravity", "axis", "plane") if getattr(pair, k) is not None}
+    numbers = {k: LONG(getattr(pair, k)) for k in ("stiffness", "chi", "reach")}
+    return pair._replace(**vectors, **numbers, masses=tuple(LONG(m) for m in pair.masses))
+
+
+def step_of(pair, state, branch, h):
+    """The state after h, and the difference of the last two columns, relative."""
+    rows, counts = [], [2 * (k + 1) for k in range(COLUMNS)]
+    start = pair.slope(state, branch)
+    for k, count in enumerate(counts):
+        part = h / count
+        before, now = state, state + part * start
+        for _ in range(count - 1):
+            before, now = now, before + 2 * part * pair.slope(now, branch)
+        row = [(now + before + part * pair.slope(now, branch)) / 2]
+        for j in range(k):
+            ratio = (LONG(count) / counts[k - 1 - j]) ** 2 - 1
+            row.append(row[j] + (row[j] - rows[-1][j]) / ratio)
+        rows.append(row)
+    best = rows[-1][-1]
+    scale = np.max(np.abs(best[0:6])), np.max(np.abs(best[6:12]))
+    off = np.abs(best - rows[-1][-2])
+    moved = np.max(np.abs(h * best[6:12])) + pair.reach * LONG("1e-3")
+    return best, max(np.max(off[0:6]) / min(scale[0], moved), np.max(off[6:12]) / scale[1])
+
+
+def margins(pair, state, branch):
+    return np.atleast_1d(np.array(pair.margin(state, branch), LONG))
+
+
+def after_event(pair, branch, which):
+    if branch == APART:
+        return FULL
+    if which == 0:
+        return APART
+    return (SPRING if pair.dashpot == "approach_only" else CLIPPED) if branch == FULL else FULL
+
+
+def locate(pair, state, branch, h, which):
+    """The length of a step that ends at the event, by regula falsi (Illinois)."""
+    low, high = LONG(0), h
+    at_low = margins(pair, state, branch)[which]
+    at_low = at_low if at_low > 0 else LONG("1e-40")
+    at_high = margins(pair, step_of(pair, state, branch, h)[0], branch)[which]
+    for _ in range(200):
+        if high - low <= LANDED * h:
+            break
+        middle = (low * at_high - high * at_low) / (at_high - at_low)
+        if not low < middle < high:
+            middle = (low + high) / 2
+        value = margins(pair, step_of(pair, state, branch, middle)[0], branch)[which]
+        if value == 0:
+            return middle
+        if value < 0:
+            high, at_high, at_low = middle, value, at_low / 2
+        else:
+            low, at_low, at_high = middle, value, at_high / 2
+    return high
+
+
+def run(pair, state, end, branch=APART, first=None):
+    """The state at `end` (positions, velocities, dissipated) and the events: (time, branch that begins)."""
+    pair = precise(pair)
+    state = np.concatenate([np.array(state, LONG), [LONG(0)]])
+    time, end, events = LONG(0), LONG(end), []
+    h = LONG(first or end / 100)
+    while time < end:
+        h = min(h, end - time)
+        then, error = step_of(pair, state, branch, h)
+        if error > TOLERANCE and h > LONG("1e-12") * end:
+            h *= max(LONG("0.2"), LONG("0.8") * (TOLERANCE / error) ** (LONG(1) / 15))
+            continue
+        before, after = margins(pair, state, branch), margins(pair, then, branch)
+        fallen = [i for i in range(len(after)) if after[i] < 0 and (before[i] > 0 or events)]
+        opens = pair.gap_and_rate(then)[1] > 0  # what rounding left of a gap of zero is no event
+        if 0 in fallen and before[0] <= 0 and opens == (branch == APART):
+            fallen.remove(0)
+        if fallen:
+            lengths = [locate(pair, state, branch, h, i) for i in fallen]
+            first_one = int(np.argmin(lengths))
+            state, _ = step_of(pair, state, branch, lengths[first_one])
+            time += lengths[first_one]
+            branch = after_event(pair, branch, fallen[first_one])
+            events.append((time, branch))
+            h = min(h, end / 1000)
+            state = settle(pair, state, branch)
+            continue
+        state, time = then, time + h
+        h *= min(LONG(2), LONG("0.8") * (TOLERANCE / max(error, LONG("1e-30"))) ** (LONG(1) / 15))
+    return state, events
+
+
+def settle(pair, state, branch):
+    """At a touch and a release the gap is zero: what rounding left of it is taken out of the lighter body."""
+    gap, _, n = pair.gap_and_rate(state)
+    if abs(gap) < pair.reach * LONG("1e-17") and branch in (APART, FULL):
+        state = state.copy()
+        state[0:3] += pair.side * gap * n
+    return state
