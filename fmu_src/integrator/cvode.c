@@ -53,6 +53,17 @@ static double tolerance_share(enum solver_method method)
     return method == SOLVER_METHOD_CVODE_ADAMS ? 0.02 : 0.005;
 }
 
+/* The motion at a clock within the last internal step; a scene_output's `move`. */
+static void move_to(void *memory, double clock, struct scene_state *q)
+{
+    struct cvode *c = memory;
+    if (clock != c->y_clock) {
+        CVodeGetDky(c->memory, clock, 0, c->y);
+        c->y_clock = clock;
+    }
+    ode_unpack(c->problem.ode.values, q, NV_DATA_S(c->y));
+}
+
 /* Starts a phase from the motion; false where CVODE refuses. c->problem knows values and motion. */
 static bool start_phase(struct cvode *c, const struct scene_values *v, struct scene_state *q)
 {
@@ -64,18 +75,21 @@ static bool start_phase(struct cvode *c, const struct scene_values *v, struct sc
     ode_begin(&c->problem.ode, &at, c->problem.relative, c->problem.absolute);
     ode_pack(&c->problem.ode, NV_DATA_S(c->y));
     c->steps = c->evaluations = c->rejected = 0;
+    c->reached = c->y_clock = q->clock;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        c->output[j] = (struct scene_output){.contact = j, .move = move_to, .mover = c};
+    }
     q->integrator_fresh = 0;
     c->longest_step = largest_step(v, q, &at);
     return CVodeReInit(c->memory, q->clock, c->y) == CV_SUCCESS &&
            CVodeSetMaxStep(c->memory, c->longest_step) == CV_SUCCESS;
 }
 
-/* CVODE derives its first step from the time asked for. Where that is far longer than the contact's own time,
- * it is asked for parts of it. */
-static double end_of_leg(const struct cvode *c, double clock, double clock_end)
+/* CVODE derives its first step from the time aimed at, which is not far longer than the contact's own. */
+static double first_aim(const struct cvode *c, double clock, double clock_end)
 {
-    const double leg = 1e4 * c->longest_step;
-    return leg > 0.0 ? fmin(clock_end, clock + leg) : clock_end;
+    const double longest = 1e4 * c->longest_step;
+    return longest > 0.0 ? fmin(clock_end, clock + longest) : clock_end;
 }
 
 static void book_counters(struct cvode *c, struct scene_state *q, struct advance *step)
@@ -104,25 +118,20 @@ static double settled_clock(struct cvode *c, double clock)
     return clock + 400.0 * DBL_EPSILON * (clock + step);
 }
 
-/* Which contact leaves its regime at the root just found; false when the root is only a peak. */
-static bool root_event(struct cvode *c, const struct scene_values *v, const struct scene_state *q,
+/* Which contact leaves its regime at the root just found, and into which. */
+static void root_event(struct cvode *c, const struct scene_values *v, const struct scene_state *q,
                        struct advance *step)
 {
     int found[ODE_EVENTS];
     CVodeGetRootInfo(c->memory, found);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const int *roots = found + ODE_EVENTS_EACH * j;
-        step->contact = j;
-        if (roots[0]) {
-            step->regime = ode_regime_after(v, q, j, 0);
-            return true;
-        }
-        if (roots[1]) {
-            step->regime = ode_regime_after(v, q, j, 1);
-            return true;
+        if (roots[0] || roots[1]) {
+            step->contact = j;
+            step->regime = ode_regime_after(v, q, j, roots[0] ? 0 : 1);
+            return;
         }
     }
-    return false;
 }
 
 /* Corrects the state at an event where the exact value is known. */
@@ -161,6 +170,36 @@ static bool is_over_already(struct cvode *c, const struct scene_values *v, struc
     return false;
 }
 
+/* A step of CVODE is short against the contact's own time: within it no quantity has two extrema. */
+static void note_peaks(struct cvode *c, struct scene_state *q, double to)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].regime != REGIME_APART && to > q->clock) {
+            struct scene_output *output = &c->output[j];
+            output->values = c->problem.ode.values;
+            output->state = q;
+            scene_output_note_peaks(output, q->clock, to, 1, &q->contact[j].peaks);
+        }
+    }
+}
+
+/* One internal step of CVODE, less where a root or `stop` comes before its end. */
+static enum advance_result one_internal_step(struct cvode *c, struct scene_state *q, struct advance *step)
+{
+    if (step->budget <= 0) {
+        return ADVANCE_STEP_LIMIT;
+    }
+    const double aim = first_aim(c, q->clock, step->clock_end);
+    c->flag = CVode(c->memory, aim, c->y, &c->reached, CV_ONE_STEP);
+    c->y_clock = c->reached;
+    book_counters(c, q, step);
+    if (c->flag == CV_TOO_CLOSE) { /* a last digit of the clock: nothing moves */
+        q->clock = step->clock_end;
+        return ADVANCE_REACHED;
+    }
+    return c->flag < 0 ? ADVANCE_FAILED : ADVANCE_REACHED;
+}
+
 enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v, struct scene_state *q,
                                   struct advance *step)
 {
@@ -180,38 +219,26 @@ enum advance_result cvode_advance(struct cvode *c, const struct scene_values *v,
         }
     }
     CVodeSetStopTime(c->memory, stop);
-    for (;;) {
-        double clock = q->clock;
-        CVodeSetMaxNumSteps(c->memory, step->budget);
-        const int flag = CVode(c->memory, end_of_leg(c, clock, step->clock_end), c->y, &clock, CV_NORMAL);
-        book_counters(c, q, step);
-        if (flag == CV_TOO_CLOSE) { /* a last digit of the clock: nothing moves */
-            q->clock = step->clock_end;
-            return ADVANCE_REACHED;
+    while (q->clock < step->clock_end) {
+        if (!(c->reached > q->clock)) {
+            const enum advance_result result = one_internal_step(c, q, step);
+            if (result != ADVANCE_REACHED || c->flag == CV_TOO_CLOSE) {
+                return result;
+            }
         }
-        if (flag < 0 && flag != CV_TOO_MUCH_WORK) {
-            return ADVANCE_FAILED;
-        }
-        ode_unpack(v, q, NV_DATA_S(c->y));
-        q->clock = clock;
-        if (flag == CV_TOO_MUCH_WORK) {
-            return ADVANCE_STEP_LIMIT;
-        }
+        const double to = fmin(c->reached, step->clock_end);
+        note_peaks(c, q, to);
+        move_to(c, to, q);
+        q->clock = to;
         flight_restore(v, q);
-        if (flag == CV_ROOT_RETURN && root_event(c, v, q, step)) {
+        if (to == c->reached && c->flag == CV_ROOT_RETURN) {
+            root_event(c, v, q, step);
             tidy_event(c, v, q, step);
             return ADVANCE_EVENT;
         }
-        if (flag == CV_TSTOP_RETURN || q->clock >= step->clock_end) {
+        if (to == c->reached && c->flag == CV_TSTOP_RETURN) {
             return ADVANCE_REACHED;
         }
-        struct scene_instant at;
-        scene_now(v, q, &at);
-        transition_note_peaks(q, &at);
-        /* A return counts as a step, so that the limit of steps ends any number of roots that are no
-         * events. */
-        if (--step->budget <= 0) {
-            return ADVANCE_STEP_LIMIT;
-        }
     }
+    return ADVANCE_REACHED;
 }

@@ -98,7 +98,7 @@ static bool attach_fixed_point(struct cvode *c)
 
 static bool configure(struct cvode *c)
 {
-    /* -g, the margin and the force rate matter where they fall, see scene/ode.h. */
+    /* Event functions matter where they fall, see scene/ode.h. */
     int falling[ODE_EVENTS];
     for (int i = 0; i < ODE_EVENTS; ++i) {
         falling[i] = -1;

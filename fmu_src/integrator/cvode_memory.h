@@ -10,6 +10,7 @@
 #include <sundials/sundials_nonlinearsolver.h>
 
 #include "scene/ode.h"
+#include "segment/scene_output.h"
 
 struct cvode_problem {
     struct scene_ode ode;
@@ -26,7 +27,11 @@ struct cvode {
     struct cvode_problem problem;
     enum solver_method method;
     int size;
-    double longest_step;               /* of the phase [s]; 0: no bound */
+    struct scene_output output[SCENE_CONTACTS]; /* of the phase */
+    double longest_step;                        /* of the phase [s]; 0: no bound */
+    double reached; /* end of the last step, or its root: at or beyond the scene's clock [s] */
+    int flag;       /* what CVODE returned there */
+    double y_clock; /* when y is the state [s] */
     long steps, evaluations, rejected; /* CVODE's counters already booked in the motion's */
     void (*release)(void *memory);     /* of this struct */
     char *message;                     /* the solver's, INTEGRATOR_MESSAGE_SIZE bytes */

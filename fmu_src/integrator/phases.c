@@ -81,9 +81,7 @@ static void note_depth_of_released(const struct scene_values *v, struct scene_st
         const bool led =
             body_is_prescribed(v, contact_source(j)) || body_is_prescribed(v, contact_destination(j));
         if (led && q->contact[j].regime == REGIME_SEPARATING) {
-            const struct scene_instant *at = advance_now(step, v, q);
-            const double gap = regime_change_least_gap(v, q, at, q->clock, j, step->clock_end);
-            q->contact[j].record.peak_penetration = fmax(q->contact[j].record.peak_penetration, -gap);
+            regime_change_note_depth(v, q, advance_now(step, v, q), j, step->clock_end);
         }
     }
 }

@@ -6,6 +6,7 @@
 #include "scene/energy.h"
 #include "scene/rounding.h"
 #include "segment/regime_change.h"
+#include "segment/scene_output.h"
 
 enum { TERMS = 3 * SCENE_CONTACTS + 2 };
 
@@ -127,51 +128,18 @@ static void add_panel(struct scene_state *q, const struct panel *panel)
     q->external_work += panel->sum[TERMS - 1];
 }
 
-/* A measure of contact j to be maximised: 0 the force, 1 the penetration. */
-static double measure(const struct scene_values *v, const struct scene_state *q, double clock, int contact,
-                      int which)
-{
-    struct scene_instant at;
-    scene_evaluate(v, q, clock, q->body, &at);
-    return which == 0 ? at.normal_force[contact] : -at.geometry[contact].gap;
-}
+/* The quadrature resolves a panel by five nodes each half: no quantity has two extrema within a quarter. */
+enum { PARTS = 4 };
 
-/* Golden-section search: the interval shrinks by 0.618 a step, so 40 steps reach the square root of the
- * rounding, which is where a maximum is exact to rounding. */
-static double largest_between(const struct scene_values *v, struct scene_state *q, double from, double to,
-                              int contact, int which)
-{
-    const double ratio = 0.5 * (sqrt(5.0) - 1.0);
-    double low = to - ratio * (to - from), high = from + ratio * (to - from);
-    double at_low = measure(v, q, low, contact, which), at_high = measure(v, q, high, contact, which);
-    for (int i = 0; i < 40; ++i) {
-        if (at_low > at_high) {
-            to = high, high = low, at_high = at_low;
-            low = to - ratio * (to - from);
-            at_low = measure(v, q, low, contact, which);
-        } else {
-            from = low, low = high, at_low = at_high;
-            high = from + ratio * (to - from);
-            at_high = measure(v, q, high, contact, which);
-        }
-    }
-    counter_add(&q->counters.force_evaluations, 42);
-    return fmax(at_low, at_high);
-}
-
-/* Peaks inside a panel that the quadrature resolves: there force and penetration have one maximum at most. */
 static void note_peaks_between(const struct scene_values *v, struct scene_state *q, double from, double to)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct contact_state *state = &q->contact[j];
-        for (int which = 0; which < 2 && is_driven(v, q, j); ++which) {
-            const double middle = measure(v, q, 0.5 * (from + to), j, which);
-            const double ends = fmax(measure(v, q, from, j, which), measure(v, q, to, j, which));
-            double *peak = which == 0 ? &state->record.peak_force : &state->record.peak_penetration;
-            *peak = fmax(*peak, ends);
-            if (middle != ends) {
-                *peak = fmax(*peak, largest_between(v, q, from, to, j, which));
-            }
+        if (is_driven(v, q, j)) {
+            struct scene_output output = {.values = v, .state = q, .contact = j};
+            struct contact_peaks peaks = q->contact[j].peaks;
+            scene_output_note_peaks(&output, from, to, PARTS, &peaks);
+            q->contact[j].peaks = peaks;
+            counter_add(&q->counters.force_evaluations, PARTS + 1);
         }
     }
 }
@@ -194,8 +162,7 @@ static void note_depth(const struct scene_values *v, struct scene_state *q, doub
     scene_kinematics_now(v, q, &at);
     for (int j = 0; until > q->clock && j < SCENE_CONTACTS; ++j) {
         if (is_driven(v, q, j)) {
-            const double gap = regime_change_least_gap(v, q, &at, q->clock, j, until);
-            q->contact[j].record.peak_penetration = fmax(q->contact[j].record.peak_penetration, -gap);
+            regime_change_note_depth(v, q, &at, j, until);
         }
     }
 }

@@ -87,8 +87,7 @@ static void forget_integration(struct scene_state *q)
         struct contact_state *contact = &q->contact[j];
         contact->physics.accumulated_gap = DBL_MAX; /* as positions give it */
         contact->schedule.change_clock = (double)INFINITY;
-        contact->record.peak_force = 0.0;
-        contact->record.peak_penetration = 0.0;
+        contact->peaks = (struct contact_peaks){0.0, 0.0};
     }
 }
 

@@ -13,16 +13,16 @@ static struct vec3 mean_of(struct vec3 impulse, double window)
  * (segment/peak_error.c). */
 static const double KNOWN = 1e-6;
 
-static bool peaks_are_known(const struct contact_record *record)
+static bool peaks_are_known(const struct contact_state *state)
 {
-    return !(record->force_bound > record->peak_force * (1.0 + KNOWN));
+    return !(state->record.force_bound > state->peaks.force * (1.0 + KNOWN));
 }
 
 const char *motion_unknown(const struct model *m, const struct variable *variable)
 {
     const bool is_peak =
         variable->row == ROW_contact_peak_force || variable->row == ROW_contact_peak_penetration;
-    if (!is_peak || peaks_are_known(&m->state.motion.contact[variable->element].record)) {
+    if (!is_peak || peaks_are_known(&m->state.motion.contact[variable->element])) {
         return NULL;
     }
     return "in a contact as stiff as this, rounding of gap and speed where it began makes more than 1e-6 of "
@@ -38,14 +38,14 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
     const bool touching = state->regime != REGIME_APART;
     const struct vec3 mean = mean_of(impulse, q->step_length);
     put_contact_mean_force(v, contact, mean);
-    put_contact_peak_force(v, contact, state->record.peak_force);
-    put_contact_peak_penetration(v, contact, state->record.peak_penetration);
+    put_contact_peak_force(v, contact, state->peaks.force);
+    put_contact_peak_penetration(v, contact, state->peaks.penetration);
     put_contact_onsets(v, contact, state->record.onsets);
     put_contact_last_onset_time(v, contact, state->record.onset_time);
     put_contact_last_duration(v, contact,
                               touching ? q->clock - state->record.touch_clock : state->record.last_duration);
-    const double known = peaks_are_known(&state->record) ? 0.0 : (double)INFINITY;
-    return mean.x + mean.y + mean.z + state->record.peak_force + known;
+    const double known = peaks_are_known(state) ? 0.0 : (double)INFINITY;
+    return mean.x + mean.y + mean.z + state->peaks.force + known;
 }
 
 static double put_energies(struct scene_values *v, const struct scene_state *q,

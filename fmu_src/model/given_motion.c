@@ -70,10 +70,10 @@ bool motion_defer(struct model *m, double end_time)
 }
 
 /* A sum that is finite only if all parts are. */
-static double size_of_step(const struct contact_step *step)
+static double size_of_step(const struct contact_state *state)
 {
-    const struct vec3 mean = step->mean_force;
-    return fabs(mean.x) + fabs(mean.y) + fabs(mean.z) + step->peak_force + step->peak_penetration;
+    const struct vec3 mean = state->mean_force;
+    return fabs(mean.x) + fabs(mean.y) + fabs(mean.z) + state->peaks.force + state->peaks.penetration;
 }
 
 double motion_size(const struct scene_values *v, const struct scene_state *q)
@@ -81,7 +81,7 @@ double motion_size(const struct scene_values *v, const struct scene_state *q)
     (void)v;
     double sum = 0.0;
     for (int j = 0; SUMS_UP_STEPS && j < SCENE_CONTACTS; ++j) {
-        sum += size_of_step(&q->contact[j].step);
+        sum += size_of_step(&q->contact[j]);
     }
     return sum;
 }
@@ -96,10 +96,10 @@ double motion_show(struct scene_values *v, const struct scene_state *q, const st
 {
     (void)at;
     for (int j = 0; SUMS_UP_STEPS && j < SCENE_CONTACTS; ++j) {
-        const struct contact_step *step = &q->contact[j].step;
-        put_contact_mean_force(v, j, step->mean_force);
-        put_contact_peak_force(v, j, step->peak_force);
-        put_contact_peak_penetration(v, j, step->peak_penetration);
+        const struct contact_state *state = &q->contact[j];
+        put_contact_mean_force(v, j, state->mean_force);
+        put_contact_peak_force(v, j, state->peaks.force);
+        put_contact_peak_penetration(v, j, state->peaks.penetration);
     }
     return motion_size(v, q);
 }

@@ -169,55 +169,6 @@ double scene_inverse_mass(const struct scene_values *v, int contact)
     return body_inverse_mass(v, contact_source(contact)) + body_inverse_mass(v, contact_destination(contact));
 }
 
-/* How much faster a prescribed displacement changes than its velocity says; zero where that is rounding. */
-static struct vec3 surplus_rate(const struct scene_values *v, const struct scene_state *q, double clock,
-                                int body)
-{
-    const struct vec3 none = {0.0, 0.0, 0.0};
-    if (!body_is_prescribed(v, body)) {
-        return none;
-    }
-    const struct vec3 *u = q->path[body].displacement;
-    const struct vec3 velocity = path_at(q->path[body].velocity, 3, clock);
-    const struct vec3 rate = vec3_axpy(u[1], clock, vec3_axpy(vec3_scale(2.0, u[2]), 3.0 * clock, u[3]));
-    const struct vec3 surplus = vec3_sub(rate, velocity);
-    const double rounding = 16.0 * DBL_EPSILON * (vec3_norm(rate) + vec3_norm(velocity));
-    return vec3_norm(surplus) > rounding ? surplus : none;
-}
-
-/* c' - w of a contact. */
-static struct vec3 separation_surplus(const struct scene_values *v, const struct scene_state *q, double clock,
-                                      int contact)
-{
-    return vec3_sub(surplus_rate(v, q, clock, contact_destination(contact)),
-                    surplus_rate(v, q, clock, contact_source(contact)));
-}
-
-double scene_opening_rate(const struct scene_values *v, const struct scene_state *q, double clock,
-                          const struct scene_instant *at, int contact)
-{
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const struct contact_geometry *g = &at->geometry[contact];
-    return g->gap_rate + shape.side * vec3_dot(g->normal, separation_surplus(v, q, clock, contact));
-}
-
-double scene_force_rate(const struct scene_values *v, const struct scene_state *q, double clock,
-                        const struct scene_instant *at, int contact)
-{
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const struct contact_geometry *g = &at->geometry[contact];
-    const struct contact_slopes slopes =
-        contact_force_slopes(&law, (enum contact_regime)q->contact[contact].regime, g->gap, g->gap_rate);
-    const struct vec3 across = contact_tangential(&shape, g->normal, at->rate[contact]);
-    const struct vec3 c_rate = vec3_add(across, separation_surplus(v, q, clock, contact));
-    const double centripetal = g->degenerate ? 0.0 : vec3_dot(across, c_rate) / g->distance;
-    const struct vec3 relative_acceleration =
-        vec3_sub(at->acceleration[contact_destination(contact)], at->acceleration[contact_source(contact)]);
-    const double gap_acceleration = shape.side * (vec3_dot(g->normal, relative_acceleration) + centripetal);
-    return slopes.by_gap * scene_opening_rate(v, q, clock, at, contact) + slopes.by_rate * gap_acceleration;
-}
-
 double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact)
 {
     const int source = contact_source(contact);

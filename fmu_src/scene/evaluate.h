@@ -65,15 +65,6 @@ double body_inverse_mass(const struct scene_values *v, int body);
 /* Sum of the inverse masses of a contact's bodies: 1 / m_eff [1/kg]. */
 double scene_inverse_mass(const struct scene_values *v, int contact);
 
-/* d/dt of the gap itself: where a prescribed displacement has a derivative other than the prescribed velocity
- * it is not the g' that the law sees [m/s]. */
-double scene_opening_rate(const struct scene_values *v, const struct scene_state *q, double clock,
-                          const struct scene_instant *at, int contact);
-
-/* d/dt of F_n within the regime [N/s]. */
-double scene_force_rate(const struct scene_values *v, const struct scene_state *q, double clock,
-                        const struct scene_instant *at, int contact);
-
 /* Power of whatever moves prescribed bodies against a contact [W]. */
 double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact);
 

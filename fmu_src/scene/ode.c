@@ -175,7 +175,7 @@ static double not_zero(double value)
  * foresee its changes. */
 static void coupled_events(const struct scene_ode *ode, const struct contact_shape *shape,
                            const struct contact_law *law, const struct contact_geometry *g, int j,
-                           double out[4])
+                           double out[ODE_EVENTS_EACH])
 {
     const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
     if (regime == REGIME_APART) {
@@ -198,14 +198,10 @@ void ode_events(const struct scene_ode *ode, double clock, const double *y, doub
         const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
         const struct contact_law law = scene_contact_law(v, ode->state, j);
         const struct contact_geometry *g = &at.geometry[j];
-        out[0] = out[1] = out[2] = out[3] = 1.0;
-        if (contact_transmits(ode->state, j)) {
-            if (!contact_is_driven(v, j)) {
-                out[0] = not_zero(ode->gap_offset[j] - g->gap);
-                out[1] = not_zero(ode->margin_offset[j] + contact_event(&law, regime, g->gap, g->gap_rate));
-            }
-            out[2] = not_zero(-scene_opening_rate(v, ode->state, clock, &at, j));
-            out[3] = not_zero(scene_force_rate(v, ode->state, clock, &at, j));
+        out[0] = out[1] = 1.0;
+        if (contact_transmits(ode->state, j) && !contact_is_driven(v, j)) {
+            out[0] = not_zero(ode->gap_offset[j] - g->gap);
+            out[1] = not_zero(ode->margin_offset[j] + contact_event(&law, regime, g->gap, g->gap_rate));
         }
         if (contact_is_coupled(v, ode->state, j)) {
             const struct contact_shape shape = scene_contact_shape(v, ode->state, j);

@@ -5,22 +5,19 @@
  *   y = (moved [m], v [m/s] of each free body; impulse on the source of each contact [N s];
  *        dissipated energy [J]; external work [J])
  *
- * Four event functions for each contact, each an event where it falls through zero:
+ * Two event functions for each contact, each an event where it falls through zero, which ends the phase:
  *   0   -g              contact ends
  *   1   contact_event   the law changes
- *   2   -g'             deepest penetration
- *   3   dF_n/dt         largest force
- * An offset is added to 0 and 1, so that they start above zero in spite of rounding; they end the phase. 2
- * and 3 are peaks only. Without contact all are the constant 1, unless another contact loads one of the
- * bodies: then 0 is also the first touch and the passage of a cylinder's end. Where neither body is free
- * closed forms foresee 0 and 1, which are then constant.
+ * An offset is added, so that they start above zero in spite of rounding. Without contact both are the
+ * constant 1, unless another contact loads one of the bodies: then 0 is also the first touch and the passage
+ * of a cylinder's end. Where neither body is free closed forms foresee both, which are then constant.
  */
 #ifndef CONTACT_SCENE_ODE_H
 #define CONTACT_SCENE_ODE_H
 
 #include "scene/evaluate.h"
 
-enum { ODE_EVENTS_EACH = 4, ODE_EVENTS = ODE_EVENTS_EACH * SCENE_CONTACTS };
+enum { ODE_EVENTS_EACH = 2, ODE_EVENTS = ODE_EVENTS_EACH * SCENE_CONTACTS };
 
 struct scene_ode {
     const struct scene_values *values;

@@ -24,8 +24,8 @@ void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
     }
 }
 
-void jet_in_time(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
-                 struct scene_jet *along)
+/* Bodies by their velocities and accelerations. */
+static void put_bodies(const struct scene_state *q, const struct scene_instant *at, struct scene_jet *along)
 {
     memset(along, 0, sizeof *along);
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -36,9 +36,38 @@ void jet_in_time(const struct scene_values *v, const struct scene_state *q, cons
         along->velocity[i][1] = at->acceleration[i];
         along->velocity[i][2] = q->path[i].velocity[2];
     }
+}
+
+/* Contacts; then once more, as free bodies go by the forces of the first time. */
+static void put_contacts(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, struct scene_jet *along)
+{
     jet_of_contacts(v, q, at, along);
     if (free_bodies_put_jerk(v, q, along)) {
         jet_of_contacts(v, q, at, along);
     }
+}
+
+void jet_in_time(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
+                 struct scene_jet *along)
+{
+    put_bodies(q, at, along);
+    put_contacts(v, q, at, along);
     free_bodies_put_work(v, q, along);
+}
+
+void jet_of_motion(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
+                   struct scene_jet *along)
+{
+    put_bodies(q, at, along);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_prescribed(v, i)) {
+            struct vec3 displacement[4];
+            memcpy(displacement, q->path[i].displacement, sizeof displacement);
+            path_shift(displacement, 4, q->clock);
+            along->displacement[i][1] = displacement[1];
+            along->displacement[i][2] = displacement[2];
+        }
+    }
+    put_contacts(v, q, at, along);
 }

@@ -30,4 +30,9 @@ CONTACT_COLD void jet_of_contacts(const struct scene_values *v, const struct sce
 CONTACT_COLD void jet_in_time(const struct scene_values *v, const struct scene_state *q,
                               const struct scene_instant *at, struct scene_jet *along);
 
+/* Bodies and contacts as they move: a prescribed displacement by its own derivatives, which need not be its
+ * velocity; that is what the law sees. */
+CONTACT_COLD void jet_of_motion(const struct scene_values *v, const struct scene_state *q,
+                                const struct scene_instant *at, struct scene_jet *along);
+
 #endif

@@ -58,8 +58,6 @@ struct contact_physics {
 /* What outputs tell of the past. */
 struct contact_record {
     struct vec3 impulse_mark; /* the impulse at the start of the communication step [N s] */
-    double peak_force;        /* over the last communication step [N] */
-    double peak_penetration;  /* likewise, max(-g) >= 0 [m] */
     double force_bound;       /* the largest that rounding may make of the peak force; 0: no more [N] */
     double force_error;       /* by how much, as far as it has not decayed; 0: negligible [N] */
     double onset_time;        /* when the contact under way, or the last one, began [s] */
@@ -70,12 +68,18 @@ struct contact_record {
     int32_t unused; /* in place of padding */
 };
 
-/* Where all motion is given, the past is the last communication step. */
-struct contact_step {
-    struct vec3 mean_force;  /* on the source [N] */
-    double peak_force;       /* [N] */
-    double peak_penetration; /* max(-g) >= 0 [m] */
+/* The largest values over the last communication step. */
+struct contact_peaks {
+    double force;       /* [N] */
+    double penetration; /* max(-g) >= 0 [m] */
 };
+
+/* Whoever knows of a force and a penetration notes them here. */
+static inline void contact_peaks_note(struct contact_peaks *peaks, double force, double penetration)
+{
+    peaks->force = fmax(peaks->force, force);
+    peaks->penetration = fmax(peaks->penetration, penetration);
+}
 
 /* What has been foreseen. */
 struct contact_schedule {
@@ -95,12 +99,13 @@ struct contact_state {
 #if SCENE_ANY_HERTZ
     double onset_damping; /* with restitution: chi of the contact under way, or of the last one [s/m] */
 #endif
+    struct contact_peaks peaks;
 #if SCENE_ANY_FREE
     struct contact_physics physics;
     struct contact_record record;
     struct contact_schedule schedule;
 #else
-    struct contact_step step;
+    struct vec3 mean_force; /* on the source, over the last communication step [N] */
 #endif
     int32_t regime; /* enum contact_regime */
     int32_t side;   /* +1 outside, -1 inside: the location in force */

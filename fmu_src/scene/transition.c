@@ -28,7 +28,7 @@ static void set_regime(struct scene_state *q, int contact, enum contact_regime r
 static double way_rounding(const struct scene_state *q, const struct scene_instant *at, int contact,
                            double lasted)
 {
-    const double way = vec3_norm(at->rate[contact]) * lasted + q->contact[contact].record.peak_penetration;
+    const double way = vec3_norm(at->rate[contact]) * lasted + q->contact[contact].peaks.penetration;
     return 32.0 * DBL_EPSILON * way;
 }
 
@@ -74,12 +74,23 @@ static void begin_phase(const struct scene_values *v, struct scene_state *q, con
     q->phase_energy = scene_uses_ode(v) ? projection_balance(v, q, at) : 0.0;
 }
 
+/* Takes the instant into account for the peaks of the communication step. */
+static void note_peaks_of(struct scene_state *q, const struct scene_instant *at)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        struct contact_state *state = &q->contact[j];
+        if (state->regime != REGIME_APART) {
+            contact_peaks_note(&state->peaks, at->normal_force[j], -at->geometry[j].gap);
+        }
+    }
+}
+
 static void note_peaks_of_touching(const struct scene_values *v, struct scene_state *q,
                                    struct scene_instant *at)
 {
     if (!scene_is_apart(q)) {
         scene_forces(v, q, q->clock, at);
-        transition_note_peaks(q, at);
+        note_peaks_of(q, at);
     }
 }
 
@@ -137,7 +148,7 @@ void transition_settle_regimes(const struct scene_values *v, struct scene_state 
 /* Peaks, and the normals for where there are none. */
 static void note_instant(struct scene_state *q, const struct scene_instant *at)
 {
-    transition_note_peaks(q, at);
+    note_peaks_of(q, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].normal = at->geometry[j].normal;
     }
@@ -149,8 +160,8 @@ void transition_begin_step(const struct scene_values *v, struct scene_state *q, 
     q->step_length = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].record.impulse_mark = q->contact[j].physics.impulse;
-        q->contact[j].record.peak_force = q->contact[j].record.force_bound = 0.0;
-        q->contact[j].record.peak_penetration = 0.0;
+        q->contact[j].record.force_bound = 0.0;
+        q->contact[j].peaks = (struct contact_peaks){0.0, 0.0};
     }
     note_instant(q, at);
 }
@@ -160,15 +171,4 @@ void transition_end_step(const struct scene_values *v, struct scene_state *q)
     struct scene_instant at;
     scene_now(v, q, &at);
     note_instant(q, &at);
-}
-
-void transition_note_peaks(struct scene_state *q, const struct scene_instant *at)
-{
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct contact_state *state = &q->contact[j];
-        if (state->regime != REGIME_APART) {
-            state->record.peak_force = fmax(state->record.peak_force, at->normal_force[j]);
-            state->record.peak_penetration = fmax(state->record.peak_penetration, -at->geometry[j].gap);
-        }
-    }
 }

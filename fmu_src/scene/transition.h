@@ -31,7 +31,4 @@ void transition_settle_regimes(const struct scene_values *v, struct scene_state 
 void transition_begin_step(const struct scene_values *v, struct scene_state *q, struct scene_instant *at);
 void transition_end_step(const struct scene_values *v, struct scene_state *q);
 
-/* Takes the instant into account for the peaks of the communication step. */
-void transition_note_peaks(struct scene_state *q, const struct scene_instant *at);
-
 #endif

@@ -213,26 +213,23 @@ static bool brackets_top(const struct probe *probe, struct root_bracket_end *low
     return low->value > 0.0 && high->value < 0.0;
 }
 
-/* Between tops less than this part of the largest value known is not worth a search: it is less than the
- * tolerance that anybody asks for (1e-8 is the start value). */
-static const double WORTH_A_SEARCH = 1e-9;
-
-bool dense_output_is_larger(double value, double largest)
+bool dense_output_is_larger(const struct dense_output *w, double value, double largest)
 {
-    return value > largest + WORTH_A_SEARCH * fabs(largest);
+    return value > largest + w->worth_a_search * fabs(largest);
 }
 
 /* Whether a top between two places may be larger than what is known: where the quantity bends down at both it
  * lies below both tangents. */
-static bool may_be_larger(const struct event_function *what, const struct root_bracket_end *low,
+static bool may_be_larger(const struct probe *probe, const struct root_bracket_end *low,
                           const struct root_bracket_end *high, const struct pair_sample *at,
                           const struct pair_sample *next, double largest)
 {
+    const struct event_function *what = probe->what;
     const double width = high->s - low->s;
     const double rise = value_of(what, next) - value_of(what, at);
     const double meet = (rise - high->value * width) / (low->value - high->value);
     return !(low->slope < 0.0 && high->slope < 0.0) ||
-           dense_output_is_larger(value_of(what, at) + low->value * meet, largest);
+           dense_output_is_larger(probe->output, value_of(what, at) + low->value * meet, largest);
 }
 
 /* The larger of `largest` and of the top between the samples at low and high. */
@@ -243,7 +240,7 @@ static double larger_between(const struct probe *probe, struct root_bracket_end 
     const struct event_function *what = probe->what;
     const bool turns = low.value > 0.0 && high.value < 0.0;
     if (turns &&
-        (is_top(what, at) || is_top(what, next) || !may_be_larger(what, &low, &high, at, next, largest))) {
+        (is_top(what, at) || is_top(what, next) || !may_be_larger(probe, &low, &high, at, next, largest))) {
         return largest;
     }
     if (brackets_top(probe, &low, &high) &&

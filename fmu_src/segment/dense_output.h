@@ -8,10 +8,16 @@ typedef void dense_output_sampler(const void *segment, double s, struct pair_sam
 
 enum { DENSE_OUTPUT_POINTS = 24 };
 
+/* Between tops less than this part of the largest value known is not worth a search: it is less than the
+ * tolerance that anybody asks for (1e-8 is the start value). */
+#define DENSE_OUTPUT_WORTH_A_SEARCH 1e-9
+
 /* A segment sampled at ascending s, so densely that no quantity has two extrema between two samples. */
 struct dense_output {
     dense_output_sampler *sampler;
     const void *segment;
+    /* a top that is larger than the largest value known by less than this part of it is not looked for */
+    double worth_a_search;
     int count;
     double s[DENSE_OUTPUT_POINTS];
     struct pair_sample at[DENSE_OUTPUT_POINTS];
@@ -44,7 +50,7 @@ bool dense_output_climb(const struct dense_output *w, const struct event_functio
                         double high, double *largest);
 
 /* Whether a value is larger than the largest known by so much that it is worth a search. */
-bool dense_output_is_larger(double value, double largest);
+bool dense_output_is_larger(const struct dense_output *w, double value, double largest);
 
 /* The larger of `known` and of factor quantity up to `end`, which may be before the last sample; `then` is
  * the sample at `end`. */

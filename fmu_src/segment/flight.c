@@ -113,7 +113,7 @@ void flight_advance(const struct scene_values *v, struct scene_state *q, double 
 static bool contact_is_deferrable(const struct contact_state *state)
 {
     return state->regime == REGIME_APART && !state->schedule.passes_centre &&
-           state->record.peak_penetration == 0.0 &&
+           state->peaks.penetration == 0.0 &&
            vec3_is_zero(vec3_sub(state->physics.impulse, state->record.impulse_mark));
 }
 

@@ -5,6 +5,7 @@
 #include "math/gauss.h"
 #include "scene/rounding.h"
 #include "segment/flight_candidates.h"
+#include "segment/scene_output.h"
 
 /* How closely a panel and its two halves must agree, relative to the size of what is integrated. The rule is
  * of degree nine, so the halves are a thousand times better than the panel: rounding is all that is left. */
@@ -35,39 +36,16 @@ __attribute__((noinline)) static void instant_at(const struct given_step *step, 
     scene_evaluate(step->v, step->q, step->q->clock + s * step->length, 0, at);
 }
 
-__attribute__((noinline)) static double force_slope_at(const struct given_step *step, double s)
-{
-    struct scene_instant at;
-    instant_at(step, s, &at);
-    return scene_force_rate(step->v, step->q, step->q->clock + s * step->length, &at, step->contact);
-}
+/* A quarter of a half panel is resolved by its five nodes: no quantity has two extrema there. */
+enum { PARTS = 4 };
 
-static void note(struct contact_step *sum, double force, double penetration)
+static void note_peaks_between(const struct given_step *step, double from, double to)
 {
-    sum->peak_force = fmax(sum->peak_force, force);
-    sum->peak_penetration = fmax(sum->peak_penetration, penetration);
-}
-
-__attribute__((noinline)) static void note_at(const struct given_step *step, double s)
-{
-    struct scene_instant at;
-    instant_at(step, s, &at);
-    note(&contact_of(step)->step, at.normal_force[step->contact], -at.geometry[step->contact].gap);
-}
-
-/* The top of the force between two places, where its slope is positive at the first and negative at the
- * second. Near it the force is flat: half the digits of the place give all of the force. */
-static void note_top_between(const struct given_step *step, double rising, double falling)
-{
-    while (falling - rising > 1e-9 * falling) {
-        const double middle = 0.5 * (rising + falling);
-        if (force_slope_at(step, middle) > 0.0) {
-            rising = middle;
-        } else {
-            falling = middle;
-        }
-    }
-    note_at(step, falling);
+    const double start = step->q->clock;
+    struct scene_output output = {.values = step->v, .state = step->q, .contact = step->contact};
+    struct contact_peaks peaks = contact_of(step)->peaks;
+    scene_output_note_peaks(&output, start + from * step->length, start + to * step->length, PARTS, &peaks);
+    contact_of(step)->peaks = peaks;
 }
 
 /* The integral of the force over a panel, and of its size. */
@@ -87,21 +65,6 @@ __attribute__((noinline)) static struct panel panel_of(const struct given_step *
         panel.size += half * GAUSS_WEIGHT[i] * fabs(at.normal_force[step->contact]);
     }
     return panel;
-}
-
-static void note_tops(const struct given_step *step, double from, double to)
-{
-    double before = from;
-    bool rises = force_slope_at(step, from) > 0.0;
-    for (int i = 0; i <= GAUSS_NODES; ++i) {
-        const double place = i < GAUSS_NODES ? from + 0.5 * (to - from) * (1.0 + GAUSS_NODE[i]) : to;
-        const double slope = force_slope_at(step, place);
-        if (rises && slope < 0.0) {
-            note_top_between(step, before, place);
-        }
-        rises = slope > 0.0;
-        before = place;
-    }
 }
 
 /* Near the centre n may be rounding at one end of a panel: the bound of the other then holds for nearly all
@@ -126,7 +89,7 @@ static bool agree(const struct given_step *step, const struct panel *whole, cons
 /* Within one regime. */
 static void integrate_smooth(struct given_step *step, double from, double end)
 {
-    struct vec3 *mean = &contact_of(step)->step.mean_force;
+    struct vec3 *mean = &contact_of(step)->mean_force;
     double width = end - from;
     while (from < end) {
         const double to = from + width < end ? from + width : end;
@@ -141,8 +104,7 @@ static void integrate_smooth(struct given_step *step, double from, double end)
             continue;
         }
         *mean = vec3_add(*mean, vec3_add(left.sum, right.sum));
-        note_tops(step, from, middle);
-        note_tops(step, middle, to);
+        note_peaks_between(step, from, to);
         from = to;
         width *= 2.0;
     }
@@ -158,10 +120,10 @@ static void integrate_between(struct given_step *step, double from, double to)
     if (regime == REGIME_APART) {
         return;
     }
-    note_at(step, from);
-    note_at(step, to);
     if (regime != REGIME_SEPARATING) {
         integrate_smooth(step, from, to);
+    } else {
+        note_peaks_between(step, from, to);
     }
 }
 
@@ -200,12 +162,13 @@ static struct vec3 note_present(const struct scene_values *v, struct scene_state
     struct contact_state *state = &q->contact[contact];
     scene_kinematics_now(v, q, &at);
     state->regime = (int32_t)scene_regime(v, q, &at, contact);
-    state->step = (struct contact_step){.peak_force = 0.0};
+    state->peaks = (struct contact_peaks){0.0, 0.0};
+    state->mean_force = vec3_make(0.0, 0.0, 0.0);
     if (state->regime == REGIME_APART) {
         return vec3_make(0.0, 0.0, 0.0);
     }
     scene_forces(v, q, q->clock, &at);
-    note(&state->step, at.normal_force[contact], -at.geometry[contact].gap);
+    contact_peaks_note(&state->peaks, at.normal_force[contact], -at.geometry[contact].gap);
     return at.source_force[contact];
 }
 
@@ -217,14 +180,14 @@ void given_force_over(const struct scene_values *v, struct scene_state *q, doubl
         const struct separation_path separation = separation_path_of(v, q, &at, q->clock, j);
         const struct vec3 present = note_present(v, q, j);
         if (is_steady(&separation)) {
-            q->contact[j].step.mean_force = present;
+            q->contact[j].mean_force = present;
             continue;
         }
         const struct contact_shape shape = scene_contact_shape(v, q, j);
         const struct relative_path path = relative_path_make(&shape, &separation, at.geometry[j].gap, length);
         if (candidates_least_gap(&path) < 0.0) {
             struct given_step step = {v, q, j, length, HALVINGS};
-            q->contact[j].step = (struct contact_step){.peak_force = 0.0};
+            q->contact[j].peaks = (struct contact_peaks){0.0, 0.0};
             integrate(&step, &path);
         }
     }

@@ -1,7 +1,7 @@
 /*
  * The force of contacts over a communication step when all motion is given: neither body is free, so the
  * separation is a polynomial of time, and so are the conditions at which the law changes. Between the roots
- * of these the force is smooth; its mean is a quadrature, its largest value a root of its slope.
+ * of these the force is smooth; its mean is a quadrature, its largest value found on dense output.
  */
 #ifndef CONTACT_SEGMENT_GIVEN_FORCE_H
 #define CONTACT_SEGMENT_GIVEN_FORCE_H
@@ -9,7 +9,7 @@
 #include "scene/present.h"
 
 /* Mean force, peak force and peak penetration of all contacts from the present until `length` seconds later,
- * into q->contact[].step. The regimes of q become those at the end. */
+ * into q->contact[]. The regimes of q become those at the end. */
 void given_force_over(const struct scene_values *v, struct scene_state *q, double length);
 
 /* Those of the present instant alone, with a mean force of zero: before the first step. */

@@ -54,8 +54,9 @@ static struct start start_of(const struct segment *p)
     return start;
 }
 
-void peak_error_note(const struct segment *p, double time, struct contact_record *record)
+void peak_error_note(const struct segment *p, double time, struct contact_state *state)
 {
+    struct contact_record *record = &state->record;
     if (record->force_error == 0.0 && p->gap_is_known && p->pair.rate_is_known) {
         return;
     }
@@ -64,7 +65,7 @@ void peak_error_note(const struct segment *p, double time, struct contact_record
     const struct oscillator oscillator = {by->k / p->pair.reduced_mass, by->c / p->pair.reduced_mass};
     const double decay = fmin(oscillator_rates_of(&oscillator).slower, 0.5 * oscillator.damping_rate) * time;
     const double error = fmin(record->force_error + start.error, DBL_MAX);
-    const double peak = record->peak_force;
+    const double peak = state->peaks.force;
     record->force_error = error * exp(-decay);
     if (!(error > NEGLIGIBLE * fmax(start.size, peak))) {
         return;

@@ -4,7 +4,7 @@
 
 #include "segment/segment.h"
 
-/* To be called once the peaks of a segment of `time` seconds are in the record. */
-void peak_error_note(const struct segment *p, double time, struct contact_record *record);
+/* To be called once the peaks of a segment of `time` seconds are in the state. */
+void peak_error_note(const struct segment *p, double time, struct contact_state *state);
 
 #endif

@@ -128,7 +128,7 @@ static void search_swinging(struct search *f)
     }
     for (int i = 0; i < w->count; ++i) {
         const int node = i == 0 ? best : i <= best ? i - 1 : i;
-        if (dense_output_is_larger(-left[node], f->largest)) {
+        if (dense_output_is_larger(w, -left[node], f->largest)) {
             climb_about(f, w->s[node], &w->at[node]);
         }
     }
@@ -150,10 +150,10 @@ static double largest_of_swinging(struct segment *p, const struct event_function
 {
     struct search f = search_of(p, what, omega, end, known);
     const double slow = largest_of_slow(p, what);
-    if (!dense_output_is_larger(fabs(slow) + f.envelope.amplitude, fabs(slow))) {
+    if (!dense_output_is_larger(&p->output, fabs(slow) + f.envelope.amplitude, fabs(slow))) {
         return fmax(f.largest, slow);
     }
-    if (dense_output_is_larger(slow + f.envelope.amplitude, f.largest)) {
+    if (dense_output_is_larger(&p->output, slow + f.envelope.amplitude, f.largest)) {
         search_swinging(&f);
     }
     return f.largest;
@@ -165,7 +165,7 @@ static double largest_of_swinging(struct segment *p, const struct event_function
 static double largest_of_decaying(const struct segment *p, const struct event_function *what, double faster,
                                   double largest)
 {
-    struct dense_output w = {.sampler = p->output.sampler, .segment = p->output.segment, .count = 0};
+    struct dense_output w = {p->output.sampler, p->output.segment, p->output.worth_a_search, .count = 0};
     double place = 0.0;
     int next = 0;
     for (;;) {
@@ -202,19 +202,18 @@ static double largest_of(struct segment *p, const struct event_function *what, d
 
 void peaks_note(struct segment *p, struct contact_state *state, double end)
 {
-    struct contact_record *record = &state->record;
+    struct contact_peaks *peaks = &state->peaks;
     if (p->pair.coefficients.c > 0.0 || p->pair.chi > 0.0) {
-        record->peak_penetration = largest_of(p, &peak_penetration, end, record->peak_penetration);
-        record->peak_force = largest_of(p, &peak_force, end, record->peak_force);
+        peaks->penetration = largest_of(p, &peak_penetration, end, peaks->penetration);
+        peaks->force = largest_of(p, &peak_force, end, peaks->force);
     } else { /* the largest force of a spring is that of its largest penetration */
         const double deepest = largest_of(p, &peak_penetration, end, -(double)INFINITY);
-        record->peak_penetration = fmax(record->peak_penetration, deepest);
         const double force = contact_is_hertz(&p->pair.law)
                                  ? contact_normal_force_of(&p->pair.law, p->regime, -deepest, 0.0)
                                  : p->pair.coefficients.k * deepest;
-        record->peak_force = fmax(record->peak_force, force);
+        contact_peaks_note(peaks, force, deepest);
     }
     if (p->pair.coefficients.k >= PAIR_STIFF) {
-        peak_error_note(p, segment_time(p, end), record);
+        peak_error_note(p, segment_time(p, end), state);
     }
 }

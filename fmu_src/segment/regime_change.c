@@ -262,12 +262,12 @@ struct regime_change next_regime_change(const struct scene_values *v, const stru
     return flight_regime_change(&path, &shape, &law, present, settle, by_positions);
 }
 
-double regime_change_least_gap(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at, double clock, int contact, double until)
+void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,
+                              const struct scene_instant *at, int contact, double until)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const struct separation_path separation = separation_path_of(v, q, at, clock, contact);
+    const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
     const struct relative_path path =
-        relative_path_make(&shape, &separation, at->geometry[contact].gap, until - clock);
-    return candidates_least_gap(&path);
+        relative_path_make(&shape, &separation, at->geometry[contact].gap, until - q->clock);
+    contact_peaks_note(&q->contact[contact].peaks, 0.0, -candidates_least_gap(&path));
 }

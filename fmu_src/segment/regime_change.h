@@ -32,9 +32,9 @@ struct regime_change next_regime_change(const struct scene_values *v, const stru
                                         const struct scene_instant *at, double clock, int contact,
                                         double horizon);
 
-/* The least gap between `clock`, the present, and `until` of a contact that transmits no force or whose
- * motion is given [m]. */
-double regime_change_least_gap(const struct scene_values *v, const struct scene_state *q,
-                               const struct scene_instant *at, double clock, int contact, double until);
+/* Takes the gap from `at`, the present, to the clock `until` into account for the peak penetration of a
+ * contact that transmits no force or whose motion is given: its extremes are roots of a polynomial. */
+void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,
+                              const struct scene_instant *at, int contact, double until);
 
 #endif

@@ -62,6 +62,7 @@ static bool make_kind(struct segment *p, enum segment_kind kind)
     p->terminal.s = (double)NAN;
     p->output.sampler = kinds[kind].sample;
     p->output.segment = &p->as;
+    p->output.worth_a_search = DENSE_OUTPUT_WORTH_A_SEARCH;
     p->output.count = 0;
     p->output.latest_s = -1.0;
     return kinds[kind].applies(p) && kinds[kind].make(p);

@@ -235,3 +235,51 @@ def test_peaks_do_not_follow_the_rounding_of_velocities(opened, name, share, ste
     for force, depth in peaks[1:]:
         check_close("force", force, peaks[0][0], 1e-7 * peaks[0][0])
         check_close("depth", depth, peaks[0][1], 1e-7 * peaks[0][1])
+
+
+@pytest.mark.parametrize("method", ["cvode_bdf", "cvode_adams"])
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+def test_the_dashpot_presses_up_to_the_centre(opened, dashpot, method):
+    """A ball straight through a solid one: g' falls from -v to +v there, and the force with it"""
+    values = head_on("sphere", "outside", speed=48.0) | {
+        "contact.method": "penalty_dynamic",
+        "contact.dashpot": dashpot,
+        "contact.penalty_factor": 20.0,
+        "contact.viscous_penalty_factor": 0.6,
+        "source.mass": 1.0,
+    }
+    peaks = []
+    for by in (METHOD, method):
+        fmu = run(opened("SphereSphere"), values, 0.1, 1, 1e-9, by)
+        peaks.append(fmu["contact.peak_force"])
+    check_close("force", peaks[1], peaks[0], 1e-6 * peaks[0])
+
+
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+@pytest.mark.parametrize("scene", ["SphereSphere", "SphereCylinder", "ForceElement"])
+def test_a_ball_that_is_led_through_the_centre_presses_hardest_before_it(opened, scene, dashpot):
+    """F = p_n (reach - d) + p_nv v until d = 0"""
+    stiffness, damping, speed, reach, size = 300.0, 7.0, 1.7, 0.6, 1.3
+    way = np.array([0.6, 0.8, 0.0])
+    values = {
+        "source.motion": "prescribed",
+        "destination.motion": "fixed",
+        "source.radius": 0.1,
+        "destination.radius": 0.5,
+        "destination.axis": [0.0, 0.0, 1.0],
+        "source.center": (-0.5 * size * way).tolist(),
+        "source.prescribed_velocity": (speed * way).tolist(),
+        "source.prescribed_displacement.derivatives": [(speed * way).tolist()],
+        "contact.location": "outside",
+        "contact.method": "penalty_dynamic",
+        "contact.dashpot": dashpot,
+        "contact.penalty_factor": stiffness,
+        "contact.viscous_penalty_factor": damping,
+    }
+    fmu = opened(scene)
+    known = {variable.name.partition("[")[0] for variable in fmu.description.modelVariables}
+    values = {name: x for name, x in values.items() if name.removesuffix(".derivatives") in known}
+    method = METHOD if "solver.method" in known else None
+    start(fmu, values, TOLERANCE, method).step(size / speed)
+    check_close("force", fmu["contact.peak_force"], stiffness * reach + damping * speed, 1e-10 * stiffness)
+    check_close("depth", fmu["contact.peak_penetration"], reach, 1e-14)
