@@ -59,6 +59,7 @@ struct instance {
     const struct adapter *adapter;
     struct experiment experiment;
     enum phase phase;
+    unsigned tuning_phases; /* in which tunable parameters may be set, besides those before the start */
     /* handed out and not freed, the newest first; a reset keeps them */
     struct state_block *states;
     enum model_status step_status; /* of the last step */

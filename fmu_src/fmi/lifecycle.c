@@ -42,6 +42,7 @@ struct instance *instance_create(const struct adapter *adapter, const struct mod
     instance->host.log = log_from_model;
     instance->host.wants = log_wanted_by_importer;
     instance->logging_on = logging_on;
+    instance->tuning_phases = PHASE_STEP | PHASE_EVENT;
     forget_experiment(instance);
     instance->model = model_create(&instance->host);
     if (instance->model == NULL) {

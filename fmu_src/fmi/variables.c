@@ -25,9 +25,9 @@ const struct variable *report_no_value(struct instance *instance, const struct c
 const struct variable *report_not_settable(struct instance *instance, const struct call *call,
                                            const struct variable *variable)
 {
-    const char *reason = variable->causality == VARIABLE_PARAMETER
-                             ? "is a parameter, fixed after initialization"
-                             : "is calculated and cannot be set";
+    const char *reason = variable->causality != VARIABLE_PARAMETER ? "is calculated and cannot be set"
+                         : !variable->tunable ? "is a parameter, fixed after initialization"
+                                              : "is a tunable parameter, to be set in event mode";
     log_report(instance, MODEL_ERROR, "%s: %s %s", call->name, variable->name, reason);
     return NULL;
 }

@@ -43,7 +43,8 @@ static inline const struct variable *find_readable(struct instance *instance, co
 }
 
 /*
- * As find_variable, for writing: parameters until the end of initialization, inputs always, the rest never.
+ * As find_variable, for writing: parameters until the end of initialization, tunable ones at communication
+ * points or events too, inputs always, the rest never.
  */
 static inline const struct variable *find_settable(struct instance *instance, const struct call *call,
                                                    uint32_t reference, unsigned types)
@@ -52,8 +53,9 @@ static inline const struct variable *find_settable(struct instance *instance, co
     if (variable == NULL || variable->causality == VARIABLE_INPUT) {
         return variable;
     }
-    const bool before = (instance->phase & (PHASE_INSTANTIATED | PHASE_INITIALIZATION)) != 0;
-    return variable->causality == VARIABLE_PARAMETER && before
+    const unsigned before = PHASE_INSTANTIATED | PHASE_INITIALIZATION;
+    const unsigned phases = variable->tunable ? before | instance->tuning_phases : before;
+    return variable->causality == VARIABLE_PARAMETER && (instance->phase & phases) != 0
                ? variable
                : report_not_settable(instance, call, variable);
 }

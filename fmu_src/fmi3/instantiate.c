@@ -97,6 +97,9 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
     if (own != NULL) {
         own->intermediate_update = intermediateUpdate;
         own->event_mode_used = eventModeUsed;
+        if (eventModeUsed) { /* FMI 3.0.2, section 2.4.7.4: else at communication points */
+            own->shared.tuning_phases = PHASE_EVENT;
+        }
         own->early_return_allowed = earlyReturnAllowed;
     }
     return own;

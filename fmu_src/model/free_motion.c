@@ -58,13 +58,40 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     return false;
 }
 
+/* Factors and forces: a sum that is finite only if all are. */
+static double size_of_forces(const struct scene_values *v, const struct scene_state *q)
+{
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    double sum = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_coefficients *factors = &q->contact[j].parameters.factors;
+        sum += factors->k + factors->c + fabs(at.normal_force[j]);
+    }
+    return sum;
+}
+
+bool motion_tune(const struct scene_values *v, struct scene_state *q, const struct motion_tuning *tuning)
+{
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    const double stored = energy_stored(v, q, &at);
+    q->external_work += energy_potential_change(v, &at, tuning->more_gravity);
+    scene_rebase(v, q);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        transition_scale_force_error(q, j, tuning->factors[j]);
+        q->contact[j].parameters.factors = tuning->factors[j];
+    }
+    transition_take_law(v, q, tuning->law_changed, stored);
+    return isfinite(size_of_forces(v, q)) && (isfinite(q->external_work) || scene_is_force_element(v));
+}
+
 static enum model_status report_step_limit(const struct model *m, const struct step_request *request)
 {
     return model_report(
         m, MODEL_DISCARD,
         "The step to %s s %s at %s s: solver.max_internal_steps = %d are used up "
-        "(allowed: 1 .. 2147483647). Go on from %s, if need be in smaller steps, or start with a "
-        "larger limit.",
+        "(allowed: 1 .. 2147483647). Go on from %s, if need be in smaller steps, or set a larger limit.",
         shortest_digits(request->end_time).text, request->whole ? "is undone, it got stuck" : "stopped",
         shortest_digits(scene_time(&m->state.motion)).text, (int)solver_max_internal_steps(&m->state.values),
         request->whole ? "where it began" : "there");

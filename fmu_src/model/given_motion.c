@@ -46,6 +46,20 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     return true;
 }
 
+bool motion_tune(const struct scene_values *v, struct scene_state *q, const struct motion_tuning *tuning)
+{
+    double sum = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        q->contact[j].parameters.factors = tuning->factors[j];
+    }
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        sum += tuning->factors[j].k + tuning->factors[j].c + fabs(at.normal_force[j]);
+    }
+    return isfinite(sum);
+}
+
 enum model_status motion_advance(struct model *m, const struct step_request *request)
 {
     struct scene_state *q = &m->state.motion;

@@ -45,6 +45,9 @@ static void note_value(struct model *m, const struct variable *variable)
 
 void model_set(struct model *m, const struct variable *variable, const void *value)
 {
+    if (m->state.initialized && variable->causality == VARIABLE_PARAMETER) {
+        model_begin_tuning(m);
+    }
     memcpy((char *)&m->state.values + variable->offset, value, variable_size(variable));
     note_value(m, variable);
     m->outputs = OUTPUTS_NONE;
@@ -172,8 +175,9 @@ enum model_status model_refuse_inputs(const struct model *m)
 {
     return model_report(
         m, MODEL_DISCARD,
-        "The inputs set last would take an energy beyond the range of numbers and are not in force "
-        "(allowed: inputs with finite energies).");
+        "The %s set last would take an energy beyond the range of numbers and are not in force "
+        "(allowed: %s with finite energies).",
+        m->state.tuned ? "parameters or inputs" : "inputs", m->state.tuned ? "values" : "inputs");
 }
 
 bool model_apply_inputs(struct model *m)
@@ -183,6 +187,9 @@ bool model_apply_inputs(struct model *m)
         return true;
     }
     motion_catch_up(&m->state.values, q);
+    if (!model_tune(m)) {
+        return false;
+    }
     struct body_path next[SCENE_BODIES];
     bool same = true;
     for (int i = 0; i < SCENE_BODIES; ++i) {

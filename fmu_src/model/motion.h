@@ -24,6 +24,17 @@ void motion_begin(const struct scene_values *v, struct scene_state *q);
  * the work is not finite. */
 bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next);
 
+/* New factors of the contacts, and by how much gravity has changed. */
+struct motion_tuning {
+    struct contact_coefficients factors[SCENE_CONTACTS];
+    bool law_changed[SCENE_CONTACTS]; /* the factors or the dashpot */
+    struct vec3 more_gravity;         /* [m/s^2] */
+};
+
+/* Takes them over and books the work; false where something is not finite (q is of no use then). `v` holds
+ * the new parameters. */
+bool motion_tune(const struct scene_values *v, struct scene_state *q, const struct motion_tuning *tuning);
+
 /* Moves to the end of the step. */
 enum model_status motion_advance(struct model *m, const struct step_request *request);
 

@@ -4,7 +4,6 @@
 
 #include "contact/bounding_box.h"
 #include "contact/factors.h"
-#include "contact/hertz_stiffness.h"
 #include "model/motion.h"
 #include "model/shortest.h"
 
@@ -43,60 +42,11 @@ static void start_boxes(const struct scene_values *v, const struct scene_state *
     boxes[1] = body_box(v, to, vec3_add(apart, moved));
 }
 
-static struct contact_material material_of(const struct scene_values *v, int body)
-{
-    return (struct contact_material){body_youngs_modulus(v, body), body_poissons_ratio(v, body)};
-}
-
-/* k_h of Hertz's theory, or the user's. */
-static double hertz_stiffness_of(const struct scene_values *v, const struct scene_state *q, int contact)
-{
-    if (!scene_is_hertz(v, contact) || contact_penalty_control(v, contact) != PENALTY_CONTROL_AUTOMATIC) {
-        return contact_hertz_stiffness(v, contact);
-    }
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    return hertz_stiffness(&shape, hertz_modulus(material_of(v, contact_source(contact)),
-                                                 material_of(v, contact_destination(contact))));
-}
-
-/* Never restitution, to the compiler too, where the scene has none. */
-static enum viscous_control viscous_control_of(const struct scene_values *v, int contact)
-{
-    const int control = contact_viscous_control(v, contact);
-    return SCENE_ANY_RESTITUTION || control != VISCOUS_CONTROL_RESTITUTION ? (enum viscous_control)control
-                                                                           : VISCOUS_CONTROL_USER_DEFINED;
-}
-
-static struct contact_factors factors_of(const struct scene_values *v, const struct scene_state *q,
-                                         int contact)
-{
-    return (struct contact_factors){.law = scene_is_hertz(v, contact) ? LAW_HERTZ : LAW_LINEAR,
-                                    .hertz_stiffness = hertz_stiffness_of(v, q, contact),
-                                    .hunt_crossley_factor = contact_hunt_crossley_factor(v, contact),
-                                    .method = (enum method)contact_method(v, contact),
-                                    .penalty_control =
-                                        (enum penalty_control)contact_penalty_control(v, contact),
-                                    .viscous_control = viscous_control_of(v, contact),
-                                    .multiplier = contact_penalty_multiplier(v, contact),
-                                    .penalty_factor = contact_penalty_factor(v, contact),
-                                    .characteristic_time = contact_characteristic_time(v, contact),
-                                    .viscous_penalty_factor = contact_viscous_penalty_factor(v, contact),
-                                    .reference_modulus = contact_reference_modulus(v, contact),
-                                    .restitution = contact_restitution(v, contact),
-                                    .inverse_mass = scene_inverse_mass(v, contact)};
-}
-
 double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate)
 {
     struct bounding_box boxes[2];
     start_boxes(&m->state.values, &m->state.motion, contact, boxes);
     return bounding_box_diagonal_rate(&boxes[0], &boxes[1], rate);
-}
-
-struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope)
-{
-    const struct contact_factors factors = factors_of(&m->state.values, &m->state.motion, contact);
-    return contact_law_slope(&factors, m->state.motion.contact[contact].parameters.factors, diagonal_slope);
 }
 
 /* Inside when the centre (or axis) is closer than r_d and the source fits in, else outside. */
@@ -129,10 +79,7 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
         state->side = shape.side;
     }
     state->normal = at.geometry[contact].normal;
-    const struct contact_factors factors = factors_of(v, q, contact);
-    const struct contact_law law =
-        contact_law_of(&factors, (enum dashpot)contact_dashpot(v, contact), state->parameters.diagonal);
-    state->parameters.factors = contact_factors_of(&law);
+    state->parameters.factors = model_factors(v, q, contact);
 }
 
 void model_prepare(struct model *m)

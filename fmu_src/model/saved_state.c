@@ -140,7 +140,8 @@ static bool state_is_sound(const struct model_state *state)
         }
     }
     return motion_is_sound(&state->values, &state->motion, state->initialized != 0) &&
-           all_finite(state->signals, &state->motion) && all_finite(&state->importer_tolerance, state->marks);
+           all_finite(state->signals, &state->motion) &&
+           all_finite(&state->importer_tolerance, state->in_force.dashpot) && state->tuned <= 1;
 }
 
 /* Whether all that can be read then are numbers; numbers near the end of their range may give none. Says

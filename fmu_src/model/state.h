@@ -30,6 +30,16 @@ struct input_signal {
 
 enum { SIGNALS_EACH = 9 }; /* prescribed displacement, velocity and external force of a body */
 
+/* Parameters that may be set between steps and of which the motion keeps no copy of its own. */
+struct tunable_values {
+    struct vec3 gravity;                           /* [m/s^2] */
+    double relative_tolerance, absolute_tolerance; /* of the solver */
+    int32_t dashpot[SCENE_CONTACTS];
+#if SCENE_CONTACTS % 2
+    int32_t unused; /* in place of padding */
+#endif
+};
+
 /* Flat and without pointers: this is what is saved. Doubles come first so that there is no padding inside. */
 struct model_state {
     uint32_t magic, version, scene, size;
@@ -39,10 +49,12 @@ struct model_state {
     struct scene_state motion;
     double importer_tolerance; /* 0: none given */
     double start_time;
-    double booked_energy; /* motion_booked when the importer last set or read the states */
+    double booked_energy;           /* motion_booked when the importer last set or read the states */
+    struct tunable_values in_force; /* while `tuned`: the parameters that `values` has others for by now */
     uint8_t marks[SCENE_BODIES][SIGNALS_EACH];
     uint8_t signals_changed; /* some mark is set that model_apply_inputs has not seen */
     uint8_t signals_open;    /* some mark is set since the last step */
+    uint8_t tuned;           /* some parameter is set that model_tune has not taken over */
     uint8_t initialized;
     uint8_t exchange; /* enum exchange_mode */
     /* whether the warning of a contradiction of a body's inputs, of a contact without direction was given */
@@ -81,6 +93,10 @@ enum model_status model_report(const struct model *m, enum model_status status, 
 /* Puts the motion at the start that the present parameters and inputs describe. */
 void model_prepare(struct model *m);
 
+/* The factors of a contact that the parameters describe, with the diagonal in force. */
+struct contact_coefficients model_factors(const struct scene_values *v, const struct scene_state *q,
+                                          int contact);
+
 /* d/ds of the diagonal of the bounding box, and of the factors made from it, when the separation at the start
  * changes by `rate` s. */
 double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate);
@@ -95,6 +111,15 @@ enum model_status model_check_consistency(struct model *m);
 /* Takes changed inputs over into the paths of the motion; false, and the motion as before, where an energy
  * would be beyond the range of numbers. They remain to be taken over: others may be set. */
 bool model_apply_inputs(struct model *m);
+
+/* Before a parameter is set between steps: keeps those in force. */
+void model_begin_tuning(struct model *m);
+
+/* Takes parameters that were set between steps over into the motion and books the energy that this adds or
+ * removes; false, and the motion as before, where a force or an energy would be beyond the range of numbers.
+ * And whether it would be with this value of one of them. */
+bool model_tune(struct model *m);
+bool model_can_tune(const struct model *m, const struct variable *variable, const void *value);
 
 /* From the present communication point on, inputs go on as they are. */
 void model_close_inputs(struct model *m);

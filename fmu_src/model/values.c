@@ -9,7 +9,13 @@ enum model_status model_check(struct model *m, const struct variable *variable, 
 {
     const double number = variable_number(variable, value);
     if (isfinite(number) && number >= variable->min && number <= variable->max) {
-        return MODEL_OK;
+        const bool tunes = m->state.initialized && variable->causality == VARIABLE_PARAMETER;
+        return !tunes || model_can_tune(m, variable, value)
+                   ? MODEL_OK
+                   : model_report(m, MODEL_DISCARD,
+                                  "%s = %s refused: a force or an energy would be beyond the range of "
+                                  "numbers (allowed: values with finite ones); it stays as it was.",
+                                  variable->name, shortest_digits(number).text);
     }
     return model_report(m, MODEL_DISCARD, "%s = %s refused (allowed: %s .. %s); it stays as it was.",
                         variable->name, shortest_digits(number).text, shortest_digits(variable->min).text,

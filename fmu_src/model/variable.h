@@ -36,6 +36,7 @@ struct variable {
     uint8_t element;   /* index of the body or contact, 0 for the rest */
     uint8_t component; /* 0..2 in a vector, else 0 */
     uint8_t reinit;    /* of a state: whether events may make it jump */
+    uint8_t tunable;   /* 1: a parameter that may be set between steps, or what follows from such */
 };
 
 static inline bool variable_is_local(const struct variable *variable)

@@ -11,16 +11,22 @@ double energy_kinetic_of(const struct scene_values *v, const struct scene_instan
     return sum;
 }
 
-double energy_potential_of(const struct scene_values *v, const struct scene_instant *at)
+double energy_potential_change(const struct scene_values *v, const struct scene_instant *at,
+                               struct vec3 more_gravity)
 {
     double sum = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            const double centre = vec3_dot(gravity(v), body_center(v, i));
-            sum -= body_mass(v, i) * (centre + vec3_dot(gravity(v), at->displacement[i]));
+            const double centre = vec3_dot(more_gravity, body_center(v, i));
+            sum -= body_mass(v, i) * (centre + vec3_dot(more_gravity, at->displacement[i]));
         }
     }
     return sum;
+}
+
+double energy_potential_of(const struct scene_values *v, const struct scene_instant *at)
+{
+    return energy_potential_change(v, at, gravity(v)); /* from none */
 }
 
 double energy_stored(const struct scene_values *v, const struct scene_state *q,

@@ -10,6 +10,10 @@ double energy_kinetic_of(const struct scene_values *v, const struct scene_instan
 /* Minus the sum of m gravity.x over the free bodies; zero at the world's origin. */
 double energy_potential_of(const struct scene_values *v, const struct scene_instant *at);
 
+/* What that changes by when gravity does. */
+double energy_potential_change(const struct scene_values *v, const struct scene_instant *at,
+                               struct vec3 more_gravity);
+
 /* Sum of p_n g^2 / 2 over the contacts. */
 double energy_stored(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at);

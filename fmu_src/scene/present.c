@@ -1,5 +1,7 @@
 #include "scene/present.h"
 
+#include <float.h>
+
 #include "scene/free_bodies.h"
 #include "scene/singularity.h"
 
@@ -15,8 +17,9 @@ void scene_now(const struct scene_values *v, const struct scene_state *q, struct
     scene_forces(v, q, q->clock, at);
 }
 
-enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_instant *at, int contact)
+/* By the law alone, of a contact with this gap, within the destination's extents or not. */
+static enum contact_regime regime_by_law(const struct scene_values *v, const struct scene_state *q,
+                                         const struct scene_instant *at, int contact, double gap, bool within)
 {
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
@@ -27,5 +30,20 @@ enum contact_regime scene_regime(const struct scene_values *v, const struct scen
         const struct vec3 none = {0.0, 0.0, 0.0};
         rate = shape.side * vec3_dot(singularity_escape(&shape, w, none, none), w);
     }
-    return contact_regime_of(&law, g->gap, rate, scene_within_extents(&shape, g));
+    return contact_regime_of(&law, gap, rate, within);
+}
+
+enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
+                                 const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    return regime_by_law(v, q, at, contact, g->gap, scene_within_extents(&shape, g));
+}
+
+enum contact_regime scene_regime_of_touching(const struct scene_values *v, const struct scene_state *q,
+                                             const struct scene_instant *at, int contact)
+{
+    const double gap = fmin(at->geometry[contact].gap, -DBL_MIN); /* rounding may show none */
+    return regime_by_law(v, q, at, contact, gap, true);
 }

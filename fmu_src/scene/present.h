@@ -23,4 +23,9 @@ bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant
 enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
                                  const struct scene_instant *at, int contact);
 
+/* Of a contact that goes on touching, whatever rounding makes of its gap: the regime that its law asks
+ * for. */
+enum contact_regime scene_regime_of_touching(const struct scene_values *v, const struct scene_state *q,
+                                             const struct scene_instant *at, int contact);
+
 #endif

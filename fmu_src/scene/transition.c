@@ -145,6 +145,29 @@ void transition_settle_regimes(const struct scene_values *v, struct scene_state 
     begin_phase(v, q, &at);
 }
 
+void transition_take_law(const struct scene_values *v, struct scene_state *q, const bool *changed,
+                         double stored_before)
+{
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (changed[j] && q->contact[j].regime != REGIME_APART) {
+            q->contact[j].regime = (int32_t)scene_regime_of_touching(v, q, &at, j);
+        }
+    }
+    q->external_work += energy_stored(v, q, &at) - stored_before;
+    begin_phase(v, q, &at);
+}
+
+void transition_scale_force_error(struct scene_state *q, int contact, struct contact_coefficients next)
+{
+    const struct contact_coefficients *now = &q->contact[contact].parameters.factors;
+    const double by_gap = now->k > 0.0 ? next.k / now->k : 1.0;
+    const double by_rate = now->c > 0.0 ? next.c / now->c : 1.0;
+    double *error = &q->contact[contact].record.force_error;
+    *error = fmin(*error * fmax(1.0, fmax(by_gap, by_rate)), DBL_MAX);
+}
+
 /* Peaks, and the normals for where there are none. */
 static void note_instant(struct scene_state *q, const struct scene_instant *at)
 {

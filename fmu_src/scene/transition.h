@@ -26,6 +26,17 @@ void transition_switch_regime(const struct scene_values *v, struct scene_state *
 void transition_settle_regimes(const struct scene_values *v, struct scene_state *q, double stored_before,
                                bool starting);
 
+/*
+ * After the law of some contacts has changed: regimes by the new law. All contacts stored
+ * `stored_before` [J]; the difference is external work of whoever changed it. Who touches goes on touching. A
+ * phase begins.
+ */
+void transition_take_law(const struct scene_values *v, struct scene_state *q, const bool *changed,
+                         double stored_before);
+
+/* What is known of the error of a force is one of the gap and its rate: it grows with the factors. */
+void transition_scale_force_error(struct scene_state *q, int contact, struct contact_coefficients next);
+
 /* Begins a communication step, from which peaks and mean force count; `at` becomes the present instant. And
  * ends it. */
 void transition_begin_step(const struct scene_values *v, struct scene_state *q, struct scene_instant *at);

@@ -39,12 +39,9 @@ def arrays(resolved: Resolved) -> list[Array]:
 def _array(resolved: Resolved, cell: Cell) -> Array:
     row = cell.row
     values = cell.value if isinstance(cell.value, tuple) else (cell.value,)
-    continuous = row.type.base == "Real" and not row.discrete
-    fixed = row.causality in ("parameter", "calculatedParameter")
-    variability = "fixed" if fixed else "continuous" if continuous else "discrete"
     initial = {"parameter": "exact", "input": None}.get(row.causality, "calculated")
     return Array(
-        cell, ELEMENTS[row.type.base], variability, initial, values if row.has_start else (),
+        cell, ELEMENTS[row.type.base], row.variability, initial, values if row.has_start else (),
         tuple(_dependencies(resolved, cell)), _state_of(resolved, cell),
     )  # fmt: skip
 

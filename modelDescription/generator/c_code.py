@@ -197,7 +197,7 @@ def table(resolved: Resolved) -> list[str]:
         lines.append(
             f'{{"{variable.name}", {low}, {high}, {variable.reference}, {offset}, ROW_{row.c_name}, '
             f"VARIABLE_{C_BASE[row.type.base]}, VARIABLE_{causality}, {cell.element}, "
-            f"{variable.component}, {int(row.reinit)}}},"
+            f"{variable.component}, {int(row.reinit)}, {int(row.tunable)}}},"
         )
     return lines
 

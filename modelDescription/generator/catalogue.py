@@ -11,13 +11,13 @@ from .errors import InputError, allowed
 
 ROW_KEYS = {
     "vr", "type", "causality", "start", "start_destination", "min", "max", "dim", "symbol", "description",
-    "shape", "when", "tolerance", "depends", "discrete", "role", "rate_of", "reinit",
+    "shape", "when", "tolerance", "depends", "discrete", "role", "rate_of", "reinit", "tunable",
 }  # fmt: skip
 TYPE_KEYS = {"base", "quantity", "unit", "display", "min", "max", "nominal", "description", "items"}
 CAUSALITIES = ("parameter", "calculatedParameter", "input", "output", "local")
 ROLES = ("state", "rate", "indicator")  # of local variables
 BASES = ("Real", "Integer", "Boolean", "Enumeration")
-DEPENDENCIES = ("dependent", "fixed")  # of those that FMI 2.0 has
+DEPENDENCIES = ("dependent", "fixed", "tunable")  # of those that FMI 2.0 has
 
 
 @dataclass(frozen=True)
@@ -64,6 +64,7 @@ class Row:
     shape: str | None = None
     when: tuple[dict, ...] = ()
     tolerance: bool = False
+    tunable: bool = False  # a parameter that may be set between steps, or what follows from such
     discrete: bool = False  # an output that changes at communication points and events only
     role: str | None = None  # of a local variable
     rate_of: str | None = None  # of a rate: key of its state
@@ -88,6 +89,13 @@ class Row:
     @property
     def has_start(self) -> bool:
         return self.causality in ("parameter", "input")
+
+    @property
+    def variability(self) -> str:
+        """As FMI 2.0 and 3.0 name it."""
+        if self.causality in ("parameter", "calculatedParameter"):
+            return "tunable" if self.tunable else "fixed"
+        return "continuous" if self.type.base == "Real" and not self.discrete else "discrete"
 
     @property
     def limits(self) -> tuple:
@@ -202,6 +210,8 @@ def _row(key: str, entry: dict, types: dict[str, Type], shown: str) -> Row:
         raise InputError(
             shown, f"{where}: 'role' belongs to local variables and only to them {allowed(ROLES)}"
         )
+    if entry.get("tunable") and entry["causality"] not in ("parameter", "calculatedParameter"):
+        raise InputError(shown, f"{where}: 'tunable' belongs to parameters and only to them")
     fields = {**entry, "type": types[entry["type"]], "when": tuple(entry.get("when", ()))}
     return Row(key, **fields)
 

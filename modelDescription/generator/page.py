@@ -17,6 +17,9 @@ def context(resolved: Resolved) -> dict:
         "choices": [cell for cell in resolved.cells if cell.open and _is_choice(cell)],
         "constants": [cell for cell in resolved.cells if cell.pinned],
         "example": _example(resolved),
+        "tunable": [
+            cell.name for cell in resolved.cells if cell.open and cell.row.has_start and cell.row.tunable
+        ],
         "may": {choice: _may(resolved, *choice.split("=")) for choice in CHOICES},
         "free": [
             body.name

@@ -164,15 +164,25 @@ def test_outputs_depend_on_the_inputs_and_states_that_their_rows_name(folder, sc
         assert dict(zip(inputs, kinds, strict=True)) == felt_at_once(output, scene), output
 
 
+# What may be set between steps, and what follows from it.
+TUNABLE = {
+    "penalty_multiplier", "penalty_factor", "characteristic_time", "viscous_penalty_factor",
+    "reference_modulus",
+    "dashpot", "gravity", "relative_tolerance", "absolute_tolerance", "max_internal_steps",
+    "effective_penalty_factor", "effective_viscous_penalty_factor",
+}  # fmt: skip
+
+
 @pytest.mark.parametrize("scene", SCENES)
 def test_variability_and_initial_follow_from_causality(scene):
     """What sums up a step changes at communication points only: nobody is to ask for its derivatives."""
     for name, entry in describe(scene).items():
         sums_up = name.partition("[")[0].rpartition(".")[2] in SUMS_UP
         varies = "continuous" if entry["base"] == "Real" and not sums_up else "discrete"
+        fixed = "tunable" if name.partition("[")[0].rpartition(".")[2] in TUNABLE else "fixed"
         assert (entry["variability"], entry["initial"]) == {
-            "parameter": ("fixed", "exact"),
-            "calculatedParameter": ("fixed", "calculated"),
+            "parameter": (fixed, "exact"),
+            "calculatedParameter": (fixed, "calculated"),
             "input": (varies, None),
             "output": (varies, "calculated"),
             "local": (varies, "calculated"),

@@ -24,6 +24,7 @@ class Variable(NamedTuple):
     minimum: float
     maximum: float
     items: tuple[str, ...]  # an enumeration's item names; their values run from `minimum` on
+    variability: str
 
     @property
     def call_type(self) -> str:
@@ -99,7 +100,7 @@ def _variable(scalar: Any) -> Variable:
     )
     names = tuple(item.name for item in items)
     about = (scalar.name, scalar.valueReference, scalar.type, scalar.causality, scalar.start)
-    return Variable(*about, float(low), float(high), names)
+    return Variable(*about, float(low), float(high), names, scalar.variability)
 
 
 @functools.cache
