@@ -50,6 +50,13 @@ elseif(contact_processor STREQUAL "aarch64")
 endif()
 set(contact_platform_fmi3 ${contact_processor}-${contact_system})
 
+execute_process(COMMAND "${Python3_EXECUTABLE}" -c "import importlib.util; assert importlib.util.find_spec('fmpy')"
+    RESULT_VARIABLE contact_no_fmpy OUTPUT_QUIET ERROR_QUIET)
+string(COMPARE EQUAL "${contact_no_fmpy}" 0 CONTACT_HAS_FMPY)
+if(NOT CONTACT_HAS_FMPY)
+    message(STATUS "FMUs without reference results: no fmpy in ${Python3_EXECUTABLE}")
+endif()
+
 # Whatever the generator reads makes CMake run again, and with it the generator.
 file(GLOB_RECURSE contact_generator_inputs CONFIGURE_DEPENDS
     "${contact_description_folder}/*.py" "${contact_description_folder}/*.toml"
@@ -133,10 +140,11 @@ function(add_contact_fmu scene)
     contact_fmu_sources(${SCENE_NAME} "${folder}" 2 units.txt sources ${sources} ${CONTACT_FMI2_SOURCES})
     contact_fmu_library(${SCENE_NAME} "${folder}" fmi2 "${CONTACT_LIBRARY_FOLDER}"
         ${sources} ${CONTACT_FMI2_SOURCES})
+    contact_fmu_reference(${SCENE_NAME} "${folder}" reference)
     contact_pack_fmu(${SCENE_NAME} "${folder}" "${CONTACT_FMU_FOLDER}/${SCENE_NAME}.fmu"
         "binaries/${contact_platform_fmi2}" modelDescription.xml
         "model.png=${folder}/model.png" "sources=${folder}/sources"
-        "terminalsAndIcons=${folder}/terminals2")
+        "terminalsAndIcons=${folder}/terminals2" ${reference})
     if(CONTACT_FMI3)
         contact_fmu_sources(${SCENE_NAME}_fmi3 "${folder}" 3 units3.txt sources3 ${sources} ${CONTACT_FMI3_SOURCES})
         contact_fmu_library(${SCENE_NAME}_fmi3 "${folder}" fmi3 "${CONTACT_LIBRARY_FOLDER}/fmi3"
@@ -225,6 +233,25 @@ function(contact_fmu_sources target folder fmi units output)
     add_custom_target(${target}_sources DEPENDS "${made}")
 endfunction()
 
+# contact_fmu_reference(target scene_folder result): reference results by fmi-ls-ref, as members for contact_pack_fmu. They
+# are made by running the library, where that can be done: on Linux (x86-64), with fmpy, without sanitizers.
+function(contact_fmu_reference target folder result)
+    set(${result} "" PARENT_SCOPE)
+    if(NOT CONTACT_HAS_FMPY OR CONTACT_SANITIZE OR NOT contact_platform_fmi2 STREQUAL "linux64"
+            OR NOT "${CMAKE_HOST_SYSTEM_NAME}-${CMAKE_HOST_SYSTEM_PROCESSOR}" STREQUAL "Linux-x86_64")
+        return()
+    endif()
+    set(output "${folder}/reference")
+    set(script "${PROJECT_SOURCE_DIR}/cmake/make_reference.py")
+    add_custom_command(OUTPUT "${output}/fmi-ls-ref.txt"
+        COMMAND "${Python3_EXECUTABLE}" -B "${script}" "$<TARGET_FILE:${target}>" ${contact_platform_fmi2}
+            "${folder}" "${output}"
+        DEPENDS ${target} "${script}" "${folder}/modelDescription.xml"
+        COMMENT "Reference results of ${target}" VERBATIM)
+    set(${result} "extra/org.fmi-standard.fmi-ls-ref=${output}/extra"
+        "documentation/fmi-ls-ref.txt=${output}/fmi-ls-ref.txt" PARENT_SCOPE)
+endfunction()
+
 # contact_pack_fmu(target scene_folder X.fmu binaries_folder description [member=file...]): target <target>_fmu.
 function(contact_pack_fmu target folder fmu binaries description)
     set(library "$<TARGET_FILE:${target}>")
@@ -246,13 +273,16 @@ function(contact_pack_fmu target folder fmu binaries description)
         endif()
     endforeach()
     file(GLOB_RECURSE documentation CONFIGURE_DEPENDS "${folder}/documentation/*")
+    set(made ${ARGN}) # of these, the one whose rule makes the others of its folder too
+    list(FILTER made INCLUDE REGEX "fmi-ls-ref.txt=")
+    list(TRANSFORM made REPLACE "^[^=]*=" "")
     add_custom_command(OUTPUT "${fmu}"
         ${strip_command}
         COMMAND "${Python3_EXECUTABLE}" -B "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${fmu}" ${members}
         DEPENDS ${target} ${target}_sources "${PROJECT_SOURCE_DIR}/cmake/pack_fmu.py" "${folder}/${description}"
             "${folder}/resources/scene.json" ${documentation} ${licenses}
             "${folder}/model.png" "${folder}/icon.svg"
-            "${folder}/terminals2/terminalsAndIcons.xml" "${folder}/terminals3/terminalsAndIcons.xml"
+            "${folder}/terminals2/terminalsAndIcons.xml" "${folder}/terminals3/terminalsAndIcons.xml" ${made}
         COMMENT "Packing ${target}.fmu" VERBATIM)
     add_custom_target(${target}_fmu ALL DEPENDS "${fmu}")
     cmake_path(GET fmu PARENT_PATH fmu_folder)

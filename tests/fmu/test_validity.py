@@ -135,7 +135,12 @@ def test_the_archive_holds_what_the_standard_lists_and_nothing_else(fmu_path, sc
     assert required <= set(names)
     sources = {name for name in names if name.startswith("sources/")}
     assert {"sources/buildDescription.xml", "sources/contact.c", "sources/scene.h"} <= sources
-    others = {name for name in names if not name.startswith("documentation/")} - required - sources
+    folder = "extra/org.fmi-standard.fmi-ls-ref/"
+    reference = {name for name in names if name.startswith(folder)}
+    assert f"{folder}fmi-ls-manifest.xml" in reference
+    others = (
+        {name for name in names if not name.startswith("documentation/")} - required - sources - reference
+    )
     assert others == set()
     licenses = {Path(name).name for name in names if name.startswith("documentation/licenses/")}
     assert licenses & {"license.txt", "license.html"}, "FMI 2.0.5, 2.3: the entry point to the licences"
