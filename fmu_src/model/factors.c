@@ -1,4 +1,5 @@
 /* The penalty factors that the parameters describe. */
+#include "contact/factors.h"
 #include "contact/hertz_stiffness.h"
 #include "model/state.h"
 

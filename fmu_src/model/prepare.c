@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "contact/bounding_box.h"
-#include "contact/factors.h"
+#include "contact/hertz_stiffness.h"
 #include "model/motion.h"
 #include "model/shortest.h"
 
