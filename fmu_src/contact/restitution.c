@@ -66,7 +66,7 @@ static double logarithm_rest(double x)
     return sum;
 }
 
-/* y (1 + e) < ln((1 + y)/(1 - e y)), divided by y^2 (1 + e) where y is small. */
+/* ln((1 + y)/(1 - e y)) < y (1 + e), divided by y^2 (1 + e) where y is small. */
 static bool dissipates_too_little(double y, double e)
 {
     if (y <= SMALL) {

@@ -21,6 +21,17 @@ static bool is_driven(const struct scene_values *v, const struct scene_state *q,
     return contact_is_driven(v, contact) && q->contact[contact].regime != REGIME_APART;
 }
 
+/* Whether a force grows with the power 3/2 of time where bodies touch. */
+static bool any_is_hertz(const struct scene_values *v, const struct scene_state *q)
+{
+    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
+        if (is_driven(v, q, j) && scene_is_hertz(v, j)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static void powers(const struct scene_values *v, const struct scene_state *q, double clock, double out[TERMS])
 {
     struct scene_instant at;
@@ -43,12 +54,15 @@ static struct panel integrate(const struct scene_values *v, struct scene_state *
 {
     struct panel result = {{0.0}, {0.0}};
     const double half = 0.5 * (to - from);
+    const bool graded = any_is_hertz(v, q);
     for (int i = 0; i < GAUSS_NODES; ++i) {
         double value[TERMS];
-        powers(v, q, from + half * (1.0 + GAUSS_NODE[i]), value);
+        const struct gauss_place place = gauss_place(i, graded);
+        const double weight = half * GAUSS_WEIGHT[i] * place.factor;
+        powers(v, q, from + half * place.at, value);
         for (int k = 0; k < TERMS; ++k) {
-            result.sum[k] += half * GAUSS_WEIGHT[i] * value[k];
-            result.size[k] += half * GAUSS_WEIGHT[i] * fabs(value[k]);
+            result.sum[k] += weight * value[k];
+            result.size[k] += weight * fabs(value[k]);
         }
     }
     counter_add(&q->counters.force_evaluations, GAUSS_NODES);

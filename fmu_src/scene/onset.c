@@ -50,8 +50,8 @@ enum contact_regime onset_note(const struct scene_values *v, struct scene_state 
     state->onset_damping = isfinite(damping) ? damping : 0.0;
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    return g->gap < 0.0 ? scene_regime(v, q, at, contact)
-                        : contact_regime_of(&law, -DBL_MIN, g->gap_rate, true);
+    const enum contact_regime deep = scene_regime(v, q, at, contact);
+    return deep != REGIME_APART ? deep : contact_regime_of(&law, -DBL_MIN, g->gap_rate, true);
 }
 
 #endif

@@ -3,6 +3,7 @@
 #include <float.h>
 
 #include "math/gauss.h"
+#include "scene/onset.h"
 #include "scene/rounding.h"
 #include "segment/flight_candidates.h"
 #include "segment/scene_output.h"
@@ -58,11 +59,14 @@ __attribute__((noinline)) static struct panel panel_of(const struct given_step *
 {
     struct panel panel = {{0.0, 0.0, 0.0}, 0.0};
     const double half = 0.5 * (to - from);
+    const bool graded = scene_is_hertz(step->v, step->contact);
     for (int i = 0; i < GAUSS_NODES; ++i) {
         struct scene_instant at;
-        instant_at(step, from + half * (1.0 + GAUSS_NODE[i]), &at);
-        panel.sum = vec3_axpy(panel.sum, half * GAUSS_WEIGHT[i], at.source_force[step->contact]);
-        panel.size += half * GAUSS_WEIGHT[i] * fabs(at.normal_force[step->contact]);
+        const struct gauss_place place = gauss_place(i, graded);
+        const double weight = half * GAUSS_WEIGHT[i] * place.factor;
+        instant_at(step, from + half * place.at, &at);
+        panel.sum = vec3_axpy(panel.sum, weight, at.source_force[step->contact]);
+        panel.size += weight * fabs(at.normal_force[step->contact]);
     }
     return panel;
 }
@@ -127,23 +131,48 @@ static void integrate_between(struct given_step *step, double from, double to)
     }
 }
 
+/* The first of ascending places after one, 1 where there is none. */
+static double first_after(const double *places, int count, double from)
+{
+    for (int i = 0; i < count; ++i) {
+        if (places[i] > from) {
+            return places[i];
+        }
+    }
+    return 1.0;
+}
+
+/* Whether the bodies begin to touch between two such places, which gives the law its damping. */
+static bool takes_damping(struct given_step *step, double from, double to)
+{
+    if (!scene_damps_by_onset(step->v, step->contact) || contact_of(step)->regime != (int32_t)REGIME_APART) {
+        return false;
+    }
+    struct scene_instant at;
+    instant_at(step, 0.5 * (from + to), &at);
+    const enum contact_regime next = scene_regime(step->v, step->q, &at, step->contact);
+    instant_at(step, from, &at);
+    contact_of(step)->regime = (int32_t)onset_note(step->v, step->q, &at, step->contact, next);
+    return next != REGIME_APART;
+}
+
 static void integrate(struct given_step *step, const struct relative_path *path)
 {
     const struct contact_shape shape = scene_contact_shape(step->v, step->q, step->contact);
-    const struct contact_law law = scene_contact_law(step->v, step->q, step->contact);
     const struct extremes extremes = extremes_of(path);
     double events[MAX_CANDIDATES];
-    const int count = candidates_of_all(path, &extremes, &shape, &law, events);
-    int event = 0;
-    int extreme = 0;
+    int count = -1; /* the law's are not known */
     double from = 0.0;
     while (from < 1.0) {
-        const double next_event = event < count ? events[event] : 1.0;
-        const double next_extreme = extreme < extremes.count ? extremes.at[extreme] : 1.0;
-        const double to = fmin(next_event, next_extreme);
-        event += next_event <= to;
-        extreme += next_extreme <= to;
-        if (to > from) {
+        if (count < 0) {
+            const struct contact_law law = scene_contact_law(step->v, step->q, step->contact);
+            count = candidates_of_all(path, &extremes, &shape, &law, events);
+        }
+        const double to =
+            fmin(first_after(events, count, from), first_after(extremes.at, extremes.count, from));
+        if (takes_damping(step, from, to)) {
+            count = -1;
+        } else {
             integrate_between(step, from, to);
             from = to;
         }
@@ -161,7 +190,7 @@ static struct vec3 note_present(const struct scene_values *v, struct scene_state
     struct scene_instant at;
     struct contact_state *state = &q->contact[contact];
     scene_kinematics_now(v, q, &at);
-    state->regime = (int32_t)scene_regime(v, q, &at, contact);
+    state->regime = (int32_t)onset_note(v, q, &at, contact, scene_regime(v, q, &at, contact));
     state->peaks = (struct contact_peaks){0.0, 0.0};
     state->mean_force = vec3_make(0.0, 0.0, 0.0);
     if (state->regime == REGIME_APART) {

@@ -138,7 +138,8 @@ static void separation_ends_where_the_gap_opens_or_the_law_pushes_again(void)
     struct random r = {43};
     int seen[2] = {0, 0};
     for (int k = 0; k < 1000; ++k) {
-        const struct contact_law law = {100.0, random_between(&r, 5.0, 50.0), DASHPOT_NON_ADHESIVE};
+        const struct contact_law law = {100.0, random_between(&r, 5.0, 50.0), DASHPOT_NON_ADHESIVE,
+                                        LAW_LINEAR};
         const double gap = -random_between(&r, 1e-3, 0.3);
         const double bend = k % 3 == 0 ? 0.0 : random_between(&r, -3.0, 1.0);
         /* The law has just ceased to push: its margin is zero, and grows. */

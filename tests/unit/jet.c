@@ -68,9 +68,10 @@ static struct path random_path(struct random *r)
     if (p.shape.destination == SHAPE_CYLINDER) {
         p.shape.axis = random_direction(r);
     }
-    p.law = (struct contact_law){random_between(r, 0.0, 2.0), random_between(r, 0.0, 2.0), DASHPOT_UNCLAMPED};
-    p.change =
-        (struct contact_law){random_between(r, -1.0, 1.0), random_between(r, -1.0, 1.0), DASHPOT_UNCLAMPED};
+    p.law = (struct contact_law){random_between(r, 0.0, 2.0), random_between(r, 0.0, 2.0), DASHPOT_UNCLAMPED,
+                                 LAW_LINEAR};
+    p.change = (struct contact_law){random_between(r, -1.0, 1.0), random_between(r, -1.0, 1.0),
+                                    DASHPOT_UNCLAMPED, LAW_LINEAR};
     for (int i = 0; i < JET_TERMS; ++i) {
         p.w[i] = random_vector(r, 1.0);
         p.c[i] = random_vector(r, 1.0);

@@ -3,6 +3,8 @@
 
 #include <float.h>
 
+#include "contact/factors.h"
+
 #include "check.h"
 #include "random.h"
 
@@ -26,7 +28,7 @@ static void on_the_grid(law_claim *claim)
         rest /= RATE_COUNT;
         const struct contact_law law = {FACTORS[rest % FACTOR_COUNT],
                                         FACTORS[rest / FACTOR_COUNT % FACTOR_COUNT],
-                                        DASHPOTS[rest / FACTOR_COUNT / FACTOR_COUNT]};
+                                        DASHPOTS[rest / FACTOR_COUNT / FACTOR_COUNT], LAW_LINEAR};
         claim(&law, gap, rate);
     }
 }
@@ -75,7 +77,7 @@ static void the_force_is_that_of_the_design_and_attracts_only_unclamped(void)
     struct random r = {11};
     for (int i = 0; i < 50000; ++i) {
         const struct contact_law law = {random_power(&r, -6.0, 12.0), random_power(&r, -9.0, 9.0),
-                                        DASHPOTS[random_index(&r, 3)]};
+                                        DASHPOTS[random_index(&r, 3)], LAW_LINEAR};
         check_force(&law, -random_power(&r, -15.0, 1.0), random_sign(&r) * random_power(&r, -12.0, 3.0));
     }
 }
@@ -126,7 +128,7 @@ static void a_regime_lasts_while_its_event_function_is_positive(void)
 
 static void regimes_change_where_the_design_says(void)
 {
-    const struct contact_law clipped = {8.0, 2.0, DASHPOT_NON_ADHESIVE};
+    const struct contact_law clipped = {8.0, 2.0, DASHPOT_NON_ADHESIVE, LAW_LINEAR};
     CHECK(contact_regime_of(&clipped, 0.0, -1.0, true) == REGIME_APART);
     CHECK(contact_regime_of(&clipped, -0.0, -1.0, true) == REGIME_APART);
     CHECK(contact_regime_of(&clipped, (double)NAN, -1.0, true) == REGIME_APART);
@@ -136,11 +138,11 @@ static void regimes_change_where_the_design_says(void)
     CHECK(contact_regime_of(&clipped, -0.25, 1.0, true) == REGIME_SEPARATING);
     CHECK(contact_regime_of(&clipped, -0.25, nextafter(1.0, 2.0), true) == REGIME_SEPARATING);
     CHECK(contact_regime_of(&clipped, -0.25, nextafter(1.0, 0.0), true) == REGIME_COMPRESSION);
-    const struct contact_law approach = {8.0, 2.0, DASHPOT_APPROACH_ONLY};
+    const struct contact_law approach = {8.0, 2.0, DASHPOT_APPROACH_ONLY, LAW_LINEAR};
     CHECK(contact_regime_of(&approach, -0.25, 0.0, true) == REGIME_RESTITUTION);
     CHECK(contact_regime_of(&approach, -0.25, -0.0, true) == REGIME_RESTITUTION);
     CHECK(contact_regime_of(&approach, -0.25, -DBL_TRUE_MIN, true) == REGIME_COMPRESSION);
-    const struct contact_law tensile = {8.0, 2.0, DASHPOT_UNCLAMPED};
+    const struct contact_law tensile = {8.0, 2.0, DASHPOT_UNCLAMPED, LAW_LINEAR};
     CHECK_CLOSE("unclamped pull", law_force(&tensile, -0.25, 3.0, true), -4.0, 0.0);
     /* A clipped force stays at zero when the regime is a little behind the motion. */
     CHECK_CLOSE("clip", contact_normal_force_of(&clipped, REGIME_COMPRESSION, -0.25, 3.0), 0.0, 0.0);
@@ -201,8 +203,8 @@ static void the_slopes_are_those_of_force_event_and_energy(void)
 /* Along g = -1 + s / 2 - s^2, g' = s + 2 s^2, with p_n = 8 + 3 s and p_nv = 2 - s. */
 static void the_terms_are_those_of_the_products(void)
 {
-    const struct contact_law law = {8.0, 2.0, DASHPOT_UNCLAMPED};
-    const struct contact_law change = {3.0, -1.0, DASHPOT_UNCLAMPED};
+    const struct contact_law law = {8.0, 2.0, DASHPOT_UNCLAMPED, LAW_LINEAR};
+    const struct contact_law change = {3.0, -1.0, DASHPOT_UNCLAMPED, LAW_LINEAR};
     const double gap[3] = {-1.0, 0.5, -1.0}, rate[3] = {0.0, 1.0, 2.0};
     const double force[3] = {8.0, -3.0, 3.5}, stored[3] = {4.0, -2.5, 7.5}, lost[3] = {0.0, 0.0, -1.0};
     double made[3];
