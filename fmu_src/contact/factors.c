@@ -4,6 +4,25 @@
 
 #include "contact/restitution.h"
 
+/* Whether the law is Hertz's, as in contact_is_hertz. */
+static bool has_hertz(const struct contact_factors *factors)
+{
+    const struct contact_law law = {.law = factors->law};
+    return contact_is_hertz(&law);
+}
+
+/* Whether damping follows from a coefficient of restitution; never, at compile time, where the build has no
+ * such choice (ContactFmu.cmake). */
+static bool is_by_restitution(const struct contact_factors *factors)
+{
+#ifdef CONTACT_NO_RESTITUTION
+    (void)factors;
+    return false;
+#else
+    return factors->viscous_control == VISCOUS_CONTROL_RESTITUTION;
+#endif
+}
+
 /* p_nv that gives the coefficient of restitution with the spring p_n; 0 between bodies that cannot
  * rebound. */
 static double damping_by_restitution(const struct contact_factors *factors, enum dashpot dashpot, double p_n)
@@ -19,21 +38,17 @@ static double damping_by_restitution(const struct contact_factors *factors, enum
 static double hunt_crossley_factor(const struct contact_factors *factors, enum dashpot dashpot,
                                    double diagonal)
 {
-    switch (factors->viscous_control) {
-    case VISCOUS_CONTROL_USER_DEFINED:
-        return factors->hunt_crossley_factor;
-    case VISCOUS_CONTROL_RESTITUTION:
+    if (is_by_restitution(factors)) {
         return restitution_hunt_crossley(factors->restitution, dashpot);
-    case VISCOUS_CONTROL_AUTOMATIC:
-    default:
-        return factors->characteristic_time / diagonal;
     }
+    return factors->viscous_control == VISCOUS_CONTROL_USER_DEFINED ? factors->hunt_crossley_factor
+                                                                    : factors->characteristic_time / diagonal;
 }
 
 struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot,
                                   double diagonal)
 {
-    if (factors->law == LAW_HERTZ) {
+    if (has_hertz(factors)) {
         return (struct contact_law){.stiffness = factors->hertz_stiffness,
                                     .damping = factors->method == METHOD_PENALTY
                                                    ? 0.0
@@ -49,7 +64,7 @@ struct contact_law contact_law_of(const struct contact_factors *factors, enum da
     }
     if (factors->viscous_control == VISCOUS_CONTROL_USER_DEFINED) {
         law.damping = factors->viscous_penalty_factor;
-    } else if (factors->viscous_control == VISCOUS_CONTROL_RESTITUTION) {
+    } else if (is_by_restitution(factors)) {
         law.damping = damping_by_restitution(factors, dashpot, law.stiffness);
     } else {
         law.damping = factors->characteristic_time * (viscous_only ? scale : law.stiffness);
@@ -66,7 +81,7 @@ struct contact_law contact_law_of(const struct contact_factors *factors, enum da
 struct contact_law contact_law_slope(const struct contact_factors *factors, struct contact_coefficients at,
                                      double diagonal_slope)
 {
-    if (factors->law == LAW_HERTZ) { /* chi = tau_n / diag */
+    if (has_hertz(factors)) { /* chi = tau_n / diag */
         const bool automatic =
             factors->method != METHOD_PENALTY && factors->viscous_control == VISCOUS_CONTROL_AUTOMATIC;
         const double by_diagonal = at.c * at.c / factors->characteristic_time;
@@ -77,7 +92,7 @@ struct contact_law contact_law_slope(const struct contact_factors *factors, stru
     struct contact_law slope = contact_law_of(factors, DASHPOT_UNCLAMPED, diagonal_slope);
     slope.stiffness -= none.stiffness;
     slope.damping -= none.damping;
-    if (factors->viscous_control == VISCOUS_CONTROL_RESTITUTION) {
+    if (is_by_restitution(factors)) {
         slope.damping = 0.5 * at.c * slope.stiffness / at.k;
     }
     return slope;

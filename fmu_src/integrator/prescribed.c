@@ -21,17 +21,6 @@ static bool is_driven(const struct scene_values *v, const struct scene_state *q,
     return contact_is_driven(v, contact) && q->contact[contact].regime != REGIME_APART;
 }
 
-/* Whether a force grows with the power 3/2 of time where bodies touch. */
-static bool any_is_hertz(const struct scene_values *v, const struct scene_state *q)
-{
-    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
-        if (is_driven(v, q, j) && scene_is_hertz(v, j)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static void powers(const struct scene_values *v, const struct scene_state *q, double clock, double out[TERMS])
 {
     struct scene_instant at;
@@ -50,11 +39,36 @@ static void powers(const struct scene_values *v, const struct scene_state *q, do
     }
 }
 
+/* Near the touch Hertz's force goes with the power 3/2 of time: a panel at one end of which the depth is less
+ * than this part of the depth in its middle is graded (gauss.h). Elsewhere equal steps converge faster. */
+static const double SHALLOW = 0.1;
+
+static bool is_shallow(const struct scene_values *v, const struct scene_state *q, double clock, double middle,
+                       int contact)
+{
+    struct scene_instant at[2];
+    scene_evaluate(v, q, clock, q->body, &at[0]);
+    scene_evaluate(v, q, middle, q->body, &at[1]);
+    return at[0].geometry[contact].gap > SHALLOW * at[1].geometry[contact].gap;
+}
+
+static bool wants_grading(const struct scene_values *v, const struct scene_state *q, double from, double to)
+{
+    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
+        const double middle = 0.5 * (from + to);
+        if (is_driven(v, q, j) && scene_is_hertz(v, j) &&
+            (is_shallow(v, q, from, middle, j) || is_shallow(v, q, to, middle, j))) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static struct panel integrate(const struct scene_values *v, struct scene_state *q, double from, double to)
 {
     struct panel result = {{0.0}, {0.0}};
     const double half = 0.5 * (to - from);
-    const bool graded = any_is_hertz(v, q);
+    const bool graded = wants_grading(v, q, from, to);
     for (int i = 0; i < GAUSS_NODES; ++i) {
         double value[TERMS];
         const struct gauss_place place = gauss_place(i, graded);

@@ -19,31 +19,23 @@ static double hertz_stiffness_of(const struct scene_values *v, const struct scen
                                                  material_of(v, contact_destination(contact))));
 }
 
-/* Never restitution, to the compiler too, where the scene has none. */
-static enum viscous_control viscous_control_of(const struct scene_values *v, int contact)
-{
-    const int control = contact_viscous_control(v, contact);
-    return SCENE_ANY_RESTITUTION || control != VISCOUS_CONTROL_RESTITUTION ? (enum viscous_control)control
-                                                                           : VISCOUS_CONTROL_USER_DEFINED;
-}
-
 static struct contact_factors factors_of(const struct scene_values *v, const struct scene_state *q,
                                          int contact)
 {
-    return (struct contact_factors){.law = scene_is_hertz(v, contact) ? LAW_HERTZ : LAW_LINEAR,
-                                    .hertz_stiffness = hertz_stiffness_of(v, q, contact),
-                                    .hunt_crossley_factor = contact_hunt_crossley_factor(v, contact),
-                                    .method = (enum method)contact_method(v, contact),
-                                    .penalty_control =
-                                        (enum penalty_control)contact_penalty_control(v, contact),
-                                    .viscous_control = viscous_control_of(v, contact),
-                                    .multiplier = contact_penalty_multiplier(v, contact),
-                                    .penalty_factor = contact_penalty_factor(v, contact),
-                                    .characteristic_time = contact_characteristic_time(v, contact),
-                                    .viscous_penalty_factor = contact_viscous_penalty_factor(v, contact),
-                                    .reference_modulus = contact_reference_modulus(v, contact),
-                                    .restitution = contact_restitution(v, contact),
-                                    .inverse_mass = scene_inverse_mass(v, contact)};
+    return (struct contact_factors){
+        .law = scene_is_hertz(v, contact) ? LAW_HERTZ : LAW_LINEAR,
+        .hertz_stiffness = hertz_stiffness_of(v, q, contact),
+        .hunt_crossley_factor = contact_hunt_crossley_factor(v, contact),
+        .method = (enum method)contact_method(v, contact),
+        .penalty_control = (enum penalty_control)contact_penalty_control(v, contact),
+        .viscous_control = (enum viscous_control)contact_viscous_control(v, contact),
+        .multiplier = contact_penalty_multiplier(v, contact),
+        .penalty_factor = contact_penalty_factor(v, contact),
+        .characteristic_time = contact_characteristic_time(v, contact),
+        .viscous_penalty_factor = contact_viscous_penalty_factor(v, contact),
+        .reference_modulus = contact_reference_modulus(v, contact),
+        .restitution = contact_restitution(v, contact),
+        .inverse_mass = scene_inverse_mass(v, contact)};
 }
 
 struct contact_coefficients model_factors(const struct scene_values *v, const struct scene_state *q,

@@ -55,11 +55,29 @@ struct panel {
     double size;
 };
 
+/* As in prescribed.c: near the touch Hertz's force goes with the power 3/2 of time. */
+static const double SHALLOW = 0.1;
+
+static bool wants_grading(const struct given_step *step, double from, double to)
+{
+    const double places[3] = {from, 0.5 * (from + to), to};
+    double gap[3];
+    if (!scene_is_hertz(step->v, step->contact)) {
+        return false;
+    }
+    for (int i = 0; i < 3; ++i) {
+        struct scene_instant at;
+        instant_at(step, places[i], &at);
+        gap[i] = at.geometry[step->contact].gap;
+    }
+    return fmax(gap[0], gap[2]) > SHALLOW * gap[1];
+}
+
 __attribute__((noinline)) static struct panel panel_of(const struct given_step *step, double from, double to)
 {
     struct panel panel = {{0.0, 0.0, 0.0}, 0.0};
     const double half = 0.5 * (to - from);
-    const bool graded = scene_is_hertz(step->v, step->contact);
+    const bool graded = wants_grading(step, from, to);
     for (int i = 0; i < GAUSS_NODES; ++i) {
         struct scene_instant at;
         const struct gauss_place place = gauss_place(i, graded);

@@ -54,8 +54,17 @@ def measure(name: str) -> FmuSize:
     if universal is not None:
         scene = scene_file(name)
         with ContactFmu(fmu_file(universal)) as fmu:
-            other = time_per_step(fmu, scene.get("start", {}) | scene.get("pinned", {}))
+            other = time_per_step(fmu, scene.get("start", {}) | _constants(scene.get("pinned", {})))
     return FmuSize(name, variables, library, state, own, universal, other)
+
+
+def _constants(pinned: dict[str, Any]) -> dict[str, Any]:
+    """Without the choices that keep several of their items"""
+    return {
+        name: value
+        for name, value in pinned.items()
+        if not (isinstance(value, list) and isinstance(value[0], str))
+    }
 
 
 def time_per_step(fmu: ContactFmu, start: dict[str, Any]) -> float:

@@ -45,7 +45,8 @@ def compare_scenes(options):
     differ, runs = Counter(), 0
     for shape, name in FMU.items():
         with ContactFmu(fmu_file(name)) as ours, ContactFmu(options.folder / f"{name}.fmu") as theirs:
-            outputs = sorted(row for row, causality in rows_of(ours) if causality != "parameter")
+            shared = set(rows_of(ours)) & set(rows_of(theirs))  # a new choice brings outputs of its own
+            outputs = sorted(row for row, causality in shared if causality != "parameter")
             for index in range(options.count):
                 at, kind = kinds[index % len(kinds)]
                 if at != shape:
