@@ -19,15 +19,10 @@ static double tolerance_of(const struct scene_values *v, const struct scene_stat
     return fmax(1e-3 * asked * (distance / size), 8.0 * DBL_EPSILON * size);
 }
 
-/* Whether no free body takes part in two contacts that transmit forces, and none in one by Hertz's law.
- * Segments are made for such pairs only. */
+/* Whether no free body takes part in two contacts that transmit forces. Segments are made for such pairs
+ * only. */
 static bool pairs_are_alone(const struct scene_values *v, const struct scene_state *q)
 {
-    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
-        if (scene_is_hertz(v, j) && contact_transmits(q, j) && !contact_is_driven(v, j)) {
-            return false;
-        }
-    }
     for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
         if (contact_is_coupled(v, q, j)) {
             return false;

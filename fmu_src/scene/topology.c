@@ -44,21 +44,9 @@ bool scene_shares_free_body(const struct scene_values *v)
     return false;
 }
 
-/* Whether a contact of a free body has Hertz's law. */
-static bool scene_moves_by_hertz(const struct scene_values *v)
-{
-    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
-        if (contact_law(v, j) == LAW_HERTZ && !contact_is_driven(v, j)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 bool scene_uses_ode(const struct scene_values *v)
 {
-    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || scene_shares_free_body(v) ||
-           scene_moves_by_hertz(v);
+    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || scene_shares_free_body(v);
 }
 
 bool contact_transmits(const struct scene_state *q, int contact)

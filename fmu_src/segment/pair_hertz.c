@@ -114,7 +114,7 @@ static double hertz_unit(const struct contact_pair *from, double opening)
 
 /* Coefficient i of a polynomial of time, C or W, of which `terms` count. */
 static double hertz_along_time(const struct pair_hertz *p, const struct hertz_recurrence *z,
-                               const double a[][HERTZ_DIMENSIONS], int terms, int j, int i)
+                               double a[][HERTZ_DIMENSIONS], int terms, int j, int i)
 {
     double sum = (i == 0 ? a[0][j] : 0.0) + (terms > 1 ? a[1][j] * p->time[i] : 0.0);
     for (int k = 2; k < terms; ++k) {

@@ -68,8 +68,7 @@ def _item(row, number) -> str:
 
 
 def may_need_cvode(cells: list, constants: dict, scene) -> bool:
-    """The CVODE methods ask for it, and event_driven where contacts share a body that may be free or obey
-    Hertz's law."""
+    """The CVODE methods ask for it, and event_driven where contacts share a body that may be free."""
 
     def may_be(key: str, item: str, element: int) -> bool:
         return any(
@@ -79,7 +78,6 @@ def may_need_cvode(cells: list, constants: dict, scene) -> bool:
         )
 
     free = [body for body in range(len(scene.bodies)) if may_be("body.motion", "free", body)]
-    hertz = any(may_be("contact.law", "hertz", contact) for contact in range(len(scene.contacts)))
-    methods = hertz or any(may_be("solver.method", method, 0) for method in ("cvode_bdf", "cvode_adams"))
+    methods = any(may_be("solver.method", method, 0) for method in ("cvode_bdf", "cvode_adams"))
     ends = [body for contact in scene.contacts for body in (contact.source, contact.destination)]
     return bool(free) and (methods or any(ends.count(body) > 1 for body in free))
