@@ -3,8 +3,8 @@
 #
 #   configure   modelDescription/generate.py writes <build>/scenes/<Scene>/: modelDescription.xml (FMI 2.0),
 #               modelDescription3.xml (FMI 3.0), scene.h, scene_variables.c, documentation/, resources/scene.json and
-#               scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE, SCENE_HAS_CYLINDER, SCENE_HAS_HERTZ,
-#               SCENE_HAS_RESTITUTION); units.txt there lists the sources that the scene has
+#               scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE, SCENE_HAS_CYLINDER, SCENE_HAS_PLANE,
+#               SCENE_HAS_HERTZ, SCENE_HAS_RESTITUTION); units.txt there lists the sources that the scene has
 #   compile     all of fmu_src as one unit against that scene.h -> <build>/libraries/<Scene>.so, libraries/fmi3/<Scene>.so
 #   sources     the same code as one file -> <Scene folder>/sources/, sources3/ (cmake/amalgamate.py)
 #   pack        the library, stripped, with description, documentation and sources into a ZIP
@@ -95,15 +95,11 @@ function(contact_scene_options target folder has_cvode)
     if(has_cvode)
         target_link_libraries(${target} PUBLIC contact::sundials)
     endif()
-    if(NOT SCENE_HAS_CYLINDER) # the contact folder, which knows no scene, hears of it here
-        target_compile_definitions(${target} PRIVATE CONTACT_SPHERES_ONLY)
-    endif()
-    if(NOT SCENE_HAS_HERTZ)
-        target_compile_definitions(${target} PRIVATE CONTACT_LINEAR_ONLY)
-    endif()
-    if(NOT SCENE_HAS_RESTITUTION)
-        target_compile_definitions(${target} PRIVATE CONTACT_NO_RESTITUTION)
-    endif()
+    foreach(what CYLINDER PLANE HERTZ RESTITUTION) # the contact folder, which knows no scene, hears of it here
+        if(NOT SCENE_HAS_${what})
+            target_compile_definitions(${target} PRIVATE CONTACT_NO_${what})
+        endif()
+    endforeach()
     set_target_properties(${target} PROPERTIES C_VISIBILITY_PRESET hidden POSITION_INDEPENDENT_CODE ON)
 endfunction()
 

@@ -115,14 +115,8 @@ def amalgamated(units, source, scene, fmi):
         without = one.text(source / "integrator" / "cvode_absent.c")
         body += f"\n#ifdef CONTACT_WITH_CVODE\n{with_it}\n#else\n{without}\n#endif\n"
     # What the contact folder, which knows no scene, hears of it.
-    absent = {
-        "CYLINDER": "CONTACT_SPHERES_ONLY",
-        "HERTZ": "CONTACT_LINEAR_ONLY",
-        "RESTITUTION": "CONTACT_NO_RESTITUTION",
-    }
-    definitions = [
-        f"#define {macro}\n" for what, macro in absent.items() if f"set(SCENE_HAS_{what} OFF)" in about
-    ]
+    parts = ("CYLINDER", "PLANE", "HERTZ", "RESTITUTION")
+    definitions = [f"#define CONTACT_NO_{part}\n" for part in parts if f"set(SCENE_HAS_{part} OFF)" in about]
     name = re.search(r'SCENE_NAME "(\w+)"', about)[1]
     head = HEAD.format(
         name=name,

@@ -43,9 +43,15 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
         at.axial = vec3_dot(c, shape->axis);
         at.offset = contact_across_axis(shape, c, at.axial);
     }
-    at.distance = vec3_norm(at.offset);
-    at.degenerate = !(at.distance > 0.0);
-    if (!at.degenerate) {
+    if (contact_is_plane(shape)) {
+        at.normal = vec3_scale(-1.0, shape->axis);
+        at.distance = vec3_dot(at.normal, c);
+        at.degenerate = false;
+    } else {
+        at.distance = vec3_norm(at.offset);
+        at.degenerate = !(at.distance > 0.0);
+    }
+    if (contact_turns(shape, &at)) {
         at.normal =
             (struct vec3){at.offset.x / at.distance, at.offset.y / at.distance, at.offset.z / at.distance};
     }
@@ -68,6 +74,9 @@ struct vec3 contact_direction_of(const struct contact_shape *shape, const struct
 
 struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w)
 {
+    if (contact_is_plane(shape)) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
     struct vec3 across = vec3_axpy(w, -vec3_dot(normal, w), normal);
     if (contact_is_cylinder(shape)) {
         across = vec3_axpy(across, -vec3_dot(shape->axis, w), shape->axis);
@@ -86,6 +95,9 @@ struct vec3 contact_escape_direction(const struct contact_shape *shape, struct v
 
 struct vec3 contact_default_normal(const struct contact_shape *shape)
 {
+    if (contact_is_plane(shape)) {
+        return vec3_scale(-1.0, shape->axis);
+    }
     if (!contact_is_cylinder(shape)) {
         return vec3_make(0.0, 0.0, -1.0);
     }

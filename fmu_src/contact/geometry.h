@@ -5,15 +5,17 @@
  *   c = x_dst - x_src     separation [m], w = v_dst - v_src its rate [m/s]
  *   sphere:    d = |c|,   n = c / d
  *   cylinder:  rho = c - (c.e_d) e_d, d = |rho|, n = rho / d
+ *   plane:     d = -c.e_d, n = -e_d; the half-space behind it is solid, and d is negative there
  *   outside:   g = d - (r_s + r_d)        inside a hollow destination:   g = (r_d - r_s) - d
  *
- * Both are g = side (d - reach) with side +1 outside, -1 inside, and reach r_s + r_d or r_d - r_s, so that g'
- * = side n.w. The gradient of d with respect to c is n for both shapes; n is perpendicular to e_d for a
- * cylinder.
+ * All are g = side (d - reach) with side +1 outside, -1 inside, and reach r_s + r_d or r_d - r_s, so that g'
+ * = side n.w; a plane has r_d = 0 and no inside. The gradient of d with respect to c is n for all shapes; n
+ * is perpendicular to e_d for a cylinder and constant for a plane.
  */
 #ifndef CONTACT_CONTACT_GEOMETRY_H
 #define CONTACT_CONTACT_GEOMETRY_H
 
+#include <float.h>
 #include <stdbool.h>
 
 #include "contact/choices.h"
@@ -21,37 +23,59 @@
 
 /* What does not change while a contact exists. */
 struct contact_shape {
-    struct vec3 axis;     /* e_d, unit length; cylinder only */
+    struct vec3 axis;     /* e_d, unit length; cylinder and plane only */
     double source_radius; /* r_s > 0 */
-    double other_radius;  /* r_d > 0, of the destination */
+    double other_radius;  /* r_d > 0, of the destination; 0 of a plane */
     double half_length;   /* L / 2 of a finite cylinder; INFINITY otherwise */
     int side;             /* +1: the source is outside the destination, -1: inside */
     enum shape destination;
 };
 
 struct contact_geometry {
-    /* n, unit; towards the destination's centre or axis; the fallback where d = 0 */
+    /* n, unit; towards the destination's centre or axis, or into a plane; the fallback where d = 0 */
     struct vec3 normal;
-    struct vec3 offset; /* c of a sphere, rho of a cylinder [m] */
-    double distance;    /* d [m] */
+    struct vec3 offset; /* c of a sphere or a plane, rho of a cylinder [m] */
+    double distance;    /* d [m]; of a plane with its sign */
     double gap;         /* g, radial, whether or not the source is within a cylinder's extents [m] */
     /* what rounds in g besides d: r_s + r_d, or r_d - r_s where that is exact [m] */
     double gap_terms;
     double gap_rate; /* g' [m/s] */
-    double axial;    /* c.e_d [m]; 0 for a sphere */
-    bool degenerate; /* d = 0: n is the fallback */
+    double axial;    /* c.e_d of a cylinder [m]; 0 for the other shapes */
+    bool degenerate; /* d = 0: n is the fallback; never with a plane */
 };
 
-/* Whether the destination is a cylinder; never, at compile time, where the build knows of spheres only
+/* Whether the destination is a cylinder, a plane; never, at compile time, where the build has none
  * (ContactFmu.cmake). */
 static inline bool contact_is_cylinder(const struct contact_shape *shape)
 {
-#ifdef CONTACT_SPHERES_ONLY
+#ifdef CONTACT_NO_CYLINDER
     (void)shape;
     return false;
 #else
     return shape->destination == SHAPE_CYLINDER;
 #endif
+}
+
+static inline bool contact_is_plane(const struct contact_shape *shape)
+{
+#ifdef CONTACT_NO_PLANE
+    (void)shape;
+    return false;
+#else
+    return shape->destination == SHAPE_PLANE;
+#endif
+}
+
+/* Whether penetration may come to a centre or axis, where n has no direction: outside, but for a plane. */
+static inline bool contact_may_reach_centre(const struct contact_shape *shape)
+{
+    return shape->side > 0 && !contact_is_plane(shape);
+}
+
+/* Whether n turns as the source moves across it, by 1/d. A plane's normal never does. */
+static inline bool contact_turns(const struct contact_shape *shape, const struct contact_geometry *at)
+{
+    return !at->degenerate && !contact_is_plane(shape);
 }
 
 /* Whether the part of a vector across the axis, `across`, is so small beside its part along the axis that a
@@ -79,6 +103,15 @@ static inline struct vec3 contact_across(const struct contact_shape *shape, stru
     return contact_is_cylinder(shape) ? contact_across_axis(shape, c, vec3_dot(c, shape->axis)) : c;
 }
 
+/* The part of a vector along n; with a plane zero where that is the rounding of its products: what lies in
+ * the plane stays in it. */
+static inline double contact_along_plane(struct vec3 normal, struct vec3 a)
+{
+    const double along = vec3_dot(normal, a);
+    const double terms = fabs(normal.x * a.x) + fabs(normal.y * a.y) + fabs(normal.z * a.z);
+    return fabs(along) > 4.0 * DBL_EPSILON * terms ? along : 0.0;
+}
+
 /* The distance at which the bodies touch: r_s + r_d outside, r_d - r_s inside [m]. */
 double contact_reach(const struct contact_shape *shape);
 
@@ -90,10 +123,11 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
  * finite). */
 bool contact_within_extents(const struct contact_shape *shape, double axial);
 
-/* e_c as users see it: towards the destination's centre (sphere) or towards the contact point (cylinder). */
+/* e_c as users see it: towards the destination's centre (sphere) or the contact point (cylinder, plane). */
 struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at);
 
-/* The part of w that rotates n: without its components along n and along a cylinder's axis [m/s]. */
+/* The part of w that rotates n: without its components along n and along a cylinder's axis; none of a plane
+ * [m/s]. */
 struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w);
 
 /* The escape direction at d = 0, where the distance can only grow: the unit vector along w, perpendicular to
@@ -102,7 +136,7 @@ struct vec3 contact_escape_direction(const struct contact_shape *shape, struct v
 
 /* A unit vector to start from where no direction is known: -z for a sphere (the source above the
  * destination); for a cylinder the coordinate axis least aligned with e_d, made perpendicular to it,
- * negative. */
+ * negative; for a plane n itself. */
 struct vec3 contact_default_normal(const struct contact_shape *shape);
 
 #endif

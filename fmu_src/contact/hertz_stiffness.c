@@ -74,12 +74,13 @@ double hertz_stiffness(const struct contact_shape *shape, double modulus)
 {
     const double r_s = shape->source_radius;
     const double r_d = shape->other_radius;
+    const double alone = 0.5 / r_s; /* on a plane, and along a cylinder */
+    if (contact_is_plane(shape)) {
+        return hertz_elliptic_stiffness(modulus, alone, alone);
+    }
     /* 1/r_s + 1/r_d outside, 1/r_s - 1/r_d inside, halved */
     const double curved = 0.5 * (r_d + shape->side * r_s) / r_s / r_d;
-    if (!contact_is_cylinder(shape)) {
-        return hertz_elliptic_stiffness(modulus, curved, curved);
-    }
-    const double along = 0.5 / r_s;
+    const double along = contact_is_cylinder(shape) ? alone : curved;
     return hertz_elliptic_stiffness(modulus, fmin(along, curved), fmax(along, curved));
 }
 

@@ -29,7 +29,7 @@ struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
 {
     const struct vec3 n = at->normal;
     const double side = shape->side;
-    const double inverse_distance = at->degenerate ? 0.0 : 1.0 / at->distance;
+    const double inverse_distance = contact_turns(shape, at) ? 1.0 / at->distance : 0.0;
     const struct vec3 rate_by_c = vec3_scale(side * inverse_distance, contact_tangential(shape, n, w));
     const double force = contact_force(law, regime, at->gap, at->gap_rate);
     const struct contact_slopes slopes = contact_force_slopes(law, regime, at->gap, at->gap_rate);

@@ -28,7 +28,7 @@ static void jet_of_direction(const struct contact_shape *shape, const struct con
     }
     result->distance[order] = distance / order;
     result->normal[order] = vec3_make(0.0, 0.0, 0.0);
-    if (at->degenerate) {
+    if (!contact_turns(shape, at)) {
         return;
     }
     struct vec3 turned = vec3_sub(c[order], jet_scale(result->distance, result->normal, order));

@@ -33,7 +33,7 @@ struct contact_law {
  * (ContactFmu.cmake). */
 static inline bool contact_is_hertz(const struct contact_law *law)
 {
-#ifdef CONTACT_LINEAR_ONLY
+#ifdef CONTACT_NO_HERTZ
     (void)law;
     return false;
 #else

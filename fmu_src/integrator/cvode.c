@@ -19,7 +19,7 @@ static double largest_step_of(const struct scene_values *v, const struct scene_s
                               const struct scene_instant *at, int contact)
 {
     const int source = contact_source(contact);
-    const double distance = at->geometry[contact].distance;
+    const double distance = fabs(at->geometry[contact].distance); /* of a plane it may be negative */
     const struct vec3 force_difference =
         vec3_sub(path_at(q->path[source].force, 3, q->clock),
                  path_at(q->path[contact_destination(contact)].force, 3, q->clock));

@@ -13,8 +13,9 @@ static double tolerance_of(const struct scene_values *v, const struct scene_stat
                            const struct scene_instant *at, int contact)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const double distance = at->geometry[contact].distance;
-    const double size = fmax(distance, contact_reach(&shape));
+    const double reach = contact_reach(&shape);
+    const double distance = contact_is_plane(&shape) ? reach : at->geometry[contact].distance;
+    const double size = fmax(distance, reach);
     const double asked = solver_relative_tolerance(v) * size + solver_absolute_tolerance(v);
     return fmax(1e-3 * asked * (distance / size), 8.0 * DBL_EPSILON * size);
 }

@@ -125,6 +125,9 @@ static bool agree(const struct scene_values *v, const struct scene_state *q, con
 static bool has_direction(const struct scene_values *v, const struct scene_instant *at, int contact)
 {
     const struct contact_geometry *g = &at->geometry[contact];
+    if (body_shape(contact_destination(contact)) == SHAPE_PLANE) {
+        return true;
+    }
     return !g->degenerate && g->distance > rounding_of_gap(v, at, contact);
 }
 

@@ -21,8 +21,13 @@ static struct vec3 unit_axis(const struct scene_values *v, int body)
     return vec3_scale(1.0 / vec3_norm(axis), axis);
 }
 
-static struct bounding_box body_box(const struct scene_values *v, int body, struct vec3 centre)
+/* A plane has no box of its own: that of `other`, so that both together are that. */
+static struct bounding_box body_box(const struct scene_values *v, int body, struct vec3 centre,
+                                    const struct bounding_box *other)
 {
+    if (SCENE_ANY_PLANE && body_shape(body) == SHAPE_PLANE) {
+        return *other;
+    }
     if (SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER) {
         const double half_length = body_finite_length(v, body) ? 0.5 * body_length(v, body) : 0.0;
         return bounding_box_cylinder(centre, body_radius(v, body), unit_axis(v, body), half_length);
@@ -38,8 +43,8 @@ static void start_boxes(const struct scene_values *v, const struct scene_state *
     const int to = contact_destination(contact);
     const struct vec3 apart = vec3_sub(body_center(v, to), body_center(v, from));
     const struct vec3 moved = vec3_sub(start_displacement(v, q, to), start_displacement(v, q, from));
-    boxes[0] = body_box(v, from, vec3_make(0.0, 0.0, 0.0));
-    boxes[1] = body_box(v, to, vec3_add(apart, moved));
+    boxes[0] = body_box(v, from, vec3_make(0.0, 0.0, 0.0), NULL);
+    boxes[1] = body_box(v, to, vec3_add(apart, moved), &boxes[0]);
 }
 
 double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate)
@@ -64,8 +69,8 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
     state->parameters.diagonal = bounding_box_diagonal(&boxes[0], &boxes[1]);
     state->side = 1;
     state->regime = (int32_t)REGIME_APART;
-#if SCENE_ANY_CYLINDER
-    if (body_shape(contact_destination(contact)) == SHAPE_CYLINDER) {
+#if SCENE_ANY_CYLINDER || SCENE_ANY_PLANE
+    if (body_shape(contact_destination(contact)) != SHAPE_SPHERE) {
         state->parameters.axis = unit_axis(v, contact_destination(contact));
     }
 #endif
@@ -194,7 +199,7 @@ static enum model_status check_contact(struct model *m, int contact)
                             "(allowed: viscous_only with penalty_dynamic).",
                             name, name);
     }
-    if (SCENE_ANY_CYLINDER && body_shape(contact_destination(contact)) == SHAPE_CYLINDER &&
+    if (body_shape(contact_destination(contact)) != SHAPE_SPHERE &&
         !(vec3_norm(body_axis(v, contact_destination(contact))) > 0.0)) {
         return model_report(m, MODEL_ERROR,
                             "%s.axis[1], %s.axis[2], %s.axis[3] = 0, 0, 0 has no direction "

@@ -91,7 +91,7 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
     if (initialized && !is_direction(contact->normal)) {
         return false;
     }
-#if SCENE_ANY_CYLINDER
+#if SCENE_ANY_CYLINDER || SCENE_ANY_PLANE
     if (initialized && !is_direction(contact->parameters.axis) &&
         !vec3_is_zero(contact->parameters.axis)) { /* zero: of a sphere */
         return false;

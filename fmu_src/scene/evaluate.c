@@ -25,6 +25,11 @@ struct contact_shape scene_contact_shape(const struct scene_values *v, const str
         }
     }
 #endif
+#if SCENE_ANY_PLANE
+    if (shape.destination == SHAPE_PLANE) {
+        shape.axis = q->contact[contact].parameters.axis;
+    }
+#endif
     return shape;
 }
 

@@ -15,7 +15,7 @@ static double pressing_acceleration(const struct scene_values *v, const struct s
     const struct vec3 relative =
         vec3_sub(at.acceleration[contact_destination(contact)], at.acceleration[contact_source(contact)]);
     const struct vec3 across = contact_tangential(&shape, g->normal, at.rate[contact]);
-    const double turning = g->degenerate ? 0.0 : vec3_dot(across, across) / g->distance;
+    const double turning = contact_turns(&shape, g) ? vec3_dot(across, across) / g->distance : 0.0;
     return fmax(-shape.side * (vec3_dot(g->normal, relative) + turning), 0.0);
 }
 

@@ -2,19 +2,25 @@
 
 #include <float.h>
 
+static double size_along(struct vec3 axis, struct vec3 a)
+{
+    return fabs(axis.x * a.x) + fabs(axis.y * a.y) + fabs(axis.z * a.z);
+}
+
 double rounding_of_gap(const struct scene_values *v, const struct scene_instant *at, int contact)
 {
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
+    if (SCENE_ANY_PLANE && body_shape(destination) == SHAPE_PLANE) { /* what lies in the plane has no part */
+        const struct vec3 n = at->geometry[contact].normal;
+        return 8.0 * DBL_EPSILON *
+               (size_along(n, apart) + size_along(n, at->displacement[source]) +
+                size_along(n, at->displacement[destination]) + at->geometry[contact].gap_terms);
+    }
     return 8.0 * DBL_EPSILON *
            (vec3_max_abs(apart) + vec3_max_abs(at->displacement[source]) +
             vec3_max_abs(at->displacement[destination]) + at->geometry[contact].gap_terms);
-}
-
-static double size_along(struct vec3 axis, struct vec3 a)
-{
-    return fabs(axis.x * a.x) + fabs(axis.y * a.y) + fabs(axis.z * a.z);
 }
 
 double rounding_of_axial(const struct scene_values *v, const struct scene_instant *at, int contact,
@@ -42,7 +48,9 @@ double rounding_of_force(const struct scene_values *v, const struct scene_state 
     const struct contact_geometry *g = &at->geometry[contact];
     const struct contact_slopes slopes = contact_force_slopes(&law, REGIME_COMPRESSION, g->gap, g->gap_rate);
     const double gap_rounding = rounding_of_gap(v, at, contact);
-    const double angle = fmin(8.0 * DBL_EPSILON + gap_rounding / g->distance, 1.0);
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const double turned = contact_is_plane(&shape) ? 0.0 : gap_rounding / g->distance;
+    const double angle = fmin(8.0 * DBL_EPSILON + turned, 1.0);
     return fabs(slopes.by_gap) * gap_rounding +
            angle * (fabs(slopes.by_rate) * vec3_norm(at->rate[contact]) + fabs(at->normal_force[contact]));
 }
@@ -54,7 +62,8 @@ static double rate_rounding(const struct scene_values *v, const struct contact_l
 {
     const double gap_rounding = rounding_of_gap(v, at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const double angle = g->degenerate ? 0.0 : fmin(gap_rounding / g->distance, 1.0);
+    const bool turns = !g->degenerate && body_shape(contact_destination(contact)) != SHAPE_PLANE;
+    const double angle = turns ? fmin(gap_rounding / g->distance, 1.0) : 0.0;
     const double spring = -contact_force_slopes(law, REGIME_COMPRESSION, g->gap, g->gap_rate).by_gap;
     const double oscillation = sqrt(fmax(spring, 0.0) * scene_inverse_mass(v, contact));
     return vec3_norm(at->rate[contact]) * angle + rounding_of_rate(at, contact) + oscillation * gap_rounding +

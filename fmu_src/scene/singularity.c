@@ -12,7 +12,7 @@ bool singularity_is_reached(const struct scene_values *v, const struct scene_ins
 {
     const struct contact_geometry *g = &at->geometry[contact];
     const double reach = contact_reach(shape);
-    if (g->degenerate || shape->side < 0) {
+    if (g->degenerate || !contact_may_reach_centre(shape)) {
         return g->degenerate;
     }
     return reach + g->gap <= 16.0 * DBL_EPSILON * reach ||

@@ -133,6 +133,9 @@ struct vec3 pair_across(const struct contact_pair *p, struct vec3 c)
 
 struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across)
 {
+    if (contact_is_plane(&p->shape)) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
     return vec3_axpy(across, -vec3_dot(p->normal, across), p->normal);
 }
 

@@ -81,7 +81,7 @@ double pair_load(const struct contact_pair *p);
 /* The part of c perpendicular to a cylinder's axis. */
 struct vec3 pair_across(const struct contact_pair *p, struct vec3 c);
 
-/* The tangential part of such a vector: without its component along n. */
+/* The tangential part of such a vector, which turns n: without its component along n; none of a plane. */
 struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
 
 /* Rounding error of g' computed from the velocities after the change [m/s]; 0 where the error of the force

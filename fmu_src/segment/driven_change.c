@@ -38,7 +38,7 @@ static struct driven_instant driven_at(const struct relative_path *path, const s
     double slope;
     relative_path_gap(path, s, &gap, &slope);
     const double speed_unit = path->scale / path->horizon;
-    const double distance = path->side * gap + path->reach;
+    const double distance = relative_path_divisor(path, gap);
     const double along = polynomial_at(&path->half_rate, s);
     struct driven_instant at = {.gap = path->scale * gap, .beyond = -1.0};
     at.gap_noise = fmax(rounding->gap, ROUNDINGS * path->scale * (size_of_path(path, s) + path->reach));

@@ -1,14 +1,32 @@
 #include "segment/flight_candidates.h"
 
-/* chi g' = 1, where Hunt and Crossley's damping would begin to pull: g' = side (c.w)/d, squared. */
+/* chi g' = 1, where Hunt and Crossley's damping would begin to pull: g' = side (c.w)/d, of a plane n.w, squared. */
 static struct polynomial hertz_condition(const struct relative_path *path, const struct contact_law *law)
 {
     const double unit = contact_factors_of(law).c * path->scale / path->horizon;
-    const struct polynomial distance2 = relative_path_distance_squared(path);
+    const struct polynomial one = {{1.0}, 0};
+    const struct polynomial distance2 =
+        SCENE_ANY_PLANE && path->flat ? one : relative_path_distance_squared(path);
     const struct polynomial squared_rate = polynomial_multiply(&path->half_rate, &path->half_rate);
     struct polynomial sum = {{0.0}, 0};
     sum = polynomial_add(&sum, fmin(unit * unit, 1.0), &squared_rate);
     return polynomial_add(&sum, -fmin(1.0 / (unit * unit), 1.0), &distance2);
+}
+
+/* k g + c g' of a plane: a polynomial as it stands. */
+static struct polynomial law_condition_of_plane(const struct relative_path *path,
+                                                const struct contact_law *law)
+{
+    const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
+    const double scaled_damping = full.c / path->horizon;
+    const double unit = fmax(full.k, scaled_damping);
+    struct polynomial gap = {{path->gap}, path->degree};
+    for (int i = 1; i <= path->degree; ++i) {
+        gap.a[i] = path->c[i].x;
+    }
+    struct polynomial sum = {{0.0}, 0};
+    sum = polynomial_add(&sum, full.k / unit, &gap);
+    return polynomial_add(&sum, scaled_damping / unit, &path->half_rate);
 }
 
 /* k (d - reach) + c d' = 0, times d, with the root squared: (k d^2 + c d d')^2 = k^2 reach^2 d^2. */
@@ -126,6 +144,10 @@ int candidates_of_all(const struct relative_path *path, const struct extremes *e
             count = add_candidates(&condition, candidates, count);
         } else if (contact_regime_after(law, REGIME_COMPRESSION) == REGIME_SEPARATING &&
                    contact_coefficients_of(law, REGIME_COMPRESSION).k > 0.0) {
+            if (SCENE_ANY_PLANE && path->flat) {
+                const struct polynomial of_plane = law_condition_of_plane(path, law);
+                return add_candidates(&of_plane, candidates, count);
+            }
             const struct polynomial condition = law_condition(path, law);
             const struct polynomial nearby = law_condition_nearby(path, law);
             count = add_candidates(&condition, candidates, count);

@@ -32,9 +32,28 @@ static bool rates_agree(const struct contact_shape *shape, const struct separati
            vec3_is_zero(vec3_axpy(contact_across(shape, w[1]), -2.0, bend));
 }
 
+/* With a plane the motion in it plays no part: that along n must have the terms of a parabola alone. */
+static bool is_parabola_over_plane(const struct separation_path *separation, struct vec3 normal)
+{
+    const struct vec3 *c = separation->c;
+    const struct vec3 *w = separation->w;
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        const bool highest = i > 2 && (contact_along_plane(normal, c[i]) != 0.0 ||
+                                       contact_along_plane(normal, w[i - 1]) != 0.0);
+        const struct vec3 differs = vec3_axpy(w[i - 1], -i, c[i]);
+        if (highest || (i <= 2 && vec3_dot(normal, differs) != 0.0)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool flight_is_head_on(const struct contact_shape *shape, const struct separation_path *separation,
                        struct vec3 normal)
 {
+    if (contact_is_plane(shape)) {
+        return is_parabola_over_plane(separation, normal);
+    }
     const struct vec3 speed = contact_across(shape, separation->c[1]);
     const struct vec3 bend = contact_across(shape, separation->c[2]);
     if (!is_along(normal, speed) || !is_along(normal, bend) || !rates_agree(shape, separation, speed, bend)) {

@@ -18,14 +18,19 @@ static const double LONGEST_FLIGHT = 1e3;
 static const double DRIFT_STARTS = 0.5;
 static const double DRIFT_ENDS = 0.75;
 
-static bool is_constant(const struct pair_work *work)
+/* Across a plane's normal no work is done, whatever the path. */
+static bool is_constant(const struct contact_pair *from, const struct pair_work *work)
 {
+    if (contact_is_plane(&from->shape)) {
+        return work->order == 0 || (contact_along_plane(from->normal, work->path[1]) == 0.0 &&
+                                    contact_along_plane(from->normal, work->path[2]) == 0.0);
+    }
     return work->order == 0 || (vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
 }
 
 bool pair_oscillation_applies(const struct contact_pair *from)
 {
-    return is_constant(&from->work[0]) && is_constant(&from->work[1]) &&
+    return is_constant(from, &from->work[0]) && is_constant(from, &from->work[1]) &&
            flight_is_head_on(&from->shape, &from->flight, from->normal);
 }
 
@@ -37,7 +42,7 @@ static double along_normal(const struct contact_pair *from, int degree)
 /* What |g| must stay below. */
 static double largest_gap(const struct contact_pair *from)
 {
-    return from->shape.side < 0 ? DBL_MAX : contact_reach(&from->shape);
+    return contact_may_reach_centre(&from->shape) ? contact_reach(&from->shape) : DBL_MAX;
 }
 
 static bool make_of_spring(struct pair_oscillation *p)
@@ -90,7 +95,7 @@ double pair_oscillation_longest(const struct pair_oscillation *p, double gap_rou
     const double by_rate = flight / fabs(p->y_rate);
     const double by_fall = sqrt(2.0 * flight / fabs(p->load));
     const double by_time = fmin(p->overdamped.half_period, fmin(by_rate, by_fall));
-    if (p->from->coefficients.k > 0.0 || p->from->shape.side < 0) {
+    if (p->from->coefficients.k > 0.0 || !contact_may_reach_centre(&p->from->shape)) {
         return by_time;
     }
     const double free = DRIFT_ENDS * contact_reach(&p->from->shape) - p->amplitude;

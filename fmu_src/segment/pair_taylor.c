@@ -17,6 +17,9 @@ struct recurrence {
 /* Exactly so, not nearly: head-on, whatever the forces do with time. */
 static bool stays_on_normal(const struct contact_pair *from)
 {
+    if (contact_is_plane(&from->shape)) {
+        return true;
+    }
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
         const struct vec3 c = vec3_cross(from->normal, pair_across(from, from->flight.c[i]));
         const struct vec3 w = vec3_cross(from->normal, pair_across(from, from->flight.w[i - 1]));

@@ -43,7 +43,9 @@ static struct start start_of(const struct segment *p)
     start.size = fmax(fmax(start.load, spring), fmax(start.by_rate, c * rate));
     start.error = p->gap_is_known ? 0.0 : k * p->gap_rounding / BOUND_ROUNDINGS;
     if (!pair->rate_is_known) {
-        const double turned = p->gap_rounding / pair->distance * vec3_norm(pair->flight.w[0]);
+        const double turned = contact_is_plane(&pair->shape)
+                                  ? 0.0
+                                  : p->gap_rounding / pair->distance * vec3_norm(pair->flight.w[0]);
         const double rounding = (RATE_ROUNDINGS * pair->rate_rounding + turned) / BOUND_ROUNDINGS;
         const double by_error = per_rate * rounding;
         const double dashpot = c * (rate + rounding);

@@ -17,7 +17,7 @@ static enum contact_regime regime_at(const struct relative_path *path, const str
     double gap;
     double slope;
     relative_path_gap(path, s, &gap, &slope);
-    const double distance = path->side * gap + path->reach;
+    const double distance = relative_path_divisor(path, gap);
     const double rate = distance > 0.0 ? path->side * polynomial_at(&path->half_rate, s) / distance : 0.0;
     return contact_regime_of(law, path->scale * gap, rate * path->scale / path->horizon,
                              relative_path_within(path, s));
@@ -63,7 +63,7 @@ static bool is_at_centre(const struct relative_path *path, double s)
  * on the axis say, passes nothing: it keeps the direction it has. */
 static bool passes_centre(const struct relative_path *path, const struct extremes *extremes, double until)
 {
-    if (path->degree == 0) {
+    if (path->degree == 0 || (SCENE_ANY_PLANE && path->flat)) {
         return false;
     }
     bool passes = is_at_centre(path, 0.0) || is_at_centre(path, fmin(until, 1.0));
@@ -76,7 +76,7 @@ static bool passes_centre(const struct relative_path *path, const struct extreme
 /* Whether the length of the path alone tells that the bodies neither touch nor meet their centres. */
 static bool keeps_away(const struct relative_path *path)
 {
-    const double start = vec3_norm(path->c[0]);
+    const double start = SCENE_ANY_PLANE && path->flat ? path->c[0].x : vec3_norm(path->c[0]);
     double length = 0.0;
     for (int i = 1; i <= path->degree; ++i) {
         length += vec3_norm(path->c[i]);
@@ -135,7 +135,7 @@ static bool head_on_change(const struct contact_shape *shape, const struct conta
         return true;
     }
     struct flight_regime_end end;
-    const double noise = settling_margin_rounding(law, now, gap_rounding, by_positions, separation);
+    const double noise = settling_margin_rounding(shape, law, now, gap_rounding, by_positions, separation);
     if (!flight_head_on_regime_end(shape, law, separation, now, gap_rounding, noise, &end)) {
         return false;
     }

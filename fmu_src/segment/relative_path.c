@@ -97,6 +97,7 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
 {
     struct relative_path path = {
         .horizon = horizon, .axial = {.degree = SEPARATION_DEGREE}, .side = shape->side};
+    path.flat = SCENE_ANY_PLANE && shape->destination == SHAPE_PLANE;
     struct vec3 slope[SEPARATION_DEGREE];
     struct vec3 w[SEPARATION_DEGREE];
     path.scale = coefficient_scale(separation->c, horizon, contact_reach(shape));
@@ -110,9 +111,15 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
                 path.c[0] = vec3_scale(factor, separation->offset);
             }
         }
+        if (path.flat) {
+            path.c[i] = vec3_make(-vec3_dot(path.c[i], shape->axis), 0.0, 0.0);
+        }
         factor *= horizon;
         if (i < SEPARATION_DEGREE) {
             w[i] = vec3_scale(factor, separation->w[i]);
+            if (path.flat) {
+                w[i] = vec3_make(-vec3_dot(w[i], shape->axis), 0.0, 0.0);
+            }
         }
         if (i > 0) {
             slope[i - 1] = vec3_scale(i, path.c[i]);
@@ -126,8 +133,11 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
     path.degree = degree_of(path.c, SEPARATION_DEGREE);
     path.start = vec3_norm(path.c[0]);
     path.gap = gap / path.scale;
-    path.closing = dot_product(path.c, path.degree, slope, path.degree > 0 ? path.degree - 1 : 0);
-    path.half_rate = dot_product(path.c, path.degree, w, degree_of(w, SEPARATION_DEGREE - 1));
+    const struct vec3 unit = {1.0, 0.0, 0.0};
+    const struct vec3 *by = path.flat ? &unit : path.c;
+    const int by_degree = path.flat ? 0 : path.degree;
+    path.closing = dot_product(by, by_degree, slope, path.degree > 0 ? path.degree - 1 : 0);
+    path.half_rate = dot_product(by, by_degree, w, degree_of(w, SEPARATION_DEGREE - 1));
     return path;
 }
 
@@ -144,11 +154,21 @@ struct polynomial relative_path_squared_deviation(const struct relative_path *pa
     return squared_deviation;
 }
 
+double relative_path_divisor(const struct relative_path *path, double gap)
+{
+    return SCENE_ANY_PLANE && path->flat ? 1.0 : path->side * gap + path->reach;
+}
+
 void relative_path_gap(const void *data, double s, double *gap, double *slope)
 {
     const struct relative_path *path = data;
     const struct vec3 moved =
         path->degree > 0 ? vec3_scale(s, path_at(path->c + 1, path->degree, s)) : vec3_make(0.0, 0.0, 0.0);
+    if (SCENE_ANY_PLANE && path->flat) {
+        *gap = path->gap + moved.x;
+        *slope = polynomial_at(&path->closing, s);
+        return;
+    }
     const double distance = vec3_norm(vec3_add(path->c[0], moved));
     const double both = path->start + distance;
     /* |a + b| - |a| = (2 a.b + b.b) / (|a + b| + |a|) */

@@ -30,6 +30,8 @@ struct relative_path {
     struct polynomial closing; /* c.c': its roots are the extremes of the distance */
     /* c.w, what the law sees; equal to `closing` for consistent motion */
     struct polynomial half_rate;
+    /* whether the destination is a plane: c is then (d, 0, 0), and `closing`, `half_rate` are d' and n.w */
+    bool flat;
     struct polynomial axial; /* c.e_d of a cylinder */
     double scale, horizon;   /* [m], [s] */
     double reach;            /* [scale] */
@@ -49,6 +51,9 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
 /* |c|^2 and |c|^2 - reach^2, the latter as fine as the gap [scale^2] */
 struct polynomial relative_path_distance_squared(const struct relative_path *path);
 struct polynomial relative_path_squared_deviation(const struct relative_path *path);
+
+/* By what half_rate is to be divided for the rate n.w, where the gap is `gap` [scale]: d, 1 for a plane. */
+double relative_path_divisor(const struct relative_path *path, double gap);
 
 /* Whether the destination has ends to pass: false at compile time in scenes of spheres. */
 bool relative_path_has_ends(const struct contact_shape *shape);

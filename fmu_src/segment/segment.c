@@ -57,7 +57,8 @@ static bool make_kind(struct segment *p, enum segment_kind kind)
 {
     p->kind = kind;
     p->event_free = false;
-    p->clear_of_centre = p->pair.shape.side < 0; /* in a hollow body contact ends before */
+    /* in a hollow body contact ends before */
+    p->clear_of_centre = !contact_may_reach_centre(&p->pair.shape);
     p->largest_gap = p->largest_rate = 0.0;
     p->terminal.s = (double)NAN;
     p->output.sampler = kinds[kind].sample;

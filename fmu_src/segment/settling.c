@@ -20,7 +20,7 @@ static double margin_slope(const struct contact_shape *shape, const struct conta
 {
     const struct vec3 across = contact_tangential(shape, now->normal, separation->w[0]);
     const struct vec3 moving = contact_tangential(shape, now->normal, separation->c[1]);
-    const double turning = now->degenerate ? 0.0 : vec3_dot(across, moving) / now->distance;
+    const double turning = contact_turns(shape, now) ? vec3_dot(across, moving) / now->distance : 0.0;
     const double bend = shape->side * (vec3_dot(now->normal, separation->w[1]) + turning);
     const double opening = shape->side * vec3_dot(now->normal, separation->c[1]);
     const struct contact_slopes slopes =
@@ -28,11 +28,11 @@ static double margin_slope(const struct contact_shape *shape, const struct conta
     return slopes.by_gap * opening + slopes.by_rate * bend;
 }
 
-double settling_margin_rounding(const struct contact_law *law, const struct contact_geometry *now,
-                                double gap_rounding, double by_positions,
+double settling_margin_rounding(const struct contact_shape *shape, const struct contact_law *law,
+                                const struct contact_geometry *now, double gap_rounding, double by_positions,
                                 const struct separation_path *separation)
 {
-    const double turn = 8.0 * DBL_EPSILON + (now->degenerate ? 0.0 : by_positions / now->distance);
+    const double turn = 8.0 * DBL_EPSILON + (contact_turns(shape, now) ? by_positions / now->distance : 0.0);
     const struct contact_slopes slopes =
         contact_event_slopes(law, REGIME_SEPARATING, now->gap, now->gap_rate);
     return slopes.by_gap * gap_rounding + fmin(turn, 1.0) * slopes.by_rate * vec3_norm(separation->w[0]);
@@ -53,7 +53,7 @@ double settling_time(const struct relative_path *path, const struct contact_shap
     if (present == REGIME_SEPARATING) {
         const double margin = contact_event(law, present, now->gap, now->gap_rate);
         const double slope = margin_slope(shape, law, now, separation);
-        double noise = settling_margin_rounding(law, now, gap_rounding, by_positions, separation);
+        double noise = settling_margin_rounding(shape, law, now, gap_rounding, by_positions, separation);
         if (just_begun && margin < 0.0 && slope > 0.0) {
             /* what the integrator left of the force that is now zero */
             noise = fmax(noise, -2.0 * margin);

@@ -6,8 +6,8 @@
 
 /* Rounding of the event function while separating. Of the rate: what it makes of n, from positions, and of
  * n.w. */
-double settling_margin_rounding(const struct contact_law *law, const struct contact_geometry *now,
-                                double gap_rounding, double by_positions,
+double settling_margin_rounding(const struct contact_shape *shape, const struct contact_law *law,
+                                const struct contact_geometry *now, double gap_rounding, double by_positions,
                                 const struct separation_path *separation);
 
 /* Until then, in s of the path, the present regime, whose boundary has just been crossed, is taken to last.

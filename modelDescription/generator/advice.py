@@ -76,3 +76,16 @@ def number_in(row: Row) -> str:
         return "an integer"
     unit = f" in {row.type.unit}" if row.type.unit not in (None, "1") else ""
     return f"a number{unit}"
+
+
+def other_shape(scene, catalogue: Catalogue, name: str) -> str:
+    """'a plane has no radius', '' where the shape is not what is wrong."""
+    owner, _, name = name.partition(".")
+    shapes = {body.name: body.shape for body in scene.bodies}
+    kinds = dict.fromkeys(shapes, "body")
+    for contact in scene.contacts:
+        kinds[contact.name], shapes[contact.name] = "contact", scene.bodies[contact.destination].shape
+    row = catalogue.rows.get(f"{kinds.get(owner)}.{name.partition('[')[0]}")
+    if row is None or not row.shape or shapes[owner] in row.shape:
+        return ""
+    return f"a {shapes[owner]} has no {row.field}"

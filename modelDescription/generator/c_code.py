@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass
 
 from .catalogue import Row
+from .conditions import number_of
 from .resolve import Cell, Resolved
 
 C_BASE = {"Real": "REAL", "Integer": "INTEGER", "Boolean": "BOOLEAN", "Enumeration": "ENUMERATION"}
@@ -133,6 +134,8 @@ def readers(resolved: Resolved) -> list[Accessor]:
 
 
 def _default(row: Row):
+    if row.absent is not None:
+        return number_of(row, row.absent)
     if isinstance(row.start, list):
         return tuple(map(float, row.start))
     return int(row.start) if row.type.base == "Boolean" else row.start

@@ -11,7 +11,8 @@ from .errors import InputError, allowed
 
 ROW_KEYS = {
     "vr", "type", "causality", "start", "start_destination", "min", "max", "dim", "symbol", "description",
-    "shape", "when", "tolerance", "depends", "discrete", "role", "rate_of", "reinit", "tunable",
+    "shape", "absent", "of_plane", "when", "tolerance", "depends", "discrete", "role", "rate_of", "reinit",
+    "tunable",
 }  # fmt: skip
 TYPE_KEYS = {"base", "quantity", "unit", "display", "min", "max", "nominal", "description", "items"}
 CAUSALITIES = ("parameter", "calculatedParameter", "input", "output", "local")
@@ -61,7 +62,9 @@ class Row:
     max: float | int | None = None
     dim: int = 1
     symbol: str | None = None
-    shape: str | None = None
+    shape: tuple[str, ...] = ()  # of the body or of the contact's destination; of all where empty
+    absent: object = None  # what the code takes where a body of another shape has no such row
+    of_plane: dict = field(default_factory=dict)  # what differs where body or destination is a plane
     when: tuple[dict, ...] = ()
     tolerance: bool = False
     tunable: bool = False  # a parameter that may be set between steps, or what follows from such
@@ -89,6 +92,10 @@ class Row:
     @property
     def has_start(self) -> bool:
         return self.causality in ("parameter", "input")
+
+    def of_shape(self, shape: str) -> Row:
+        """The row as it is where the body or the contact's destination has this shape."""
+        return replace(self, **self.of_plane) if shape == "plane" and self.of_plane else self
 
     @property
     def variability(self) -> str:
@@ -212,8 +219,19 @@ def _row(key: str, entry: dict, types: dict[str, Type], shown: str) -> Row:
         )
     if entry.get("tunable") and entry["causality"] not in ("parameter", "calculatedParameter"):
         raise InputError(shown, f"{where}: 'tunable' belongs to parameters and only to them")
-    fields = {**entry, "type": types[entry["type"]], "when": tuple(entry.get("when", ()))}
+    fields = {**entry, "type": types[entry["type"]]}
+    for several in ("when", "shape"):
+        fields[several] = tuple(entry.get(several, ()))
+    if "of_plane" in entry:
+        fields["of_plane"] = _of_plane(entry["of_plane"], types, where, shown)
     return Row(key, **fields)
+
+
+def _of_plane(entry: dict, types: dict[str, Type], where: str, shown: str) -> dict:
+    known = ("type", "description")
+    for unknown in entry.keys() - set(known):
+        raise InputError(shown, f"{where}: unknown key 'of_plane.{unknown}' {allowed(known)}")
+    return {**entry, "type": types[entry["type"]]} if "type" in entry else dict(entry)
 
 
 def _check_units(catalogue: Catalogue, shown: str) -> None:

@@ -168,6 +168,7 @@ def _context(resolved: Resolved) -> dict:
         "any_linear": resolved.may("contact.law", "linear"),
         "any_hertz": resolved.may("contact.law", "hertz"),
         "any_restitution": resolved.may("contact.viscous_control", "restitution"),
+        "any_plane": any(body.shape == "plane" for body in resolved.scene.bodies),
         "has_cvode": resolved.may_need_cvode,
         "rows": list(rows),
         "present": c_code.rows_present(resolved),

@@ -36,13 +36,17 @@ def _setting(row: Row) -> dict[str, str]:
     start = _toml(row, row.start)
     if row.start_destination is not None:
         start += f"; {_toml(row, row.start_destination)} where it is only hit"
-    own = row.owner == "body" and row.shape
-    text = row.description.format(body="the body", source="the source", destination="the destination")
+    own = bool(row.shape)
+    names = {"body": "the body", "source": "the source", "destination": "the destination"}
+    text = row.description.format(**names)
+    if "description" in row.of_plane:
+        text += f". Of a plane: {row.of_plane['description'].format(**names)}"
     return {
         "name": _name(row),
         "start": start,
         "allowed": _allowed(row),
-        "text": text + (f" (a {row.shape} only)" if own else ""),
+        "text": text
+        + (f" ({'a' if row.owner == 'body' else 'with a'} {' or '.join(row.shape)} only)" if own else ""),
         "input": "input" if row.causality == "input" else "parameter",
     }
 
@@ -74,7 +78,7 @@ def _choice(catalogue: Catalogue, row: Row) -> dict:
         ("false", False, "not so"),
     ]
     owners = {"body": ["source", "destination"], "contact": ["contact"], "world": [""]}[row.owner]
-    if row.shape:  # only the destination may be a cylinder
+    if row.owner == "body" and row.shape:  # only the destination may be a cylinder
         owners = ["destination"]
     names = [f"{owner}.{row.field}" if owner else row.key for owner in owners]
     lines = []

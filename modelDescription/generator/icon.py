@@ -64,9 +64,9 @@ class View:
         up = (0.0, 0.0, 1.0) if abs(sight[2]) < 0.9 else (0.0, 1.0, 0.0)
         self.right = _unit(_cross(sight, up))
         self.up = _cross(self.right, sight)
-        places = [start.centre(body) for body in range(len(self.scene.bodies))]
+        places = [self._place(body) for body in range(len(self.scene.bodies))]
         self.flat = [(_dot(place, self.right), -_dot(place, self.up)) for place in places]
-        self.sizes = [start.value("body.radius", body) for body in range(len(places))]
+        self.sizes = [self._size(body) for body in range(len(places))]
         self._fit(())
         for _ in range(3):  # the arrow has its length in pixels, so that the scale moves its tip
             self._fit((self.arrow()[1],))
@@ -82,6 +82,27 @@ class View:
         self.at = [tuple(SIZE / 2 + self.scale * (p[k] - self.middle[k]) for k in (0, 1)) for p in self.flat]
         self.radius = [max(self.scale * r, LEAST) for r in self.sizes]
 
+    def _source_over(self, plane: int) -> int:
+        return next(contact.source for contact in self.scene.contacts if contact.destination == plane)
+
+    def _place(self, body: int) -> Vector:
+        """Its centre; of a plane the foot of the source that it meets."""
+        place = self.start.centre(body)
+        if not self.start.is_plane(body):
+            return place
+        above, normal = self.start.centre(self._source_over(body)), self._normal(body)
+        height = _dot(tuple(a - p for a, p in zip(above, place, strict=True)), normal)
+        return tuple(a - height * n for a, n in zip(above, normal, strict=True))
+
+    def _size(self, body: int) -> float:
+        """Radius; of a plane how deep a strip of it is to be seen."""
+        if self.start.is_plane(body):
+            return 0.5 * self.start.radius(self._source_over(body))
+        return self.start.radius(body)
+
+    def _normal(self, plane: int) -> Vector:
+        return _unit(self.start.value("body.axis", plane))
+
     def _axis(self, body: int) -> Vector | None:
         if self.scene.bodies[body].shape != "cylinder":
             return None
@@ -93,6 +114,9 @@ class View:
             axis = self._axis(contact.destination)
             if axis and self.start.inside(index):
                 return axis
+            if self.start.is_plane(contact.destination):
+                normal = self._normal(contact.destination)
+                return _unit(_cross(normal, (1.0, 0.0, 0.0) if abs(normal[0]) < 0.9 else (0.0, 0.0, 1.0)))
             places = self.start.centre(contact.destination), self.start.centre(contact.source)
             between = tuple(b - a for a, b in zip(*places, strict=True))
             along = axis or (0.0, 0.0, 1.0)
@@ -140,8 +164,20 @@ class View:
         half = self.scale * seen * self.start.value("body.length", body) / 2 if finite else 2.0 * SIZE
         return (e[0] / seen, e[1] / seen), half
 
+    def half_space(self, body: int) -> tuple[tuple[float, float], tuple[float, float]] | None:
+        """Of a plane, always seen from its side: a point of its surface and its normal, in pixels."""
+        if not self.start.is_plane(body):
+            return None
+        normal = self._normal(body)
+        return self.at[body], (_dot(normal, self.right), -_dot(normal, self.up))
+
     def _shape(self, body: int) -> tuple[Distance, tuple]:
         (x0, y0), radius = self.at[body], self.radius[body]
+        floor = self.half_space(body)
+        if floor:
+            _, (nx, ny) = floor
+            deep = _rectangle(x0 - SIZE * nx, y0 - SIZE * ny, (ny, -nx), 2.0 * SIZE, SIZE)
+            return deep, (0, 0, SIZE, SIZE)
         side = self.side_view(body)
         if side:
             return _rectangle(x0, y0, side[0], side[1], radius), (0, 0, SIZE, SIZE)
@@ -166,6 +202,9 @@ class View:
         yield Layer(FORCE, _head(tip, e), everywhere)
 
     def _away(self, body: int, dx: float, dy: float) -> tuple[float, float]:
+        floor = self.half_space(body)
+        if floor:
+            return floor[1]
         axis = self._axis(body)
         if axis:
             e = (_dot(axis, self.right), -_dot(axis, self.up))

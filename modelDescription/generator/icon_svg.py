@@ -35,6 +35,14 @@ def _body(view: View, body: int, fill: tuple, line: tuple) -> str:
     hollow = view.is_hollow(body)
     width = 2 * LINE if hollow else LINE
     style = f'fill="{"none" if hollow else _color(fill)}" stroke="{_color(line)}" stroke-width="{width:g}"'
+    floor = view.half_space(body)
+    if floor:
+        _, (nx, ny) = floor
+        turn = math.degrees(math.atan2(nx, -ny))  # from upwards
+        return (
+            f'<rect x="{-2 * SIZE}" y="{width / 2:.2f}" width="{4 * SIZE}" height="{2 * SIZE}" '
+            f'transform="translate({x:.2f} {y:.2f}) rotate({turn:.2f})" {style}/>'
+        )
     side = view.side_view(body)
     inner = radius - width / 2  # the outline lies inside the edge
     if side is None:

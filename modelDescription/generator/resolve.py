@@ -123,7 +123,7 @@ def resolve(scene: Scene, catalogue: Catalogue) -> Resolved:
     constants = {name: checked(scene, catalogue, "[pinned]", known[name], v) for name, v in constants.items()}
     cells = [_place(cell, cells, constants, scene) for cell in cells]
     known = {cell.name: cell for cell in cells}
-    _check_use(scene, known, cells, constants)
+    _check_use(scene, catalogue, known, cells, constants)
     left_out = _left_out(scene, known, cells, constants)
     starts = {
         name: checked(scene, catalogue, "[start]", known[name], value) for name, value in scene.start.items()
@@ -137,15 +137,20 @@ def _cells_of(row: Row, scene: Scene):
     """The row's cell for each element that has it; `present` and `pinned` are settled later."""
     if row.owner == "body":
         for i, body in enumerate(scene.bodies):
-            if row.shape in (None, body.shape):
-                yield _cell(row, scene, i, f"{body.name}.{row.field}", 1 + 2 * i, body=body.name)
+            if not row.shape or body.shape in row.shape:
+                yield _cell(
+                    row.of_shape(body.shape), scene, i, f"{body.name}.{row.field}", 1 + 2 * i, body=body.name
+                )
     elif row.owner == "contact":
         for j, contact in enumerate(scene.contacts):
             names = {
                 "source": scene.bodies[contact.source].name,
                 "destination": scene.bodies[contact.destination].name,
             }
-            yield _cell(row, scene, j, f"{contact.name}.{row.field}", 2 + 2 * j, **names)
+            shape = scene.bodies[contact.destination].shape
+            if row.shape and shape not in row.shape:
+                continue
+            yield _cell(row.of_shape(shape), scene, j, f"{contact.name}.{row.field}", 2 + 2 * j, **names)
     else:
         yield _cell(row, scene, 0, row.key, 0)
 
@@ -171,7 +176,8 @@ def _pins(scene: Scene, known: dict[str, Cell]) -> tuple[dict[str, list], dict[s
     parameters = {name: cell for name, cell in known.items() if cell.row.causality == "parameter"}
     for name, value in scene.pinned.items():
         if name not in known:
-            raise scene.error(_unknown("[pinned]", name, parameters))
+            reason = advice.other_shape(scene, catalogue, name)
+            raise scene.error(_unknown("[pinned]", name, parameters, reason))
         if name not in parameters:
             kind = known[name].row.causality
             raise scene.error(f"[pinned]: '{name}' is no parameter but {kind} {_near(name, parameters)}")
@@ -207,7 +213,9 @@ def _narrow(cell: Cell, wanted: list | None, scene: Scene) -> Cell:
     return replace(cell, row=replace(cell.row, type=replace(kind, items=kept)))
 
 
-def _unknown(where: str, name: str, known: dict[str, Cell]) -> str:
+def _unknown(where: str, name: str, known: dict[str, Cell], reason: str = "") -> str:
+    if reason:
+        return f"{where}: unknown variable '{name}': {reason} {_near(name, known)}"
     vector, bracket, _ = name.partition("[")
     if bracket and vector in known and known[vector].row.dim > 1:
         return f"{where}: '{name}' is part of a vector (allowed: all of it, \"{vector}\" = [x, y, z])"
@@ -265,13 +273,15 @@ def _place(cell: Cell, cells: list[Cell], constants: dict, scene: Scene) -> Cell
     return replace(cell, present=needed, pinned=pinned, value=constants.get(cell.name, cell.value))
 
 
-def _check_use(scene: Scene, known: dict[str, Cell], cells: list[Cell], constants: dict) -> None:
+def _check_use(
+    scene: Scene, catalogue: Catalogue, known: dict[str, Cell], cells: list[Cell], constants: dict
+) -> None:
     """What [start] and [pinned] name must exist and be needed by this scene."""
     usable = {name: cell for name, cell in known.items() if cell.present and cell.row.has_start}
     for where, names in (("[pinned]", scene.pinned), ("[start]", scene.start)):
         for name in names:
             if name not in known:
-                raise scene.error(_unknown(where, name, usable))
+                raise scene.error(_unknown(where, name, usable, advice.other_shape(scene, catalogue, name)))
             if name in usable:
                 continue
             if not known[name].row.has_start:

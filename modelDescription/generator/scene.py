@@ -10,7 +10,7 @@ from .catalogue import Catalogue, read_toml
 from .errors import InputError, allowed
 from .names import refused_name
 
-SHAPES = ("sphere", "cylinder")
+SHAPES = ("sphere", "cylinder", "plane")
 # The keys of each table and what they mean: docs/scenes.md shows these words.
 SCENE_KEYS = {
     "name": "of the FMU: letters, digits and `_`, the first a letter; no name of a shipped scene or of a "
@@ -29,7 +29,7 @@ SCENE_KEYS = {
 }
 BODY_KEYS = {
     "name": "small letters, digits and `_`; variables begin with it: `marble.radius`. Required",
-    "shape": "`sphere` or `cylinder`. Required",
+    "shape": "`sphere`, `cylinder` or `plane`. Required",
 }
 CONTACT_KEYS = {
     "name": "as of a body, and not that of a body: `touch.normal_force`. Required",

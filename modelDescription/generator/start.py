@@ -42,6 +42,10 @@ class Start:
 
     def check(self, index: int, contact: Contact) -> None:
         source, destination = contact.source, contact.destination
+        if self.is_plane(destination):
+            self.check_axis(destination)
+            self.check_method(index, contact)
+            return
         small, large = (self.cell("body.radius", body) for body in (source, destination))
         inside = self.is_item("contact.location", index, "inside")
         if inside and small.value >= large.value:
@@ -50,6 +54,14 @@ class Start:
                 f"{large.name} = {shortest(large.value)} m "
                 "(allowed: a source smaller than its hollow destination)"
             )
+        self.check_method(index, contact)
+        if self.scene.bodies[destination].shape == "cylinder":
+            self.check_axis(destination)
+
+    def is_plane(self, body: int) -> bool:
+        return self.scene.bodies[body].shape == "plane"
+
+    def check_method(self, index: int, contact: Contact) -> None:
         viscous_only = self.is_item("contact.penalty_control", index, "viscous_only")
         if viscous_only and self.is_item("contact.method", index, "penalty"):
             raise self.scene.error(
@@ -63,13 +75,14 @@ class Start:
                 "(allowed: automatic, user_defined; viscous_only with law linear)"
             )
         self.check_restitution(index, contact, viscous_only, hertz)
-        if self.scene.bodies[destination].shape == "cylinder":
-            axis = self.cell("body.axis", destination)
-            if not any(axis.value):
-                raise self.scene.error(
-                    f"'{axis.name}' is {list(axis.value)!r}, which has no direction "
-                    "(allowed: at least one component other than zero)"
-                )
+
+    def check_axis(self, body: int) -> None:
+        axis = self.cell("body.axis", body)
+        if not any(axis.value):
+            raise self.scene.error(
+                f"'{axis.name}' is {list(axis.value)!r}, which has no direction "
+                "(allowed: at least one component other than zero)"
+            )
 
     def check_restitution(self, index: int, contact: Contact, viscous_only: bool, hertz: bool) -> None:
         """A coefficient of restitution needs a spring, and a body that can rebound."""
@@ -107,10 +120,14 @@ class Start:
         return list(place)
 
     def automatic(self, index: int) -> bool:
-        return self.is_item("contact.location", index, "automatic")
+        return not self.is_plane(self.scene.contacts[index].destination) and self.is_item(
+            "contact.location", index, "automatic"
+        )
 
     def inside(self, index: int) -> bool:
         """Whether the source is in a hollow destination, by choice or by where it starts."""
+        if self.is_plane(self.scene.contacts[index].destination):
+            return False
         if not self.automatic(index):
             return self.is_item("contact.location", index, "inside")
         contact = self.scene.contacts[index]
@@ -118,15 +135,19 @@ class Start:
         distance = self.distance(contact.source, contact.destination)
         return distance is not None and distance < r_d and r_s < r_d
 
+    def radius(self, body: int) -> float:
+        """0 of a plane"""
+        return 0.0 if self.is_plane(body) else self.value("body.radius", body)
+
     def overlap(self, index: int, contact: Contact) -> str:
         """'' where the bodies are apart or overlap a little."""
         source, destination = contact.source, contact.destination
-        r_s, r_d = self.value("body.radius", source), self.value("body.radius", destination)
+        r_s, r_d = self.radius(source), self.radius(destination)
         distance = self.distance(source, destination)
         if distance is None:
             return ""
         depth = r_s + distance - r_d if self.inside(index) else r_s + r_d - distance
-        if not depth > DEEP * min(r_s, r_d):
+        if not depth > DEEP * (min(r_s, r_d) or r_s):  # a plane has no radius
             return ""
         first, second = (self.scene.bodies[body].name for body in (source, destination))
         return (
@@ -136,15 +157,18 @@ class Start:
         )
 
     def distance(self, source: int, destination: int) -> float | None:
-        """From the source's centre to the destination's centre or axis, None beyond a cylinder's ends."""
+        """From the source's centre to the destination's centre or axis, None beyond a cylinder's ends; the
+        height above a plane, negative below it."""
         places = zip(self.centre(destination), self.centre(source), strict=True)
         between = [there - here for there, here in places]
-        if self.scene.bodies[destination].shape != "cylinder":
+        if self.scene.bodies[destination].shape == "sphere":
             return math.hypot(*between)
         axis = self.value("body.axis", destination)
         length = math.hypot(*axis)
         unit = [component / length for component in axis]
         along = sum(c * e for c, e in zip(between, unit, strict=True))
+        if self.is_plane(destination):
+            return -along
         if self.value("body.finite_length", destination) and abs(along) > 0.5 * self.value(
             "body.length", destination
         ):

@@ -55,6 +55,7 @@
 #define SCENE_ANY_LINEAR {{ any_linear | int }} /* may the law of any contact be linear? */
 #define SCENE_ANY_HERTZ {{ any_hertz | int }}  /* may it be Hertz's? */
 #define SCENE_ANY_RESTITUTION {{ any_restitution | int }} /* may damping be given by a coefficient of restitution? */
+#define SCENE_ANY_PLANE {{ any_plane | int }}
 #define SCENE_HAS_CVODE {{ has_cvode | int }} /* may CVODE be needed? else SUNDIALS is not linked */
 
 /* Every row of variables.toml, whether this scene has it or not. */
@@ -105,17 +106,18 @@ static inline const char *scene_contact_name(int contact)
 
 static inline enum shape body_shape(int body)
 {
-{% set cylinders = [] %}
-{% for b in scene.bodies if b.shape == "cylinder" %}{% set _ = cylinders.append(b) %}{% endfor %}
-{% if cylinders | length in (0, scene.bodies | length) %}
+{% set others = scene.bodies | rejectattr("shape", "equalto", "sphere") | list %}
+{% if not others %}
     (void)body;
-    return {{ "SHAPE_CYLINDER" if cylinders else "SHAPE_SPHERE" }};
+    return SHAPE_SPHERE;
 {% else %}
     switch (body) {
-{% for b in scene.bodies if b.shape == "cylinder" %}
+{% for shape in others | map(attribute="shape") | unique %}
+{% for b in others if b.shape == shape %}
     case {{ scene.bodies.index(b) }}: /* {{ b.name }} */
 {% endfor %}
-        return SHAPE_CYLINDER;
+        return SHAPE_{{ shape | upper }};
+{% endfor %}
     default:
         return SHAPE_SPHERE;
     }

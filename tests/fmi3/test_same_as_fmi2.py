@@ -10,7 +10,7 @@ from support.checks import METHODS, start
 from support.fmi3 import raw
 from support.scenes.random_scenes import KINDS, random_scene
 
-PAIRS = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
+PAIRS = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
 CASES = [(shape, kind) for shape, kinds in KINDS.items() for kind in kinds]
 TOLERANCE = 1e-9
 STEPS = 17

@@ -78,6 +78,8 @@ static void choose_body(fmi2Component c, struct bytes *b, struct plan *plan, int
     if (host_variable(ROW_body_axis, body, 0) != NULL) {
         any_direction(b, vector);
         set_vector(c, ROW_body_axis, body, vector);
+    }
+    if (host_variable(ROW_body_finite_length, body, 0) != NULL) {
         plan->has_ends = bytes_choice(b, 3) == 2;
         (void)host_set_integer(c, ROW_body_finite_length, body, plan->has_ends);
         (void)host_set_real(c, ROW_body_length, body, 0, bytes_power(b, -1.0, 2.0));
@@ -123,6 +125,9 @@ struct plan plan_choose(fmi2Component c, struct bytes *b)
  * roundings and more of it; or bodies in one another's centre. */
 static bool is_balanced(fmi2Component c, const struct plan *plan, int contact)
 {
+    if (body_shape(contact_destination(contact)) == SHAPE_PLANE) { /* whose normal is the same everywhere */
+        return false;
+    }
     const double distance = host_real(c, ROW_contact_distance, contact, 0);
     double pull = host_length(c, ROW_gravity, 0);
     for (int i = 0; i < SCENE_BODIES; ++i) {

@@ -11,7 +11,11 @@ from support.generator.generated import FOLDER
 # What stands in variables.toml (its first occurrence), what it becomes, words of the message in their order.
 BAD = [
     ("vr = 2\n", "vr = 1\n", ['variable."body.mass"', "value reference 1", "that of body.radius"]),
-    ("vr = 11\n", "vr = 12\nvr_base = 0\n", ['variable."body.center"', "'vr_base'", "allowed: causality"]),
+    (
+        "vr = 11\n",
+        "vr = 12\nvr_base = 0\n",
+        ['variable."body.center"', "'vr_base'", "allowed: absent, causality"],
+    ),
     ("vr = 45\n", "vr = 100\n", ['variable."body.length"', "value reference 100 is out of 1..99"]),
     ('type = "Length"', 'type = "Lenght"', ['variable."body.radius"', "'Lenght'", "allowed: Acceleration"]),
     (

@@ -22,7 +22,7 @@ from support.generator.generated import (
 
 PINNED = [scene for scene in SCENES if scene_file(scene).get("pinned")]
 SUMS_UP = {"mean_force", "peak_force", "peak_penetration", "last_onset_time", "last_duration"}
-UNIVERSAL = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
+UNIVERSAL = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
 
 
 @pytest.fixture(scope="module")

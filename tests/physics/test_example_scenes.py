@@ -43,15 +43,24 @@ EXAMPLES = {  # shape, everything pinned and everything set, end
         1.0,
     ),
 }
+EXAMPLES["BouncingBall"] = (
+    "plane",
+    {
+        **FREE_ON_FIXED,
+        "source.initial_velocity": [0.1, 0.0, 0.0],
+        "contact.viscous_penalty_factor": 148.71019419528124,
+    },
+    1.5,
+)
 EXAMPLES["PinnedEvent"] = EXAMPLES["BallOffRoller"]
 # The methods that an example offers.
 OFFERED = [
     (name, method)
     for name in EXAMPLES
     for method in METHODS
-    if name != "PinnedEvent" or method == "event_driven"
+    if name not in ("PinnedEvent", "BouncingBall") or method == "event_driven"
 ]
-UNIVERSAL = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
+UNIVERSAL = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
 
 
 def offered(fmu, method):

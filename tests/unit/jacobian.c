@@ -73,11 +73,9 @@ static struct setting random_setting(struct random *r)
     struct setting at = {.shape = {.source_radius = random_between(r, 0.1, 1.0),
                                    .half_length = (double)INFINITY,
                                    .side = random_index(r, 2) == 0 ? 1 : -1,
-                                   .destination = random_index(r, 2) == 0 ? SHAPE_SPHERE : SHAPE_CYLINDER}};
+                                   .destination = (enum shape)random_index(r, 3)}};
     at.shape.other_radius = at.shape.source_radius + random_between(r, 0.1, 1.0);
-    if (at.shape.destination == SHAPE_CYLINDER) {
-        at.shape.axis = random_direction(r);
-    }
+    long_complete_shape(&at.shape, random_direction(r));
     /* With and without spring and dashpot, in every regime of contact. */
     at.law.stiffness = random_index(r, 4) == 0 ? 0.0 : random_between(r, 0.0, 2.0);
     at.law.damping = random_index(r, 3) == 0 ? 0.0 : random_between(r, 0.0, 2.0);

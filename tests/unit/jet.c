@@ -63,11 +63,9 @@ static struct path random_path(struct random *r)
     struct path p = {.shape = {.source_radius = random_between(r, 0.1, 1.0),
                                .half_length = (double)INFINITY,
                                .side = random_index(r, 2) == 0 ? 1 : -1,
-                               .destination = random_index(r, 2) == 0 ? SHAPE_SPHERE : SHAPE_CYLINDER}};
+                               .destination = (enum shape)random_index(r, 3)}};
     p.shape.other_radius = p.shape.source_radius + random_between(r, 0.1, 1.0);
-    if (p.shape.destination == SHAPE_CYLINDER) {
-        p.shape.axis = random_direction(r);
-    }
+    long_complete_shape(&p.shape, random_direction(r));
     p.law = (struct contact_law){random_between(r, 0.0, 2.0), random_between(r, 0.0, 2.0), DASHPOT_UNCLAMPED,
                                  LAW_LINEAR};
     p.change = (struct contact_law){random_between(r, -1.0, 1.0), random_between(r, -1.0, 1.0),

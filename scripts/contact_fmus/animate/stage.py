@@ -54,7 +54,7 @@ def _optional(array: np.ndarray | None) -> str | None:
 
 def _body(motion: Motion, name: str, shape: str) -> dict[str, Any]:
     moves = motion.moves(name)
-    position = motion.position(name)
+    position = _plane_place(motion, name) if motion.is_plane(name) else motion.position(name)
     axis, velocity = motion.axis(name), motion.series(f"{name}.velocity")
     return {
         "name": name,
@@ -93,14 +93,27 @@ def view(motion: Motion) -> tuple[np.ndarray, float]:
     return center, max(min(reach, float(np.linalg.norm(half))), LEAST)
 
 
+def _plane_place(motion: Motion, body: str) -> np.ndarray:
+    """Where a plane is drawn: its point moved to below the middle of the way of what meets it"""
+    point, normal = motion.position(body), motion.axis(body)
+    source = motion.position(next(one.source for one in motion.contacts_of(body)))
+    middle = 0.5 * np.min(source, axis=0) + 0.5 * np.max(source, axis=0)
+    away = middle - point[0]
+    return point + (away - (away @ normal) * normal)
+
+
 def _reach(motion: Motion, body: str, center: np.ndarray) -> float:
     """How far from the centre any point of the body gets, at most"""
-    away = np.max(np.linalg.norm(motion.position(body) - center, axis=1))
+    place = _plane_place(motion, body) if motion.is_plane(body) else motion.position(body)
+    away = np.max(np.linalg.norm(place - center, axis=1))
     return float(away + np.hypot(motion.radius(body) or 0.0, 0.5 * (motion.length(body) or 0.0)))
 
 
 def _box(motion: Motion, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """Of all its way; an infinite cylinder counts with its cross-section"""
+    """Of all its way; an infinite cylinder counts with its cross-section, a plane as its point"""
+    if motion.is_plane(body):
+        places = _plane_place(motion, body)
+        return np.min(places, axis=0), np.max(places, axis=0)
     centers, radius, axis = motion.position(body), motion.radius(body) or 0.0, motion.axis(body)
     extent = np.full(3, radius)
     if axis is not None:
@@ -115,6 +128,6 @@ def _looked_along(motion: Motion) -> list[float]:
     for body in motion.scene.bodies:
         spread += np.ptp(motion.position(body.name)[:, :2], axis=0) / motion.size()
         axis = motion.axis(body.name)
-        if axis is not None:
+        if axis is not None and not motion.is_plane(body.name):
             spread += np.abs(axis[:2])
     return [0.0, 1.0] if spread[0] >= spread[1] else [-1.0, 0.0]

@@ -7,7 +7,7 @@ import re
 
 from contact_fmus.errors import UserError
 
-SHAPES = ("sphere", "cylinder")
+SHAPES = ("sphere", "cylinder", "plane")
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 # The ball falls onto the body's top, or inside it onto its bottom. All bounce in the first second.
@@ -16,7 +16,9 @@ START = {
     ("sphere", True): {"source.center": [0.1, 0.0, 0.0]},
     ("cylinder", False): {"source.center": [0.0, 0.0, 1.0], "destination.axis": [0.0, 1.0, 0.0]},
     ("cylinder", True): {"source.center": [0.1, 0.0, 0.0], "destination.axis": [0.0, 1.0, 0.0]},
+    ("plane", False): {"source.center": [0.0, 0.0, 0.5], "destination.axis": [0.0, 0.0, 1.0]},
 }
+RADIUS = '"destination.radius" = 0.5 # m'
 TEMPLATE = """\
 # A scene: its bodies, its contacts, and which choices are pinned.
 #   contact-fmus build {name}.toml          makes {name}.fmu
@@ -44,7 +46,6 @@ destination = "destination"
 [start]
 "source.radius" = 0.1 # m
 "source.mass" = 1.0 # kg
-"destination.radius" = 0.5 # m
 {start}
 "contact.penalty_factor" = 1e6 # stiffness of the contact, N/m
 "contact.viscous_penalty_factor" = 100.0 # its damping, N s/m
@@ -73,6 +74,10 @@ def scene_text(name: str, shape: str, inside: bool, pinned: list[str]) -> str:
         "contact.penalty_control": "user_defined",
         "contact.viscous_control": "user_defined",
     }
+    if shape == "plane":  # which has no inside
+        if inside:
+            raise UserError("--inside goes with a sphere or a cylinder: a plane has no inside")
+        del chosen["contact.location"]
     chosen |= dict(_choice(text) for text in pinned)
     start = {key: value for key, value in START[shape, inside].items() if key not in chosen}
     hollow = "hollow " if inside else ""
@@ -81,7 +86,7 @@ def scene_text(name: str, shape: str, inside: bool, pinned: list[str]) -> str:
         title=f"A ball bouncing {'in' if inside else 'on'} a {hollow}{shape}",
         place="in" if inside else "on",
         shape=f"{shape}",
-        start=_lines(start),
+        start="\n".join(filter(None, (RADIUS if shape != "plane" else "", _lines(start)))),
         pinned=_lines(chosen),
     )
 

@@ -28,7 +28,7 @@ FORMAT = 1
 @dataclass(frozen=True)
 class Body:
     name: str
-    shape: str  # sphere, cylinder; others later
+    shape: str  # sphere, cylinder, plane; others later
 
 
 @dataclass(frozen=True)

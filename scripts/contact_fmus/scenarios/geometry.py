@@ -21,16 +21,16 @@ def recompute_force(run: Recording) -> tuple[np.ndarray, float]:
     """Force on a source outside the destination, both prescribed; and the size of the largest term in it"""
     contact, source, destination = _pair(run)
     apart, closing = (_relative(run, kind) for kind in ("displacement", "velocity"))
-    axis = run.motion.axis(destination)
-    if axis is not None:
+    axis, is_plane = run.motion.axis(destination), run.motion.is_plane(destination)
+    if axis is not None and not is_plane:
         along = apart @ axis
         apart = apart - np.outer(along, axis)
-    distance = np.linalg.norm(apart, axis=1)
-    normal = apart / distance[:, None]
-    gap = distance - run.value(f"{source}.radius") - run.value(f"{destination}.radius")
+    distance = apart @ -axis if is_plane else np.linalg.norm(apart, axis=1)
+    normal = np.tile(-axis, (len(apart), 1)) if is_plane else apart / distance[:, None]
+    gap = distance - run.value(f"{source}.radius") - (run.motion.radius(destination) or 0.0)
     rate = np.sum(closing * normal, axis=1)
     touching = gap < 0.0
-    if axis is not None and run.value(f"{destination}.finite_length"):
+    if not is_plane and axis is not None and run.value(f"{destination}.finite_length"):
         touching &= np.abs(along) <= 0.5 * run.value(f"{destination}.length")
     elastic = -run.value(f"{contact}.penalty_factor") * gap
     viscous = -run.value(f"{contact}.viscous_penalty_factor") * rate
@@ -56,9 +56,12 @@ def _relative(run: Recording, kind: str) -> np.ndarray:
 
 
 def diagonal(run: Recording) -> float:
-    """Diagonal of the bounding box of both bodies at the start; of an infinite cylinder, its cross-section"""
+    """Diagonal of the bounding box of both bodies at the start; of an infinite cylinder, its cross-section,
+    and nothing of a plane"""
     centers, extents = [], []
     for body in _pair(run)[1:]:
+        if run.motion.is_plane(body):
+            continue
         radius, axis = run.value(f"{body}.radius"), run.motion.axis(body)
         centers.append(np.asarray(run.value(f"{body}.position"), dtype=float))
         if axis is None:

@@ -51,8 +51,11 @@ class Motion:
         radius = self.value(f"{body}.radius")
         return None if radius is None else float(radius)
 
+    def is_plane(self, body: str) -> bool:
+        return self.shape(body) == "plane"
+
     def axis(self, body: str) -> np.ndarray | None:
-        """Unit vector; None for a sphere"""
+        """Unit vector: a cylinder's axis, a plane's outward normal; None for a sphere"""
         axis = self.value(f"{body}.axis")
         if axis is None:
             return None
@@ -75,8 +78,10 @@ class Motion:
         return [one for one in self.scene.contacts if body in (one.source, one.destination)]
 
     def size(self) -> float:
-        """The longest side of the box around all centres, or the largest radius where they are one point"""
-        centers = np.concatenate([self.position(body.name) for body in self.scene.bodies])
+        """The longest side of the box around all centres, or the largest radius where they are one point; the
+        point of a plane may be anywhere"""
+        bodies = [body.name for body in self.scene.bodies if not self.is_plane(body.name)]
+        centers = np.concatenate([self.position(body) for body in bodies])
         radii = [self.radius(body.name) or 0.0 for body in self.scene.bodies]
         return float(max(np.max(np.ptp(centers, axis=0)), *radii))
 
@@ -89,6 +94,8 @@ class Motion:
 
     def _inside(self, contact: Contact) -> bool:
         """As the FMU decides: by the parameter, or by the start where it is automatic"""
+        if self.is_plane(contact.destination):
+            return False
         location = self.value(f"{contact.name}.location")
         if location != "automatic":
             return location == "inside"

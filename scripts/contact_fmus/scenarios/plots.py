@@ -81,7 +81,11 @@ def _horizontal(run: Recording) -> np.ndarray:
     others = [body.name for body in motion.scene.bodies if body.name != reference]
     apart = np.concatenate([motion.position(name) - motion.position(reference) for name in others])
     apart[:, 2] = 0.0
-    if any(motion.axis(body.name) is not None for body in motion.scene.bodies):
+    if motion.is_plane(reference):  # so that it is seen from its side
+        normal = np.array([*motion.axis(reference)[:2], 0.0])
+        if np.linalg.norm(normal) > 1e-9:
+            return normal / np.linalg.norm(normal)
+    elif any(motion.axis(body.name) is not None for body in motion.scene.bodies):
         return np.eye(3)[int(np.argmax(np.max(np.abs(apart), axis=0)))]
     farthest = apart[int(np.argmax(np.linalg.norm(apart, axis=1)))]
     length = np.linalg.norm(farthest)
@@ -128,7 +132,9 @@ def _draw_standing(axes: Axes, run: Recording, body: str, plane: np.ndarray) -> 
 
 
 def _outline(run: Recording, body: str, center: np.ndarray, plane: np.ndarray, look: dict) -> Patch:
-    """A circle; a rectangle for a cylinder that is not seen along its axis, near enough"""
+    """A circle; a rectangle for a cylinder that is not seen along its axis, near enough, or for a plane"""
+    if run.motion.is_plane(body):
+        return _strip(run, body, center, plane, look)
     radius, axis = run.motion.radius(body) or 0.0, run.motion.axis(body)
     along = np.zeros(2) if axis is None else plane @ axis
     if np.linalg.norm(along) < 0.5:
@@ -137,6 +143,19 @@ def _outline(run: Recording, body: str, center: np.ndarray, plane: np.ndarray, l
     ends, side = along * (2.0 * radius if length is None else 0.5 * length), np.array([-along[1], along[0]])
     side = side / np.linalg.norm(side) * radius
     corners = [center + a * ends + b * side for a, b in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+    return Polygon(corners, **look)
+
+
+def _strip(run: Recording, body: str, center: np.ndarray, plane: np.ndarray, look: dict) -> Patch:
+    """Of a plane: below all places of its sources, as deep as a ball"""
+    normal = plane @ run.motion.axis(body)
+    normal = normal / np.linalg.norm(normal)
+    level = np.array([-normal[1], normal[0]])
+    sources = [one.source for one in run.motion.contacts_of(body)]
+    along = np.concatenate([(run.motion.position(one) @ plane.T - center) @ level for one in sources])
+    deep = max(run.motion.radius(one) for one in sources)
+    low, high = np.min(along) - 2.0 * deep, np.max(along) + 2.0 * deep
+    corners = [center + a * level - b * normal for a, b in ((low, 0), (high, 0), (high, deep), (low, deep))]
     return Polygon(corners, **look)
 
 

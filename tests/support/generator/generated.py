@@ -164,11 +164,15 @@ def row_of(name: str, scene: dict) -> tuple[str, dict]:
     """Key and row of variables.toml of a scalar variable, from its name and the scene file alone."""
     plain = name.partition("[")[0]
     owner, _, field = plain.partition(".")
-    if any(body["name"] == owner for body in scene["body"]):
+    shapes = {body["name"]: body["shape"] for body in scene["body"]}
+    if owner in shapes:
         plain = f"body.{field}"
-    elif any(contact["name"] == owner for contact in scene["contact"]):
-        plain = f"contact.{field}"
-    return plain, CATALOGUE["variable"][plain]
+    for contact in scene["contact"]:
+        if contact["name"] == owner:
+            plain = f"contact.{field}"
+            shapes[owner] = shapes[contact["destination"]]
+    row = CATALOGUE["variable"][plain]
+    return plain, row | row.get("of_plane", {}) if shapes.get(owner) == "plane" else row
 
 
 def scene_file(scene: str) -> dict:

@@ -47,7 +47,7 @@ class Reference(SpanMaker):
             center = self.vector(f"{body}.center")
             self.position[body] = [c + number(float(u)) for c, u in zip(center, shift, strict=True)]
             self.velocity[body] = [number(float(v)) for v in getattr(motion, f"{body}_velocity")]
-        radii = [number(self.values[f"{body}.radius"]) for body in ("destination", "source")]
+        radii = [number(float(law.destination_radius)), number(self.values["source.radius"])]
         self.inside = law.location == "inside"
         self.surface = radii[0] - radii[1] if self.inside else radii[0] + radii[1]  # d at g = 0
         self.sign = -1 if self.inside else 1  # g = sign * (d - surface)
@@ -70,6 +70,11 @@ class Reference(SpanMaker):
         self.clearest, self.slight = self.zero, set()
         self.law_regime, self.on_root = FULL, None
         self.line = self.line_through_the_centre() if straight else None
+        self.flat = shape == "plane"  # the distance is then that along the normal, which never turns
+        if self.flat:
+            normal = self.vector("destination.axis")
+            length = square_root(sum(a * a for a in normal))
+            self.line = [-a / length for a in normal]
         self.window = self.peak_force = self.peak_penetration = self.zero  # peaks are those from `window` on
         self.within = True
         self.decide_start()

@@ -103,16 +103,18 @@ class ReferenceContact:
         self.values = values = complete(configuration)
         self.shape = shape
         self.source_radius = REAL(values["source.radius"])
-        self.destination_radius = REAL(values["destination.radius"])
+        self.destination_radius = REAL(0 if shape == "plane" else values["destination.radius"])
         self.axis = None
         self.half_length = None
-        if shape == "cylinder":
+        if shape != "sphere":
             axis = vector(values["destination.axis"])
             self.axis = axis / norm(axis)
-            if values["destination.finite_length"]:
-                self.half_length = REAL(values["destination.length"]) / 2
+        if shape == "cylinder" and values["destination.finite_length"]:
+            self.half_length = REAL(values["destination.length"]) / 2
         start = start_motion(values)
         self.location = values["contact.location"]
+        if shape == "plane":
+            self.location = "outside"
         if self.location == "automatic":
             fits = self.source_radius < self.destination_radius
             hollow = fits and self.separation(start)[0] < self.destination_radius
@@ -134,6 +136,9 @@ class ReferenceContact:
         """
         across, size = self.connection(motion)
         along = REAL(0)
+        if self.shape == "plane":  # with its sign
+            distance = -np.dot(across, self.axis)
+            return distance, -distance * self.axis, along, size
         if self.axis is not None:
             along = np.dot(across, self.axis)
             across = across - along * self.axis
@@ -143,6 +148,8 @@ class ReferenceContact:
         """Axis-parallel box around both bodies; an infinite cylinder enters with its cross-section,
         a disc, only.
         """
+        if self.shape == "plane":  # that of the source alone
+            return norm(np.full(3, 2 * self.source_radius, dtype=REAL))
         if self.axis is None:
             reach = np.full(3, self.destination_radius, dtype=REAL)
         else:
@@ -214,7 +221,7 @@ class ReferenceContact:
         inside = self.location == "inside"
         radii = self.source_radius + self.destination_radius
         gap = self.destination_radius - self.source_radius - distance if inside else distance - radii
-        normal = across / distance
+        normal = -self.axis if self.shape == "plane" else across / distance
         velocity = motion.destination_velocity - motion.source_velocity
         distance_rate = np.dot(normal, velocity)
         gap_rate = -distance_rate if inside else distance_rate
@@ -227,7 +234,7 @@ class ReferenceContact:
             away = direction if inside else -direction
 
         # The direction's error is that of `across` over d, and everything projected on it inherits it.
-        sharpness = length / distance
+        sharpness = REAL(1) if self.shape == "plane" else length / distance
         speed = norm(velocity) * sharpness
         force = self.normal_force(gap, gap_rate) if within else REAL(0)
         force_size = self.penalty * (length + radii) + self.viscous * speed

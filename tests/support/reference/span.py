@@ -66,7 +66,7 @@ class SpanMaker:
         if self.line:
             distance = tape.linear(list(zip(self.line, c, strict=True)))
             beyond = tape.linear([(self.sign, distance)], -self.sign * self.surface)
-            if regime != FLIGHT or self.inside:
+            if not self.flat and (regime != FLIGHT or self.inside):
                 conditions.append(("centre", distance, 1))
         else:
             square = tape.dot(c, c)

@@ -1,4 +1,4 @@
-"""Seeded random scenes with motion, for both shapes: the FMU's solvers are compared with
+"""Seeded random scenes with motion, for all shapes: the FMU's solvers are compared with
 reference/integrator.py on them.
 """
 
@@ -15,6 +15,7 @@ KINDS = {
         "finite, entering",
         "viscous only",
     ],
+    "plane": ["outside", "both free", "moving destination", "driven by a force", "viscous only"],
 }
 DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
 SEEDS = [0, 1, 2]
@@ -47,8 +48,12 @@ def random_scene(shape, kind, seed):
     small = radius * random.uniform(0.1, 0.4)
     axis = unit_vector(random) if shape == "cylinder" else None
     outward = perpendicular(axis, random) if shape == "cylinder" else unit_vector(random)
+    if shape == "plane":
+        axis = outward
     gap = random.uniform(0.02, 0.1) * radius
     distance = radius - small - gap if inside else radius + small + gap
+    if shape == "plane":
+        distance = small + gap
     stiffness = 10 ** random.uniform(3.5, 5)
     mass = random.uniform(0.2, 2)
     damping = 2 * np.sqrt(stiffness * mass) * random.uniform(0.02, 0.3)
@@ -75,7 +80,12 @@ def random_scene(shape, kind, seed):
     }
     if axis is not None:
         values["destination.axis"] = (axis * random.uniform(0.5, 2)).tolist()
-        center = center + random.uniform(-0.1, 0.1) * axis
+        if shape == "cylinder":
+            center = center + random.uniform(-0.1, 0.1) * axis
+    if shape == "plane":  # anywhere over it
+        center = center + random.uniform(-5, 5) * perpendicular(axis, random)
+        for name in ("destination.radius", "contact.location"):
+            del values[name]
     values["source.center"] = (center + values["destination.center"]).tolist()
     values.update(particulars(kind, random, values, outward, side, axis))
     return values, random.uniform(0.8, 1.5)

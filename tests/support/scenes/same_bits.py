@@ -44,6 +44,9 @@ def compare_scenes(options):
     kinds = [(shape, kind) for shape, kinds in KINDS.items() for kind in kinds]
     differ, runs = Counter(), 0
     for shape, name in FMU.items():
+        if not (options.folder / f"{name}.fmu").exists():
+            print(f"{name}: not in the other build")
+            continue
         with ContactFmu(fmu_file(name)) as ours, ContactFmu(options.folder / f"{name}.fmu") as theirs:
             shared = set(rows_of(ours)) & set(rows_of(theirs))  # a new choice brings outputs of its own
             outputs = sorted(row for row, causality in shared if causality != "parameter")

@@ -7,7 +7,7 @@ import numpy as np
 from contact_fmus.fmu.contact_fmu import FmuError
 from support.checks import differences, start
 
-FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
+FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
 TOLERANCE = 1e-10  # solver.relative_tolerance of the runs
 # m and, per unit of the size in play, m/s, J, N and N s. CVODE holds its tolerance by the step, and its
 # steps add up.

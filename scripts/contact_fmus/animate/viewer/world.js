@@ -4,6 +4,8 @@
 const SEGMENTS = 64; // of a circle
 const HIGH = new THREE.Vector3(0, 0, 1);
 const NORMAL = new THREE.Vector3(0, 1, 0); // the axis of three.js's cylinders
+const FLOOR = 2; // half the side of the square that is drawn of a plane, in radii of the first view
+const FLOOR_LINES = 10; // on it, on either side of its middle
 const ARROW = 0.2; // length of the longest force arrow as a part of the camera's distance
 
 /** Whether there is no graphics card: then smooth edges cost more than they are worth. */
@@ -51,8 +53,10 @@ class World {
     const axis = body.axis ? new THREE.Vector3(...body.axis) : null;
     const made = { ...body, group, path, turning, index, at: [0, 0, 0], materials: [] };
     made.upright = axis ? new THREE.Quaternion().setFromUnitVectors(NORMAL, axis) : new THREE.Quaternion();
-    made.half = axis ? this.halfLength(body, path) : body.radius;
-    made.mesh = this.makeSolid(made, axis);
+    const flat = body.shape === "plane";
+    made.half = flat ? 0 : axis ? this.halfLength(body, path) : body.radius;
+    if (flat) made.extent = FLOOR * this.data.view.radius;
+    made.mesh = flat ? this.makeFloor(made) : this.makeSolid(made, axis);
     group.add(made.mesh);
     if (body.hollow || axis || turning) group.add(this.makeNet(made, axis));
     made.trail = body.moves ? this.makeTrail(made) : null;
@@ -81,6 +85,24 @@ class World {
     return mesh;
   }
 
+  /** A square of the surface of a plane, with its normal along y. */
+  makeFloor(body) {
+    const material = new THREE.MeshLambertMaterial({ side: THREE.DoubleSide });
+    const shape = new THREE.PlaneGeometry(2, 2).rotateX(-0.5 * Math.PI);
+    body.materials.push(material);
+    return new THREE.Mesh(shape, material);
+  }
+
+  /** Lines of a floor, a little above it. */
+  floorLines() {
+    const points = [];
+    for (let k = -FLOOR_LINES; k <= FLOOR_LINES; k++) {
+      const place = k / FLOOR_LINES;
+      points.push(place, 0.0005, -1, place, 0.0005, 1, -1, 0.0005, place, 1, 0.0005, place);
+    }
+    return points;
+  }
+
   /** Circles on the surface, which make its form and its turning visible. */
   makeNet(body, axis) {
     const points = [];
@@ -90,7 +112,9 @@ class World {
       }
     };
     const out = body.hollow ? 1 : 1.002; // in front of the surface it lies on
-    if (axis) {
+    if (body.shape === "plane") {
+      points.push(...this.floorLines());
+    } else if (axis) {
       for (const y of [-1, 0, 1]) circle((a) => [out * Math.cos(a), y, out * Math.sin(a)]);
       for (let k = 0; k < 8; k++) {
         const [x, z] = [out * Math.cos((k * Math.PI) / 4), out * Math.sin((k * Math.PI) / 4)];
@@ -222,8 +246,8 @@ class World {
       const [w, x, y, z] = body.turning.at(share, row);
       body.group.quaternion.premultiply(new THREE.Quaternion(x, y, z, w));
     }
-    const radius = (body.radius ?? 0) / this.scale;
-    body.group.scale.set(radius, body.axis ? body.half / this.scale : radius, radius);
+    const radius = (body.extent ?? body.radius ?? 0) / this.scale;
+    body.group.scale.set(radius, body.axis && !body.extent ? body.half / this.scale : radius, radius);
     body.group.visible = radius > 0;
     if (!body.trail) return;
     body.trail.visible = this.show.trails;

@@ -1,0 +1,202 @@
+"""A sphere and a plane: everything is closed form, and holds to rounding whatever the communication step."""
+
+import math
+from decimal import Decimal
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from support.checks import METHODS, check_close, run, start
+from support.reference.integrator import Reference
+from support.reference.plane_motion import PlaneMotion
+from support.scenes.random_scenes import KINDS, random_scene
+from support.scenes.scene_checks import failures
+from support.scenes.scene_parts import even
+
+FMU = "SpherePlane"
+TILTED = np.array([0.36, -0.48, 0.8])  # unit, to rounding
+GRAVITY = np.array([0.0, 0.0, -9.81])
+DASHPOTS = ["non_adhesive", "unclamped", "approach_only"]
+STEPS = [1, 997]
+
+
+def bounce(normal=(0.0, 0.0, 1.0), gap=0.5, **more):
+    """A ball over a plane through the origin."""
+    normal = np.array(normal)
+    return {
+        "source.center": ((0.1 + gap) * normal).tolist(),
+        "source.initial_velocity": [0.3, -0.2, 0.0],
+        "destination.axis": normal.tolist(),
+        "contact.penalty_factor": 1e6,
+        "contact.viscous_penalty_factor": 60.0,
+        **more,
+    }
+
+
+def closed_form(values, end):
+    """PlaneMotion of these values, of constant accelerations."""
+    with mp.workdps(40):
+        unit = mp.matrix([mp.mpf(x) for x in values["destination.axis"]])
+        unit = unit / mp.norm(unit)
+
+        def along(row):
+            return sum(mp.mpf(x) * n for x, n in zip(row, unit, strict=True))
+
+        def of(name, body):
+            return along(values.get(f"{body}.{name}", [0.0, 0.0, 0.0]))
+
+        masses = {
+            body: mp.mpf(values.get(f"{body}.mass", 1.0))
+            for body in ("source", "destination")
+            if values.get(f"{body}.motion", "free" if body == "source" else "fixed") == "free"
+        }
+        pulls = {body: along(values.get("gravity", GRAVITY)) for body in masses}
+        for body, mass in masses.items():
+            pulls[body] += of("external_force", body) / mass
+        rates = {body: of("initial_velocity", body) for body in masses}
+        rates["destination"] = rates.get("destination", of("prescribed_velocity", "destination"))
+        dynamic = values.get("contact.method") != "penalty"
+        gap = of("center", "source") - of("center", "destination") - mp.mpf(values.get("source.radius", 0.1))
+        return PlaneMotion(
+            gap,
+            rates.get("source", mp.mpf(0)) - rates["destination"],
+            pulls.get("source", mp.mpf(0)) - pulls.get("destination", mp.mpf(0)),
+            1 / sum(1 / mass for mass in masses.values()),
+            mp.mpf(values["contact.penalty_factor"]),
+            mp.mpf(values["contact.viscous_penalty_factor"] if dynamic else 0),
+            values.get("contact.dashpot", "non_adhesive"),
+        ).run(end)
+
+
+def agrees(fmu, values, end, allowed):
+    """Gap, its rate and onsets with forty digits; `allowed` of the largest gap and speed that there are."""
+    right = closed_form(values, end)
+    gap = fmu["contact.gap"]
+    check_close("gap", gap, float(right.gap), allowed)
+    check_close("gap rate", fmu["contact.gap_rate"], float(right.rate), 10 * allowed)
+    assert fmu["contact.onsets"] == len(right.onsets)
+    check_close("onset", fmu["contact.last_onset_time"], float(right.onsets[-1]), allowed)
+    return right
+
+
+@pytest.mark.parametrize("steps", STEPS)
+@pytest.mark.parametrize("method", ["penalty", *DASHPOTS])
+@pytest.mark.parametrize("normal", [(0.0, 0.0, 1.0), TILTED], ids=["level", "inclined"])
+def test_bounces_are_those_of_the_closed_form(opened, normal, method, steps):
+    values = bounce(normal, **{"contact.method": "penalty" if method == "penalty" else "penalty_dynamic"})
+    if method != "penalty":
+        values["contact.dashpot"] = method
+    fmu = run(opened(FMU), values, 2.0, steps)
+    right = agrees(fmu, values, 2.0, 1e-12)
+    # Along the plane nothing but gravity acts.
+    velocity = np.array(values["source.initial_velocity"]) + 2.0 * GRAVITY
+    unit = np.array(values["destination.axis"]) / np.linalg.norm(values["destination.axis"])
+    velocity += float(right.impulse) * unit
+    check_close("velocity", fmu["source.velocity"], velocity, 1e-11)
+    check_close("energy", fmu["energy.total"], start(opened(FMU), values)["energy.total"], 1e-12)
+
+
+@pytest.mark.parametrize("steps", STEPS)
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+def test_a_free_plane_of_finite_mass_takes_its_share(opened, dashpot, steps):
+    values = bounce(
+        TILTED,
+        **{
+            "destination.motion": "free",
+            "destination.mass": 2.5,
+            "destination.initial_velocity": [0.1, 0.2, 0.9],
+            "destination.external_force": [0.0, 1.0, 3.0],
+            "contact.dashpot": dashpot,
+        },
+    )
+    fmu = run(opened(FMU), values, 1.5, steps)
+    agrees(fmu, values, 1.5, 1e-12)
+    momentum = fmu["source.velocity"] + 2.5 * fmu["destination.velocity"]
+    given = np.array([0.3, -0.2, 0.0]) + 2.5 * np.array([0.1, 0.2, 0.9])
+    given += 1.5 * (3.5 * GRAVITY + np.array([0.0, 1.0, 3.0]))
+    check_close("momentum", momentum, given, 1e-11)
+
+
+@pytest.mark.parametrize("steps", STEPS)
+def test_a_plane_that_is_moved_steadily_bats_the_ball(opened, steps):
+    values = bounce(
+        TILTED,
+        **{
+            "destination.motion": "prescribed",
+            "destination.prescribed_velocity": [0.2, -0.1, 0.4],
+            "destination.prescribed_displacement.derivatives": [[0.2, -0.1, 0.4]],
+        },
+    )
+    fmu = opened(FMU)
+    start(fmu, values, 1e-10, "event_driven")
+    for k in range(steps):
+        fmu["destination.prescribed_displacement"] = [x * fmu.time for x in (0.2, -0.1, 0.4)]
+        fmu.set_derivative("destination.prescribed_displacement", [0.2, -0.1, 0.4], order=1)
+        fmu.step(1.2 * (k + 1) / steps - fmu.time)
+    agrees(fmu, values, 1.2, 1e-12)
+
+
+@pytest.mark.parametrize("kind", ["driven by a force", "moving destination"])
+def test_polynomial_inputs_are_followed_to_rounding(opened, kind):
+    """A growing force, or a plane that speeds up, against forty digits."""
+    values, end = random_scene("plane", kind, 100)
+    right = Reference(values, "plane", Decimal, 28).run(end)
+    place = [float(x) for x in right.position["source"]]
+    for steps in STEPS:
+        fmu = run(opened(FMU), values, end, steps)
+        check_close("position", fmu["source.position"], place, 1e-11)
+        assert fmu["contact.onsets"] == right.onsets
+
+
+def test_a_contact_that_lasts_takes_few_steps_at_any_stiffness(opened):
+    """From 1e3 to 1e15 N/m: a ball set down on a slope, damped, slides for ten seconds."""
+    for stiffness in (1e3, 1e7, 1e11, 1e15):
+        values = bounce(TILTED, 0.0, **{"contact.penalty_factor": stiffness})
+        values["source.initial_velocity"] = [0.0, 0.0, 0.0]
+        values["contact.viscous_penalty_factor"] = 0.4 * math.sqrt(stiffness)
+        fmu = run(opened(FMU), values, 10.0, 1)
+        assert fmu["solver.steps"] < 100
+        slope = GRAVITY - (GRAVITY @ TILTED) * TILTED
+        check_close("slid", fmu["source.displacement"], 50 * slope - 9.81 * 0.8 / stiffness * TILTED, 1e-10)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_below_the_surface_is_but_a_deeper_contact(opened, method):
+    """The centre starts 0.05 m below the plane and passes through its height: no direction is lost."""
+    values = bounce(gap=-0.15, **{"contact.method": "penalty", "contact.penalty_factor": 2000.0})
+    fmu = opened(FMU)
+    start(fmu, values, 1e-10, method)
+    check_close("distance", fmu["contact.distance"], -0.05, 1e-15)
+    check_close("direction", fmu["contact.direction"], [0.0, 0.0, -1.0], 0.0)
+    check_close("force", fmu["contact.source_force"], [0.0, 0.0, 300.0], 1e-9)
+    run(fmu, values, 0.3, 3, method=method)
+    omega = math.sqrt(2000.0)
+    still = -9.81 / 2000.0
+    leaves = math.acos(still / (0.15 + still)) / omega  # still - (0.15 + still) cos(omega t) = 0
+    speed = (0.15 + still) * omega * math.sin(omega * leaves)
+    expected = speed * (0.3 - leaves) - 4.905 * (0.3 - leaves) ** 2
+    check_close("gap", fmu["contact.gap"], expected, 1e-6 if method != "event_driven" else 1e-12)
+    assert not any("no defined normal" in str(message) for message in fmu.messages)
+
+
+def test_passing_the_surface_exactly_at_its_centre(opened):
+    """Given motions: d = 0 to the last bit at a communication point."""
+    values = bounce(
+        gap=-0.1, **{"source.motion": "fixed", "contact.penalty_factor": 1e3, "contact.method": "penalty"}
+    )
+    fmu = run(opened(FMU), values, 0.1, 2)
+    assert fmu["contact.distance"] == 0.0
+    check_close("force", fmu["contact.normal_force"], 100.0, 1e-12)
+
+
+@pytest.mark.parametrize("kind", KINDS["plane"])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_random_scene_goes_as_the_reference_says(opened, kind, seed):
+    values, end = random_scene("plane", kind, seed)
+    stops = even(end, [1, 10][seed])
+    right = Reference(values, "plane")
+    right.window = [0.0, *stops][-2]
+    right.run(end)
+    wrong = {m: failures(opened(FMU), values, stops, m, right) for m in METHODS}
+    assert not any(wrong.values()), f"{wrong}\n{values} stops {stops}"
