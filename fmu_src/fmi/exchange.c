@@ -18,9 +18,16 @@ enum model_status exchange_enter(struct instance *instance, const struct call *c
 enum model_status exchange_update(struct instance *instance, const struct call *call,
                                   struct exchange_news *news)
 {
-    return call_allowed_in_exchange(instance, call)
-               ? model_exchange_update(instance->model, &news->again, &news->jumped)
-               : MODEL_ERROR;
+    if (!call_allowed_in_exchange(instance, call)) {
+        return MODEL_ERROR;
+    }
+    const enum model_status status = model_exchange_update(instance->model, &news->again, &news->jumped);
+    if (status <= MODEL_WARNING && !news->again) {
+        const double touch = model_exchange_next_touch(instance->model);
+        news->scheduled = isfinite(touch);
+        news->event_time = news->scheduled ? touch : 0.0;
+    }
+    return status;
 }
 
 /* Integrators of variable step look past the stop time and come back; a step that is accepted there is an

@@ -10,8 +10,10 @@ enum model_status exchange_enter(struct instance *instance, const struct call *c
 
 /* What an event has changed. */
 struct exchange_news {
-    bool again;  /* regimes have changed: another one may have to */
-    bool jumped; /* a state did */
+    bool again;        /* regimes have changed: another one may have to */
+    bool jumped;       /* a state did */
+    bool scheduled;    /* the next event is known, unless another one comes first ... */
+    double event_time; /* ... and this is when [s], else 0 */
 };
 
 enum model_status exchange_update(struct instance *instance, const struct call *call,

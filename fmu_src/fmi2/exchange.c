@@ -12,11 +12,11 @@ fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c)
     return status_of(exchange_enter(c, CALL(EnterContinuousTimeMode), PHASE_CONTINUOUS));
 }
 
-/* Nothing is scheduled, and the model never ends a run by itself. */
+/* The model never ends a run by itself. */
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo)
 {
     const struct call *call = CALL(NewDiscreteStates);
-    struct exchange_news news = {false, false};
+    struct exchange_news news = {0};
     if (!call_allowed_in_exchange(c, call) || !call_array_given(c, call, "eventInfo", eventInfo, 1)) {
         return fmi2Error;
     }
@@ -25,8 +25,8 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo)
                                  .terminateSimulation = fmi2False,
                                  .nominalsOfContinuousStatesChanged = fmi2False,
                                  .valuesOfContinuousStatesChanged = news.jumped ? fmi2True : fmi2False,
-                                 .nextEventTimeDefined = fmi2False,
-                                 .nextEventTime = 0.0};
+                                 .nextEventTimeDefined = news.scheduled ? fmi2True : fmi2False,
+                                 .nextEventTime = news.event_time};
     return status_of(status);
 }
 

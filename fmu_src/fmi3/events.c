@@ -1,6 +1,7 @@
 /*
  * Event mode. In Co-Simulation a contact that begins or ends has changed its regime when fmi3DoStep returns:
- * nothing is left to iterate. In Model Exchange regimes change here. Nothing is scheduled.
+ * nothing is left to iterate, nor scheduled. In Model Exchange regimes change here, and touches of bodies in
+ * flight are announced.
  */
 #include "fmi/exchange.h"
 #include "fmi/lifecycle.h"
@@ -47,14 +48,14 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
         !call_array_given(c, call, "nextEventTime", nextEventTime, 1)) {
         return fmi3Error;
     }
-    struct exchange_news news = {false, false};
+    struct exchange_news news = {0};
     const enum model_status status =
         instance->host.exchange ? exchange_update(instance, call, &news) : MODEL_OK;
     *discreteStatesNeedUpdate = news.again;
     *terminateSimulation = fmi3False;
     *nominalsOfContinuousStatesChanged = fmi3False;
     *valuesOfContinuousStatesChanged = news.jumped;
-    *nextEventTimeDefined = fmi3False;
-    *nextEventTime = 0.0;
+    *nextEventTimeDefined = news.scheduled;
+    *nextEventTime = news.event_time;
     return status_of(status);
 }

@@ -67,6 +67,17 @@ static void add_up(double *sum, const double *part, size_t count, bool first)
     }
 }
 
+/* An importer's array from an element on; it may be missing where there are none. */
+static const double *given_from(const double *array, size_t at)
+{
+    return at > 0 ? array + at : array;
+}
+
+static double *room_from(double *array, size_t at)
+{
+    return at > 0 ? array + at : array;
+}
+
 static enum model_status multiply(struct instance *instance, const struct product *p)
 {
     struct vector_walk unknowns = {p->unknowns, p->unknown_count, 0, 0};
@@ -82,13 +93,14 @@ static enum model_status multiply(struct instance *instance, const struct produc
             vector_walk_next(&knowns, &known);
             if (p->adjoint) {
                 status = model_get_adjoint_derivative(instance->model, unknown.references, unknown.count,
-                                                      known.references, known.count, p->seed + row, part);
-                add_up(p->sensitivity + column, part, known.count, row == 0);
+                                                      known.references, known.count, given_from(p->seed, row),
+                                                      part);
+                add_up(room_from(p->sensitivity, column), part, known.count, row == 0);
             } else {
-                status =
-                    model_get_directional_derivative(instance->model, unknown.references, unknown.count,
-                                                     known.references, known.count, p->seed + column, part);
-                add_up(p->sensitivity + row, part, unknown.count, column == 0);
+                status = model_get_directional_derivative(instance->model, unknown.references, unknown.count,
+                                                          known.references, known.count,
+                                                          given_from(p->seed, column), part);
+                add_up(room_from(p->sensitivity, row), part, unknown.count, column == 0);
             }
             column += known.count;
         } while (status <= MODEL_WARNING && column < p->known_components);

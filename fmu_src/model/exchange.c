@@ -124,6 +124,18 @@ enum model_status model_exchange_update(struct model *m, bool *changed, bool *ju
     return status;
 }
 
+/* Part of the time, or of a second where that is more, below which a touch is not announced: importers take
+ * times that differ by 1e-9 of them for the same, and cannot step to one. */
+static const double SOONEST_TOUCH = 1e-6;
+
+double model_exchange_next_touch(const struct model *m)
+{
+    const double now = scene_time(&m->state.motion);
+    const double after = motion_touch_after(&m->state.values, &m->state.motion);
+    const double time = now + after;
+    return after > SOONEST_TOUCH * fmax(1.0, fabs(now)) && time <= DBL_MAX ? time : (double)INFINITY;
+}
+
 enum model_status model_exchange_accept(struct model *m)
 {
     const enum model_status status = follow(m);

@@ -49,6 +49,10 @@ void model_exchange_get_nominals(double *values);
  * *changed: some regime did, and another one may have to; *jumped: a state did. */
 enum model_status model_exchange_update(struct model *m, bool *changed, bool *jumped);
 
+/* After that: when bodies in free flight touch next, in closed form, if the forces stay what they are [s];
+ * INFINITY: not foreseen, or so soon that an integrator which starts here cannot miss it. */
+double model_exchange_next_touch(const struct model *m);
+
 /* After a step that the integrator accepts: the contacts' directions are those to keep where d = 0. */
 enum model_status model_exchange_accept(struct model *m);
 

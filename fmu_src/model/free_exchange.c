@@ -1,11 +1,13 @@
 /* States, rates and event indicators of scenes with a body that may be free, for an integrator outside. */
 #include <float.h>
+#include <math.h>
 
 #include "model/motion.h"
 #include "scene/energy.h"
 #include "scene/free_bodies.h"
 #include "scene/regime_margin.h"
 #include "scene/transition.h"
+#include "segment/regime_change.h"
 
 void motion_set_state(struct scene_state *q, const struct variable *state, double value)
 {
@@ -110,6 +112,40 @@ bool motion_change_regimes(const struct scene_values *v, struct scene_state *q)
     }
     forget_integration(q);
     return changed;
+}
+
+/* Horizons of the search for a touch [s]: the first is enlarged so often, up to an hour. Conditions of a
+ * horizon not much longer than the flight are the best conditioned. */
+static const double FIRST_HORIZON = 1.0, HORIZON_FACTOR = 4.0;
+enum { HORIZONS = 7 };
+
+/* Of a contact apart, unless the importer leads one of its bodies: where to, only it knows. */
+static double touch_after(const struct scene_values *v, const struct scene_state *q,
+                          const struct scene_instant *at, int contact)
+{
+    double after = (double)INFINITY;
+    const bool led =
+        body_is_prescribed(v, contact_source(contact)) || body_is_prescribed(v, contact_destination(contact));
+    if (led || q->contact[contact].regime != (int32_t)REGIME_APART) {
+        return after;
+    }
+    double horizon = FIRST_HORIZON;
+    for (int i = 0; i < HORIZONS && !isfinite(after); ++i) {
+        after = next_regime_change(v, q, at, q->clock, contact, horizon).after;
+        horizon *= HORIZON_FACTOR;
+    }
+    return after;
+}
+
+double motion_touch_after(const struct scene_values *v, const struct scene_state *q)
+{
+    double after = (double)INFINITY;
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        after = fmin(after, touch_after(v, q, &at, j));
+    }
+    return after;
 }
 
 /* Of a body that is not free the states have no effect. */

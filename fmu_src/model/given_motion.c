@@ -179,6 +179,12 @@ double motion_booked(const struct scene_state *q)
     return 0.0;
 }
 
+double motion_touch_after(const struct scene_values *v, const struct scene_state *q)
+{
+    (void)v, (void)q;
+    return (double)INFINITY;
+}
+
 void motion_jet_of_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
 {
     (void)v, (void)q, (void)along;

@@ -79,6 +79,8 @@ double motion_local_slope(const struct scene_values *v, const struct scene_state
                           const struct scene_jet *along, const struct variable *variable);
 bool motion_change_regimes(const struct scene_values *v, struct scene_state *q);
 double motion_booked(const struct scene_state *q);
+/* How soon bodies in free flight touch, under the forces of the present [s]; INFINITY: not foreseen. */
+double motion_touch_after(const struct scene_values *v, const struct scene_state *q);
 
 /* Whoever moves a body by a jump of an input does the work on the contact. */
 void motion_jet_of_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along);

@@ -77,6 +77,35 @@ def test_the_model_structure_is_that_of_fmi2(fmu):
     assert dependencies(fmu.description) == dependencies(second(fmu))
 
 
+def in_order(entries):
+    """Names of arrays, each once, in the order of the entries"""
+    return list(dict.fromkeys(entry.variable.name.partition("[")[0] for entry in entries))
+
+
+def test_states_rates_and_unknowns_are_those_of_fmi2(fmu):
+    third, scalars = fmu.description, second(fmu)
+    assert in_order(third.derivatives) == in_order(scalars.derivatives)
+    states = [[one.variable.derivative.name for one in about.derivatives] for about in (third, scalars)]
+    assert states[0] == list(dict.fromkeys(name.partition("[")[0] for name in states[1]))
+    assert in_order(third.initialUnknowns) == in_order(scalars.initialUnknowns)
+    indicators = [entry.variable.name for entry in third.eventIndicators]
+    assert indicators == [one.name for one in third.modelVariables if one.name.endswith("_indicator")]
+    assert third.numberOfEventIndicators == scalars.numberOfEventIndicators
+    assert third.numberOfContinuousStates == scalars.numberOfContinuousStates
+
+
+def test_what_is_declared_of_model_exchange(fmu):
+    """Only states that events make jump have reinit; the direction at a centre is kept at accepted steps."""
+    root = ElementTree.parse(fmu.folder / "modelDescription.xml").getroot()
+    declared = root.find("ModelExchange").attrib
+    for name in ("canGetAndSetFMUState", "canSerializeFMUState", "needsCompletedIntegratorStep"):
+        assert declared[name] == "true"
+    assert declared["providesAdjointDerivatives"] == declared["providesDirectionalDerivatives"] == "true"
+    jumping = {one.get("name") for one in root.find("ModelVariables") if one.get("reinit") == "true"}
+    energies = {"energy.dissipated_state", "energy.external_work_state"}
+    assert jumping == (set() if fmu.name == "ForceElement" else energies)
+
+
 def test_what_is_declared_of_steps(fmu):
     root = ElementTree.parse(fmu.folder / "modelDescription.xml").getroot()
     declared = root.find("CoSimulation").attrib

@@ -24,6 +24,9 @@ class Outside:
         self.instance, self.inputs = instance, inputs
         self.count = {role: len(names) for role, names in instance.fmu.roles.items()}
         self.time = 0.0
+        self.announced: float | None = (
+            None  # when the next event will be; the steps here find it by themselves
+        )
 
     def read(self, function: str, role: str = "state") -> np.ndarray:
         values = raw.array(c_double, [0.0] * self.count[role])
@@ -53,7 +56,7 @@ class Outside:
         """Event mode until nothing changes any more; whether a state has jumped"""
         jumped = False
         for _ in range(10):
-            again, now = self.instance.update_discrete_states()
+            again, now, self.announced = self.instance.update_discrete_states()
             jumped = jumped or now
             if not again:
                 return jumped

@@ -234,11 +234,12 @@ class Instance:
 
     RATES = "GetDerivatives"
 
-    def update_discrete_states(self) -> tuple[bool, bool]:
-        """Whether that has to be done again, and whether a state has jumped"""
+    def update_discrete_states(self) -> tuple[bool, bool, float | None]:
+        """Whether that has to be done again, whether a state has jumped, when the next event will be"""
         news = EventInfo()
         self.ok("NewDiscreteStates", ctypes.byref(news))
-        return bool(news.again), bool(news.states_changed)
+        scheduled = news.next_event if news.next_event_defined else None
+        return bool(news.again), bool(news.states_changed), scheduled
 
     def complete_step(self) -> None:
         self.ok("CompletedIntegratorStep", 1, ctypes.byref(c_int()), ctypes.byref(c_int()))

@@ -225,19 +225,20 @@ class Instance:
         """One visit of event mode, as an importer makes it"""
         if enter:
             self.ok("EnterEventMode")
-        assert self.update_discrete_states() == (False, False)
+        assert self.update_discrete_states() == (False, False, None)
         self.ok("EnterStepMode")
 
     # Model Exchange
 
     RATES = "GetContinuousStateDerivatives"
 
-    def update_discrete_states(self) -> tuple[bool, bool]:
-        """Whether that has to be done again, and whether a state has jumped"""
+    def update_discrete_states(self) -> tuple[bool, bool, float | None]:
+        """Whether that has to be done again, whether a state has jumped, when the next event will be"""
         again, terminate, nominals, jumped, scheduled = flags = [c_bool(True) for _ in range(5)]
-        self.ok("UpdateDiscreteStates", *map(byref, flags), byref(c_double()))
-        assert not any(flag.value for flag in (terminate, nominals, scheduled))
-        return again.value, jumped.value
+        time = c_double()
+        self.ok("UpdateDiscreteStates", *map(byref, flags), byref(time))
+        assert not terminate.value and not nominals.value
+        return again.value, jumped.value, time.value if scheduled.value else None
 
     def complete_step(self) -> None:
         enter, terminate = c_bool(True), c_bool(True)
