@@ -59,8 +59,9 @@ static struct fmi3_instance *instance_like(struct fmi3_instance *nobody, const c
     const struct model_host host = {.allocate = calloc, .release = free, .exchange = exchange};
     struct instance *instance = instance_create(&adapter_of_fmi3, &host, sizeof(struct fmi3_instance),
                                                 nobody->shared.name, logging_on);
-    if (!instance_expects(&nobody->shared, function, instance != NULL, "memory", "exhausted",
-                          "room for an instance")) {
+    if (instance == NULL) {
+        (void)instance_expects(&nobody->shared, function, false, "memory", "exhausted",
+                               "room for an instance");
         return NULL;
     }
     struct fmi3_instance *own = (struct fmi3_instance *)instance;

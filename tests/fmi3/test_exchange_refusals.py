@@ -294,16 +294,3 @@ def test_states_of_one_kind_do_not_fit_the_other():
                 assert taker.call("SetFMUState", state) == ERROR
                 assert words in taker.texts()[0]
             assert taker.bits("output") == before
-
-
-def test_a_refused_row_leaves_other_variables_alone():
-    """All of it is checked before any is written: a good state beside a bad input"""
-    with raw.Instance(raw.load(SCENE), exchange=True) as instance:
-        Outside(instance.initialize()).begin()
-        chosen = [instance.fmu.variables[name] for name in ("source.velocity_state", "source.external_force")]
-        before = instance.get("source.velocity_state")
-        values = raw.reals([1.0, 2.0, 3.0, 0.0, math.nan, 0.0])
-        with instance.expect(DISCARD, "source.external_force[2]") as got:
-            got(instance.call("SetFloat64", raw.references(chosen), 2, values, 6))
-        assert instance.get("source.velocity_state") == before
-        assert instance.get("source.external_force") == [0.0, 0.0, 0.0]

@@ -53,6 +53,19 @@ def test_what_events_may_change_is_set_between_events_only():
             got(instance.set_one("source.velocity_state", [0.0, bad, 0.0]))
 
 
+def test_a_refused_row_leaves_other_variables_alone():
+    """All of it is checked before any is written: a good state beside a bad input"""
+    with raw.Instance(raw.load("SphereSphere"), exchange=True) as instance:
+        Outside(instance.initialize()).begin()
+        chosen = [instance.fmu.variables[name] for name in ("source.velocity_state", "source.external_force")]
+        before = instance.get("source.velocity_state")
+        values = raw.reals([1.0, 2.0, 3.0, 0.0, np.nan, 0.0])
+        with instance.expect(DISCARD, "source.external_force[2]") as got:
+            got(instance.call("SetFloat64", raw.references(chosen), 2, values, 6))
+        assert instance.get("source.velocity_state") == before
+        assert instance.get("source.external_force") == [0.0, 0.0, 0.0]
+
+
 def test_states_are_set_in_model_exchange_only():
     with raw.Instance(raw.load("SphereSphere")) as instance:
         instance.initialize()

@@ -156,8 +156,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     fmi2Component c = host_instance();
     host.shown = c;
     if (start_instance(c, data, size, &plan)) {
-        snprintf(host.note, sizeof host.note, "%.17g s in %d or %d steps", plan.end, plan.steps,
-                 plan.other_steps);
+        snprintf(claim_context.note, sizeof claim_context.note, "%.17g s in %d or %d steps", plan.end,
+                 plan.steps, plan.other_steps);
         const struct outcome once = run(c, &plan, plan.steps);
         CLAIM(fmi2Reset(c) == fmi2OK);
         CLAIM(start_instance(c, data, size, &plan));

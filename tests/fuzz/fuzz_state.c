@@ -5,55 +5,11 @@
  */
 #include <stdlib.h>
 
-#include "bytes.h"
+#include "forge.h"
 #include "host.h"
 #include "model/state.h"
 
-enum { MOST_INTERNAL_STEPS = 100, CHANGES_AT_MOST = 64, LARGEST_BLOCK = 16384 };
-
-/* The adapter's header, as tests/support/fmi2/blob.py has it: magic, version, scene, checksum, size,
- * times, flags. */
-enum { HEADER_SIZE = 48, HEADER_CHECKSUM = 12, CHECKED_FROM = 16 };
-
-static uint32_t fnv_32(const uint8_t *bytes, size_t size)
-{
-    uint32_t hash = 2166136261u;
-    for (size_t i = 0; i < size; ++i) {
-        hash = (hash ^ bytes[i]) * 16777619u;
-    }
-    return hash;
-}
-
-static uint64_t fnv_64(const uint8_t *bytes, size_t size)
-{
-    uint64_t hash = 14695981039346656037u;
-    for (size_t i = 0; i < size; ++i) {
-        hash = (hash ^ bytes[i]) * 1099511628211u;
-    }
-    return hash;
-}
-
-static void forge_checksums(uint8_t *block, size_t size)
-{
-    const size_t payload = offsetof(struct model_state, values);
-    const uint64_t inner = fnv_64(block + HEADER_SIZE + payload, sizeof(struct model_state) - payload);
-    memcpy(block + HEADER_SIZE + offsetof(struct model_state, checksum), &inner, sizeof inner);
-    const uint32_t outer = fnv_32(block + CHECKED_FROM, size - CHECKED_FROM);
-    memcpy(block + HEADER_CHECKSUM, &outer, sizeof outer);
-}
-
-/* However the state was changed, a step of it has to end soon. */
-static void bound_work(uint8_t *block)
-{
-    const struct variable *limit = host_variable(ROW_solver_max_internal_steps, 0, 0);
-    if (limit != NULL) {
-        uint8_t *at = block + HEADER_SIZE + offsetof(struct model_state, values) + limit->offset;
-        int32_t steps;
-        memcpy(&steps, at, sizeof steps);
-        steps = steps > MOST_INTERNAL_STEPS ? MOST_INTERNAL_STEPS : steps;
-        memcpy(at, &steps, sizeof steps);
-    }
-}
+enum { MOST_INTERNAL_STEPS = 100 };
 
 /* The bodies near to each other, soft, by any method and law. */
 static void choose_values(fmi2Component c, struct bytes *b)
@@ -110,27 +66,6 @@ static size_t save(fmi2Component c, uint8_t *block)
     status = fmi2FreeFMUstate(c, &state);
     CLAIM(status == fmi2OK && state == NULL);
     return size;
-}
-
-static void change(uint8_t *block, size_t size, struct bytes *b)
-{
-    for (int i = 0; i < CHANGES_AT_MOST && b->left > 0; ++i) {
-        uint16_t at = 0;
-        const unsigned kind = bytes_choice(b, 4);
-        bytes_copy(b, &at, sizeof at);
-        size_t place = at % size;
-        if (kind == 0) {
-            block[place] ^= bytes_one(b);
-        } else if (kind == 1) {
-            place -= place % 4;
-            const int32_t value = (int8_t)bytes_one(b);
-            memcpy(block + place, &value, sizeof value);
-        } else {
-            place -= place % 8;
-            const double value = bytes_real(b);
-            memcpy(block + place, &value, place + 8 <= size ? 8 : size - place);
-        }
-    }
 }
 
 /* Whether its state says that only the end is left, and then that nothing else is answered. */
@@ -211,9 +146,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     begin(giver, &b);
     size_t block_size = save(giver, block);
     const unsigned how = bytes_one(&b);
-    change(block, block_size, &b);
+    forge_changes(block, block_size, &b);
     if (how % 8 != 1) {
-        bound_work(block);
+        forge_bound_work(block, MOST_INTERNAL_STEPS);
         forge_checksums(block, block_size);
     }
     if (how % 8 == 2) {

@@ -10,8 +10,13 @@
 
 struct host host;
 
-static void show_values(fmi2Component c)
+/* Of the instance to be shown, if any. */
+static void show_values(void)
 {
+    fmi2Component c = host.shown;
+    if (c == NULL) {
+        return;
+    }
     for (int i = 0; i < scene_variable_count; ++i) {
         const struct variable *variable = &scene_variables[i];
         double real = 0.0;
@@ -23,18 +28,6 @@ static void show_values(fmi2Component c)
                        c, &variable->reference, 1, &integer) <= fmi2Warning) {
             fprintf(stderr, "%s = %d\n", variable->name, integer);
         }
-    }
-}
-
-void host_claim(bool holds, const char *claim, const char *file, int line)
-{
-    if (!holds) {
-        if (host.shown != NULL) {
-            show_values(host.shown);
-        }
-        fprintf(stderr, "%s\nlast message: %s\n%s:%d: not so: %s\n", host.note, host.last_message, file, line,
-                claim);
-        abort();
     }
 }
 
@@ -86,10 +79,11 @@ static void hear(fmi2ComponentEnvironment environment, fmi2String name, fmi2Stat
     CLAIM(strncmp(category, "log", 3) == 0);
     va_list arguments;
     va_start(arguments, message);
-    const int length = vsnprintf(host.last_message, sizeof host.last_message, message, arguments);
+    const int length =
+        vsnprintf(claim_context.last_message, sizeof claim_context.last_message, message, arguments);
     va_end(arguments);
-    CLAIM(length > 0 && length < (int)sizeof host.last_message);
-    CLAIM(strstr(host.last_message, "(null)") == NULL || strstr(message, "(null)") != NULL);
+    CLAIM(length > 0 && length < (int)sizeof claim_context.last_message);
+    CLAIM(strstr(claim_context.last_message, "(null)") == NULL || strstr(message, "(null)") != NULL);
     ++host.messages;
     if (host.told != NULL) {
         call_back(host.told);
@@ -99,6 +93,8 @@ static void hear(fmi2ComponentEnvironment environment, fmi2String name, fmi2Stat
 void host_begin(void)
 {
     memset(&host, 0, sizeof host);
+    memset(&claim_context, 0, sizeof claim_context);
+    claim_context.show = show_values;
     host.countdown = -1;
 }
 

@@ -1,7 +1,6 @@
 /*
- * The importer that all fuzzers share: a logger that reads every message as a printf format, memory
- * functions that count and may fail, and claims that end the process, which is how a fuzzer learns of a
- * broken one.
+ * The importer that all fuzzers of FMI 2.0 share: a logger that reads every message as a printf format, and
+ * memory functions that count and may fail.
  */
 #ifndef FUZZ_HOST_H
 #define FUZZ_HOST_H
@@ -12,19 +11,15 @@
 
 #include <fmi2Functions.h>
 
+#include "claim.h"
 #include "model/variable.h"
-
-/* What libFuzzer and replay.c call with one input. */
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 struct host {
     long living;    /* blocks given and not returned */
     long countdown; /* allocations until one fails; negative: none does */
     long messages;
-    char last_message[2048];
     fmi2Component told; /* where set, the logger calls back into this instance, which is the one that tells */
     fmi2Component shown; /* where set, a broken claim prints all its values */
-    char note[128];      /* and this */
 };
 
 /* One for all: the FMI gives memory functions no context. Each input starts with a fresh one. */
@@ -41,9 +36,6 @@ void host_end(void);
 /* An instance with the right guid; claims that there is one. */
 fmi2Component host_instance(void);
 
-/* A broken claim: prints it with the last message of the FMU and aborts. */
-void host_claim(bool holds, const char *claim, const char *file, int line);
-
 /* The first variable of that row for that body or contact; NULL where the scene has none. */
 const struct variable *host_variable(int row, int element, int component);
 
@@ -57,7 +49,5 @@ int host_integer(fmi2Component c, int row, int element);
 
 /* Reads every variable; claims that reals are finite and choices are known ones. */
 void host_read_all(fmi2Component c);
-
-#define CLAIM(holds) host_claim((holds), #holds, __FILE__, __LINE__)
 
 #endif

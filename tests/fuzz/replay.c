@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "host.h"
+#include "claim.h"
 
 static long inputs;
 static const char *present;

@@ -1,0 +1,67 @@
+#include "forge.h"
+
+#include "model/state.h"
+
+enum { CHANGES_AT_MOST = 64 };
+
+static uint32_t fnv_32(const uint8_t *bytes, size_t size)
+{
+    uint32_t hash = 2166136261u;
+    for (size_t i = 0; i < size; ++i) {
+        hash = (hash ^ bytes[i]) * 16777619u;
+    }
+    return hash;
+}
+
+static uint64_t fnv_64(const uint8_t *bytes, size_t size)
+{
+    uint64_t hash = 14695981039346656037u;
+    for (size_t i = 0; i < size; ++i) {
+        hash = (hash ^ bytes[i]) * 1099511628211u;
+    }
+    return hash;
+}
+
+void forge_checksums(uint8_t *block, size_t size)
+{
+    const size_t payload = offsetof(struct model_state, values);
+    const uint64_t inner = fnv_64(block + HEADER_SIZE + payload, sizeof(struct model_state) - payload);
+    memcpy(block + HEADER_SIZE + offsetof(struct model_state, checksum), &inner, sizeof inner);
+    const uint32_t outer = fnv_32(block + CHECKED_FROM, size - CHECKED_FROM);
+    memcpy(block + HEADER_CHECKSUM, &outer, sizeof outer);
+}
+
+void forge_bound_work(uint8_t *block, int most_internal_steps)
+{
+    for (int i = 0; i < scene_variable_count; ++i) {
+        if (scene_variables[i].row == ROW_solver_max_internal_steps) {
+            uint8_t *at =
+                block + HEADER_SIZE + offsetof(struct model_state, values) + scene_variables[i].offset;
+            int32_t steps;
+            memcpy(&steps, at, sizeof steps);
+            steps = steps > most_internal_steps ? most_internal_steps : steps;
+            memcpy(at, &steps, sizeof steps);
+        }
+    }
+}
+
+void forge_changes(uint8_t *block, size_t size, struct bytes *b)
+{
+    for (int i = 0; i < CHANGES_AT_MOST && b->left > 0; ++i) {
+        uint16_t at = 0;
+        const unsigned kind = bytes_choice(b, 4);
+        bytes_copy(b, &at, sizeof at);
+        size_t place = at % size;
+        if (kind == 0) {
+            block[place] ^= bytes_one(b);
+        } else if (kind == 1) {
+            place -= place % 4;
+            const int32_t value = (int8_t)bytes_one(b);
+            memcpy(block + place, &value, sizeof value);
+        } else {
+            place -= place % 8;
+            const double value = bytes_real(b);
+            memcpy(block + place, &value, place + 8 <= size ? 8 : size - place);
+        }
+    }
+}

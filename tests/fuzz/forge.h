@@ -1,0 +1,20 @@
+/* Saved states whose bytes somebody changed, with checksums that fit nevertheless. */
+#ifndef FUZZ_FORGE_H
+#define FUZZ_FORGE_H
+
+#include "bytes.h"
+
+/* The adapter's header, as tests/support/fmi2/blob.py has it: magic, version, scene, checksum, size, times,
+ * flags. */
+enum { HEADER_SIZE = 48, HEADER_CHECKSUM = 12, CHECKED_FROM = 16, LARGEST_BLOCK = 16384 };
+
+/* Changes some of the bytes. */
+void forge_changes(uint8_t *block, size_t size, struct bytes *b);
+
+/* However a state was changed, a step of it has to end soon. */
+void forge_bound_work(uint8_t *block, int most_internal_steps);
+
+/* Both checksums, of the adapter's part and of the model's. */
+void forge_checksums(uint8_t *block, size_t size);
+
+#endif

@@ -1,0 +1,117 @@
+/*
+ * Random sequences of FMI 3.0 calls on several instances of Co-Simulation, with and without event mode, early
+ * return and intermediate update: any function at any time, arguments that are missing, wrong or extreme,
+ * states that go from one instance to another or that somebody changed. Whatever is asked must be answered:
+ * no crash, a known status, a message for every refusal, finite values.
+ */
+#include "host3.h"
+#include "players3.h"
+#include "scene.h"
+
+static fmi3Status step(struct player3 *player, struct bytes *b)
+{
+    const unsigned odd = bytes_one(b);
+    const fmi3ValueReference clock = 0;
+    fmi3Boolean event = false, terminate = true, early = false;
+    fmi3Float64 time = 0.0, reached = (double)NAN;
+    if (fmi3GetFloat64(player->instance, &clock, 1, &time, 1) > fmi3Warning || (odd & 33) == 33) {
+        time = bytes_real(b);
+    }
+    const double size = (odd & 6) == 6 ? bytes_real(b) : bytes_power(b, -4.0, 0.5);
+    host3.stepped = player->instance;
+    host3.told = NULL; /* a step that reports a change lets the logger be, the update calls back */
+    host3.early = (odd & 8) != 0;
+    host3.early_after = odd & 16 ? bytes_real(b) : 0.0;
+    const fmi3Status status =
+        fmi3DoStep(player->instance, time, size, fmi3True, &event, odd == 255 ? NULL : &terminate, &early,
+                   odd == 254 ? NULL : &reached);
+    host3.stepped = NULL;
+    if (status <= fmi3Warning) {
+        CLAIM(!terminate && isfinite(reached) && reached > time - 1e-6 * size);
+        CLAIM(early || fabs(reached - (time + size)) <= 1e-6 * size);
+    }
+    return status;
+}
+
+static fmi3Status handle_event(fmi3Instance c, struct bytes *b)
+{
+    fmi3Boolean flags[5] = {true, true, true, true, true};
+    fmi3Float64 next = 0.0;
+    const fmi3Status status = fmi3UpdateDiscreteStates(
+        c, &flags[0], &flags[1], &flags[2], bytes_one(b) == 255 ? NULL : &flags[3], &flags[4], &next);
+    CLAIM(status > fmi3Warning || !(flags[0] || flags[1] || flags[2] || flags[3] || flags[4]));
+    return status <= fmi3Warning && bytes_choice(b, 4) ? fmi3EnterStepMode(c) : status;
+}
+
+/* Between the modes, and what these FMUs do not have. */
+static fmi3Status change_mode(fmi3Instance c, struct bytes *b)
+{
+    size_t number = 0;
+    fmi3Float64 state = 0.0;
+    switch (bytes_choice(b, 9)) {
+    case 0:
+        return fmi3EnterEventMode(c);
+    case 1:
+        return fmi3EnterStepMode(c);
+    case 2:
+    case 3:
+        return handle_event(c, b);
+    case 4:
+        return bytes_one(b) == 255 ? fmi3Terminate(c) : fmi3EnterEventMode(c);
+    case 5:
+        return fmi3SetTime(c, bytes_real(b));
+    case 6:
+        return fmi3GetNumberOfContinuousStates(c, &number);
+    case 7:
+        return fmi3GetContinuousStates(c, &state, 1);
+    default:
+        return fmi3EnterConfigurationMode(c);
+    }
+}
+
+static fmi3Status call(struct player3 *player, struct bytes *b)
+{
+    fmi3Instance c = player->instance;
+    switch (bytes_choice(b, 16)) {
+    case 0:
+        player3_instantiate(player, b, false);
+        return fmi3OK;
+    case 1:
+        if (bytes_one(b) > 200) {
+            player3_leave(player);
+        }
+        return fmi3OK;
+    case 2:
+        return player3_enter(player, b);
+    case 3:
+        return fmi3ExitInitializationMode(c);
+    case 4:
+        return player3_initialize(player, b);
+    case 5:
+    case 6:
+    case 7:
+        return step(player, b);
+    case 8:
+        return change_mode(c, b);
+    case 9:
+    case 10:
+        return arrays3_call(c, b);
+    case 11:
+    case 12:
+        return arrays3_set_one(c, b);
+    case 13:
+        return player3_handle_state(player, b);
+    case 14:
+        return bytes_choice(b, 2) ? player3_debug_logging(player, b) : player3_reset(player);
+    default:
+        if (c != NULL) {
+            host3_read_all(c);
+        }
+        return fmi3OK;
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    return players3_play(data, size, call);
+}

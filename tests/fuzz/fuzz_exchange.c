@@ -1,0 +1,141 @@
+/*
+ * Random sequences of FMI calls on several instances of Model Exchange: any function at any time, an
+ * integrator that steps and handles events, arrays of wrong lengths, states that go from one instance to
+ * another or that somebody changed. Whatever is asked must be answered: no crash, a known status, a message
+ * for every refusal, finite values, event iterations that end.
+ */
+#include <stdlib.h>
+
+#include "arrays.h"
+#include "forge.h"
+#include "host.h"
+#include "players.h"
+#include "scene.h"
+
+/* What outside.h needs. */
+#define FMI(name) fmi2##name
+#define FMI_INSTANCE fmi2Component
+#define FMI_RATES fmi2GetDerivatives
+static fmi2Status handle_event(fmi2Component c);
+#include "outside.h"
+
+/* Event mode until nothing changes any more, and out of it. */
+static fmi2Status handle_event(fmi2Component c)
+{
+    fmi2EventInfo news = {.newDiscreteStatesNeeded = fmi2True};
+    fmi2Status status = fmi2OK;
+    for (int i = 0; status <= fmi2Warning && news.newDiscreteStatesNeeded; ++i) {
+        CLAIM(i < ITERATIONS_AT_MOST);
+        status = fmi2NewDiscreteStates(c, &news);
+        CLAIM(!news.terminateSimulation && !news.nominalsOfContinuousStatesChanged);
+        CLAIM(!news.nextEventTimeDefined || isfinite(news.nextEventTime));
+    }
+    return status <= fmi2Warning ? fmi2EnterContinuousTimeMode(c) : status;
+}
+
+/* Any of the calls between the modes; places for answers may be missing. */
+static fmi2Status change_mode(fmi2Component c, struct bytes *b)
+{
+    fmi2EventInfo news = {.newDiscreteStatesNeeded = fmi2False};
+    fmi2Boolean flag = fmi2False;
+    switch (bytes_choice(b, 8)) {
+    case 0:
+        return fmi2EnterEventMode(c);
+    case 1:
+        return fmi2EnterContinuousTimeMode(c);
+    case 2:
+        return fmi2NewDiscreteStates(c, bytes_one(b) == 255 ? NULL : &news);
+    case 3:
+        return fmi2CompletedIntegratorStep(c, fmi2True, &flag, bytes_one(b) == 255 ? NULL : &flag);
+    case 4:
+        return fmi2SetTime(c, bytes_real(b));
+    case 5:
+        return handle_event(c);
+    case 6:
+        return bytes_one(b) == 255 ? fmi2Terminate(c) : fmi2EnterEventMode(c);
+    default:
+        return fmi2DoStep(c, 0.0, 0.1, fmi2True);
+    }
+}
+
+/* A state of its own with other bytes: taken over or refused. */
+static fmi2Status bring_forged(fmi2Component c, struct bytes *b)
+{
+    static fmi2Byte block[LARGEST_BLOCK];
+    fmi2FMUstate state = NULL;
+    size_t size = 0;
+    fmi2Status status = fmi2GetFMUstate(c, &state);
+    if (status > fmi2Warning) {
+        return status;
+    }
+    status = fmi2SerializedFMUstateSize(c, state, &size);
+    CLAIM(status == fmi2OK && size <= sizeof block);
+    status = fmi2SerializeFMUstate(c, state, block, size);
+    CLAIM(status == fmi2OK);
+    uint8_t row[12]; /* for the changes; the rest is for other calls */
+    bytes_copy(b, row, sizeof row);
+    struct bytes some = {row, sizeof row};
+    forge_changes((uint8_t *)block, size, &some);
+    forge_bound_work((uint8_t *)block, MOST_INTERNAL_STEPS);
+    forge_checksums((uint8_t *)block, size);
+    status = fmi2DeSerializeFMUstate(c, block, size, &state);
+    if (status == fmi2OK) {
+        status = fmi2SetFMUstate(c, state);
+    }
+    const fmi2Status freed = fmi2FreeFMUstate(c, &state);
+    CLAIM(freed == fmi2OK || (freed == fmi2Error && status == fmi2OK)); /* a fatal phase was forged */
+    return status;
+}
+
+static fmi2Status call(struct player *player, struct bytes *b)
+{
+    fmi2Component c = player->component;
+    switch (bytes_choice(b, 20)) {
+    case 0:
+        player_instantiate(player, b, fmi2ModelExchange);
+        return fmi2OK;
+    case 1:
+        if (bytes_one(b) > 200) {
+            player_leave(player);
+        }
+        return fmi2OK;
+    case 2:
+        return player_set_up(player, b);
+    case 3:
+        return bytes_choice(b, 2) ? fmi2EnterInitializationMode(c) : fmi2ExitInitializationMode(c);
+    case 4:
+    case 5:
+        return player_initialize(player, b);
+    case 6:
+    case 7:
+    case 8:
+        return c != NULL ? march(c, b) : fmi2OK;
+    case 9:
+    case 10:
+        return change_mode(c, b);
+    case 11:
+    case 12:
+        return any_vector(c, b);
+    case 13:
+        return arrays_call(c, b);
+    case 14:
+    case 15:
+        return player_set_one(player, b);
+    case 16:
+        return player_handle_state(player, b);
+    case 17:
+        return bytes_choice(b, 2) ? player_debug_logging(player, b) : player_fail_soon(b);
+    case 18:
+        return bytes_one(b) < 128 && c != NULL ? bring_forged(c, b) : player_reset(player);
+    default:
+        if (c != NULL) {
+            host_read_all(c);
+        }
+        return fmi2OK;
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    return players_play(data, size, call);
+}

@@ -1,0 +1,122 @@
+/*
+ * As fuzz_exchange.c, with instances of FMI 3.0: an integrator that steps and handles events, states set one
+ * by one or as a vector, both kinds of derivatives, arrays of wrong lengths.
+ */
+#include "host3.h"
+#include "players3.h"
+#include "scene.h"
+
+/* What outside.h needs. */
+#define FMI(name) fmi3##name
+#define FMI_INSTANCE fmi3Instance
+#define FMI_RATES fmi3GetContinuousStateDerivatives
+static fmi3Status handle_event(fmi3Instance c);
+#include "outside.h"
+
+/* Event mode until nothing changes any more, and out of it. */
+static fmi3Status handle_event(fmi3Instance c)
+{
+    fmi3Boolean again = true, terminate = false, nominals = false, values = false, scheduled = false;
+    const fmi3ValueReference clock = 0;
+    fmi3Float64 next = 0.0, time = 0.0;
+    fmi3Status status = fmi3GetFloat64(c, &clock, 1, &time, 1);
+    for (int i = 0; status <= fmi3Warning && again; ++i) {
+        CLAIM(i < ITERATIONS_AT_MOST);
+        status = fmi3UpdateDiscreteStates(c, &again, &terminate, &nominals, &values, &scheduled, &next);
+        CLAIM(!terminate && !nominals);
+        CLAIM(!scheduled || (next > time && isfinite(next)));
+    }
+    return status <= fmi3Warning ? fmi3EnterContinuousTimeMode(c) : status;
+}
+
+static fmi3Status numbers(fmi3Instance c, struct bytes *b)
+{
+    size_t states = SIZE_MAX, indicators = SIZE_MAX;
+    fmi3Status status = fmi3GetNumberOfContinuousStates(c, bytes_one(b) == 255 ? NULL : &states);
+    CLAIM(status > fmi3Warning || states == SCENE_STATES);
+    if (status <= fmi3Warning) {
+        status = fmi3GetNumberOfEventIndicators(c, &indicators);
+        CLAIM(status > fmi3Warning || indicators == SCENE_INDICATORS);
+    }
+    return status;
+}
+
+/* Any of the calls between the modes; places for answers may be missing. */
+static fmi3Status change_mode(fmi3Instance c, struct bytes *b)
+{
+    fmi3Boolean flags[5] = {false};
+    fmi3Float64 next = 0.0;
+    switch (bytes_choice(b, 9)) {
+    case 0:
+        return fmi3EnterEventMode(c);
+    case 1:
+        return fmi3EnterContinuousTimeMode(c);
+    case 2:
+        return fmi3UpdateDiscreteStates(c, &flags[0], &flags[1], &flags[2], &flags[3],
+                                        bytes_one(b) == 255 ? NULL : &flags[4], &next);
+    case 3:
+        return fmi3CompletedIntegratorStep(c, true, &flags[0], bytes_one(b) == 255 ? NULL : &flags[1]);
+    case 4:
+        return fmi3SetTime(c, bytes_real(b));
+    case 5:
+        return handle_event(c);
+    case 6:
+        return bytes_one(b) == 255 ? fmi3Terminate(c) : fmi3EnterEventMode(c);
+    case 7:
+        return numbers(c, b);
+    default:
+        return bytes_choice(b, 2) ? fmi3EnterStepMode(c)
+                                  : fmi3DoStep(c, 0.0, 0.1, true, &flags[0], &flags[1], &flags[2], &next);
+    }
+}
+
+static fmi3Status call(struct player3 *player, struct bytes *b)
+{
+    fmi3Instance c = player->instance;
+    switch (bytes_choice(b, 20)) {
+    case 0:
+        player3_instantiate(player, b, true);
+        return fmi3OK;
+    case 1:
+        if (bytes_one(b) > 200) {
+            player3_leave(player);
+        }
+        return fmi3OK;
+    case 2:
+        return bytes_choice(b, 2) ? player3_enter(player, b) : fmi3ExitInitializationMode(c);
+    case 3:
+    case 4:
+        return player3_initialize(player, b);
+    case 5:
+    case 6:
+    case 7:
+        return c != NULL ? march(c, b) : fmi3OK;
+    case 8:
+    case 9:
+        return change_mode(c, b);
+    case 10:
+    case 11:
+        return any_vector(c, b);
+    case 12:
+    case 13:
+        return arrays3_call(c, b);
+    case 14:
+    case 15:
+        return arrays3_set_one(c, b);
+    case 16:
+    case 17:
+        return player3_handle_state(player, b);
+    case 18:
+        return bytes_choice(b, 2) ? player3_debug_logging(player, b) : player3_reset(player);
+    default:
+        if (c != NULL) {
+            host3_read_all(c);
+        }
+        return fmi3OK;
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    return players3_play(data, size, call);
+}
