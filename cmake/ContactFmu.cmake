@@ -192,10 +192,14 @@ function(contact_fmu_library target folder fmi output)
         target_compile_options(${target} PRIVATE -flto)
         target_link_options(${target} PRIVATE -flto)
     endif()
-    # One FMU for all platforms is to be small: elsewhere than on x86-64 Linux, size is worth more than the last few
-    # percent of speed. Digits do not depend on it.
-    if(CMAKE_CROSSCOMPILING AND NOT contact_platform_fmi2 STREQUAL "linux64")
-        target_compile_options(${target} PRIVATE -Os)
+    # One FMU for all platforms is to be small: there size is worth more than the last tenth of speed. Digits do not
+    # depend on it. -Oz means what zig's own -Os does not pass on; on x86-64 Linux, where most runs are, functions are
+    # still put into their callers. sqrt without errno is one instruction.
+    if(CONTACT_ZIG AND CMAKE_CROSSCOMPILING)
+        target_compile_options(${target} PRIVATE -Os -fno-math-errno -fomit-frame-pointer)
+        if(NOT contact_platform_fmi2 STREQUAL "linux64")
+            target_compile_options(${target} PRIVATE "SHELL:-Xclang -Oz" "SHELL:-mllvm -inline-threshold=0")
+        endif()
     endif()
     target_compile_options(${target} PRIVATE -ffunction-sections -fdata-sections ${no_unwinding})
     target_link_options(${target} PRIVATE ${no_unwinding})

@@ -5,7 +5,6 @@ the FMI headers and the C library; the text at its top says what may be defined.
 """
 
 import re
-import shutil
 import sys
 from pathlib import Path
 
@@ -53,6 +52,13 @@ TAIL = """
 #pragma GCC visibility pop
 #endif
 """
+
+
+def with_notice(text):
+    """A header of FMI with its licence and no other comment: the standard explains the functions"""
+    notice = next(found[0] for found in COMMENT.finditer(text) if "Copyright" in found[0])
+    licence = "/*\n   " + notice[notice.index("Copyright") :] + "\n"
+    return licence + without_comments(text)
 
 
 class Amalgamation:
@@ -137,7 +143,7 @@ def main(units, scene, source, headers, fmi, output):
     (output / "scene.h").write_text(INCLUDE.sub("", (scene / "scene.h").read_text("utf-8")), encoding="utf-8")
     (output / "buildDescription.xml").write_text(BUILD_DESCRIPTION.format(name=name), encoding="utf-8")
     for header in sorted(headers.glob(f"fmi{fmi}*.h")):
-        shutil.copyfile(header, output / header.name)
+        (output / header.name).write_text(with_notice(header.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -17,6 +17,11 @@ foreach(kind EXE MODULE SHARED)
     set(CMAKE_${kind}_LINKER_FLAGS_INIT "-s")
 endforeach()
 
+# zig's own ar: that of this machine makes archives that the linker for macOS does not read.
+set(CMAKE_C_ARCHIVE_CREATE "\"${contact_zig_program}\" ar qcsD <TARGET> <OBJECTS>")
+set(CMAKE_C_ARCHIVE_APPEND "\"${contact_zig_program}\" ar qsD <TARGET> <OBJECTS>")
+set(CMAKE_C_ARCHIVE_FINISH ":")
+
 # Nothing of this machine goes into a library for another.
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)

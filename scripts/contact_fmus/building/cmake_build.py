@@ -70,35 +70,38 @@ def check_scene(file: Path, folder: Path) -> Scene:
     return Scene(file, told("SCENE_NAME"), told("SCENE_HAS_CVODE") == "ON")
 
 
-def build_fmu(scene: Scene, how: How, say: Callable[[str], None]) -> Path:
-    """The FMU in the cache; RunFailure with the compiler's first error where it cannot be built"""
+def build_fmus(scenes: list[Scene], how: How, say: Callable[[str], None]) -> list[Path]:
+    """The FMUs in the cache; RunFailure with the compiler's first error where one cannot be built"""
     kind = "_fmi3" if how.fmi == 3 else ""
+    about = ", ".join(str(scene.file) for scene in scenes)
     with _folder(how) as folder:
         log = folder.with_suffix(".log")
         say("configuring")
-        _run(_configuration(scene, how, folder), scene.file, log, how)
+        _run(_configuration(scenes, how, folder), about, log, how)
         say("compiling")
-        target = f"{scene.name}{kind}_fmu"
-        _run([_program("cmake"), "--build", str(folder), "--target", target], scene.file, log, how)
-        finished = folder.with_name(f"{scene.name}{kind}.fmu")
-        shutil.copyfile(folder / f"fmus{kind.replace('_', '-')}" / f"{scene.name}.fmu", finished)
+        targets = [f"{scene.name}{kind}_fmu" for scene in scenes]
+        _run([_program("cmake"), "--build", str(folder), "--target", *targets], about, log, how)
+        finished = [folder.with_name(f"{scene.name}{kind}.fmu") for scene in scenes]
+        for scene, fmu in zip(scenes, finished, strict=True):
+            shutil.copyfile(folder / f"fmus{kind.replace('_', '-')}" / f"{scene.name}.fmu", fmu)
         return finished
 
 
-def _configuration(scene: Scene, how: How, folder: Path) -> list[str]:
-    if ";" in str(scene.file):
-        raise UserError(f"{scene.file}: CMake takes no path with a semicolon")
+def _configuration(scenes: list[Scene], how: How, folder: Path) -> list[str]:
+    for scene in scenes:
+        if ";" in str(scene.file):
+            raise UserError(f"{scene.file}: CMake takes no path with a semicolon")
     values = {
         "CMAKE_BUILD_TYPE": "Release",
         "CMAKE_TRY_COMPILE_CONFIGURATION": "Release",
         "CMAKE_MAKE_PROGRAM": _program("ninja"),
         "Python3_EXECUTABLE": sys.executable,
-        "CONTACT_SCENES": str(scene.file.resolve()),
+        "CONTACT_SCENES": ";".join(str(scene.file.resolve()) for scene in scenes),
         "CONTACT_CHOICES": how.choices,
     }
     if how.toolchain is not None:
         values["CMAKE_TOOLCHAIN_FILE"] = str(repository() / "cmake" / "platforms" / f"{how.toolchain}.cmake")
-        values["CONTACT_SUNDIALS"] = "fetch" if scene.has_cvode else "none"
+        values["CONTACT_SUNDIALS"] = "fetch" if any(scene.has_cvode for scene in scenes) else "none"
         values["FETCHCONTENT_SOURCE_DIR_SUNDIALS"] = str(how.sundials.resolve()) if how.sundials else ""
     else:
         values["CMAKE_C_COMPILER"] = ";".join(how.compiler)
@@ -153,7 +156,7 @@ def _tree() -> str:
     return hashlib.sha256(about.encode()).hexdigest()
 
 
-def _run(command: list[str], scene: Path, log: Path, how: How) -> None:
+def _run(command: list[str], about: str, log: Path, how: How) -> None:
     environment = {name: value for name, value in os.environ.items() if name not in FLAGS_OF_OTHERS}
     if how.toolchain is not None:
         environment["CONTACT_ZIG_PROGRAM"] = how.compiler[0]
@@ -170,4 +173,4 @@ def _run(command: list[str], scene: Path, log: Path, how: How) -> None:
     if run.returncode != 0:
         lines = [line.strip() for line in run.stdout.splitlines() if "error" in line.lower()]
         first = lines[0] if lines else f"{Path(command[0]).name} ended with status {run.returncode}"
-        raise RunFailure(f"{scene}: building failed: {first} (all of it: {log})")
+        raise RunFailure(f"{about}: building failed: {first} (all of it: {log})")

@@ -13,16 +13,44 @@ from rich.console import Console
 
 from contact_fmus.errors import UserError
 
-from .cmake_build import How, build_fmu, check_scene
+from .cmake_build import How, Scene, build_fmus, check_scene
 from .compiler import find_compiler
 from .platforms import PLATFORMS, join, toolchains
 from .template import SHAPES, scene_text
 
 
 def build(arguments: list[str] | None = None) -> int:
-    """0: the FMU is there; 2: the scene or the compiler will not do; 3: building failed"""
-    parser = argparse.ArgumentParser(prog="contact-fmus build", description="Makes an FMU from a scene file.")
-    parser.add_argument("scene", type=Path, metavar="SCENE.toml")
+    """0: the FMUs are there; 2: a scene or the compiler will not do; 3: building failed"""
+    options = _asked(arguments)
+    for file in options.scenes:
+        if not file.is_file():
+            raise UserError(f"{file}: there is no such file")
+    if options.sundials_source and not (options.sundials_source / "src" / "cvode").is_dir():
+        raise UserError(f"--sundials-source: {options.sundials_source} has no folder src/cvode")
+    wanted = toolchains(options.platforms) if options.platforms is not None else [None]
+    begin = time.monotonic()
+    scenes = _checked(options.scenes)
+    compiler = find_compiler(options.compiler if wanted == [None] else "zig")
+    options.output.mkdir(parents=True, exist_ok=True)
+    made = []
+    with Console(stderr=True).status("FMUs") as status:
+        for toolchain in wanted:
+            place = ", ".join(scene.name for scene in scenes) + (f" for {toolchain}" if toolchain else "")
+            how = How(tuple(compiler), toolchain, options.sundials_source, options.fmi, options.choices)
+            made.append(build_fmus(scenes, how, lambda text, place=place: status.update(f"{place}: {text}")))
+    for scene, of_platforms in zip(scenes, zip(*made, strict=True), strict=True):
+        fmu = options.output / f"{scene.name}.fmu"
+        if len(of_platforms) == 1:
+            shutil.copyfile(of_platforms[0], fmu)
+        else:
+            join(list(of_platforms), fmu)
+        _tell(fmu, compiler, time.monotonic() - begin, options.json)
+    return 0
+
+
+def _asked(arguments: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="contact-fmus build", description="Makes FMUs from scene files.")
+    parser.add_argument("scenes", type=Path, nargs="+", metavar="SCENE.toml")
     parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="DIR", help="default: here")
     parser.add_argument(
         "--compiler", metavar="CC", help="gcc, clang, zig or a path; default: CC, or the first that works"
@@ -45,40 +73,33 @@ def build(arguments: list[str] | None = None) -> int:
         default="",
         help="integer: for importers that know no enumerations; default: as the scene file says",
     )
-    parser.add_argument("--json", action="store_true", help="what was built, as JSON")
-    options = parser.parse_args(arguments)
-    if not options.scene.is_file():
-        raise UserError(f"{options.scene}: there is no such file")
-    if options.sundials_source and not (options.sundials_source / "src" / "cvode").is_dir():
-        raise UserError(f"--sundials-source: {options.sundials_source} has no folder src/cvode")
-    wanted = toolchains(options.platforms) if options.platforms is not None else [None]
-    begin = time.monotonic()
-    with tempfile.TemporaryDirectory() as folder:
-        scene = check_scene(options.scene, Path(folder))
-    compiler = find_compiler(options.compiler if wanted == [None] else "zig")
-    options.output.mkdir(parents=True, exist_ok=True)
-    fmu = options.output / f"{scene.name}.fmu"
-    made = []
-    with Console(stderr=True).status(scene.name) as status:
-        for toolchain in wanted:
-            place = f"{scene.name} for {toolchain}" if toolchain else scene.name
-            how = How(tuple(compiler), toolchain, options.sundials_source, options.fmi, options.choices)
-            made.append(build_fmu(scene, how, lambda text, place=place: status.update(f"{place}: {text}")))
-    if len(made) == 1:
-        shutil.copyfile(made[0], fmu)
-    else:
-        join(made, fmu)
+    parser.add_argument("--json", action="store_true", help="what was built, as JSON, a line for each FMU")
+    return parser.parse_args(arguments)
+
+
+def _checked(files: list[Path]) -> list[Scene]:
+    """UserError where the generator has a complaint, or two scenes would make the same file"""
+    scenes: dict[str, Scene] = {}
+    for file in files:
+        with tempfile.TemporaryDirectory() as folder:
+            scene = check_scene(file, Path(folder))
+        if scene.name in scenes:
+            raise UserError(f"{file}: 'name' is '{scene.name}', as in {scenes[scene.name].file}")
+        scenes[scene.name] = scene
+    return list(scenes.values())
+
+
+def _tell(fmu: Path, compiler: list[str], seconds: float, as_json: bool) -> None:
     about = {
         "fmu": str(fmu),
         "bytes": fmu.stat().st_size,
         "compiler": " ".join(compiler),
-        "seconds": round(time.monotonic() - begin, 1),
+        "seconds": round(seconds, 1),
     }
-    if options.json:
+    if as_json:
         print(json.dumps(about))
     else:
         print(f"{fmu}: {about['bytes'] / 1e3:.0f} kB by {about['compiler']} in {about['seconds']} s")
-    return 0
 
 
 def new(arguments: list[str] | None = None) -> int:
