@@ -77,8 +77,8 @@ struct contact_peaks {
 /* Whoever knows of a force and a penetration notes them here. */
 static inline void contact_peaks_note(struct contact_peaks *peaks, double force, double penetration)
 {
-    peaks->force = fmax(peaks->force, force);
-    peaks->penetration = fmax(peaks->penetration, penetration);
+    peaks->force = force > peaks->force ? force : peaks->force;
+    peaks->penetration = penetration > peaks->penetration ? penetration : peaks->penetration;
 }
 
 /* What has been foreseen. */

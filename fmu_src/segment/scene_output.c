@@ -4,18 +4,6 @@
 #include "scene/scene_jet.h"
 #include "segment/dense_output.h"
 
-/* The scene at a clock; q becomes its state. */
-static void scene_output_at(const struct scene_output *o, double clock, struct scene_state *q,
-                            struct scene_instant *at)
-{
-    *q = *o->state;
-    q->clock = clock;
-    if (o->move) {
-        o->move(o->mover, clock, q);
-    }
-    scene_evaluate(o->values, q, clock, free_bodies_now(q), at);
-}
-
 static void put_terms(double of[3], const double term[JET_TERMS])
 {
     of[0] = term[0];
@@ -27,10 +15,14 @@ static void put_terms(double of[3], const double term[JET_TERMS])
 static void sample_scene(const void *output, double clock, struct pair_sample *sample)
 {
     const struct scene_output *o = output;
-    struct scene_state q;
+    struct scene_state q = *o->state;
     struct scene_instant at;
     struct scene_jet along;
-    scene_output_at(o, clock, &q, &at);
+    q.clock = clock;
+    if (o->move) {
+        o->move(o->mover, clock, &q);
+    }
+    scene_evaluate(o->values, &q, clock, free_bodies_now(&q), &at);
     jet_of_motion(o->values, &q, &at, &along);
     const struct contact_jet *jet = &along.contact[o->contact];
     put_terms(sample->of[PAIR_GAP], jet->gap);
@@ -38,37 +30,26 @@ static void sample_scene(const void *output, double clock, struct pair_sample *s
     put_terms(sample->of[PAIR_FORCE], jet->normal_force);
 }
 
-static struct vec3 normal_at(const struct scene_output *o, double clock)
-{
-    struct scene_state q;
-    struct scene_instant at;
-    scene_output_at(o, clock, &q, &at);
-    return at.geometry[o->contact].normal;
-}
-
-static void note_scene_at(const struct scene_output *o, double clock, struct contact_peaks *peaks)
-{
-    struct scene_state q;
-    struct scene_instant at;
-    scene_output_at(o, clock, &q, &at);
-    contact_peaks_note(peaks, at.normal_force[o->contact], -at.geometry[o->contact].gap);
-}
-
 /* In the centre of solid bodies n reverses, and the force of a dashpot with it: it is largest right before or
- * right after. */
-static void note_at_centre(const struct scene_output *o, double from, double to, struct contact_peaks *peaks)
+ * right after. There the gap, which falls at `low` and rises at `high`, is least. */
+static void note_at_centre(const struct scene_output *o, double low, double high, struct contact_peaks *peaks)
 {
-    const struct vec3 normal = normal_at(o, from);
-    if (!(vec3_dot(normal, normal_at(o, to)) < 0.0)) {
-        return;
+    struct pair_sample at;
+    for (double middle = 0.5 * (low + high); middle > low && middle < high; middle = 0.5 * (low + high)) {
+        sample_scene(o, middle, &at);
+        contact_peaks_note(peaks, at.of[PAIR_FORCE][0], -at.of[PAIR_GAP][0]);
+        *(at.of[PAIR_GAP][1] < 0.0 ? &low : &high) = middle;
     }
-    for (double middle = 0.5 * (from + to); middle > from && middle < to; middle = 0.5 * (from + to)) {
-        const bool is_before = vec3_dot(normal, normal_at(o, middle)) >= 0.0;
-        from = is_before ? middle : from;
-        to = is_before ? to : middle;
-    }
-    note_scene_at(o, from, peaks);
-    note_scene_at(o, to, peaks);
+}
+
+/* Whether the motion may have come through the centre: the bodies overlap by more than half the distance at
+ * which they touch, and approach no more. */
+static bool may_pass_centre(const struct scene_output *o, const struct pair_sample *before,
+                            const struct pair_sample *after)
+{
+    const struct contact_shape shape = scene_contact_shape(o->values, o->state, o->contact);
+    return shape.side > 0 && -2.0 * after->of[PAIR_GAP][0] > contact_reach(&shape) &&
+           before->of[PAIR_GAP][1] < 0.0 && after->of[PAIR_GAP][1] > 0.0;
 }
 
 void scene_output_note_peaks(struct scene_output *o, double from, double to, int parts,
@@ -90,7 +71,7 @@ void scene_output_note_peaks(struct scene_output *o, double from, double to, int
     }
     const int last = w->count - 1;
     for (int i = 0; i < last; ++i) {
-        if (w->at[i].of[PAIR_GAP][1] < 0.0 && w->at[i + 1].of[PAIR_GAP][1] > 0.0) {
+        if (may_pass_centre(o, &w->at[i], &w->at[i + 1])) {
             note_at_centre(o, w->s[i], w->s[i + 1], peaks);
         }
     }
