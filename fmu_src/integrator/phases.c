@@ -25,6 +25,11 @@ void integrator_close(struct integrator *s)
 /* Horizon of a separating contact, as a multiple of the time in which it opens at its present rate. */
 static const double SEPARATION_TIMES = 4.0;
 
+/* The horizon is at most this [s], or this many times as long as the phase has lasted. In units of a path of
+ * degree four and so long bodies measure 1e-72, whose fourth power is a number still. */
+static const double LONGEST_HORIZON = 1e18;
+static const double HORIZON_GROWTH = 1e3;
+
 /* The horizon of the search for regime changes [s]: the rest of the step, or the time since the phase began
  * if that is longer, so that a flight of many short steps is searched a few times only. While a contact
  * separates it is not much longer than that lasts: the conditions are then nearly linear and their roots
@@ -33,6 +38,9 @@ static double horizon_from(const struct scene_values *v, const struct scene_stat
                            const struct scene_instant *at, double remaining)
 {
     double horizon = fmax(remaining, q->clock);
+    if (horizon > LONGEST_HORIZON) {
+        horizon = fmin(horizon, fmax(LONGEST_HORIZON, HORIZON_GROWTH * q->clock));
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (q->contact[j].regime == REGIME_SEPARATING) {
             const struct contact_geometry *now = &at->geometry[j];

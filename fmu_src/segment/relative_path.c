@@ -1,5 +1,7 @@
 #include "segment/relative_path.h"
 
+#include <float.h>
+
 #if SCENE_ANY_FREE
 #include "segment/flight.h"
 
@@ -115,6 +117,7 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
             path.c[i] = vec3_make(-vec3_dot(path.c[i], shape->axis), 0.0, 0.0);
         }
         factor *= horizon;
+        factor = factor < DBL_MAX ? factor : DBL_MAX; /* for coefficients that are zero */
         if (i < SEPARATION_DEGREE) {
             w[i] = vec3_scale(factor, separation->w[i]);
             if (path.flat) {

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from contact_fmus.fmu.contact_fmu import FmuError
-from support.checks import METHODS, check_close
+from support.checks import METHODS, check_close, start
 
 
 @pytest.mark.parametrize("damping", [100.0, 1000.0])
@@ -62,3 +62,32 @@ def test_an_input_derivative_out_of_range_is_refused(opened):
     fmu.start({})
     with pytest.raises(FmuError, match=r"source\.external_force\[1\].*1e\+300.*allowed"):
         fmu.set_derivative("source.external_force", [1e300, 0, 0], order=1)
+
+
+@pytest.mark.parametrize("step", [1e2, 1e17, 1e40, 1e80, 1e120, 1e300])
+@pytest.mark.parametrize("motion", ["free", "prescribed"])
+@pytest.mark.parametrize("method", METHODS)
+def test_a_contact_is_met_however_long_the_step(opened, method, motion, step):
+    """A ball on a line at 0.3 m from the centre of another one, of 0.6 m together"""
+    velocity = [1.0, 0.0, 0.0]
+    values = {
+        "source.motion": motion,
+        "destination.motion": "fixed",
+        "source.center": [-2.0, 0.3, 0.0],
+        "contact.location": "outside",
+        "contact.penalty_factor": 1e5,
+        "gravity": [0.0, 0.0, 0.0],
+    }
+    if motion == "free":
+        values["source.initial_velocity"] = velocity
+    else:
+        values |= {
+            "source.prescribed_velocity": velocity,
+            "source.prescribed_displacement.derivatives": [velocity],
+        }
+    fmu = start(opened("SphereSphere"), values, 1e-9, method)
+    fmu.step(step)
+    assert fmu["contact.onsets"] == 1
+    check_close("onset", fmu["contact.last_onset_time"], 2.0 - math.sqrt(0.6**2 - 0.3**2), 1e-14)
+    assert fmu["contact.last_duration"] > 1e-3
+    assert fmu["source.position"][1] > 0.299

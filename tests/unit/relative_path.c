@@ -74,8 +74,33 @@ static void the_squares_are_those_of_the_separation(void)
     }
 }
 
+/* A step may have any length: powers of time overflow, coefficients that are zero do not count. */
+static void a_path_of_any_length_has_finite_numbers(void)
+{
+    const struct contact_shape shape = {
+        .source_radius = 0.1, .other_radius = 0.5, .half_length = INFINITY, .side = 1};
+    struct separation_path separation = {.c = {{2.0, 0.3, 0.0}}, .offset = {2.0, 0.3, 0.0}};
+    for (int moves = 0; moves < 2; ++moves) {
+        separation.c[1] = separation.w[0] = vec3_make(-moves, 0.0, 0.0);
+        for (double horizon = 1e-300; horizon < 1e301; horizon *= 1e50) {
+            const struct relative_path path = relative_path_make(&shape, &separation, 1.4, horizon);
+            double gap;
+            double slope;
+            relative_path_gap(&path, 1.0, &gap, &slope);
+            const double distance = hypot(2.0 - moves * horizon, 0.3);
+            CHECK_CLOSE("gap", path.scale * gap / fmax(distance, 1.0), (distance - 0.6) / fmax(distance, 1.0),
+                        0.1);
+            CHECK(isfinite(slope) && path.degree == moves);
+            for (int i = 0; i <= path.half_rate.degree; ++i) {
+                CHECK(isfinite(path.half_rate.a[i]));
+            }
+        }
+    }
+}
+
 int main(void)
 {
     CHECK_TEST(the_squares_are_those_of_the_separation);
+    CHECK_TEST(a_path_of_any_length_has_finite_numbers);
     return check_summary("relative_path");
 }
