@@ -7,11 +7,13 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
-from support.checks import check_close, run
+from support.checks import check_close, run, start
 from support.reference.make_swaying_references import FILE, end_of
 from support.reference.stiff_limit import StiffContact
 from support.reference.swaying_load import integrate, random_scene
+from support.scenes.scene_families import drawn
 
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 ROWS = json.loads(FILE.read_text(encoding="utf-8"))
@@ -111,3 +113,55 @@ def test_a_load_that_sways_turns_six_times(opened, stiffness, damping, tolerance
     assert fmu["solver.events"] <= 7
     assert fmu["solver.steps"] <= 60
     check_close("position", fmu["source.position"], stiff_end(values, "sphere", end).position, 1e-9 + rise)
+
+
+def swings(mass, stiffness, damping, load, depth, end):
+    """Depth and speed at the end, turns, largest depth and force of a body set down at rest, by DOP853 from
+    turn to turn. Time in 1/omega, lengths in load / p_n.
+    """
+    ratio = damping / math.sqrt(stiffness * mass)
+
+    def turns(t, y):
+        return y[1]
+
+    turns.terminal = True
+    time, y, count, peaks = 0.0, [depth * stiffness / load, 0.0], 0, [0.0, 0.0]
+    last = end * math.sqrt(stiffness / mass)
+    while time < last:
+        acts = ratio if 1.0 - y[0] > 0.0 else 0.0  # approaches from here on
+        turns.direction = -1.0 if acts else 1.0
+        path = solve_ivp(
+            lambda t, y, acts=acts: [y[1], 1.0 - y[0] - acts * y[1]],
+            (time, last),
+            y,
+            "DOP853",
+            rtol=1e-13,
+            atol=1e-15,
+            events=turns,
+            max_step=0.02,
+        )
+        peaks = [max(peaks[0], *path.y[0]), max(peaks[1], *(path.y[0] + acts * path.y[1]))]
+        time, y = path.t[-1], [path.y[0][-1], path.y[1][-1] if path.status == 0 else 0.0]
+        count += path.status
+    speed = y[1] * load / math.sqrt(stiffness * mass)
+    return y[0] * load / stiffness, speed, count, peaks[0] * load / stiffness, peaks[1] * load
+
+
+@pytest.mark.parametrize("seed", [0, 1, 3, 4, 6, 8])
+def test_a_body_set_down_swings_as_dop853_says(opened, seed):
+    """Below critical damping: only while it approaches does it lose energy"""
+    scene = drawn("swinging out", seed)
+    values, load = scene.values, 10.0
+    towards = np.divide(values["source.external_force"], load)
+    factors = [values[f"contact.{name}"] for name in ("penalty_factor", "viscous_penalty_factor")]
+    fmu = start(opened(FMU[scene.shape]), values, 1e-10, "event_driven")
+    end, first = min(scene.end, 60.0 / math.sqrt(factors[0] / values["source.mass"])), -fmu["contact.gap"]
+    right = swings(values["source.mass"], *factors, load, first, end)
+    fmu.step(end)
+    moved = np.dot(np.subtract(fmu["source.position"], values["source.center"]), towards)
+    small = load / factors[0]
+    check_close("depth", first + moved, right[0], 1e-14 + 1e-9 * small)
+    check_close("speed", np.dot(fmu["source.velocity"], towards), right[1], 1e-9)
+    assert 0 <= fmu["solver.events"] - right[2] <= 1  # one more where it touches at the start
+    check_close("peak depth", fmu["contact.peak_penetration"], right[3], 1e-14 + 3e-4 * small)
+    check_close("peak force", fmu["contact.peak_force"], right[4], 3e-4 * load)

@@ -127,3 +127,22 @@ def set_down(random, shape):
     settled = fall + math.log(10.0 / stiffness / 2e-15) / slow  # within what rounding leaves of the gap
     end = float(settled * 10 ** random.uniform(-1.5, 1))
     return {"values": values, "stops": (end,), "straight": True, "settled": settled}
+
+
+def swinging_out(random, shape):
+    """Set down on the way to where spring and load balance, below critical damping, with a dashpot that acts
+    on approach only: every other half swing keeps its energy.
+    """
+    inside = bool(random.integers(2))
+    stiffness, ratio = 10 ** random.uniform(4, 7.5), 10 ** random.uniform(-2, -0.05)
+    depth = 10.0 / stiffness * float(chosen(random, [0.0, 0.0, 0.5, 0.99]))
+    values, outward = pair(random, shape, inside, -depth)
+    omega = math.sqrt(stiffness / values["source.mass"])
+    values |= factors(stiffness, ratio, values["source.mass"])
+    values |= {
+        "contact.dashpot": "approach_only",
+        "source.external_force": (10.0 * (outward if inside else -outward)).tolist(),
+    }
+    # No more than 250 swings, and none below 1e-4 of the first: much smaller ones need no dashpot any more.
+    end = min(250.0, 9.0 / (0.5 * ratio)) * random.uniform(0.05, 1.0) / omega
+    return {"values": values, "stops": uneven(end, random), "straight": True}

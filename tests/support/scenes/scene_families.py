@@ -15,7 +15,14 @@ import numpy as np
 
 from support.reference.integrator import Reference
 from support.reference.law import complete
-from support.scenes.damped_makers import approach_only, contradictory, dying_away, from_zero, set_down
+from support.scenes.damped_makers import (
+    approach_only,
+    contradictory,
+    dying_away,
+    from_zero,
+    set_down,
+    swinging_out,
+)
 from support.scenes.scene_makers import (
     beside_an_event,
     given_motions,
@@ -58,6 +65,7 @@ FAMILIES = {
     "approach only": approach_only,
     "dying away": dying_away,
     "set down": set_down,
+    "swinging out": swinging_out,
 }
 
 
@@ -138,6 +146,9 @@ def well_posed(scene):
     return all(np.max(np.abs(row - ends[0])) < 1e-6 for row in ends)
 
 
+AT_REST = 1e-9  # m/s
+
+
 class TooLong(Exception):
     """The reference takes more steps than are worth waiting for."""
 
@@ -158,6 +169,9 @@ def expected(scene, number=float, order=24):
     reference.run(min(scene.end, scene.settled))
     resting = number(scene.end) - reference.time
     if resting > 0:  # the contact bears the load alone, and nothing moves
+        fastest = max(abs(x) for row in reference.velocity.values() for x in row)
+        if fastest > AT_REST:
+            raise ValueError(f"the reference still moves at {float(fastest)} m/s when settled")
         load = reference.vector("source.external_force")
         reference.impulse = [j - f * resting for j, f in zip(reference.impulse, load, strict=True)]
         reference.time = number(scene.end)
