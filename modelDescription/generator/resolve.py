@@ -117,7 +117,7 @@ class Resolved:
 def resolve(scene: Scene, catalogue: Catalogue) -> Resolved:
     cells = [cell for row in catalogue.rows.values() for cell in _cells_of(row, scene)]
     known = {cell.name: cell for cell in cells}
-    narrowed, constants = _pins(scene, known)
+    narrowed, constants = _pins(scene, catalogue, known)
     cells = [_narrow(cell, narrowed.get(cell.name), scene) for cell in cells]
     known = {cell.name: cell for cell in cells}
     constants = {name: checked(scene, catalogue, "[pinned]", known[name], v) for name, v in constants.items()}
@@ -170,7 +170,9 @@ def _cell(row: Row, scene: Scene, element: int, name: str, block: int, **names: 
     )  # fmt: skip
 
 
-def _pins(scene: Scene, known: dict[str, Cell]) -> tuple[dict[str, list], dict[str, object]]:
+def _pins(
+    scene: Scene, catalogue: Catalogue, known: dict[str, Cell]
+) -> tuple[dict[str, list], dict[str, object]]:
     """Choices that keep some of their items only, and what is pinned to one value."""
     narrowed, constants = {}, {}
     parameters = {name: cell for name, cell in known.items() if cell.row.causality == "parameter"}

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from support.fmi2.outside import Outside
 
 from support.checks import check_close
 from support.fmi2 import raw
-from support.fmi2.outside import Outside
 from support.fmi2.raw import ERROR, MODEL_EXCHANGE, OK, SCENES
 from support.reference.tuned_motion import TunedMotion
 
