@@ -23,6 +23,18 @@ static void put_force(struct scene_values *v, int contact, double normal_force, 
     put_contact_destination_force(v, contact, vec3_scale(-1.0, source_force));
 }
 
+/* A sum that is finite only if both factors are. */
+static double put_hertz(struct scene_values *v, int contact, const struct contact_law *law)
+{
+    struct contact_coefficients factors = {0.0, 0.0};
+    if (contact_is_hertz(law)) {
+        factors = contact_factors_of(law);
+    }
+    put_contact_effective_hertz_stiffness(v, contact, factors.k);
+    put_contact_effective_hunt_crossley_factor(v, contact, factors.c);
+    return factors.k + factors.c;
+}
+
 /* Numbers within their ranges can still multiply to more than a double holds: these functions return a sum
  * that is finite only if all outputs of theirs are. */
 static double put_contact(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
@@ -35,13 +47,9 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     const enum contact_regime regime = (enum contact_regime)state->regime;
     const bool within = scene_within_extents(&shape, g);
     const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
-    const struct contact_coefficients none = {0.0, 0.0};
     const struct contact_coefficients factors = contact_coefficients_of(&law, REGIME_COMPRESSION);
     put_contact_effective_penalty_factor(v, contact, factors.k);
     put_contact_effective_viscous_penalty_factor(v, contact, factors.c);
-    const struct contact_coefficients hertz = contact_is_hertz(&law) ? contact_factors_of(&law) : none;
-    put_contact_effective_hertz_stiffness(v, contact, hertz.k);
-    put_contact_effective_hunt_crossley_factor(v, contact, hertz.c);
     put_contact_diagonal(v, contact, state->parameters.diagonal);
     put_contact_gap(v, contact, within ? g->gap : contact_gap_beyond_ends(v, contact));
     put_contact_gap_rate(v, contact, within ? g->gap_rate : 0.0);
@@ -51,7 +59,7 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     put_contact_active(v, contact, regime != REGIME_APART);
     put_contact_within_extents(v, contact, within);
     put_force(v, contact, force, vec3_scale(-shape.side * force, g->normal));
-    return force + g->distance + g->gap_rate + factors.k + factors.c + hertz.k + hertz.c;
+    return force + g->distance + g->gap_rate + factors.k + factors.c + put_hertz(v, contact, &law);
 }
 
 static void warn_of_missing_direction(struct model *m, const struct scene_instant *at)

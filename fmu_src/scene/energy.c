@@ -34,8 +34,11 @@ double energy_stored(const struct scene_values *v, const struct scene_state *q,
 {
     double sum = 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_law law = scene_contact_law(v, q, j);
-        sum += contact_stored_energy(&law, (enum contact_regime)q->contact[j].regime, at->geometry[j].gap);
+        const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
+        if (regime != REGIME_APART) {
+            const struct contact_law law = scene_contact_law(v, q, j);
+            sum += contact_stored_energy(&law, regime, at->geometry[j].gap);
+        }
     }
     return sum;
 }

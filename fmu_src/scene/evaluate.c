@@ -117,11 +117,14 @@ void scene_forces(const struct scene_values *v, const struct scene_state *q, dou
                                                          : vec3_make(0.0, 0.0, 0.0);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_law law = scene_contact_law(v, q, j);
         const struct contact_shape shape = scene_contact_shape(v, q, j);
         const struct contact_geometry *g = &at->geometry[j];
-        at->normal_force[j] =
-            contact_force(&law, (enum contact_regime)q->contact[j].regime, g->gap, g->gap_rate);
+        const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
+        at->normal_force[j] = 0.0;
+        if (regime != REGIME_APART) {
+            const struct contact_law law = scene_contact_law(v, q, j);
+            at->normal_force[j] = contact_force(&law, regime, g->gap, g->gap_rate);
+        }
         at->source_force[j] = vec3_scale(-shape.side * at->normal_force[j], g->normal);
         const int source = contact_source(j);
         const int destination = contact_destination(j);
@@ -151,17 +154,6 @@ bool scene_within_extents(const struct contact_shape *shape, const struct contac
 double scene_beyond_ends(const struct contact_shape *shape, const struct contact_geometry *geometry)
 {
     return SCENE_ANY_CYLINDER ? fabs(geometry->axial) - shape->half_length : -(double)INFINITY;
-}
-
-bool scene_is_hertz(const struct scene_values *v, int contact)
-{
-    return SCENE_ANY_HERTZ && contact_law(v, contact) == LAW_HERTZ;
-}
-
-bool scene_damps_by_onset(const struct scene_values *v, int contact)
-{
-    return SCENE_ANY_RESTITUTION && scene_is_hertz(v, contact) &&
-           contact_viscous_control(v, contact) == VISCOUS_CONTROL_RESTITUTION;
 }
 
 double body_inverse_mass(const struct scene_values *v, int body)

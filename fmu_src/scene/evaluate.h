@@ -34,8 +34,16 @@ struct contact_law scene_contact_law(const struct scene_values *v, const struct 
 
 /* Whether a contact has Hertz's law; and one whose damping is made from the speed of each onset. Constant
  * false in scenes without. */
-bool scene_is_hertz(const struct scene_values *v, int contact);
-bool scene_damps_by_onset(const struct scene_values *v, int contact);
+static inline bool scene_is_hertz(const struct scene_values *v, int contact)
+{
+    return SCENE_ANY_HERTZ && contact_law(v, contact) == LAW_HERTZ;
+}
+
+static inline bool scene_damps_by_onset(const struct scene_values *v, int contact)
+{
+    return SCENE_ANY_RESTITUTION && scene_is_hertz(v, contact) &&
+           contact_viscous_control(v, contact) == VISCOUS_CONTROL_RESTITUTION;
+}
 
 /* One body at the present state of q. */
 struct body_instant scene_body_now(const struct scene_values *v, const struct scene_state *q, int body);

@@ -39,11 +39,11 @@ static double onset_speed(const struct scene_values *v, const struct scene_state
     return sqrt(fmax(speed_squared, 1.2 * a * depth));
 }
 
-enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
-                               const struct scene_instant *at, int contact, enum contact_regime next)
+enum contact_regime onset_take_damping(const struct scene_values *v, struct scene_state *q,
+                                       const struct scene_instant *at, int contact, enum contact_regime next)
 {
     struct contact_state *state = &q->contact[contact];
-    if (!scene_damps_by_onset(v, contact) || next == REGIME_APART || state->regime != (int32_t)REGIME_APART) {
+    if (next == REGIME_APART || state->regime != (int32_t)REGIME_APART) {
         return next;
     }
     const double damping = state->parameters.factors.c / onset_speed(v, q, at, contact);

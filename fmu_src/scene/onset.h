@@ -13,21 +13,19 @@
 #include "math/compiler.h"
 #include "scene/present.h"
 
-#if SCENE_ANY_HERTZ
+/* For onset_note. */
+CONTACT_COLD enum contact_regime onset_take_damping(const struct scene_values *v, struct scene_state *q,
+                                                    const struct scene_instant *at, int contact,
+                                                    enum contact_regime next);
+
 /* Before a contact enters the regime `next` at the instant `at`: the regime that it enters with the damping of
  * its onset. Nothing is done, and that is `next`, where it touches already, where it remains apart, or where
  * damping knows no onset. */
-CONTACT_COLD enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
-                                            const struct scene_instant *at, int contact,
-                                            enum contact_regime next);
-#else
 static inline enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
                                              const struct scene_instant *at, int contact,
                                              enum contact_regime next)
 {
-    (void)v, (void)q, (void)at, (void)contact;
-    return next;
+    return scene_damps_by_onset(v, contact) ? onset_take_damping(v, q, at, contact, next) : next;
 }
-#endif
 
 #endif

@@ -17,6 +17,7 @@ COMMANDS = {
     "new": ("building.command:new", "write a commented scene file to start from"),
     "check": ("checking.command:main", "check an FMU file: schema, binaries, validators, a short run"),
     "importers": ("importers.command:main", "run FMUs in every importer that is installed, compare"),
+    "published": ("published.command:main", "run published benchmark impacts, compare"),
     "scenarios": ("scenarios.command:run", "run scenarios, check their claims, write plots and index.html"),
     "picture": ("scenarios.command:picture", "draw one scenario"),
     "plot": ("plot.command:main", "draw a result, an FMU or a scenario over time, as picture or page"),

@@ -33,6 +33,7 @@ PACKAGES = (
     "running",
     "checking",
     "importers",
+    "published",
     "fuzzing",
     "whole_report",
 )

@@ -112,8 +112,10 @@ def compare_scenarios(options):
             finally:
                 os.environ.pop("CONTACT_FMUS", None)
                 os.environ.update({"CONTACT_FMUS": own} if own else {})
-            names = [n for n, rows in ours.series.items() if rows.tobytes() != theirs.series[n].tobytes()]
-            names += [n for n, value in ours.final.items() if np.any(value != theirs.final.get(n))]
+            shared = ours.series.keys() & theirs.series.keys()
+            names = [n for n in shared if ours.series[n].tobytes() != theirs.series[n].tobytes()]
+            shared = ours.final.keys() & theirs.final.keys()
+            names += [n for n in shared if np.any(ours.final[n] != theirs.final[n])]
             if names:
                 differ += 1
                 print(f"scenario {scenario.name} ({variant.label}): {', '.join(sorted(set(names)))}")

@@ -1,0 +1,1 @@
+"""Published benchmark impacts beside what the FMUs give (docs/chung-ooi.md)"""

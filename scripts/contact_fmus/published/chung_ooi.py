@@ -1,0 +1,106 @@
+"""The impacts of Y. C. Chung, J. Y. Ooi, Benchmark tests for verifying discrete element modelling codes at
+particle impact level, Granular Matter 13 (2011) 643: tests 1 to 3, normal impacts of elastic spheres"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from contact_fmus.fmu.contact_fmu import ContactFmu
+
+# A plane is a sphere of so many radii: its stiffness is off by half of the inverse, which no published digit
+# shows, and positions so far from its centre keep eight digits of the depth.
+FLAT = 1e5
+RIGID = 1e150  # Pa, of what does not deform
+
+
+@dataclass(frozen=True)
+class Material:
+    name: str
+    youngs_modulus: float  # Pa
+    poissons_ratio: float
+    density: float  # kg/m^3
+
+
+@dataclass(frozen=True)
+class Impact:
+    """Head-on, without gravity: of two equal spheres that both come, or of one on a rigid plane"""
+
+    test: int
+    material: Material
+    radius: float  # m
+    speed: float  # m/s, of each sphere
+    on_plane: bool
+    restitution: float | None  # None: without damping
+    force: float | None = None  # N, published
+    depth: float | None = None  # m, published
+
+    @property
+    def mass(self) -> float:
+        return self.material.density * 4 / 3 * math.pi * self.radius**3
+
+
+GLASS = Material("glass", 48e9, 0.20, 2800.0)
+LIMESTONE = Material("limestone", 20e9, 0.25, 2500.0)
+ALUMINIUM = Material("aluminium alloy", 70e9, 0.30, 2699.0)
+MAGNESIUM = Material("magnesium alloy", 40e9, 0.35, 1800.0)
+ALUMINA = Material("aluminium oxide", 380e9, 0.23, 4000.0)
+CAST_IRON = Material("cast iron", 100e9, 0.25, 7000.0)
+
+IMPACTS = (
+    Impact(1, GLASS, 0.01, 10.0, False, None, 10.697e3, 274.11e-6),
+    Impact(1, LIMESTONE, 0.01, 10.0, False, None, 7.108e3, 368.30e-6),
+    Impact(2, ALUMINIUM, 0.1, 0.2, True, None, 11.370e3, 49.717e-6),
+    Impact(2, MAGNESIUM, 0.1, 0.2, True, None, 7.233e3, 52.123e-6),
+    *(
+        Impact(3, material, 2.5e-3, 3.9, True, restitution)
+        for material in (ALUMINA, CAST_IRON)
+        for restitution in (0.2, 0.4, 0.6, 0.8, 1.0)
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    force: float  # N
+    depth: float  # m
+    restitution: float  # speed after over speed before
+
+
+def start_values(impact: Impact) -> dict[str, Any]:
+    """A hundredth of a radius apart"""
+    other = FLAT * impact.radius if impact.on_plane else impact.radius
+    material = impact.material
+    return {
+        "gravity": [0.0, 0.0, 0.0],
+        "source.motion": "free",
+        "destination.motion": "fixed" if impact.on_plane else "free",
+        "source.radius": impact.radius,
+        "destination.radius": other,
+        "source.mass": impact.mass,
+        "destination.mass": impact.mass,
+        "source.center": [0.0, 0.0, impact.radius + other + 0.01 * impact.radius],
+        "source.initial_velocity": [0.0, 0.0, -impact.speed],
+        "destination.initial_velocity": [0.0, 0.0, 0.0 if impact.on_plane else impact.speed],
+        "source.youngs_modulus": material.youngs_modulus,
+        "source.poissons_ratio": material.poissons_ratio,
+        "destination.youngs_modulus": RIGID if impact.on_plane else material.youngs_modulus,
+        "destination.poissons_ratio": material.poissons_ratio,
+        "contact.location": "outside",
+        "contact.law": "hertz",
+        "contact.penalty_control": "automatic",
+        "contact.method": "penalty" if impact.restitution is None else "penalty_dynamic",
+        "contact.viscous_control": "restitution",
+        "contact.restitution": 1.0 if impact.restitution is None else impact.restitution,
+    }
+
+
+def outcome(fmu: ContactFmu, impact: Impact, method: str, tolerance: float) -> Outcome:
+    """One step from before the impact to after it: the peaks are those of the motion, not of its samples"""
+    before = impact.speed if impact.on_plane else 2 * impact.speed
+    fmu.reset()
+    fmu.start(start_values(impact) | {"solver.method": method}, tolerance=tolerance)
+    fmu.step(0.2 * impact.radius / before)
+    after = fmu["source.velocity"][2] - fmu["destination.velocity"][2]
+    return Outcome(fmu["contact.peak_force"], fmu["contact.peak_penetration"], after / before)
