@@ -38,7 +38,7 @@ struct body_path {
 struct contact_parameters {
     /* p_n and p_nv in force [N/m, N s/m]; k_h and chi [N/m^1.5, s/m], with restitution k_h and chi v */
     struct contact_coefficients factors;
-    double diagonal;                     /* of the bounding box of both bodies at the start [m] */
+    double diagonal; /* of the bounding box of both bodies at the start [m] */
 #if SCENE_ANY_CYLINDER || SCENE_ANY_PLANE
     struct vec3 axis; /* e_d, unit length; zero where the destination is a sphere */
 #endif

@@ -104,9 +104,11 @@ class Start:
                 f"masses (allowed: {first}.motion = free or {second}.motion = free)"
             )
         given = self.is_item("contact.penalty_control", index, "user_defined")
-        own = "contact.hertz_stiffness" if hertz else "contact.penalty_factor"
-        factor = self.cell(own if given else "contact.penalty_multiplier", index)
-        if (given or not hertz) and factor.value == 0.0:
+        if hertz and not given:  # a modulus is never zero
+            return
+        spring = "hertz_stiffness" if hertz else "penalty_factor" if given else "penalty_multiplier"
+        factor = self.cell(f"contact.{spring}", index)
+        if factor.value == 0.0:
             raise self.scene.error(
                 f"{said} {factor.name} = 0: without a spring there is no rebound (allowed: a factor above 0)"
             )

@@ -6,21 +6,29 @@ import pytest
 
 from support.sources import HEADERS, UNITS, code_only, label
 
-# The law's own constants, p_n and p_nv.
+# The law's own constants, p_n and p_nv, or k_h and chi.
 READS = r"(?:->|\.)(?:stiffness|damping)\b"
-LAW = {"fmu_src/contact/law.h", "fmu_src/contact/law.c"}
+LAW = {
+    f"fmu_src/contact/{name}"
+    for name in ("law.h", "law.c", "factors.h", "factors.c", "hertz_law.h", "hertz_law.c")
+}
 OWN_STIFFNESS = {"fmu_src/segment/pair_oscillation.h", "fmu_src/segment/pair_oscillation.c"}
 
-# The constants k and c of the linear law, for what is in closed form because the law is linear, and for the
-# factors that users see.
-ASKS_FOR_CONSTANTS = r"\bcontact_coefficients_of\("
+# The constants k and c of the linear law, for what is in closed form because the law is linear, those of any
+# law, and for the factors that users see.
+ASKS_FOR_CONSTANTS = r"\bcontact_(?:coefficients|factors)_of\("
 FAST_PATHS = {
     "fmu_src/segment/contact_pair.c",
     "fmu_src/segment/pair_taylor.c",
     "fmu_src/segment/terminal_event.c",
     "fmu_src/segment/flight_candidates.c",
 }
-FACTORS = {"fmu_src/model/prepare.c", "fmu_src/model/outputs.c", "fmu_src/model/sensitivity.c"}
+FACTORS = {
+    "fmu_src/model/prepare.c",
+    "fmu_src/model/outputs.c",
+    "fmu_src/model/sensitivity.c",
+    "fmu_src/scene/onset.c",  # whose speed without load is made with k_h
+}
 
 # k g + c g', by whatever names.
 FORMULA = r"\b(?:k|stiffness) \* [^;]*gap\b[^;]*\+[^;]*\b(?:c|damping) \* [^;]*rate\b"

@@ -16,7 +16,8 @@ from support.scenes.head_on import ACROSS, DASHPOTS, FMU, GEOMETRIES, approach, 
 # Relative, at the tolerance 1e-12 of CVODE; what event_driven does does not depend on the tolerance so.
 ACCURACY = {"event_driven": 1e-10, "cvode_bdf": 1e-10, "cvode_adams": 1e-10}
 TOLERANCE = 1e-12
-DURATION = 2.943275184  # of an undamped impact times speed over depth: 2 sqrt(pi) Gamma(7/5)/Gamma(9/10)
+# Of an undamped impact, times speed over depth: 2.943275184...
+DURATION = 2 * math.sqrt(math.pi) * math.gamma(7 / 5) / math.gamma(9 / 10)
 MASSES = {"source free": ("free", "fixed", 0.75, 9.0), "both free": ("free", "free", 1.0, 3.0)}
 REDUCED = 0.75  # kg, of either
 
@@ -29,7 +30,7 @@ def impact(shape, location, stiffness=1e9, speed=1.0, masses="source free", **mo
     """Bodies as large as the impact asks for, four depths apart; the values, and when it is over."""
     source, destination, m_s, m_d = MASSES[masses]
     depth = deepest(stiffness, speed)
-    radius = max(0.1, 100 * depth)
+    radius = 100 * depth
     gap = 4 * depth
     values = head_on(shape, location, speed=speed)
     distance = 4 * radius - gap if location == "inside" else 6 * radius + gap
@@ -46,7 +47,7 @@ def impact(shape, location, stiffness=1e9, speed=1.0, masses="source free", **mo
         "destination.initial_velocity": (velocity * (-0.25 if destination == "free" else 0.0)).tolist(),
         "contact.law": "hertz",
         "contact.hertz_stiffness": stiffness,
-        "solver.absolute_tolerance": 1e-14 * min(speed, depth),
+        "solver.absolute_tolerance": 1e-12 * min(speed, depth),
     }
     values |= {name.replace("_", ".", 1): value for name, value in more.items()}
     restitution = values.get("contact.restitution", 0.3)
@@ -68,21 +69,19 @@ def test_an_undamped_impact_is_that_of_the_power_law(opened, shape, location, ma
         assert (fmu["contact.onsets"], fmu["contact.active"]) == (1, False)
         check_relative("depth", fmu["contact.peak_penetration"], depth, allowed)
         check_relative("force", fmu["contact.peak_force"], stiffness * depth**1.5, allowed)
-        check_relative("duration", fmu["contact.last_duration"], DURATION * depth / speed, 3e-10)
+        check_relative("duration", fmu["contact.last_duration"], DURATION * depth / speed, allowed)
         check_relative("speed", speed_after(fmu, location), speed, allowed)
 
 
 def restitution_of(number, dashpot):
-    """e of Hunt and Crossley's law with chi v."""
+    """e of Hunt and Crossley's law with y = chi v. Of full damping it is in u exp(-u) = (1 + y) exp(-1 - y),
+    u = 1 - e y.
+    """
     y = mpmath.mpf(number)
     if dashpot == "approach_only":
         return float(mpmath.sqrt(2 * (y - mpmath.log(1 + y))) / y)
-    exact = mpmath.findroot(
-        lambda e: y * (1 + e) - mpmath.log((1 + y) / (1 - e * y)),
-        (0, min(1, 1 / y) * (1 - mpmath.mpf(10) ** -12)),
-        solver="anderson",
-    )
-    return float(exact)
+    with mpmath.workdps(40):
+        return float((1 + mpmath.re(mpmath.lambertw(-(1 + y) * mpmath.exp(-1 - y)))) / y)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -111,7 +110,8 @@ def test_restitution_holds_at_every_speed(opened, dashpot, method):
         for restitution in (0.05, 0.5, 0.9, 1.0):
             values, end = impact(
                 "sphere", "outside", 1e9, speed, "both free", contact_method="penalty_dynamic",
-                contact_viscous_control="restitution", contact_restitution=restitution, contact_dashpot=dashpot,
+                contact_viscous_control="restitution", contact_restitution=restitution,
+                contact_dashpot=dashpot,
             )  # fmt: skip
             run(fmu, values, end, 1, TOLERANCE, method)
             what = f"v = {speed}, e = {restitution}"
@@ -294,20 +294,32 @@ def test_the_impulse_of_a_prescribed_pass_is_the_integral_of_the_force(opened, d
 
 @pytest.mark.parametrize("control", ["user_defined", "automatic", "restitution"])
 @pytest.mark.parametrize("dashpot", DASHPOTS)
-def test_directional_and_time_derivatives_are_those_of_differences(opened, dashpot, control):
-    fmu = start(opened("SphereSphere"), prescribed(dashpot, control) | {"contact.characteristic_time": 0.5}, 1e-10)
-    fmu.step(0.021)
-    place = fmu["source.prescribed_displacement"] if fmu.time == 0 else None
-    assert place is None
-    names = ["contact.normal_force"]
-    inputs = ["source.prescribed_displacement[3]", "source.prescribed_velocity[3]"]
-    gap = fmu["contact.gap"]
-    rate = fmu["contact.gap_rate"]
-    chi = fmu["contact.effective_hunt_crossley_factor"]
-    references = [fmu.description_of(name) if hasattr(fmu, "description_of") else None for name in names + inputs]
-    assert references is not None
-    spring = 1e8 * (-gap) ** 1.5
-    check_relative("force", fmu["contact.normal_force"], spring * (1 - chi * rate), 1e-12)
+def test_derivatives_are_those_of_the_formula(opened, dashpot, control):
+    """Of the force by place and speed, and once and twice by time, before and after the deepest point."""
+    fmu = opened("SphereSphere")
+    for instant in (0.021, 0.0262):
+        start(fmu, prescribed(dashpot, control) | {"contact.characteristic_time": 0.9}, 1e-10)
+        fmu.step(instant)
+        chi = fmu["contact.effective_hunt_crossley_factor"]
+        acts = dashpot != "approach_only" or instant < 0.025
+
+        def force(depth, rate, chi=chi if acts else 0.0):
+            return 10**8 * depth ** mpmath.mpf(1.5) * (1 - chi * rate)
+
+        def in_time(t, force=force):
+            return force(t - 20 * t**2 - mpmath.mpf("0.01"), 40 * t - 1)
+
+        state = (-fmu["contact.gap"], fmu["contact.gap_rate"])
+        check_relative("force", fmu["contact.normal_force"], float(force(*state)), 1e-12)
+        unknown = fmu.variable("contact.normal_force").references
+        for order, (name, sign) in enumerate((("displacement", -1), ("velocity", 1))):
+            known = [fmu.variable(f"source.prescribed_{name}").references[2]]
+            got = fmu.call("getDirectionalDerivative", unknown, known, [1.0])[0]
+            expected = sign * float(mpmath.diff(force, state, (1 - order, order)))
+            check_relative(f"by {name}", got, expected, 1e-11)
+        for order in (1, 2):
+            expected = float(mpmath.diff(in_time, instant, order))
+            check_relative(f"order {order}", fmu.derivative("contact.normal_force", order), expected, 1e-9)
 
 
 @pytest.mark.parametrize("index", range(len(IMPACTS)))
