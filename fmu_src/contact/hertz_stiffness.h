@@ -1,14 +1,14 @@
 /*
  * The stiffness k_h of Hertz's theory, F_n = k_h delta^(3/2), from the moduli and shapes of two bodies.
  *
- * Near the point of contact the undeformed surfaces are A x^2 + B y^2 apart, A <= B. The contact is an ellipse
- * with the ratio k' = b/a of its semi-axes, and with the complete elliptic integrals K and E of modulus
- * e = sqrt(1 - k'^2)
+ * Near the point of contact the undeformed surfaces are A x^2 + B y^2 apart, A <= B. The contact is an
+ * ellipse with the ratio k' = b/a of its semi-axes, and with the complete elliptic integrals K and E of
+ * modulus e = sqrt(1 - k'^2)
  *
  *   A / B = k'^2 (K - E) / (E - k'^2 K),   k_h = (2 pi / 3) E* sqrt((K - E) / (e^2 A)) K^(-3/2)
  *
- * Source: K. L. Johnson, Contact Mechanics (1985), equations (4.25) to (4.28), solved for the load. Where A = B
- * the contact is a circle and k_h = (4/3) E* sqrt(R*), R* = 1/(2 A).
+ * Source: K. L. Johnson, Contact Mechanics (1985), equations (4.25) to (4.28), solved for the load. Where A =
+ * B the contact is a circle and k_h = (4/3) E* sqrt(R*), R* = 1/(2 A).
  */
 #ifndef CONTACT_CONTACT_HERTZ_STIFFNESS_H
 #define CONTACT_CONTACT_HERTZ_STIFFNESS_H

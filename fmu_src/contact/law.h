@@ -121,8 +121,8 @@ enum contact_regime contact_regime_after(const struct contact_law *law, enum con
 /* Whether contact gives back all the energy that it takes. */
 bool contact_is_elastic(const struct contact_law *law);
 
-/* E_c = p_n g^2 / 2, or 2/5 k_h delta^(5/2), while overlapping [J], its first two derivatives with respect to g [N], [N/m], and its
- * coefficient `order` along a path, with `change` as in contact_force_term. */
+/* E_c = p_n g^2 / 2, or 2/5 k_h delta^(5/2), while overlapping [J], its first two derivatives with respect to
+ * g [N], [N/m], and its coefficient `order` along a path, with `change` as in contact_force_term. */
 double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap);
 double contact_stored_slope(const struct contact_law *law, enum contact_regime regime, double gap);
 double contact_stored_bend(const struct contact_law *law, enum contact_regime regime, double gap);

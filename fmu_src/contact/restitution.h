@@ -30,8 +30,8 @@
 CONTACT_COLD double restitution_damping_ratio(double restitution, enum dashpot dashpot);
 
 /*
- * The number y = chi v of Hunt and Crossley's law, with the speed v of the onset, for e in [0, 1]; it does not
- * depend on the spring, nor on the exponent of its force.
+ * The number y = chi v of Hunt and Crossley's law, with the speed v of the onset, for e in [0, 1]; it does
+ * not depend on the spring, nor on the exponent of its force.
  *
  *   full damping    y (1 + e) = ln((1 + y)/(1 - e y)); the force then never pulls: unclamped is non-adhesive
  *   approach-only   e^2 = 2 (y - ln(1 + y))/y^2

@@ -15,8 +15,8 @@ struct gauss_place {
 };
 
 /*
- * Of node i. `graded`: the variable is u with t = u^2 (3 - 2 u), so that nodes crowd at both ends of the panel
- * and roots of t there, as in a force that begins with t^(3/2), become polynomials of u.
+ * Of node i. `graded`: the variable is u with t = u^2 (3 - 2 u), so that nodes crowd at both ends of the
+ * panel and roots of t there, as in a force that begins with t^(3/2), become polynomials of u.
  */
 static inline struct gauss_place gauss_place(int i, int graded)
 {

@@ -1,6 +1,6 @@
 /*
- * What a contact takes from its onset: with a coefficient of restitution the factor chi of Hunt and Crossley's
- * damping, such that chi v is the number that gives it, v the speed of approach [m/s].
+ * What a contact takes from its onset: with a coefficient of restitution the factor chi of Hunt and
+ * Crossley's damping, such that chi v is the number that gives it, v the speed of approach [m/s].
  *
  * A start in overlap counts with the speed that its motion and its stored energy together would have at the
  * touch. Where the bodies touch without speed, v is the largest that their load gives them while it presses
@@ -18,9 +18,9 @@ CONTACT_COLD enum contact_regime onset_take_damping(const struct scene_values *v
                                                     const struct scene_instant *at, int contact,
                                                     enum contact_regime next);
 
-/* Before a contact enters the regime `next` at the instant `at`: the regime that it enters with the damping of
- * its onset. Nothing is done, and that is `next`, where it touches already, where it remains apart, or where
- * damping knows no onset. */
+/* Before a contact enters the regime `next` at the instant `at`: the regime that it enters with the damping
+ * of its onset. Nothing is done, and that is `next`, where it touches already, where it remains apart, or
+ * where damping knows no onset. */
 static inline enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
                                              const struct scene_instant *at, int contact,
                                              enum contact_regime next)

@@ -61,7 +61,8 @@ static void the_force_is_that_of_the_design_and_its_slopes_are_its_differences(v
     }
 }
 
-/* Along g = -(1 + s)^2: delta^(3/2) = (1 + s)^3, delta^(5/2) = (1 + s)^5; g' = -2 - 2 s, k = 2 + s, chi = 3 - s. */
+/* Along g = -(1 + s)^2: delta^(3/2) = (1 + s)^3, delta^(5/2) = (1 + s)^5; g' = -2 - 2 s, k = 2 + s, chi = 3 -
+ * s. */
 static void the_terms_are_those_of_powers_of_a_square(void)
 {
     const struct contact_law law = {2.0, 3.0, DASHPOT_UNCLAMPED, LAW_HERTZ};
