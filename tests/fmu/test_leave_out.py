@@ -27,7 +27,9 @@ UNIVERSAL = {
     "BallOffRoller": "SphereCylinder",
     "PinnedEvent": "SphereCylinder",
     "ForceElement": "SphereCylinder",
+    "HertzImpact": "SphereSphere",
 }
+LINEAR = [scene for scene in UNIVERSAL if scene != "HertzImpact"]
 pinned_scenes = pytest.mark.parametrize("scene", UNIVERSAL)
 sphere_scenes = pytest.mark.parametrize("scene", ["SphereSphere", "BallOnSphere", "BallInShell"])
 thrown_scenes = pytest.mark.parametrize(
@@ -160,6 +162,24 @@ def test_the_force_element_has_no_states_and_no_energy(variables):
     gone = r"^solver\.|^energy\.|^gravity|\.initial_|\.mass$|external_force"
     assert matching(variables("SphereCylinder"), gone)
     assert matching(variables("ForceElement"), gone) == []
+
+
+@pytest.mark.parametrize("scene", LINEAR)
+def test_scenes_of_the_linear_law_know_nothing_of_hertz(variables, strings, scene):
+    """Neither variables nor messages, and no line of the law."""
+    names = r"hertz|hunt_crossley|youngs_modulus|poissons_ratio|contact\.law|restitution$"
+    assert matching(variables("SphereCylinder"), names)
+    assert matching(variables(scene), names) == []
+    assert re.search("(?i)hertz", strings("SphereCylinder"))
+    assert re.search("(?i)hertz", strings(scene)) is None
+    law = [line for line in code_of_lines(scene, "", "contact") if line.startswith("hertz")]
+    assert law == []
+
+
+def test_hertz_pinned_has_none_of_the_linear_factors(variables):
+    names = r"penalty_factor|penalty_multiplier|reference_modulus|characteristic_time|diagonal"
+    assert matching(variables("SphereSphere"), names)
+    assert matching(variables("HertzImpact"), names) == []
 
 
 @sphere_scenes
