@@ -9,7 +9,12 @@ static const double NO_FORCE = 0.5 * DBL_EPSILON;
 
 /* Places at which a segment is sampled: it is a third of the radius of convergence at most, so that between
  * two of them no quantity has two extrema. */
-enum { PLACES = 5 };
+enum { PLACES = 3 };
+
+/* What the last terms of a series may be, as a part of the whole: the tolerance of a segment, but no less than
+ * some roundings, and no more than keeps energies closed to 1e-10 over thousands of steps. */
+static const double FINEST = 8.0 * DBL_EPSILON;
+static const double COARSEST = 1e-11;
 
 /* Halvings of a step at most: from the longest to the shortest that double precision tells apart. */
 enum { HALVINGS = 1100 };
@@ -82,7 +87,8 @@ bool hertz_make(struct segment *p)
         p->longest = coasting;
         return false;
     }
-    pair_hertz_make(made, &p->pair);
+    const double asked = p->tolerance / fmax(p->pair.distance, contact_reach(&p->pair.shape));
+    pair_hertz_make(made, &p->pair, fmin(fmax(asked, FINEST), COARSEST));
     p->unit = made->unit;
     double parting = pair_hertz_parting(made, made->step);
     p->end = fmin(made->step, parting > 0.0 ? parting : made->step);

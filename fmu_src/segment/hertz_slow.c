@@ -402,11 +402,17 @@ static double slow_force(const struct hertz_slow *p, const struct slow_place *at
     return p->from->reduced_mass * law[0] / (p->half * p->half);
 }
 
+static bool has_work(const struct pair_work *work)
+{
+    return work->order > 0 &&
+           !(vec3_is_zero(work->path[0]) && vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
+}
+
 /* The integrals of pair_work and of the dashpot's power over [0, s], by Radau's quadrature. */
 static void slow_powers(const struct hertz_slow *p, double s, struct pair_change *change)
 {
     change->dissipated = change->work[0] = change->work[1] = 0.0;
-    if (p->from->work[0].order == 0 && p->from->work[1].order == 0 && !(p->from->chi > 0.0)) {
+    if (!has_work(&p->from->work[0]) && !has_work(&p->from->work[1]) && !(p->from->chi > 0.0)) {
         return;
     }
     for (int i = 0; i < SLOW_N; ++i) {

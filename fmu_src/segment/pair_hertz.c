@@ -2,17 +2,18 @@
 
 #include <float.h>
 
+#include "math/compiler.h"
 #include "math/root.h"
 
 typedef double series[TAYLOR_TERMS];
+typedef double series3[HERTZ_DIMENSIONS][TAYLOR_TERMS];
 
 /* Everything that the recurrence needs besides the results. */
 struct hertz_recurrence {
     series power[SEPARATION_DEGREE + 1]; /* t^k, k from 2 on */
-    series c[HERTZ_DIMENSIONS];          /* separation [m] */
-    series w[HERTZ_DIMENSIONS];          /* its rate as the law sees it [m/s] */
-    series c_rate[HERTZ_DIMENSIONS];     /* its derivative, where that is another [m/s] */
-    series n[HERTZ_DIMENSIONS];
+    series3 w;                           /* rate of the separation as the law sees it [m/s] */
+    series3 c_rate;                      /* its derivative, where that is another [m/s] */
+    series3 n;
     series d;       /* [m] */
     series opening; /* dg/dt [m/s] */
     series square;  /* u^2 */
@@ -20,21 +21,16 @@ struct hertz_recurrence {
     series impulse; /* u F_n */
 };
 
-/* Coefficient `order` of a product. Four sums, because one would wait for each of its additions. */
+/* Coefficient `order` of a product. */
 static double series_product(const double *a, const double *b, int order)
 {
-    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    double sum[2] = {0.0, 0.0}; /* two, because one would wait for each of its additions */
     int i = 0;
-    for (; i + 3 <= order; i += 4) {
+    for (; i < order; i += 2) {
         sum[0] += a[i] * b[order - i];
         sum[1] += a[i + 1] * b[order - i - 1];
-        sum[2] += a[i + 2] * b[order - i - 2];
-        sum[3] += a[i + 3] * b[order - i - 3];
     }
-    for (; i <= order; ++i) {
-        sum[0] += a[i] * b[order - i];
-    }
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    return sum[0] + sum[1] + (i == order ? a[i] * b[0] : 0.0);
 }
 
 /* Components across the plane of motion by less than this part are rounding. */
@@ -123,81 +119,136 @@ static double hertz_along_time(const struct pair_hertz *p, const struct hertz_re
     return sum;
 }
 
-/* Coefficient i of c, its rates, d, n and of both rates of the gap, from those of t, u, r and r'. */
-static void hertz_geometry(struct pair_hertz *p, struct hertz_recurrence *z, int i)
+/* The parts of products at one order that come from lower ones. */
+struct hertz_sums {
+    double time2, square, cube, force, impulse, speed;
+    double n[HERTZ_DIMENSIONS], push[HERTZ_DIMENSIONS], r[HERTZ_DIMENSIONS];
+};
+
+/* Of scalars, all in one loop, so that none waits for another. */
+static inline void hertz_lower_scalars(const struct pair_hertz *p, const struct hertz_recurrence *z, int i,
+                                       struct hertz_sums *sum)
+{
+    double time2 = 0.0;
+    double square = 0.0;
+    double cube = 0.0;
+    double force = 0.0;
+    double impulse = 0.0;
+    for (int k = 1; k < i; ++k) {
+        time2 += p->time[k] * p->time[i - k];
+        square += p->root[k] * p->root[i - k];
+        cube += z->square[k] * p->root[i - k];
+        force += p->cube[k] * z->damping[i - k];
+        impulse += p->root[k] * p->force[i - k];
+    }
+    sum->time2 = time2;
+    sum->square = square;
+    sum->cube = cube;
+    sum->force = force;
+    sum->impulse = impulse;
+}
+
+/* Of one component. */
+static inline void hertz_lower_component(const struct pair_hertz *p, const struct hertz_recurrence *z, int i,
+                                         int j, bool turns, struct hertz_sums *sum)
+{
+    double r = 0.0;
+    double n = 0.0;
+    double push = 0.0;
+    double speed = 0.0;
+    for (int k = 1; k < i; ++k) {
+        r += p->root[k] * p->r_rate[j][i - k];
+        if (turns) {
+            n += z->d[k] * z->n[j][i - k];
+            push += z->impulse[k] * z->n[j][i - k];
+            speed += z->w[j][k] * z->n[j][i - k];
+        }
+    }
+    sum->r[j] = r;
+    sum->n[j] = n;
+    sum->push[j] = push;
+    sum->speed += speed;
+}
+
+/* Coefficient i of the derivative of c along n, where W is another. */
+static double hertz_closing(const struct pair_hertz *p, struct hertz_recurrence *z, int i, int dimensions)
+{
+    double closing = 0.0;
+    for (int j = 0; j < dimensions; ++j) {
+        double rate = p->r_rate[j][i];
+        for (int k = 1; k <= p->flight.degree; ++k) {
+            const double power = k == 1 ? (i == 0) : k == 2 ? p->time[i] : z->power[k - 1][i];
+            rate += k * p->flight.c[k][j] * power;
+        }
+        z->c_rate[j][i] = rate;
+        for (int k = 0; k <= i; ++k) {
+            closing += z->n[j][k] * z->c_rate[j][i - k];
+        }
+    }
+    return closing;
+}
+
+/* Coefficient i of d, n, w and of both rates of the gap, from those of t, u, r and r'. */
+static inline void hertz_geometry(struct pair_hertz *p, struct hertz_recurrence *z, int i,
+                                  const struct hertz_sums *sum, int dimensions)
 {
     const struct contact_pair *from = p->from;
     const double side = from->shape.side;
-    double speed = 0.0;
-    double closing = 0.0;
+    double speed = dimensions > 1 ? sum->speed : 0.0;
     for (int k = 2; k <= p->flight.degree; ++k) {
-        z->power[k][i] = series_product(k == 2 ? p->time : z->power[k - 1], p->time, i);
+        z->power[k][i] = k == 2 ? sum->time2 : series_product(z->power[k - 1], p->time, i);
     }
-    z->square[i] = series_product(p->root, p->root, i);
+    z->square[i] = sum->square + (i == 0 ? 1.0 : 2.0) * p->root[0] * p->root[i];
     z->d[i] = i == 0 ? from->distance : -side * z->square[i];
-    for (int j = 0; j < p->flight.dimensions; ++j) {
+    for (int j = 0; j < dimensions; ++j) {
         z->w[j][i] = hertz_along_time(p, z, p->flight.w, p->flight.degree, j, i) + p->r_rate[j][i];
-        if (p->flight.dimensions == 1) {
-            z->n[0][i] = i == 0 ? 1.0 : 0.0;
-            speed = z->w[0][i];
-        } else {
-            z->c[j][i] = hertz_along_time(p, z, p->flight.c, p->flight.degree + 1, j, i) + p->r[j][i];
-            z->n[j][i] = 0.0;
-            z->n[j][i] = (z->c[j][i] - series_product(z->d, z->n[j], i)) / z->d[0];
-            speed += series_product(z->n[j], z->w[j], i);
-        }
-        if (from->has_mismatch) {
-            double derivative = p->r_rate[j][i];
-            for (int k = 1; k <= p->flight.degree; ++k) {
-                const double power = k == 1 ? (i == 0) : k == 2 ? p->time[i] : z->power[k - 1][i];
-                derivative += k * p->flight.c[k][j] * power;
-            }
-            z->c_rate[j][i] = derivative;
-            closing += series_product(z->n[j], z->c_rate[j], i);
+        z->n[j][i] = i == 0 && j == 0 ? 1.0 : 0.0;
+        if (dimensions > 1 && i > 0) {
+            const double c = hertz_along_time(p, z, p->flight.c, p->flight.degree + 1, j, i) + p->r[j][i];
+            z->n[j][i] = (c - sum->n[j] - z->d[i] * z->n[j][0]) / z->d[0];
+            speed += z->n[j][i] * z->w[j][0];
         }
     }
-    const bool is_carried = i == 0 && !isnan(from->carried_rate);
-    p->rate[i] = is_carried ? from->carried_rate : side * speed;
-    z->opening[i] = !from->has_mismatch ? p->rate[i] : i == 0 ? pair_gap_derivative(from) : side * closing;
+    speed += z->w[0][i]; /* n[0] is the first direction of the frame */
+    p->rate[i] = i == 0 && !isnan(from->carried_rate) ? from->carried_rate : side * speed;
+    z->opening[i] = !from->has_mismatch ? p->rate[i]
+                    : i == 0            ? pair_gap_derivative(from)
+                                        : side * hertz_closing(p, z, i, dimensions);
+    if (from->has_mismatch && i == 0) {
+        (void)hertz_closing(p, z, 0, dimensions);
+    }
 }
 
 /* Coefficient i of everything, from those below and of t, u, r, r'; then i + 1 of these. */
-static void hertz_coefficient(struct pair_hertz *p, struct hertz_recurrence *z, int i)
+static inline void hertz_coefficient(struct pair_hertz *p, struct hertz_recurrence *z, int i, int dimensions)
 {
     const struct contact_pair *from = p->from;
-    hertz_geometry(p, z, i);
-    p->cube[i] = series_product(z->square, p->root, i);
-    p->force[i] = from->law.stiffness * p->cube[i];
-    if (from->chi > 0.0) {
-        z->damping[i] = (i == 0 ? 1.0 : 0.0) - from->chi * p->rate[i];
-        p->force[i] = from->law.stiffness * series_product(p->cube, z->damping, i);
+    const double both = i == 0 ? 0.0 : 1.0; /* the first and the last term of a product are two */
+    struct hertz_sums sum;
+    hertz_lower_scalars(p, z, i, &sum);
+    sum.speed = 0.0;
+    for (int j = 0; j < dimensions; ++j) {
+        hertz_lower_component(p, z, i, j, dimensions > 1, &sum);
     }
-    z->impulse[i] = series_product(p->root, p->force, i);
+    hertz_geometry(p, z, i, &sum, dimensions);
+    p->cube[i] = sum.cube + z->square[i] * p->root[0] + both * z->square[0] * p->root[i];
+    z->damping[i] = (i == 0 ? 1.0 : 0.0) - from->chi * p->rate[i];
+    p->force[i] =
+        from->law.stiffness * (sum.force + p->cube[i] * z->damping[0] + both * p->cube[0] * z->damping[i]);
+    z->impulse[i] = sum.impulse + p->root[0] * p->force[i] + both * p->root[i] * p->force[0];
     if (i + 1 == TAYLOR_TERMS) {
         return;
     }
     const double unit = p->unit / (i + 1);
     p->time[i + 1] = unit * p->root[i];
     p->root[i + 1] = -0.5 * unit * z->opening[i];
-    for (int j = 0; j < p->flight.dimensions; ++j) {
+    for (int j = 0; j < dimensions; ++j) {
         const double push =
-            p->flight.dimensions == 1 ? z->impulse[i] : series_product(z->impulse, z->n[j], i);
-        p->r[j][i + 1] = unit * series_product(p->root, p->r_rate[j], i);
+            dimensions == 1 ? z->impulse[i]
+                            : sum.push[j] + z->impulse[i] * z->n[j][0] + both * z->impulse[0] * z->n[j][i];
+        p->r[j][i + 1] = unit * (sum.r[j] + p->root[0] * p->r_rate[j][i]);
         p->r_rate[j][i + 1] = from->shape.side * unit / from->reduced_mass * push;
     }
-}
-
-/* The last terms of a step may be this part of the whole: what follows them is less, for a step is a quarter
- * of the radius of convergence. */
-static const double LAST_TERM = 2.0 * DBL_EPSILON;
-
-static double largest_coefficient(const double *a, int first)
-{
-    double largest = 0.0;
-    for (int i = first; i < TAYLOR_TERMS; ++i) {
-        largest = fmax(largest, fabs(a[i]));
-    }
-    return largest;
 }
 
 /* From the touch on every fifth coefficient of a free impact is other than zero, so that the last five are
@@ -208,27 +259,44 @@ enum { HERTZ_LAST = 5 };
  * are left out may have vanished below the range of numbers. */
 static const double LONGEST_HERTZ = 16.0;
 
-/* Jorba and Zou: the step at which the last coefficients are a rounding of the whole. */
-static double hertz_reliable_step(const struct pair_hertz *p, const struct hertz_recurrence *z)
+/* Jorba and Zou: the step at which the last coefficients are this part of the whole. */
+static double hertz_reliable_step(const struct pair_hertz *p, const struct hertz_recurrence *z,
+                                  double accuracy)
 {
     /* u is as large as its first coefficients, for s is of order one */
     const double root = fmax(fabs(p->root[0]), fmax(fabs(p->root[1]), fabs(p->root[2])));
     double speed = fabs(p->rate[0]);
     double step = LONGEST_HERTZ;
-    for (int j = 0; j < p->flight.dimensions; ++j) {
-        speed = fmax(speed, largest_coefficient(p->r_rate[j], 1));
+    for (int i = 1; i < TAYLOR_TERMS; ++i) {
+        for (int j = 0; j < p->flight.dimensions; ++j) {
+            speed = fmax(speed, fabs(p->r_rate[j][i]));
+        }
     }
     for (int i = TAYLOR_TERMS - HERTZ_LAST; i < TAYLOR_TERMS; ++i) {
         double part = fmax(fabs(p->root[i]) / root, fabs(p->rate[i]) / speed);
         for (int j = 0; j < p->flight.dimensions; ++j) {
             part = fmax(part, fmax(fabs(p->r_rate[j][i]) / speed, fabs(z->n[j][i])));
         }
-        step = fmin(step, pow(LAST_TERM / part, 1.0 / i));
+        step = fmin(step, pow(accuracy / part, 1.0 / i));
     }
     return step;
 }
 
-void pair_hertz_make(struct pair_hertz *p, const struct contact_pair *from)
+/* A number of dimensions at a time, each a constant. */
+static CONTACT_FLATTEN void hertz_coefficients(struct pair_hertz *p, struct hertz_recurrence *z)
+{
+    for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        if (p->flight.dimensions == 1) {
+            hertz_coefficient(p, z, i, 1);
+        } else if (p->flight.dimensions == 2) {
+            hertz_coefficient(p, z, i, 2);
+        } else {
+            hertz_coefficient(p, z, i, HERTZ_DIMENSIONS);
+        }
+    }
+}
+
+void pair_hertz_make(struct pair_hertz *p, const struct contact_pair *from, double accuracy)
 {
     struct hertz_recurrence z;
     p->from = from;
@@ -239,10 +307,8 @@ void pair_hertz_make(struct pair_hertz *p, const struct contact_pair *from)
     for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
         p->r[j][0] = p->r_rate[j][0] = 0.0;
     }
-    for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        hertz_coefficient(p, &z, i);
-    }
-    p->step = hertz_reliable_step(p, &z);
+    hertz_coefficients(p, &z);
+    p->step = hertz_reliable_step(p, &z, accuracy);
 }
 
 /* Value and two derivatives. */
@@ -302,71 +368,105 @@ static void hertz_root_slope_at(const void *pair_hertz, double s, double *value,
     *slope = u[2];
 }
 
-/* Places between which u has one extremum at most: a step is a quarter of the radius of convergence. */
-enum { PARTING_PLACES = 4 };
-
+/* A step is a third of the radius of convergence at most, so that u has one extremum in it. */
 double pair_hertz_parting(const struct pair_hertz *p, double end)
 {
-    struct root_bracket_end low = {0.0, p->root[0], p->root[1]};
+    const struct root_bracket_end low = {0.0, p->root[0], p->root[1]};
+    struct root_bracket_end high = {.s = end};
     if (low.value == 0.0 && !(low.slope > 0.0)) {
         return 0.0;
     }
-    for (int i = 1; i <= PARTING_PLACES; ++i) {
-        struct root_bracket_end high = {.s = end * i / PARTING_PLACES};
-        hertz_root_at(p, high.s, &high.value, &high.slope);
-        if (high.value > 0.0 && low.value > 0.0 && low.slope < 0.0 && high.slope > 0.0) {
-            struct root_bracket_end dip = {.s = root_in_bracket(hertz_root_slope_at, p, low.s, high.s)};
-            hertz_root_at(p, dip.s, &dip.value, &dip.slope);
-            high = dip.value <= 0.0 ? dip : high;
-        }
-        if (high.value <= 0.0) {
-            return low.value > 0.0 ? root_between(hertz_root_at, p, low, high)
-                                   : root_in_bracket(hertz_root_at, p, 0.25 * high.s, high.s);
-        }
-        low = high;
+    hertz_root_at(p, end, &high.value, &high.slope);
+    if (high.value > 0.0 && low.value > 0.0 && low.slope < 0.0 && high.slope > 0.0) {
+        struct root_bracket_end dip = {.s = root_in_bracket(hertz_root_slope_at, p, low.s, high.s)};
+        hertz_root_at(p, dip.s, &dip.value, &dip.slope);
+        high = dip.value <= 0.0 ? dip : high;
     }
-    return (double)INFINITY;
+    if (high.value > 0.0) {
+        return (double)INFINITY;
+    }
+    if (low.value > 0.0) {
+        return root_between(hertz_root_at, p, low, high);
+    }
+    /* it rises from zero: its root is beyond its top */
+    return root_in_bracket(hertz_root_at, p, root_in_bracket(hertz_root_slope_at, p, 0.0, end), end);
+}
+
+/* Values and two derivatives of u, rate and force, in one loop, so that none waits for another. */
+static void hertz_sample_series(const struct pair_hertz *p, double s, double out[3][3])
+{
+    const double *rows[3] = {p->root, p->rate, p->force};
+    for (int j = 0; j < 3; ++j) {
+        out[j][0] = out[j][1] = out[j][2] = 0.0;
+    }
+    for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
+        for (int j = 0; j < 3; ++j) {
+            out[j][2] = out[j][2] * s + out[j][1];
+            out[j][1] = out[j][1] * s + out[j][0];
+            out[j][0] = out[j][0] * s + rows[j][i];
+        }
+    }
+    for (int j = 0; j < 3; ++j) {
+        out[j][2] *= 2.0;
+    }
+}
+
+static void hertz_sample_start(const struct pair_hertz *p, double out[3][3])
+{
+    for (int i = 0; i < 3; ++i) {
+        const double factor = i < 2 ? 1.0 : 2.0;
+        out[0][i] = factor * p->root[i];
+        out[1][i] = factor * p->rate[i];
+        out[2][i] = factor * p->force[i];
+    }
 }
 
 void pair_hertz_sample(const void *pair_hertz, double s, struct pair_sample *sample)
 {
-    const struct pair_hertz *p = pair_hertz;
-    double u[3];
-    hertz_series_at(p->root, s, u);
+    double rows[3][3];
+    if (s == 0.0) {
+        hertz_sample_start(pair_hertz, rows);
+    } else {
+        hertz_sample_series(pair_hertz, s, rows);
+    }
+    const double *u = rows[0];
     sample->of[PAIR_GAP][0] = -u[0] * u[0];
     sample->of[PAIR_GAP][1] = -2.0 * u[0] * u[1];
     sample->of[PAIR_GAP][2] = -2.0 * (u[1] * u[1] + u[0] * u[2]);
-    hertz_series_at(p->rate, s, sample->of[PAIR_GAP_RATE]);
-    hertz_series_at(p->force, s, sample->of[PAIR_FORCE]);
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PAIR_GAP_RATE][i] = rows[1][i];
+        sample->of[PAIR_FORCE][i] = rows[2][i];
+    }
 }
 
 /* The integral of pair_work over [0, s]: of path(t) r'_s ds, order 2, or path(t) r_s ds, order 1. */
 static double hertz_work(const struct pair_hertz *p, const struct pair_work *work, double s)
 {
-    series slope;
-    series path;
+    series slope[HERTZ_DIMENSIONS];
     double sum = 0.0;
-    if (work->order == 0) {
+    const bool is_idle =
+        vec3_is_zero(work->path[0]) && vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]);
+    if (work->order == 0 || is_idle) {
         return 0.0;
     }
+    for (int i = 0; i + 1 < TAYLOR_TERMS; ++i) {
+        for (int j = 0; j < p->flight.dimensions; ++j) {
+            slope[j][i] = (i + 1) * (work->order == 1 ? p->r[j][i + 1] : p->r_rate[j][i + 1]);
+        }
+    }
     for (int j = 0; j < p->flight.dimensions; ++j) {
-        const double *row = work->order == 1 ? p->r[j] : p->r_rate[j];
-        const double a[3] = {vec3_dot(work->path[0], p->flight.frame[j]),
-                             vec3_dot(work->path[1], p->flight.frame[j]),
-                             vec3_dot(work->path[2], p->flight.frame[j])};
-        sum += a[0] * (taylor_at(row, TAYLOR_TERMS, s) - row[0]);
-        if (a[1] == 0.0 && a[2] == 0.0) {
-            continue;
+        const double path[3] = {vec3_dot(work->path[0], p->flight.frame[j]),
+                                vec3_dot(work->path[1], p->flight.frame[j]),
+                                vec3_dot(work->path[2], p->flight.frame[j])};
+        const bool is_steady = path[1] == 0.0 && path[2] == 0.0;
+        series along = {0.0};
+        series power;
+        for (int i = 0; i + 1 < TAYLOR_TERMS; ++i) {
+            along[i] = path[0] * (i == 0) + path[1] * p->time[i];
+            along[i] += path[2] == 0.0 ? 0.0 : path[2] * series_product(p->time, p->time, i);
+            power[i] = is_steady ? path[0] * slope[j][i] : series_product(along, slope[j], i);
         }
-        for (int i = 0; i < TAYLOR_TERMS; ++i) {
-            path[i] = a[1] * p->time[i] + a[2] * series_product(p->time, p->time, i);
-            slope[i] = i + 1 < TAYLOR_TERMS ? (i + 1) * row[i + 1] : 0.0;
-        }
-        series whole;
-        for (int i = 0; i < TAYLOR_TERMS; ++i) {
-            whole[i] = series_product(path, slope, i);
-        }
-        sum += taylor_integral(whole, TAYLOR_TERMS, s);
+        sum += taylor_integral(power, TAYLOR_ORDER, s);
     }
     return sum;
 }
@@ -390,20 +490,30 @@ static double hertz_dissipated(const struct pair_hertz *p, double s)
     return p->unit * taylor_integral(by_s, TAYLOR_TERMS, s);
 }
 
+/* A row of vectors at s, in the world. */
+static struct vec3 hertz_vector_at(const struct pair_hertz *p, double rows[][TAYLOR_TERMS], double s)
+{
+    double sum[HERTZ_DIMENSIONS] = {0.0, 0.0, 0.0};
+    struct vec3 out = vec3_make(0.0, 0.0, 0.0);
+    for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
+        for (int j = 0; j < p->flight.dimensions; ++j) {
+            sum[j] = sum[j] * s + rows[j][i];
+        }
+    }
+    for (int j = 0; j < p->flight.dimensions; ++j) {
+        out = vec3_axpy(out, sum[j], p->flight.frame[j]);
+    }
+    return out;
+}
+
 struct pair_change pair_hertz_change(const void *pair_hertz, double s)
 {
-    const struct pair_hertz *p = pair_hertz;
+    struct pair_hertz *p = (struct pair_hertz *)pair_hertz;
     const double u = taylor_at(p->root, TAYLOR_TERMS, s);
-    struct vec3 r = vec3_make(0.0, 0.0, 0.0);
-    struct vec3 r_rate = r;
-    for (int j = 0; j < p->flight.dimensions; ++j) {
-        r = vec3_axpy(r, taylor_at(p->r[j], TAYLOR_TERMS, s), p->flight.frame[j]);
-        r_rate = vec3_axpy(r_rate, taylor_at(p->r_rate[j], TAYLOR_TERMS, s), p->flight.frame[j]);
-    }
     return (struct pair_change){
         .time = pair_hertz_time(p, s),
-        .r = r,
-        .r_rate = r_rate,
+        .r = hertz_vector_at(p, p->r, s),
+        .r_rate = hertz_vector_at(p, p->r_rate, s),
         .gap = -u * u,
         .dissipated = hertz_dissipated(p, s),
         .work = {hertz_work(p, &p->from->work[0], s), hertz_work(p, &p->from->work[1], s)}};

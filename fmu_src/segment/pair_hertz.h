@@ -36,7 +36,7 @@ struct pair_hertz {
     const struct contact_pair *from;
     struct hertz_flight flight;
     double unit;                                   /* [s/sqrt(m)] */
-    double step;                                   /* the sums are exact to rounding up to this s */
+    double step;                                   /* the sums are that exact up to this s */
     double time[TAYLOR_TERMS];                     /* t since the start [s] */
     double root[TAYLOR_TERMS];                     /* u [sqrt(m)] */
     double rate[TAYLOR_TERMS];                     /* g' as the law sees it [m/s] */
@@ -46,8 +46,9 @@ struct pair_hertz {
     double r_rate[HERTZ_DIMENSIONS][TAYLOR_TERMS]; /* r' [m/s] */
 };
 
-/* From delta >= 0 on; not from rest at delta = 0, where s stands still. */
-void pair_hertz_make(struct pair_hertz *p, const struct contact_pair *from);
+/* From delta >= 0 on; not from rest at delta = 0, where s stands still. The sums are exact to `accuracy`, a part
+ * of their largest terms. */
+void pair_hertz_make(struct pair_hertz *p, const struct contact_pair *from, double accuracy);
 
 /* The time at s [s], and the s of a time between those of two places. */
 double pair_hertz_time(const struct pair_hertz *p, double s);

@@ -97,8 +97,7 @@ def step_of(pair, state, branch, h):
     best = rows[-1][-1]
     scale = np.max(np.abs(best[0:6])), np.max(np.abs(best[6:12]))
     off = np.abs(best - rows[-1][-2])
-    moved = np.max(np.abs(h * best[6:12])) + pair.reach * LONG("1e-3")
-    return best, max(np.max(off[0:6]) / min(scale[0], moved), np.max(off[6:12]) / scale[1])
+    return best, max(np.max(off[0:6]) / scale[0], np.max(off[6:12]) / scale[1])
 
 
 def margins(pair, state, branch):
@@ -142,7 +141,7 @@ def run(pair, state, end, branch=APART, first=None):
     time, end, events = LONG(0), LONG(end), []
     h = LONG(first or end / 100)
     while time < end:
-        h = min(h, end - time)
+        h = min(h, end - time, end / 100)
         then, error = step_of(pair, state, branch, h)
         if error > TOLERANCE and h > LONG("1e-12") * end:
             h *= max(LONG("0.2"), LONG("0.8") * (TOLERANCE / error) ** (LONG(1) / 15))
@@ -150,7 +149,7 @@ def run(pair, state, end, branch=APART, first=None):
         before, after = margins(pair, state, branch), margins(pair, then, branch)
         fallen = [i for i in range(len(after)) if after[i] < 0 and (before[i] > 0 or events)]
         opens = pair.gap_and_rate(then)[1] > 0  # what rounding left of a gap of zero is no event
-        if 0 in fallen and before[0] <= 0 and opens == (branch == APART):
+        if 0 in fallen and opens == (branch == APART):
             fallen.remove(0)
         if fallen:
             lengths = [locate(pair, state, branch, h, i) for i in fallen]
