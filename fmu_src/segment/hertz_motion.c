@@ -14,7 +14,7 @@ enum { PLACES = 3 };
 /* What the last terms of a series may be, as a part of the whole: the tolerance of a segment, but no less than
  * some roundings, and no more than keeps energies closed to 1e-10 over thousands of steps. */
 static const double FINEST = 8.0 * DBL_EPSILON;
-static const double COARSEST = 1e-11;
+static const double COARSEST = 1e-12;
 
 /* Halvings of a step at most: from the longest to the shortest that double precision tells apart. */
 enum { HALVINGS = 1100 };
@@ -115,16 +115,20 @@ static const double SLOW_SHORTEST = 16.0;
  * are then as good. */
 static const double SLOW_DEPTH = 1e-9;
 
-/* Where the slow motion is guessed to third order in the ratio of the rates, so many of its cubes are left. */
-static const double THIRD_ORDER = 10.0;
+/* The derivatives of the slow motion fall with powers of the ratio of the rates, those of what is fast do not: by
+ * this order and the next only that is left. */
+enum { FAST_ORDER = 6 };
+
+/* By them an oscillation is known to about this factor. */
+static const double FAST_CLEARLY = 4.0;
 
 enum { SLOW_ATTEMPTS = 2 };
 
 /* The pair as the slow motion sees it. */
 struct slow_scales {
-    double load, load_rate, load_bend; /* L and two derivatives, in part where forces change with time */
-    double along;                      /* the tangential rate [1/s] */
-    double spring, dashpot;            /* rates of the contact's oscillation and of its damping [1/s] */
+    double load;  /* L: the acceleration that presses [m/s^2] */
+    double along; /* the tangential rate [1/s] */
+    double fast;  /* of the contact's oscillation or of its damping, whichever is faster [1/s] */
 };
 
 static struct slow_scales slow_scales_of(const struct contact_pair *from)
@@ -134,59 +138,45 @@ static struct slow_scales slow_scales_of(const struct contact_pair *from)
     const double d = from->distance;
     const double depth = -from->gap;
     const double k = from->law.stiffness / from->reduced_mass;
-    const double jerk = 6.0 * vec3_dot(from->normal, from->flight.c[3]);
-    const struct vec3 beside = pair_tangential(from, acceleration);
-    const double turned = vec3_norm(beside) + vec3_norm(across);
     const double load = vec3_dot(across, across) / d + vec3_dot(from->normal, acceleration);
+    const bool turns = !vec3_is_zero(across) || !vec3_is_zero(pair_tangential(from, acceleration));
     return (struct slow_scales){
         .load = -from->shape.side * load,
-        .load_bend =
-            -from->shape.side * 3.0 / d *
-            (vec3_dot(beside, beside) - vec3_dot(across, across) / d * vec3_dot(from->normal, acceleration)),
-        .load_rate = -from->shape.side * (3.0 * vec3_dot(across, acceleration) / d + jerk),
-        .along = turned > 0.0 ? vec3_norm(across) / d + sqrt(vec3_norm(acceleration) / d) : 0.0,
-        .spring = sqrt(1.5 * k * sqrt(depth)),
-        .dashpot = k * from->chi * depth * sqrt(depth)};
+        .along = turns ? vec3_norm(across) / d + sqrt(vec3_norm(acceleration) / d) : 0.0,
+        .fast = fmax(sqrt(1.5 * k * sqrt(depth)), k * from->chi * depth * sqrt(depth))};
 }
 
-/*
- * Whether the oscillation may be small enough for it to be left out, by the slow motion to third order. With D
- * the penetration at rest under the load, k D^(3/2) = L: k delta^(3/2) (1 + chi delta') = L - D'', and delta' is
- * that of D (1 - 2/3 chi D'). Beyond critical damping nothing oscillates.
- */
-static bool may_be_slow(const struct contact_pair *from, const struct slow_scales *scales)
+/* What is fast in the penetration, as a part of it, by the coefficients of u = sqrt(delta). */
+static double fast_part_of(const struct pair_hertz *series, double fast)
 {
-    const double depth = pair_hertz_depth_under(from, scales->load);
-    const double growth = scales->load_rate / scales->load;
-    const double rate = depth * growth / 1.5;
-    const double bend = depth / 1.5 * (scales->load_bend / scales->load - growth * growth / 3.0);
-    const double speed = rate - from->chi / 1.5 * (rate * rate + depth * bend);
-    const double force = (scales->load - bend) / (1.0 + from->chi * speed);
-    const double off = -from->gap - pair_hertz_depth_under(from, force);
-    const double swing = (-pair_gap_derivative(from) - speed) / scales->spring;
-    const double ratio = scales->along / scales->spring;
-    const bool by_time = vec3_norm(from->flight.c[3]) > 0.0 || vec3_norm(from->flight.c[4]) > 0.0;
-    const double allowed = 10.0 * SLOW_DEPTH + THIRD_ORDER * ratio * ratio * (by_time ? 1.0 : ratio);
-    return scales->dashpot > 2.0 * scales->spring || fmax(fabs(off), fabs(swing)) <= depth * allowed;
+    const double root = series->root[0];
+    const double radians = fast * series->unit * root; /* of it in a unit of s */
+    double power = 1.0;
+    double part = 0.0;
+    for (int i = 1; i <= FAST_ORDER + 1; ++i) {
+        power *= radians / i;
+        part = i >= FAST_ORDER ? fmax(part, fabs(series->root[i]) / power) : 0.0;
+    }
+    return 2.0 * part / root;
 }
 
 bool hertz_slow_applies(const struct segment *p)
 {
     const struct contact_pair *from = &p->pair;
-    if (!contact_is_hertz(&from->law) || from->has_mismatch || !(from->gap < 0.0)) {
+    if (from->has_mismatch || !(from->gap < 0.0)) {
         return false;
     }
     const struct slow_scales scales = slow_scales_of(from);
-    return scales.load > 0.0 && may_be_slow(from, &scales);
+    return scales.load > 0.0 && scales.fast * p->longest >= SLOW_SHORTEST &&
+           fast_part_of(&p->as.hertz, scales.fast) <= FAST_CLEARLY * SLOW_DEPTH;
 }
 
 bool hertz_slow_make(struct segment *p)
 {
     struct hertz_slow *made = &p->as.hertz_slow;
     const struct slow_scales scales = slow_scales_of(&p->pair);
-    const double fast = fmax(scales.spring, scales.dashpot);
     double step = scales.along > 0.0 ? fmin(p->longest, SLOW_STEP / scales.along) : p->longest;
-    for (int i = 0; i < SLOW_ATTEMPTS && step * fast >= SLOW_SHORTEST; ++i) {
+    for (int i = 0; i < SLOW_ATTEMPTS && step * scales.fast >= SLOW_SHORTEST; ++i) {
         if (slow_hertz_make(made, &p->pair, step, p->tolerance, -p->pair.gap * SLOW_DEPTH)) {
             p->unit = made->half;
             p->end = 2.0;

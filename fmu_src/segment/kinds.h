@@ -25,7 +25,8 @@ bool overdamped_make(struct segment *p);
 bool hertz_applies(const struct segment *p);
 bool hertz_make(struct segment *p);
 
-/* Under a load that presses, far slower than the contact's oscillation or its decay. */
+/* Under a load that presses, far slower than the contact's oscillation or its decay. p->as.hertz holds the series
+ * from the same start, which tells. */
 bool hertz_slow_applies(const struct segment *p);
 bool hertz_slow_make(struct segment *p);
 

@@ -3,6 +3,7 @@
 #include <float.h>
 
 #include "math/compiler.h"
+#include "math/nodal_values.h"
 #include "math/root.h"
 
 typedef double series[TAYLOR_TERMS];
@@ -14,11 +15,12 @@ struct hertz_recurrence {
     series3 w;                           /* rate of the separation as the law sees it [m/s] */
     series3 c_rate;                      /* its derivative, where that is another [m/s] */
     series3 n;
-    series d;       /* [m] */
-    series opening; /* dg/dt [m/s] */
-    series square;  /* u^2 */
-    series damping; /* 1 + chi delta' */
-    series impulse; /* u F_n */
+    series d;                              /* [m] */
+    series opening;                        /* dg/dt [m/s] */
+    series square;                         /* u^2 */
+    series damping;                        /* 1 + chi delta' */
+    series impulse;                        /* u F_n */
+    double inverse_distance, side_by_mass; /* 1/d at the start [1/m], side/m_red [1/kg] */
 };
 
 /* Coefficient `order` of a product. */
@@ -125,49 +127,78 @@ struct hertz_sums {
     double n[HERTZ_DIMENSIONS], push[HERTZ_DIMENSIONS], r[HERTZ_DIMENSIONS];
 };
 
+/* row[i], row[i - 1], ...: as many as one instruction takes. */
+static inline double2 backwards(const double *row, int i)
+{
+#if CONTACT_GNU_C
+    return (double2){row[i], row[i - 1]};
+#else
+    return row[i];
+#endif
+}
+
+static inline double lanes_together(double2 a)
+{
+#if CONTACT_GNU_C
+    return a[0] + a[1];
+#else
+    return a;
+#endif
+}
+
 /* Of scalars, all in one loop, so that none waits for another. */
 static inline void hertz_lower_scalars(const struct pair_hertz *p, const struct hertz_recurrence *z, int i,
                                        struct hertz_sums *sum)
 {
-    double time2 = 0.0;
-    double square = 0.0;
-    double cube = 0.0;
-    double force = 0.0;
-    double impulse = 0.0;
-    for (int k = 1; k < i; ++k) {
-        time2 += p->time[k] * p->time[i - k];
-        square += p->root[k] * p->root[i - k];
-        cube += z->square[k] * p->root[i - k];
-        force += p->cube[k] * z->damping[i - k];
-        impulse += p->root[k] * p->force[i - k];
+    double2 time2 = {0.0};
+    double2 square = {0.0};
+    double2 cube = {0.0};
+    double2 force = {0.0};
+    double2 impulse = {0.0};
+    int k = 1;
+    for (; k + LANES <= i; k += LANES) {
+        const double2 root = double2_at(p->root, k);
+        const double2 roots = backwards(p->root, i - k);
+        time2 += double2_at(p->time, k) * backwards(p->time, i - k);
+        square += root * roots;
+        cube += double2_at(z->square, k) * roots;
+        force += double2_at(p->cube, k) * backwards(z->damping, i - k);
+        impulse += root * backwards(p->force, i - k);
     }
-    sum->time2 = time2;
-    sum->square = square;
-    sum->cube = cube;
-    sum->force = force;
-    sum->impulse = impulse;
+    const bool is_left = k < i;
+    sum->time2 = lanes_together(time2) + (is_left ? p->time[k] * p->time[i - k] : 0.0);
+    sum->square = lanes_together(square) + (is_left ? p->root[k] * p->root[i - k] : 0.0);
+    sum->cube = lanes_together(cube) + (is_left ? z->square[k] * p->root[i - k] : 0.0);
+    sum->force = lanes_together(force) + (is_left ? p->cube[k] * z->damping[i - k] : 0.0);
+    sum->impulse = lanes_together(impulse) + (is_left ? p->root[k] * p->force[i - k] : 0.0);
 }
 
 /* Of one component. */
 static inline void hertz_lower_component(const struct pair_hertz *p, const struct hertz_recurrence *z, int i,
                                          int j, bool turns, struct hertz_sums *sum)
 {
-    double r = 0.0;
-    double n = 0.0;
-    double push = 0.0;
-    double speed = 0.0;
-    for (int k = 1; k < i; ++k) {
-        r += p->root[k] * p->r_rate[j][i - k];
+    double2 r = {0.0};
+    double2 n = {0.0};
+    double2 push = {0.0};
+    double2 speed = {0.0};
+    int k = 1;
+    for (; k + LANES <= i; k += LANES) {
+        r += double2_at(p->root, k) * backwards(p->r_rate[j], i - k);
         if (turns) {
-            n += z->d[k] * z->n[j][i - k];
-            push += z->impulse[k] * z->n[j][i - k];
-            speed += z->w[j][k] * z->n[j][i - k];
+            const double2 normal = backwards(z->n[j], i - k);
+            n += double2_at(z->d, k) * normal;
+            push += double2_at(z->impulse, k) * normal;
+            speed += double2_at(z->w[j], k) * normal;
         }
     }
-    sum->r[j] = r;
-    sum->n[j] = n;
-    sum->push[j] = push;
-    sum->speed += speed;
+    const bool is_left = k < i;
+    sum->r[j] = lanes_together(r) + (is_left ? p->root[k] * p->r_rate[j][i - k] : 0.0);
+    if (turns) {
+        const double normal = is_left ? z->n[j][i - k] : 0.0;
+        sum->n[j] = lanes_together(n) + (is_left ? z->d[k] * normal : 0.0);
+        sum->push[j] = lanes_together(push) + (is_left ? z->impulse[k] * normal : 0.0);
+        sum->speed += lanes_together(speed) + (is_left ? z->w[j][k] * normal : 0.0);
+    }
 }
 
 /* Coefficient i of the derivative of c along n, where W is another. */
@@ -205,7 +236,7 @@ static inline void hertz_geometry(struct pair_hertz *p, struct hertz_recurrence 
         z->n[j][i] = i == 0 && j == 0 ? 1.0 : 0.0;
         if (dimensions > 1 && i > 0) {
             const double c = hertz_along_time(p, z, p->flight.c, p->flight.degree + 1, j, i) + p->r[j][i];
-            z->n[j][i] = (c - sum->n[j] - z->d[i] * z->n[j][0]) / z->d[0];
+            z->n[j][i] = (c - sum->n[j] - z->d[i] * z->n[j][0]) * z->inverse_distance;
             speed += z->n[j][i] * z->w[j][0];
         }
     }
@@ -218,6 +249,11 @@ static inline void hertz_geometry(struct pair_hertz *p, struct hertz_recurrence 
         (void)hertz_closing(p, z, 0, dimensions);
     }
 }
+
+/* 1 / i: a division would keep the next order waiting. */
+#define RECIPROCALS(i) 1.0 / (i), 1.0 / ((i) + 1), 1.0 / ((i) + 2), 1.0 / ((i) + 3)
+static const double reciprocal[TAYLOR_TERMS] = {
+    0.0, RECIPROCALS(1), RECIPROCALS(5), RECIPROCALS(9), RECIPROCALS(13), RECIPROCALS(17), RECIPROCALS(21)};
 
 /* Coefficient i of everything, from those below and of t, u, r, r'; then i + 1 of these. */
 static inline void hertz_coefficient(struct pair_hertz *p, struct hertz_recurrence *z, int i, int dimensions)
@@ -239,7 +275,7 @@ static inline void hertz_coefficient(struct pair_hertz *p, struct hertz_recurren
     if (i + 1 == TAYLOR_TERMS) {
         return;
     }
-    const double unit = p->unit / (i + 1);
+    const double unit = p->unit * reciprocal[i + 1];
     p->time[i + 1] = unit * p->root[i];
     p->root[i + 1] = -0.5 * unit * z->opening[i];
     for (int j = 0; j < dimensions; ++j) {
@@ -247,7 +283,7 @@ static inline void hertz_coefficient(struct pair_hertz *p, struct hertz_recurren
             dimensions == 1 ? z->impulse[i]
                             : sum.push[j] + z->impulse[i] * z->n[j][0] + both * z->impulse[0] * z->n[j][i];
         p->r[j][i + 1] = unit * (sum.r[j] + p->root[0] * p->r_rate[j][i]);
-        p->r_rate[j][i + 1] = from->shape.side * unit / from->reduced_mass * push;
+        p->r_rate[j][i + 1] = unit * (z->side_by_mass * push);
     }
 }
 
@@ -259,14 +295,15 @@ enum { HERTZ_LAST = 5 };
  * are left out may have vanished below the range of numbers. */
 static const double LONGEST_HERTZ = 16.0;
 
-/* Jorba and Zou: the step at which the last coefficients are this part of the whole. */
+/* Jorba and Zou: the step at which the first term left out is this part of the whole, by the least radius of
+ * convergence that the last coefficients tell. */
 static double hertz_reliable_step(const struct pair_hertz *p, const struct hertz_recurrence *z,
                                   double accuracy)
 {
     /* u is as large as its first coefficients, for s is of order one */
     const double root = fmax(fabs(p->root[0]), fmax(fabs(p->root[1]), fabs(p->root[2])));
     double speed = fabs(p->rate[0]);
-    double step = LONGEST_HERTZ;
+    double radius = (double)INFINITY;
     for (int i = 1; i < TAYLOR_TERMS; ++i) {
         for (int j = 0; j < p->flight.dimensions; ++j) {
             speed = fmax(speed, fabs(p->r_rate[j][i]));
@@ -277,9 +314,9 @@ static double hertz_reliable_step(const struct pair_hertz *p, const struct hertz
         for (int j = 0; j < p->flight.dimensions; ++j) {
             part = fmax(part, fmax(fabs(p->r_rate[j][i]) / speed, fabs(z->n[j][i])));
         }
-        step = fmin(step, pow(accuracy / part, 1.0 / i));
+        radius = fmin(radius, pow(part, -1.0 / i));
     }
-    return step;
+    return fmin(LONGEST_HERTZ, radius * pow(accuracy, 1.0 / TAYLOR_TERMS));
 }
 
 /* A number of dimensions at a time, each a constant. */
@@ -307,6 +344,8 @@ void pair_hertz_make(struct pair_hertz *p, const struct contact_pair *from, doub
     for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
         p->r[j][0] = p->r_rate[j][0] = 0.0;
     }
+    z.inverse_distance = 1.0 / from->distance;
+    z.side_by_mass = from->shape.side / from->reduced_mass;
     hertz_coefficients(p, &z);
     p->step = hertz_reliable_step(p, &z, accuracy);
 }
@@ -392,22 +431,32 @@ double pair_hertz_parting(const struct pair_hertz *p, double end)
     return root_in_bracket(hertz_root_at, p, root_in_bracket(hertz_root_slope_at, p, 0.0, end), end);
 }
 
+/* Value, slope and half the bend of a series: one step of Horner's scheme. */
+struct hertz_point {
+    double value, slope, bend;
+};
+
+static inline struct hertz_point hertz_horner(struct hertz_point a, double s, double next)
+{
+    return (struct hertz_point){a.value * s + next, a.slope * s + a.value, a.bend * s + a.slope};
+}
+
 /* Values and two derivatives of u, rate and force, in one loop, so that none waits for another. */
 static void hertz_sample_series(const struct pair_hertz *p, double s, double out[3][3])
 {
-    const double *rows[3] = {p->root, p->rate, p->force};
-    for (int j = 0; j < 3; ++j) {
-        out[j][0] = out[j][1] = out[j][2] = 0.0;
-    }
+    struct hertz_point root = {0.0, 0.0, 0.0};
+    struct hertz_point rate = {0.0, 0.0, 0.0};
+    struct hertz_point force = {0.0, 0.0, 0.0};
     for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
-        for (int j = 0; j < 3; ++j) {
-            out[j][2] = out[j][2] * s + out[j][1];
-            out[j][1] = out[j][1] * s + out[j][0];
-            out[j][0] = out[j][0] * s + rows[j][i];
-        }
+        root = hertz_horner(root, s, p->root[i]);
+        rate = hertz_horner(rate, s, p->rate[i]);
+        force = hertz_horner(force, s, p->force[i]);
     }
+    const struct hertz_point rows[3] = {root, rate, force};
     for (int j = 0; j < 3; ++j) {
-        out[j][2] *= 2.0;
+        out[j][0] = rows[j].value;
+        out[j][1] = rows[j].slope;
+        out[j][2] = 2.0 * rows[j].bend;
     }
 }
 

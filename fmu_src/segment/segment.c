@@ -74,13 +74,21 @@ static bool is_collocated(const struct segment *p)
     return p->kind != SEGMENT_CLOSED_FORM && p->kind < SEGMENT_TAYLOR;
 }
 
+/* The series first, for it tells whether anything is fast; where that was wrong it is made again. */
+static void make_hertz(struct segment *p)
+{
+    if (!make_kind(p, SEGMENT_HERTZ)) {
+        (void)make_kind(p, SEGMENT_TAYLOR);
+    } else if (hertz_slow_applies(p) && !make_kind(p, SEGMENT_HERTZ_SLOW)) {
+        (void)make_kind(p, SEGMENT_HERTZ);
+    }
+}
+
 static void make_up_to(struct segment *p, double longest)
 {
     p->longest = longest;
     if (contact_is_hertz(&p->pair.law)) {
-        if (!make_kind(p, SEGMENT_HERTZ_SLOW) && !make_kind(p, SEGMENT_HERTZ)) {
-            (void)make_kind(p, SEGMENT_TAYLOR);
-        }
+        make_hertz(p);
     } else if (!make_kind(p, SEGMENT_CLOSED_FORM)) {
         enum segment_kind kind = SEGMENT_AVERAGED;
         pair_timescales_make(&p->scales, &p->pair);

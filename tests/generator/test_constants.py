@@ -6,7 +6,8 @@ import sys
 from support.generator.generated import ROOT
 
 
-def test_the_lobatto_tables_are_those_of_their_script():
+def test_the_tables_of_nodes_are_those_of_their_script():
     script = ROOT / "scripts" / "tools" / "make_lobatto.py"
-    written = subprocess.run([sys.executable, script], capture_output=True, check=True).stdout
-    assert written == (ROOT / "fmu_src" / "math" / "lobatto.c").read_bytes()
+    for arguments, file in (([], "lobatto.c"), (["radau"], "radau.c")):
+        written = subprocess.run([sys.executable, script, *arguments], capture_output=True, check=True).stdout
+        assert written == (ROOT / "fmu_src" / "math" / file).read_bytes()

@@ -1,9 +1,9 @@
-"""An independent reference for contacts by Hertz's law with Hunt and Crossley's damping: the equations of motion
-in world coordinates, as DESIGN sections 1 and 6 write them, by extrapolation (Gragg, Bulirsch, Stoer) in extended
-precision.
+"""An independent reference for contacts by Hertz's law with Hunt and Crossley's damping: the equations of
+motion in world coordinates, as DESIGN sections 1 and 6 write them, by extrapolation (Gragg, Bulirsch, Stoer)
+in extended precision.
 
-Nothing is made of what is known about the contact: time is the variable, steps shrink by error control where the
-force is not smooth, and an event is the root of its function in the length of the last step.
+Nothing is made of what is known about the contact: time is the variable, steps shrink by error control where
+the force is not smooth, and an event is the root of its function in the length of the last step.
 """
 
 from typing import NamedTuple
@@ -44,7 +44,11 @@ class HertzPair(NamedTuple):
     def force(self, gap, rate, branch):
         depth = max(-gap, LONG(0))
         chi = self.chi if branch == FULL else LONG(0)
-        return LONG(0) if branch in (APART, CLIPPED) else self.stiffness * depth * np.sqrt(depth) * (1 - chi * rate)
+        return (
+            LONG(0)
+            if branch in (APART, CLIPPED)
+            else self.stiffness * depth * np.sqrt(depth) * (1 - chi * rate)
+        )
 
     def slope(self, state, branch):
         """Positions of both bodies, their velocities, dissipated energy."""
@@ -75,7 +79,11 @@ class HertzPair(NamedTuple):
 
 
 def precise(pair):
-    vectors = {k: np.array(getattr(pair, k), LONG) for k in ("gravity", "axis", "plane") if getattr(pair, k) is not None}
+    vectors = {
+        k: np.array(getattr(pair, k), LONG)
+        for k in ("gravity", "axis", "plane")
+        if getattr(pair, k) is not None
+    }
     numbers = {k: LONG(getattr(pair, k)) for k in ("stiffness", "chi", "reach")}
     return pair._replace(**vectors, **numbers, masses=tuple(LONG(m) for m in pair.masses))
 

@@ -1,6 +1,6 @@
 """Writes hertz_references.json: where the scenes of hertz_scenes.py end by the reference of hertz.py.
 
-    PYTHONPATH=tests:scripts python -m support.reference.make_hertz_references
+PYTHONPATH=tests:scripts python -m support.reference.make_hertz_references
 """
 
 import json

@@ -29,8 +29,8 @@ def benchmark(name):
 
 
 def random_hertz_scene(seed):
-    """Two bodies that meet obliquely: outside and inside of spheres and cylinders, one or both free, all dashpots,
-    with gravity."""
+    """Two bodies that meet obliquely: outside and inside of spheres and cylinders, one or both free, all
+    dashpots, with gravity."""
     draw = np.random.default_rng(seed)
     shape = ("sphere", "cylinder")[seed % 2]
     inside = seed % 6 in (2, 3)

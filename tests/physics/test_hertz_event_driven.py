@@ -1,0 +1,174 @@
+"""event_driven under Hertz's law: closed forms at every speed and modulus, the benchmarks and random scenes
+against the independent reference, the work of lasting contact whatever the modulus. CVODE takes no part."""
+
+import json
+from functools import cache
+from math import gamma, log1p, pi, sqrt
+
+import numpy as np
+import pytest
+
+from support.checks import check_close, check_relative, run
+from support.reference import make_hertz_references
+from support.scenes.hertz_scenes import FACTORS, SEEDS, benchmark, law, random_hertz_scene
+
+METHOD = "event_driven"
+EXACT = 1e-9  # m, m/s
+MODULI = (1e5, 1e7, 1e9, 1e11, 1e13)
+SPEEDS = (1e-6, 1e-3, 1.0, 1e3)
+RADIUS, OTHER, MASS = 0.1, 0.5, 1.0
+EFFECTIVE_RADIUS = RADIUS * OTHER / (RADIUS + OTHER)
+
+
+@cache
+def references():
+    return json.loads(make_hertz_references.FILE.read_text())
+
+
+def stiffness_of(modulus):
+    """k_h = 4/3 E* sqrt(R*)"""
+    return 4 / 3 * modulus * sqrt(EFFECTIVE_RADIUS)
+
+
+def ball(modulus, speed, chi=0.0, dashpot="unclamped"):
+    return {
+        "source.radius": RADIUS,
+        "source.mass": MASS,
+        "source.motion": "free",
+        "source.center": [0.0, 0.0, RADIUS + OTHER],
+        "source.initial_velocity": [0.0, 0.0, -speed],
+        "destination.radius": OTHER,
+        "destination.motion": "fixed",
+        "contact.dashpot": dashpot,
+        "gravity": [0.0, 0.0, 0.0],
+        **law(stiffness_of(modulus), chi),
+    }
+
+
+def deepest_of(modulus, speed):
+    return (1.25 * MASS * speed**2 / stiffness_of(modulus)) ** 0.4
+
+
+def on_the_way(modulus, speed):
+    return deepest_of(modulus, speed) < OTHER
+
+
+@pytest.mark.parametrize("speed", SPEEDS)
+@pytest.mark.parametrize("modulus", MODULI)
+def test_an_elastic_impact_is_that_of_hertz(opened, modulus, speed):
+    """Depth, duration 2.943275184 depth / speed, peak force: Landau and Lifshitz, Theory of Elasticity, 9"""
+    deepest = deepest_of(modulus, speed)
+    if not on_the_way(modulus, speed):
+        return
+    duration = 2 * deepest / speed * sqrt(pi) * gamma(1.4) / gamma(0.9)
+    fmu = run(opened("SphereSphere"), ball(modulus, speed), 2 * duration, 1, 1e-8, METHOD)
+    check_relative("depth", fmu["contact.peak_penetration"], deepest, 1e-12)
+    check_relative("force", fmu["contact.peak_force"], stiffness_of(modulus) * deepest**1.5, 1e-12)
+    check_relative("duration", fmu["contact.last_duration"], duration, 1e-12)
+    check_relative("speed", fmu["source.velocity"][2], speed, 1e-12)
+    assert fmu["contact.onsets"] == 1
+    assert fmu["solver.fallbacks"] == 0
+    assert fmu["solver.steps"] < 20
+
+
+def restitution_of(damped):
+    """e of chi v: chi v (1 + e) = ln[(1 + chi v)/(1 - e chi v)], by bisection."""
+    low, high = 0.0, min(1.0, 1.0 / damped)
+    for _ in range(200):
+        middle = (low + high) / 2
+        left = log1p(damped) - log1p(-middle * damped) - damped * (1 + middle)
+        low, high = (middle, high) if left < 0 else (low, middle)
+    return low
+
+
+@pytest.mark.parametrize("dashpot", ["unclamped", "non_adhesive", "approach_only"])
+@pytest.mark.parametrize("damped", [0.1, 1.0, 10.0])
+def test_a_damped_impact_is_that_of_hunt_and_crossley(opened, damped, dashpot):
+    for modulus in MODULI:
+        for speed in SPEEDS:
+            if not on_the_way(modulus, speed):
+                continue
+            chi, stiffness = damped / speed, stiffness_of(modulus)
+            deepest = (2.5 * MASS / stiffness * (damped - log1p(damped)) / chi**2) ** 0.4
+            e = restitution_of(damped)
+            if dashpot == "approach_only":
+                e = sqrt(0.8 * stiffness / MASS * deepest**2.5) / speed
+            values = ball(modulus, speed, chi, dashpot)
+            fmu = run(
+                opened("SphereSphere"), values, 20 * deepest_of(modulus, speed) / speed, 1, 1e-8, METHOD
+            )
+            check_relative("depth", fmu["contact.peak_penetration"], deepest, 1e-11)
+            check_relative("speed", fmu["source.velocity"][2], e * speed, 1e-11)
+            kinetic = 0.5 * MASS * speed**2
+            check_close("energy", fmu["energy.total"], kinetic, 1e-12 * kinetic)
+
+
+def check_end(fmu, expected, values):
+    found = [fmu[f"{body}.{what}"] for what in ("position", "velocity") for body in ("source", "destination")]
+    check_close("positions, velocities", np.concatenate(found), expected["state"], EXACT)
+    assert fmu["solver.events"] == expected["events"]
+    assert fmu["solver.fallbacks"] == 0
+    if values["destination.motion"] == "fixed":
+        check_close("energy.dissipated", fmu["energy.dissipated"], expected["dissipated"], EXACT)
+
+
+@pytest.mark.parametrize("steps", [1, 997])
+@pytest.mark.parametrize("name", FACTORS)
+def test_benchmarks(opened, name, steps):
+    fmu, values, end = benchmark(name)
+    totals = []
+    made = run(opened(fmu), values, end, steps, 1e-10, METHOD, lambda f: totals.append(f["energy.total"]))
+    check_end(made, references()[name], values)
+    check_close("energy", totals, [totals[0]] * len(totals), 1e-10)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_random_scenes(opened, seed):
+    fmu, values, end = random_hertz_scene(seed)
+    for steps in (1, 53):
+        totals = []
+        made = run(opened(fmu), values, end, steps, 1e-10, METHOD, lambda f: totals.append(f["energy.total"]))  # noqa: B023
+        check_end(made, references()[str(seed)], values)
+        check_close("energy", totals, [totals[0]] * len(totals), 1e-10 * max(1, abs(totals[0])))
+
+
+def test_the_random_scenes_have_contact():
+    """Two changes of the regime and more; all dashpots, shapes and sides among them"""
+    touching = [seed for seed in SEEDS if references()[str(seed)]["events"] >= 1]
+    kinds = {(random_hertz_scene(s)[0], random_hertz_scene(s)[1]["contact.location"]) for s in touching}
+    assert len(touching) > 0.7 * len(SEEDS)
+    assert len(kinds) == 4
+
+
+def resting(modulus, share):
+    """A ball in a hollow cylinder at the depth that its load presses it to, sliding along and about the axis,
+    with so much of the critical damping there."""
+    speed, mass, reach = 0.5, 0.1, OTHER - RADIUS
+    stiffness = 4 / 3 * modulus * sqrt(RADIUS * OTHER / reach)
+    load = 9.81 + speed**2 / reach
+    depth = (mass * load / stiffness) ** (2 / 3)
+    critical = 2 * sqrt(1.5 * stiffness * sqrt(depth) * mass)
+    return {
+        "source.radius": RADIUS,
+        "source.mass": mass,
+        "source.motion": "free",
+        "source.center": [0.0, 0.0, -reach - depth],
+        "source.initial_velocity": [speed, 0.1, 0.0],
+        "destination.radius": OTHER,
+        "destination.motion": "fixed",
+        "destination.axis": [0.0, 1.0, 0.0],
+        "contact.location": "inside",
+        "contact.dashpot": "unclamped",
+        **law(stiffness, share * critical / (stiffness * depth**1.5)),
+    }
+
+
+@pytest.mark.parametrize("share", [0.1, 1.0, 20.0])
+def test_the_work_does_not_follow_the_modulus(opened, share):
+    """Internal steps; at 1e13 Pa the contact oscillates 1e5 times a second."""
+    steps = []
+    for modulus in (1e7, 1e9, 1e11, 1e13):
+        fmu = run(opened("SphereCylinder"), resting(modulus, share), 2.0, 1, 1e-8, METHOD)
+        steps.append(fmu["solver.steps"])
+        assert fmu["solver.fallbacks"] == 0
+    assert max(steps) <= 1.5 * steps[0] + 20, steps
