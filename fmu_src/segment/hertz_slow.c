@@ -1,10 +1,8 @@
-#include "segment/hertz_slow.h"
+#include "segment/hertz_slow_state.h"
 
 #include <float.h>
 
-#include "math/radau.h"
-
-enum { SLOW_N = RADAU_POINTS, SLOW_SWEEPS = 30 };
+enum { SLOW_SWEEPS = 30 };
 
 /* A sweep that changes delta and n by less than this part of them has converged; their rounding is less. */
 static const double SLOW_SWEPT = 4.0 * DBL_EPSILON;
@@ -29,21 +27,9 @@ static void slow_acceleration(const struct hertz_flight *flight, double time, do
     }
 }
 
-static void slow_cross(const double *a, const double *b, double slow_factor, double out[HERTZ_DIMENSIONS])
-{
-    out[0] = slow_factor * (a[1] * b[2] - a[2] * b[1]);
-    out[1] = slow_factor * (a[2] * b[0] - a[0] * b[2]);
-    out[2] = slow_factor * (a[0] * b[1] - a[1] * b[0]);
-}
-
 static double slow_dot(const double *a, const double *b)
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static double slow_distance(const struct hertz_slow *p, double depth)
-{
-    return p->from->distance - p->from->shape.side * (depth - p->depth_start);
 }
 
 /* Rates of n and H per s, and the load half^2 L [m], where n, H and delta are known. */
@@ -65,12 +51,6 @@ static double turning_at(const struct hertz_slow *p, const double *at, double de
         slow_cross(n, a, p->half * d, rates + HERTZ_DIMENSIONS);
     }
     return -p->from->shape.side * p->half * p->half * load;
-}
-
-static bool is_turning(const struct hertz_slow *p, int row)
-{
-    const bool in_plane = row == 0 || row == 1 || row == HERTZ_TURNING - 1;
-    return p->flight.dimensions == 3 || (p->flight.dimensions == 2 && in_plane);
 }
 
 /* One sweep of n and H with delta as it is; returns the largest change of n, `load` at the nodes. */
@@ -95,17 +75,6 @@ static double sweep_turning(struct hertz_slow *p, double *load)
         }
     }
     return change;
-}
-
-/* The bend by the law, and its derivatives with respect to delta and d delta/ds. */
-static void slow_law(const struct hertz_slow *p, double depth, double rate, double out[3])
-{
-    const double root = sqrt(depth);
-    const double scale = p->half * p->half * p->k;
-    const double damping = 1.0 + p->from->chi * rate / p->half;
-    out[0] = scale * depth * root * damping;
-    out[1] = 1.5 * scale * root * damping;
-    out[2] = scale * depth * root * p->from->chi / p->half;
 }
 
 /* Gaussian elimination with pivots of columns. */
@@ -324,133 +293,4 @@ bool slow_hertz_make(struct hertz_slow *p, const struct contact_pair *from, doub
     }
     nodal_coefficients(&radau, p->rate, p->rate_terms);
     return true;
-}
-
-static double slow_depth(const struct hertz_slow *p, double s)
-{
-    return p->depth_start + nodal_integral(p->rate_terms, SLOW_N, s);
-}
-
-void slow_hertz_sample(const void *hertz_slow, double s, struct pair_sample *sample)
-{
-    const struct hertz_slow *p = hertz_slow;
-    double rate[4];
-    const double depth = slow_depth(p, s);
-    const double root = sqrt(fmax(depth, 0.0));
-    nodal_derivatives(p->rate_terms, SLOW_N, s, rate);
-    const double chi = p->from->chi / p->half;
-    const double damping[3] = {1.0 + chi * rate[0], chi * rate[1], chi * rate[2]};
-    const double spring[3] = {depth * root, 1.5 * root * rate[0],
-                              0.75 / root * rate[0] * rate[0] + 1.5 * root * rate[1]};
-    const double k = p->from->law.stiffness;
-    for (int i = 0; i < 3; ++i) {
-        sample->of[PAIR_GAP][i] = i == 0 ? -depth : -rate[i - 1];
-        sample->of[PAIR_GAP_RATE][i] = -rate[i] / p->half;
-    }
-    sample->of[PAIR_FORCE][0] = k * spring[0] * damping[0];
-    sample->of[PAIR_FORCE][1] = k * (spring[1] * damping[0] + spring[0] * damping[1]);
-    sample->of[PAIR_FORCE][2] =
-        k * (spring[2] * damping[0] + 2.0 * spring[1] * damping[1] + spring[0] * damping[2]);
-}
-
-/* n, H, delta and d delta/ds at s. */
-struct slow_place {
-    double turned[HERTZ_TURNING];
-    double depth, rate;
-};
-
-static struct slow_place slow_place_at(const struct hertz_slow *p, double s)
-{
-    struct slow_place at = {.depth = slow_depth(p, s), .rate = nodal_polynomial_at(p->rate_terms, SLOW_N, s)};
-    for (int j = 0; j < HERTZ_TURNING; ++j) {
-        at.turned[j] = p->start[j];
-        if (is_turning(p, j)) {
-            at.turned[j] += nodal_integral_to(&radau, p->turned[j], p->turning[j], s);
-        }
-    }
-    return at;
-}
-
-/* r and r' at a place, in the frame. */
-static void slow_deviation(const struct hertz_slow *p, const struct slow_place *at, double s,
-                           double r[HERTZ_DIMENSIONS], double r_rate[HERTZ_DIMENSIONS])
-{
-    const double time = p->half * s;
-    const double d = slow_distance(p, at->depth);
-    const double radial = -p->from->shape.side * at->rate / p->half;
-    double along[HERTZ_DIMENSIONS] = {0.0, 0.0, 0.0};
-    slow_cross(at->turned + HERTZ_DIMENSIONS, at->turned, 1.0 / d, along);
-    for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
-        double c = 0.0;
-        double w = 0.0;
-        for (int k = p->flight.degree; k >= 1; --k) {
-            c = (c + p->flight.c[k][j]) * time;
-            w = w * time + k * p->flight.c[k][j];
-        }
-        const double start = j == 0 ? p->from->distance : 0.0;
-        const bool counts = j < p->flight.dimensions;
-        r[j] = counts ? (d * at->turned[j] - start) - c : 0.0;
-        r_rate[j] = counts ? radial * at->turned[j] + along[j] - w : 0.0;
-    }
-}
-
-/* F_n at a place [SLOW_N]. */
-static double slow_force(const struct hertz_slow *p, const struct slow_place *at)
-{
-    double law[3];
-    slow_law(p, at->depth, at->rate, law);
-    return p->from->reduced_mass * law[0] / (p->half * p->half);
-}
-
-static bool has_work(const struct pair_work *work)
-{
-    return work->order > 0 &&
-           !(vec3_is_zero(work->path[0]) && vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
-}
-
-/* The integrals of pair_work and of the dashpot's power over [0, s], by Radau's quadrature. */
-static void slow_powers(const struct hertz_slow *p, double s, struct pair_change *change)
-{
-    change->dissipated = change->work[0] = change->work[1] = 0.0;
-    if (!has_work(&p->from->work[0]) && !has_work(&p->from->work[1]) && !(p->from->chi > 0.0)) {
-        return;
-    }
-    for (int i = 0; i < SLOW_N; ++i) {
-        const double place = 0.5 * s * (1.0 + radau.node[i]);
-        const double weight = 0.5 * s * p->half * radau.integral[i * SLOW_N + SLOW_N - 1];
-        const double time = p->half * place;
-        const struct slow_place at = slow_place_at(p, place);
-        const double force = slow_force(p, &at);
-        const double rate = at.rate / p->half;
-        const double spring = p->from->law.stiffness * at.depth * sqrt(at.depth);
-        double rows[3][HERTZ_DIMENSIONS];
-        slow_deviation(p, &at, place, rows[0], rows[1]);
-        change->dissipated += weight * (force - spring) * rate;
-        for (int body = 0; body < PAIR_BODIES; ++body) {
-            const struct pair_work *work = &p->from->work[body];
-            for (int j = 0; j < p->flight.dimensions && work->order > 0; ++j) {
-                rows[2][j] = p->from->shape.side * force / p->from->reduced_mass * at.turned[j];
-                const struct vec3 path =
-                    vec3_axpy(vec3_axpy(work->path[0], time, work->path[1]), time * time, work->path[2]);
-                change->work[body] += weight * vec3_dot(path, p->flight.frame[j]) * rows[work->order][j];
-            }
-        }
-    }
-}
-
-struct pair_change slow_hertz_change(const void *hertz_slow, double s)
-{
-    const struct hertz_slow *p = hertz_slow;
-    const struct slow_place at = slow_place_at(p, s);
-    double r[HERTZ_DIMENSIONS];
-    double r_rate[HERTZ_DIMENSIONS];
-    slow_deviation(p, &at, s, r, r_rate);
-    struct pair_change change = {.time = p->half * s, .gap = -at.depth};
-    change.r = change.r_rate = vec3_make(0.0, 0.0, 0.0);
-    for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
-        change.r = vec3_axpy(change.r, r[j], p->flight.frame[j]);
-        change.r_rate = vec3_axpy(change.r_rate, r_rate[j], p->flight.frame[j]);
-    }
-    slow_powers(p, s, &change);
-    return change;
 }

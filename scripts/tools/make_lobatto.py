@@ -1,11 +1,11 @@
-"""Writes the constants of fmu_src/math/lobatto.c, collocation at the Gauss-Lobatto nodes, and radau.c, at those of
-Radau, with 60 digits.
+"""Writes the constants of fmu_src/math/lobatto.c, collocation at the Gauss-Lobatto nodes, and radau.c, at
+those of Radau, with 60 digits.
 
     python scripts/tools/make_lobatto.py > fmu_src/math/lobatto.c
     python scripts/tools/make_lobatto.py radau > fmu_src/math/radau.c
 
-Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32); of Radau the roots of P_{n-1} - P_n, of
-which 1 is one (25.4.31, mirrored). With l_j the Lagrange polynomials
+Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32); of Radau the roots of P_{n-1} - P_n,
+of which 1 is one (25.4.31, mirrored). With l_j the Lagrange polynomials
 of the n nodes: `integral[j n + i]` is the integral of l_j from -1 to node i, `monomial[j n + k]` the
 coefficient of sigma^k in l_j.
 """
