@@ -4,9 +4,6 @@
 bool collocated_applies(const struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
-    if (contact_is_plane(&p->pair.shape)) { /* nothing turns: the Taylor series along n has no nearer end */
-        return false;
-    }
     return scales->rates.faster * p->longest >= COLLOCATED_SHORTEST && scales->problem.reach > 0.0 &&
            scales->rates.faster >= SEPARATION_OF_RATES * scales->tangential_rate;
 }

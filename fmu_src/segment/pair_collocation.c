@@ -3,15 +3,22 @@
 #include <float.h>
 #include <string.h>
 
+/* The part of a vector that the contact's motion feels: across a cylinder's axis; along a plane's normal, so
+ * that nothing turns (H = 0) and a polynomial load is followed exactly. */
+static struct vec3 coupled(const struct contact_pair *p, struct vec3 c)
+{
+    return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, c), p->normal) : pair_across(p, c);
+}
+
 /* A: second derivative of C. E = W - C'. Both across a cylinder's axis. */
 static void set_paths(const struct contact_pair *p, struct collocation_problem *problem)
 {
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        problem->acceleration[i] = vec3_scale((i + 1) * (i + 2), pair_across(p, p->flight.c[i + 2]));
+        problem->acceleration[i] = vec3_scale((i + 1) * (i + 2), coupled(p, p->flight.c[i + 2]));
     }
     for (int i = 0; i < COLLOCATION_MISMATCH_TERMS; ++i) {
         const struct vec3 mismatch = vec3_axpy(p->flight.w[i], -(i + 1), p->flight.c[i + 1]);
-        problem->mismatch[i] = pair_across(p, mismatch);
+        problem->mismatch[i] = coupled(p, mismatch);
         problem->has_mismatch = problem->has_mismatch || vec3_max_abs(mismatch) > 0.0;
     }
 }
@@ -45,13 +52,13 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     struct collocation_problem *problem = &out->problem;
     problem->has_mismatch = false;
     problem->normal = p->normal;
-    problem->rate = pair_across(p, p->flight.c[1]);
+    problem->rate = coupled(p, p->flight.c[1]);
     problem->reach = contact_reach(&p->shape);
     problem->deviation = p->shape.side * p->gap;
     problem->omega2 = p->coefficients.k / p->reduced_mass;
     problem->damping_rate = p->coefficients.c / p->reduced_mass;
     set_paths(p, problem);
-    const double d = problem->reach + problem->deviation;
+    const double d = contact_is_plane(&p->shape) ? (double)INFINITY : problem->reach + problem->deviation;
     const struct vec3 along = pair_tangential(p, problem->rate);
     const double radial = p->shape.side * pair_gap_derivative(p);
     problem->radial = radial;
@@ -245,7 +252,7 @@ static double work_by_parts(const struct pair_collocation *p, const struct pair_
     double flown = 0.0;
     double power = t;
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        const struct vec3 c = pair_across(p->from, p->from->flight.c[i]);
+        const struct vec3 c = coupled(p->from, p->from->flight.c[i]);
         power *= t;
         flown += power * (vec3_dot(weight[0], c) / (i + 1) + t * vec3_dot(weight[1], c) / (i + 2));
     }
@@ -260,7 +267,7 @@ struct pair_change pair_collocation_change(const void *pair_collocation, double 
     struct pair_change change = {.time = p->step.half * s, .r = step.moved, .r_rate = step.gained};
     double power = 1.0;
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        const struct vec3 c = pair_across(from, from->flight.c[i]);
+        const struct vec3 c = coupled(from, from->flight.c[i]);
         if (i > 1) {
             change.r_rate = vec3_axpy(change.r_rate, -i * power, c);
         }

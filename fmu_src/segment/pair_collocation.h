@@ -9,7 +9,7 @@
 /* Rates and sizes of the motion at the start of a step. */
 struct pair_timescales {
     struct collocation_problem problem;
-    double distance;   /* d [m] */
+    double distance;   /* d [m]; INFINITY of a plane, whose normal never turns */
     double rate_along; /* |c' along the contact| / d [1/s] */
     /* rate_along + sqrt(|A| / d) at the start: n turns by about a radian in its inverse [1/s] */
     double tangential_rate;

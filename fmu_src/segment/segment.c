@@ -1,5 +1,7 @@
 #include "segment/segment.h"
 
+#include <float.h>
+
 #include "scene/present.h"
 #include "scene/rounding.h"
 #include "segment/kinds.h"
@@ -84,9 +86,22 @@ static void make_hertz(struct segment *p)
     }
 }
 
+/* Over a plane nothing turns that would end a segment. But the motion is that of the flight without contact and
+ * a deviation that nearly cancels it: the flight may be as long as the gap's own rounding bound allows [s]. */
+static double longest_over_plane(const struct segment *p)
+{
+    const double flight = p->gap_rounding / DBL_EPSILON;
+    double longest = (double)INFINITY;
+    for (int i = 2; i <= SEPARATION_DEGREE; ++i) {
+        const double along = fabs(vec3_dot(p->pair.normal, p->pair.flight.c[i]));
+        longest = fmin(longest, pow(flight / (SEPARATION_DEGREE * along), 1.0 / i));
+    }
+    return longest;
+}
+
 static void make_up_to(struct segment *p, double longest)
 {
-    p->longest = longest;
+    p->longest = contact_is_plane(&p->pair.shape) ? fmin(longest, longest_over_plane(p)) : longest;
     if (contact_is_hertz(&p->pair.law)) {
         make_hertz(p);
     } else if (!make_kind(p, SEGMENT_CLOSED_FORM)) {

@@ -149,6 +149,44 @@ def test_polynomial_inputs_are_followed_to_rounding(opened, kind):
         assert fmu["contact.onsets"] == right.onsets
 
 
+@pytest.mark.parametrize("share", [0.0, 0.05, 2.0])
+@pytest.mark.parametrize("stiffness", [1e5, 1e8, 1e11])
+def test_a_growing_load_costs_no_more_on_a_stiffer_plane(opened, stiffness, share):
+    """Undamped it swings about the load, damped it follows that: two seconds in one step."""
+    values = bounce(gap=0.0, **{"contact.penalty_factor": stiffness})
+    values |= {
+        "source.initial_velocity": [0.0, 0.0, 0.0],
+        "contact.viscous_penalty_factor": 2 * share * math.sqrt(stiffness),
+        "source.external_force": [0.0, 0.0, -1.0],
+        "source.external_force.derivatives": [[2.0, 0.0, -3.0], [0.0, -1.0, 1.0]],
+    }
+    fmu = run(opened(FMU), values, 2.0, 1)
+    assert fmu["solver.steps"] < 20
+    # x'' + 2 z w x' + w^2 x = a + b t + t^2 / 2 for the penetration -x, from rest at 0: powers of t, and an
+    # oscillation that is left where nothing damps it
+    a, b, two_z = -10.81, -3.0, 2 * share / math.sqrt(stiffness)
+    third = 1 / (2 * stiffness)
+    second = b / stiffness - 2 * two_z * third
+    first = a / stiffness - two_z * second - 2 * third / stiffness
+    gap = first + 2.0 * second + 4.0 * third
+    if share == 0.0:
+        omega = math.sqrt(stiffness)
+        gap -= first * math.cos(2 * omega) + second / omega * math.sin(2 * omega)
+    # Two seconds are omega times so many radians, which are known to rounding.
+    phase = 0.0 if share else 1e-15 * 2 * math.sqrt(stiffness) * abs(first)
+    check_close("gap", fmu["contact.gap"], gap, 1e-16 + phase)
+    check_close("energy", fmu["energy.total"], start(fmu, values)["energy.total"], 1e-13)
+
+
+def test_rest_for_an_hour_in_one_step_moves_nothing(opened):
+    values = bounce(gap=0.0, **{"contact.viscous_penalty_factor": 300.0})
+    values["source.initial_velocity"] = [0.0, 0.0, 0.0]
+    fmu = run(opened(FMU), values, 3600.0, 1)
+    check_close("gap", fmu["contact.gap"], -9.81e-6, 1e-20)
+    check_close("force", fmu["contact.normal_force"], 9.81, 1e-14)
+    check_close("position", fmu["source.displacement"], [0.0, 0.0, -9.81e-6], 1e-17)
+
+
 def test_a_contact_that_lasts_takes_few_steps_at_any_stiffness(opened):
     """From 1e3 to 1e15 N/m: a ball set down on a slope, damped, slides for ten seconds."""
     for stiffness in (1e3, 1e7, 1e11, 1e15):

@@ -4,7 +4,12 @@ import numpy as np
 
 from support.reference.law import Motion, vector
 
-SHAPES = {"SphereSphere": "sphere", "SphereCylinder": "cylinder", "ForceElement": "cylinder"}
+SHAPES = {
+    "SphereSphere": "sphere",
+    "SphereCylinder": "cylinder",
+    "SpherePlane": "plane",
+    "ForceElement": "cylinder",
+}
 INPUTS = [
     f"{body}.prescribed_{row}" for body in ("source", "destination") for row in ("displacement", "velocity")
 ]
@@ -17,7 +22,12 @@ def unit_vector(random):
 
 def random_separation(random, values, shape, inside):
     """x_dst - x_src with a gap of either sign; beyond a finite cylinder's ends now and then."""
-    r_s, r_d = values["source.radius"], values["destination.radius"]
+    r_s = values["source.radius"]
+    if shape == "plane":  # the centre on either side of the surface
+        normal = np.array(values["destination.axis"]) / np.linalg.norm(values["destination.axis"])
+        aside = np.cross(normal, r_s * 10 ** random.uniform(-2, 2) * unit_vector(random))
+        return aside - r_s * random.choice([1 - 1e-3, 0.5, 1 + 1e-6, -0.3, 2.0]) * normal
+    r_d = values["destination.radius"]
     small = min(r_s, r_d)
     gap = random.choice([-1, 1], p=[0.7, 0.3]) * small * 10 ** random.uniform(-6, -0.1)
     distance = max(r_d - r_s - gap, 0.01 * small) if inside else r_d + r_s + gap
@@ -59,6 +69,11 @@ def random_configuration(random, shape, scale=1.0, offset=0.0):
         values["destination.axis"] = (unit_vector(random) * 10 ** random.uniform(-3, 3)).tolist()
         values["destination.finite_length"] = bool(random.random() < 0.5)
         values["destination.length"] = scale * 10 ** random.uniform(-1, 1)
+    if shape == "plane":
+        values["destination.axis"] = (unit_vector(random) * 10 ** random.uniform(-3, 3)).tolist()
+        for name in ("destination.radius", "contact.location"):
+            del values[name]
+        inside = False
     common = offset * random.uniform(-1, 1, size=3)
     source = common + scale * random.normal(size=3)
     values["source.center"] = source.tolist()

@@ -85,10 +85,13 @@ class World {
     return mesh;
   }
 
-  /** A square of the surface of a plane, with its normal along y. */
+  /** A square of the surface of a plane, with its normal along y; it is seen from above only. */
   makeFloor(body) {
-    const material = new THREE.MeshLambertMaterial({ side: THREE.DoubleSide });
-    const shape = new THREE.PlaneGeometry(2, 2).rotateX(-0.5 * Math.PI);
+    const material = new THREE.MeshLambertMaterial({});
+    const corners = [[-1, 1], [1, 1], [1, -1], [-1, 1], [1, -1], [-1, -1]].flatMap(([x, z]) => [x, 0, z]);
+    const shape = new THREE.BufferGeometry();
+    shape.setAttribute("position", new THREE.BufferAttribute(new Float32Array(corners), 3));
+    shape.setAttribute("normal", new THREE.BufferAttribute(new Float32Array(corners.map((_, k) => (k % 3 === 1 ? 1 : 0))), 3));
     body.materials.push(material);
     return new THREE.Mesh(shape, material);
   }
