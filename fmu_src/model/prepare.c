@@ -233,6 +233,28 @@ static enum model_status check_factors(struct model *m, int contact)
         contact_reference_modulus(&m->state.values, contact), state->parameters.diagonal);
 }
 
+/* Overlaps deeper than this part of the smaller radius are warned of: a penalty contact stands for small
+ * deformations and throws such bodies apart, and lengths may have been meant in millimetres. */
+static const double DEEP_START = 0.1;
+
+static void warn_of_deep_start(const struct model *m, const struct scene_instant *at, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const struct contact_shape shape = scene_contact_shape(v, &m->state.motion, contact);
+    const struct contact_law law = scene_contact_law(v, &m->state.motion, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double radius = shape.other_radius > 0.0 ? fmin(shape.source_radius, shape.other_radius)
+                                                   : shape.source_radius; /* of a plane */
+    if (!(-g->gap > DEEP_START * radius) || !scene_within_extents(&shape, g)) {
+        return;
+    }
+    model_report(
+        m, MODEL_WARNING,
+        "%s.gap = %g m at the start: the bodies overlap by more than a tenth of the smaller radius, "
+        "%g m, and %g J are stored in it (allowed: any, but the law is meant for small ones). Given once.",
+        scene_contact_name(contact), g->gap, radius, contact_stored_energy(&law, REGIME_COMPRESSION, g->gap));
+}
+
 /* Finite parameters can multiply to infinite forces and energies as well. */
 static enum model_status check_start(struct model *m)
 {
@@ -242,6 +264,7 @@ static enum model_status check_start(struct model *m)
     double sum = motion_energy(v, &m->state.motion, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         sum += at.normal_force[j];
+        warn_of_deep_start(m, &at, j);
     }
     return isfinite(sum) ? MODEL_OK
                          : model_report(m, MODEL_ERROR,
