@@ -33,6 +33,7 @@ def expected(name: str, scene: dict) -> dict:
         "max": float(high),
         "start": start[component] if isinstance(start, list) else start,
         "component": component,
+        "reinit": row.get("reinit", False),
         "symbol": row.get("symbol"),
         "items": items,
         "description": row["description"],
@@ -56,7 +57,7 @@ def disagreements(files: dict[str, str], scene: dict) -> list[str]:
         found += _differences(
             f"C {name}", table[name], wanted, ("reference", "base", "causality", "min", "max")
         )
-        found += _differences(f"C {name}", table[name], wanted, ("component",))
+        found += _differences(f"C {name}", table[name], wanted, ("component", "reinit"))
         if table[name]["row"] != wanted["key"].replace(".", "_"):
             found.append(f"C {name}: row {table[name]['row']}")
         found += _differences(f"page {name}", page[name], wanted, ("reference", "type", "causality", "unit"))

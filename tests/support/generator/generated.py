@@ -80,7 +80,8 @@ def parse_xml(text: str) -> dict[str, dict]:
 ROW = re.compile(
     r'^\s*\{"(?P<name>[^"]+)", (?P<min>[^,]+), (?P<max>[^,]+), (?P<reference>\d+), '
     r"(?:offsetof\(struct scene_values, (?P<member>[^)]+)\)|0), ROW_(?P<row>\w+), "
-    r"VARIABLE_(?P<base>\w+), VARIABLE_(?P<causality>\w+), (?P<element>\d+), (?P<component>\d+)\},$",
+    r"VARIABLE_(?P<base>\w+), VARIABLE_(?P<causality>\w+), (?P<element>\d+), "
+    r"(?P<component>\d+), (?P<reinit>[01])\},$",
     re.MULTILINE,
 )
 
@@ -100,7 +101,7 @@ def parse_c(text: str) -> dict[str, dict]:
             "min": float(fields["min"]),
             "max": float(fields["max"]),
             **{key: fields[key] for key in ("member", "row")},
-            **{key: int(fields[key]) for key in ("element", "component")},
+            **{key: int(fields[key]) for key in ("element", "component", "reinit")},
         }
     return variables
 
