@@ -3,20 +3,18 @@
 import subprocess
 import sys
 import zipfile
-from pathlib import Path
 
 import fmpy
 import pytest
 
+from support import portable_host
 from support.fmi2.elf import exported, needed
+from support.portable_host import HEADERS, SOURCE, motion
 from support.scenes.benchmarks import BENCHMARKS
 from support.sources import BUILD, ROOT
 
 WARNINGS = ["-Wall", "-Wextra", "-pedantic", "-Werror"]
 LIBRARIES = {"libc.so.6", "libm.so.6"}
-OUTPUTS = [f"source.{name}[{axis}]" for name in ("position", "velocity") for axis in (1, 2, 3)]
-OUTPUTS += ["contact.gap", "contact.peak_force", "energy.dissipated"]
-STEPS = 37  # communication steps that no contact begins or ends at
 
 
 def compile_c(*arguments, cwd):
@@ -28,10 +26,7 @@ def compile_c(*arguments, cwd):
 def host(tmp_path_factory):
     """host.c, the importer that compiles everywhere"""
     program = tmp_path_factory.mktemp("host") / "host"
-    headers = Path(fmpy.__file__).parent / "c-code"
-    compile_c(
-        *WARNINGS, "-O1", f"-I{headers}", ROOT / "tests/platforms/host.c", "-ldl", "-o", program, cwd=ROOT
-    )
+    compile_c(*WARNINGS, "-O1", f"-I{HEADERS}", SOURCE, "-ldl", "-o", program, cwd=ROOT)
     return program
 
 
@@ -42,9 +37,9 @@ def unpacked(tmp_path_factory):
 
     def unpack(name):
         if name not in folders:
-            folders[name] = tmp_path_factory.mktemp(name)
-            with zipfile.ZipFile(BUILD / "fmus" / f"{name}.fmu") as archive:
-                archive.extractall(folders[name])
+            folders[name] = portable_host.unpacked(
+                BUILD / "fmus" / f"{name}.fmu", tmp_path_factory.mktemp(name)
+            )
         return folders[name]
 
     return unpack
@@ -67,30 +62,8 @@ def compiled(unpacked):
     return library
 
 
-def host_arguments(folder, benchmark):
-    """Start values and outputs as host.c takes them: value references, vectors as three, names as numbers"""
-    about = fmpy.read_model_description(str(folder))
-    by_name = {variable.name: variable for variable in about.modelVariables}
-    words = [about.guid, str(benchmark.end), str(STEPS)]
-    for name, value in benchmark.configuration.items():
-        parts = value if isinstance(value, list) else [value]
-        names = [f"{name}[{i + 1}]" for i in range(3)] if isinstance(value, list) else [name]
-        for one, part in zip(names, parts, strict=True):
-            variable = by_name[one]
-            if variable.type == "Enumeration":
-                (part,) = [item.value for item in variable.declaredType.items if item.name == part]
-            words += ["r" if variable.type == "Real" else "i", variable.valueReference, part]
-    for name in OUTPUTS:
-        words += ["get", by_name[name].valueReference]
-    return [str(word) for word in words]
-
-
-def motion(host, library, folder, benchmark):
-    command = [str(host), str(library), *host_arguments(folder, benchmark)]
-    run = subprocess.run(command, capture_output=True, text=True, timeout=120)
-    assert (run.returncode, run.stderr) == (0, "")
-    assert len(run.stdout.splitlines()) == STEPS
-    return run.stdout
+def run(host, library, folder, benchmark):
+    return motion([host], library, folder, benchmark.configuration, benchmark.end)
 
 
 @pytest.mark.parametrize("name", BENCHMARKS)
@@ -98,8 +71,8 @@ def test_a_plain_compiler_gives_the_bits_of_the_library_inside(host, unpacked, c
     benchmark = BENCHMARKS[name]
     folder = unpacked(benchmark.fmu)
     inside = folder / "binaries" / "linux64" / f"{benchmark.fmu}.so"
-    own = motion(host, compiled(benchmark.fmu), folder, benchmark)
-    assert own == motion(host, inside, folder, benchmark)
+    own = run(host, compiled(benchmark.fmu), folder, benchmark)
+    assert own == run(host, inside, folder, benchmark)
     position = [float(word) for word in own.splitlines()[-1].split()[1:4]]
     assert position == pytest.approx(benchmark.position, abs=1e-9)
 
@@ -109,7 +82,7 @@ def test_c11_without_extensions_gives_the_same_bits(host, unpacked, compiled, na
     benchmark = BENCHMARKS[name]
     folder = unpacked(benchmark.fmu)
     plain = compiled(benchmark.fmu, "-DCONTACT_PLAIN_C")
-    assert motion(host, plain, folder, benchmark) == motion(host, compiled(benchmark.fmu), folder, benchmark)
+    assert run(host, plain, folder, benchmark) == run(host, compiled(benchmark.fmu), folder, benchmark)
 
 
 def test_the_library_shows_only_the_functions_of_fmi(unpacked, compiled):
