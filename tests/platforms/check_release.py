@@ -66,7 +66,8 @@ def hosts(work):
         ("aarch64-linux", [*zig, "--target=aarch64-linux-gnu.2.17"], ["-ldl"]),
     ):
         made[platform] = work / f"host-{platform}{'.exe' if platform == 'win64' else ''}"
-        checked([*compiler, "-O1", f"-I{HEADERS}", SOURCE, *options, "-o", made[platform]])
+        # the options of the FMUs: zig compiles a runtime for each kind of build
+        checked([*compiler, "-O2", "-s", f"-I{HEADERS}", SOURCE, *options, "-o", made[platform]])
     foreign = ["qemu-aarch64-static", "-L", "/usr/aarch64-linux-gnu"]
     return {
         "linux64": ([made["linux64"]], {}),
