@@ -167,9 +167,7 @@ static void note_peaks_between(const struct scene_values *v, struct scene_state 
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (is_driven(v, q, j)) {
             struct scene_output output = {.values = v, .state = q, .contact = j};
-            struct contact_peaks peaks = q->contact[j].peaks;
-            scene_output_note_peaks(&output, from, to, PARTS, &peaks);
-            q->contact[j].peaks = peaks;
+            scene_output_note_peaks(&output, from, to, PARTS, &q->contact[j].peaks);
             counter_add(&q->counters.force_evaluations, PARTS + 1);
         }
     }

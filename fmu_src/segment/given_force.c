@@ -37,16 +37,15 @@ __attribute__((noinline)) static void instant_at(const struct given_step *step, 
     scene_evaluate(step->v, step->q, step->q->clock + s * step->length, 0, at);
 }
 
-/* A quarter of a half panel is resolved by its five nodes: no quantity has two extrema there. */
+/* The quadrature resolves a panel by five nodes each half: no quantity has two extrema within a quarter. */
 enum { PARTS = 4 };
 
 static void note_peaks_between(const struct given_step *step, double from, double to)
 {
     const double start = step->q->clock;
     struct scene_output output = {.values = step->v, .state = step->q, .contact = step->contact};
-    struct contact_peaks peaks = contact_of(step)->peaks;
-    scene_output_note_peaks(&output, start + from * step->length, start + to * step->length, PARTS, &peaks);
-    contact_of(step)->peaks = peaks;
+    scene_output_note_peaks(&output, start + from * step->length, start + to * step->length, PARTS,
+                            &contact_of(step)->peaks);
 }
 
 /* The integral of the force over a panel, and of its size. */
