@@ -83,6 +83,8 @@ def missing_module(error: ModuleNotFoundError) -> str:
 def os_error(error: OSError) -> tuple[str, int]:
     """The sentence and the status of a failed file operation: a wrong name is a bad request"""
     names = [str(name) for name in (error.filename, error.filename2) if name is not None]
+    if isinstance(error, FileExistsError):  # of folders that are to be made
+        return f"{names[0] if names else error}: this is a file, and a folder is needed", BAD_REQUEST
     text = ": ".join([*names, error.strerror]) if error.strerror else str(error)
     asked = (FileNotFoundError, FileExistsError, IsADirectoryError, NotADirectoryError, PermissionError)
     return text, BAD_REQUEST if isinstance(error, asked) else RUN_FAILED

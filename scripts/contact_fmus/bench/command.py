@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from contact_fmus.errors import UserError
+
 from . import best, instructions, ratios
 from .baseline import built
 from .tables import print_counts, print_rows
@@ -13,6 +15,8 @@ from .tables import print_counts, print_rows
 def main(arguments: list[str] | None = None) -> int:
     """0: done; 1: with --check, a count is above its bound; 2: something is not built; 3: a run failed"""
     options = _parser().parse_args(arguments)
+    if options.baseline and options.instructions:
+        raise UserError("--baseline is about run times: leave out --instructions, or use --against DIR")
     counts = instructions.measure(options.against)
     print_counts(counts, options.against)
     if not options.instructions:

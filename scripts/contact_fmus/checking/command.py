@@ -69,6 +69,8 @@ def main(arguments: list[str] | None = None) -> int:
 
 def check_file(file: Path) -> list[Check]:
     """UserError where the file is no archive with a description"""
+    if file.is_dir():
+        raise UserError(f"{file}: this is a folder; an FMU (.fmu) is needed")
     if not file.is_file():
         raise UserError(f"{file}: there is no such file")
     if not zipfile.is_zipfile(file):

@@ -28,6 +28,8 @@ def checked(output: Path) -> Path:
     if output.suffix not in SUFFIXES:
         near = similar(output.suffix, SUFFIXES)
         raise UserError(f"{output}: '{output.suffix}' is none of the formats {', '.join(SUFFIXES)}{near}")
+    if output.is_dir():
+        raise UserError(f"{output}: this is a folder")
     return output
 
 

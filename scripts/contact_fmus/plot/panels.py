@@ -55,7 +55,8 @@ def usual(result: Result) -> list[Panel]:
     """Gaps, forces, positions and energies; of a result without contacts, all by unit"""
     contacts = contact_names(result)
     if not contacts:
-        return chosen(result, sorted(result.columns))[:MOST]
+        numbers = [name for name, column in result.columns.items() if column.dtype.kind != "U"]
+        return chosen(result, sorted(numbers))[:MOST]
     panels = [
         _of_contacts(result, contacts, "gap", "gap"),
         _of_contacts(result, contacts, "normal_force", "normal force"),
@@ -67,7 +68,10 @@ def usual(result: Result) -> list[Panel]:
 
 def values(result: Result, name: str) -> np.ndarray:
     """As they are drawn: what stands for infinity is left out"""
-    found = np.asarray(result.column(name), dtype=float)
+    found = result.column(name)
+    if found.dtype.kind == "U":
+        raise UserError(f"column {name} holds text, such as '{found[0]}', which cannot be drawn")
+    found = found.astype(float)
     return np.where(np.abs(found) < FAR, found, np.nan)
 
 

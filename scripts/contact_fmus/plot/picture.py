@@ -8,6 +8,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from contact_fmus.scenarios.plots import COLORS, EDGE, LINES, STYLE
 
@@ -47,17 +48,31 @@ def _draw_panel(axes: Axes, panel: Panel, runs: list[Run]) -> None:
     for number, run in enumerate(runs):
         for index, line in enumerate(panel.lines):
             y = values(run.result, line.name)
-            label = ", ".join([run.label] * (len(runs) > 1) + [line.label] * (len(panel.lines) > 1))
             color = COLORS[(number if len(runs) > 1 else index) % len(COLORS)]
             style = LINES[index % len(LINES)] if len(runs) > 1 or index >= len(COLORS) else "-"
-            axes.plot(run.result.time, y, style, color=color, label=label or None)
+            axes.plot(run.result.time, y, style, color=color)
             drawn.append(y)
     linear = threshold(drawn)
     if linear is not None and "gap" in panel.title:
         axes.set_yscale("symlog", linthresh=linear)
         axes.axhline(0.0, color=EDGE, linewidth=0.8)
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    _explain(axes, panel, runs)
+
+
+def _explain(axes: Axes, panel: Panel, runs: list[Run]) -> None:
+    """Of several runs the colours tell the run and the kinds of lines what is drawn, each said once."""
+    if len(runs) == 1:
+        names = [line.label for line in panel.lines] if len(panel.lines) > 1 else []
+        shown = list(zip(axes.lines, names, strict=False))
+    else:
+        shown = [(Line2D([], [], color=COLORS[i % len(COLORS)]), run.label) for i, run in enumerate(runs)]
+        kinds = enumerate(panel.lines if len(panel.lines) > 1 else ())
+        shown += [
+            (Line2D([], [], color=EDGE, linestyle=LINES[i % len(LINES)]), one.label) for i, one in kinds
+        ]
+    if shown:
+        handles, labels = zip(*shown, strict=True)
+        axes.legend(handles, labels, loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
 def _mark(axes: Axes, marks: list[Touch]) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
+from contact_fmus.errors import UserError
 from contact_fmus.results import Result
 from contact_fmus.scenarios.target import Experiment, changed, find, first_run
 
@@ -28,6 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
     """0: run to its end; 2: the request makes no sense; 3: the FMU refused on the way"""
     options = _parser().parse_args(arguments)
     experiment = _experiment(options)
+    _check_files(experiment, options)
     try:
         result = _with_progress(experiment, options.output_interval)
     except StoppedEarly as stopped:
@@ -96,6 +98,22 @@ def _experiment(options: argparse.Namespace) -> Experiment:
     )
 
 
+def _check_files(experiment: Experiment, options: argparse.Namespace) -> None:
+    """Before the run, where one could not be written after it"""
+    if options.csv is not None and options.csv.is_dir():
+        raise UserError(f"{options.csv}: this is a folder")
+    if options.csv is not None and not options.csv.parent.is_dir():
+        raise UserError(f"{options.csv}: there is no folder {options.csv.parent}")
+    if options.plot is not None:
+        from contact_fmus.plot.figures import checked
+
+        checked(_picture(experiment, options))
+
+
+def _picture(experiment: Experiment, options: argparse.Namespace) -> Path:
+    return Path(options.plot or f"{experiment.name}.png")
+
+
 def _with_progress(experiment: Experiment, interval: float | None) -> Result:
     """A bar on a terminal's stderr, nothing where there is none"""
     length = experiment.stop_time - experiment.start_time
@@ -120,7 +138,7 @@ def _write(result: Result, experiment: Experiment, options: argparse.Namespace) 
     if options.plot is not None:
         from contact_fmus.plot.figures import draw
 
-        file = Path(options.plot or f"{experiment.name}.png")
+        file = _picture(experiment, options)
         draw(result, file)
         print(file, file=sys.stderr if options.json else sys.stdout)
 

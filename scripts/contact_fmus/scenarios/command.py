@@ -13,6 +13,7 @@ from .leave_out import measure_all
 from .page import write_report
 from .recording import record
 from .scenario import read_scenario
+from .target import SCENARIOS, find, words
 
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -22,7 +23,10 @@ def run(arguments: list[str] | None = None) -> int:
     text = "Runs scenarios, checks their claims, writes plots and index.html."
     parser = argparse.ArgumentParser(prog="contact-fmus scenarios", description=text)
     parser.add_argument(
-        "files", nargs="*", type=Path, help="scenario files; default all of scripts/scenarios"
+        "files",
+        nargs="*",
+        metavar="SCENARIO",
+        help=f"{words(SCENARIOS)} or a shipped one's name; default all",
     )
     parser.add_argument("--output", type=Path, default=results_folder("build/scenarios"), metavar="FOLDER")
     parser.add_argument("--no-plots", action="store_true", help="check the claims only")
@@ -32,8 +36,8 @@ def run(arguments: list[str] | None = None) -> int:
 def picture(arguments: list[str] | None = None) -> int:
     """0: drawn; 2: the request makes no sense; 3: an FMU refused"""
     parser = argparse.ArgumentParser(prog="contact-fmus picture", description="Draws one scenario.")
-    parser.add_argument("file", type=Path)
-    parser.add_argument("--output", type=Path, required=True, metavar="PNG")
+    parser.add_argument("file", metavar="SCENARIO", help=f"{words(SCENARIOS)} or a shipped one's name")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="default NAME.png here")
     return _picture(parser.parse_args(arguments))
 
 
@@ -45,7 +49,9 @@ def leave_out(arguments: list[str] | None = None) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    files = options.files or sorted((repository() / "scripts" / "scenarios").glob("*.toml"))
+    files = [find(one, SCENARIOS) for one in options.files] or sorted(
+        (repository() / "scripts" / "scenarios").glob("*.toml")
+    )
     scenarios = [read_scenario(file) for file in files]
     console = tables.make_console()
     options.output.mkdir(parents=True, exist_ok=True)
@@ -68,12 +74,14 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _picture(options: argparse.Namespace) -> int:
-    if options.output.suffix not in PICTURES:
+    file = find(options.file, SCENARIOS)
+    output = options.output or Path(f"{file.stem}.png")
+    if output.suffix not in PICTURES:
         known = ", ".join(PICTURES)
-        raise UserError(f"{options.output}: '{options.output.suffix}' is none of the formats {known}")
-    scenario = read_scenario(options.file)
-    plots.draw([record(scenario, variant) for variant in scenario.plotted()], options.output)
-    print(options.output)
+        raise UserError(f"{output}: '{output.suffix}' is none of the formats {known}")
+    scenario = read_scenario(file)
+    plots.draw([record(scenario, variant) for variant in scenario.plotted()], output)
+    print(output)
     return 0
 
 

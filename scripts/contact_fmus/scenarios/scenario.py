@@ -88,7 +88,9 @@ def read_scenario(path: Path) -> Scenario:
         table = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise ScenarioError(f"{path}: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError:
+        raise ScenarioError(f"{path}: this is no text: a scenario is a TOML file in UTF-8") from None
+    except tomllib.TOMLDecodeError as error:
         raise ScenarioError(f"{path}: {error}") from None
     place = str(path)
     _check(place, table, TOP, required=("title", "fmu", "experiment"))

@@ -24,6 +24,7 @@ STOP = 1.0  # s, where an FMU names no end of its own
 STEPS = 1000  # communication steps where neither the user nor the FMU says how long they are
 FORMS = {".fmu": "an FMU (.fmu)", ".toml": "a scenario (.toml)", ".csv": "a result (.csv)"}
 RUNS = (".fmu", ".toml")
+SCENARIOS = (".toml",)
 ANY = tuple(FORMS)
 
 
@@ -46,12 +47,14 @@ class Experiment:
 def words(suffixes: Iterable[str] = RUNS) -> str:
     """The kinds of files in a sentence"""
     *first, last = (FORMS[suffix] for suffix in suffixes)
-    return f"{', '.join(first)} or {last}"
+    return f"{', '.join(first)} or {last}" if first else last
 
 
 def find(name: str, suffixes: tuple[str, ...] = RUNS) -> Path:
     """The file of this name, or the shipped FMU or scenario; UserError where there is no such thing"""
     path = Path(name)
+    if not name:
+        raise UserError(f"an empty name; {words(suffixes)} is needed")
     if path.is_dir():
         raise UserError(f"{name}: this is a folder; {words(suffixes)} is needed")
     if path.suffix in suffixes:
@@ -62,15 +65,17 @@ def find(name: str, suffixes: tuple[str, ...] = RUNS) -> Path:
     if path.is_file():
         raise UserError(f"{name}: {words(suffixes)} is needed")
     scenarios = {file.stem: file for file in (repository() / "scripts" / "scenarios").glob("*.toml")}
-    fmus = sorted(file.stem for file in fmus_folder().glob("*.fmu"))
+    fmus = sorted(file.stem for file in fmus_folder().glob("*.fmu")) if ".fmu" in suffixes else []
     if name in fmus:
         return fmu_file(name)
     if name in scenarios:
         return scenarios[name]
     hint = similar(name, [*fmus, *scenarios])
-    built = ", ".join(fmus) or f"none is built in {fmus_folder()}"
-    known = f"FMUs: {built}; scenarios: {', '.join(sorted(scenarios))}"
-    raise UserError(f"'{name}' is no FMU or scenario{hint}, and no file: {words(suffixes)}; {known}")
+    known = f"scenarios: {', '.join(sorted(scenarios))}"
+    if ".fmu" in suffixes:
+        known = f"FMUs: {', '.join(fmus) or f'none is built in {fmus_folder()}'}; {known}"
+    kinds = "FMU or scenario" if ".fmu" in suffixes else "scenario"
+    raise UserError(f"'{name}' is no {kinds}{hint}, and no file: {words(suffixes)}; {known}")
 
 
 def first_run(path: Path) -> tuple[Experiment, str]:

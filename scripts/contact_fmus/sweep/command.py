@@ -27,6 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
         raise UserError(f"--workers: a whole number from 1 is wanted, not {options.workers}")
     if options.study.is_file() and not options.scheduler and not options.compare:
         start_early()
+    from .picture import columns_of, picture_file
     from .study import read_study
 
     study = read_study(options.study)
@@ -35,17 +36,20 @@ def main(arguments: list[str] | None = None) -> int:
         from .compare import compare
 
         return compare(study, folder, options)
+    drawn = None
+    if options.plot is not None:
+        drawn = picture_file(options.plot, folder), columns_of(study, options.x, options.y, options.color)
     from .store import Store
 
     store = Store(folder, study)
     store.open(options.resume)
     try:
-        return _sweep(store, options)
+        return _sweep(store, options, drawn)
     finally:
         store.close()
 
 
-def _sweep(store, options: argparse.Namespace) -> int:
+def _sweep(store, options: argparse.Namespace, drawn: tuple[Path, list[str]] | None) -> int:
     begin = time.perf_counter()
     store.check()
     before = store.done()
@@ -55,11 +59,10 @@ def _sweep(store, options: argparse.Namespace) -> int:
         files = [store.results]
         if options.csv:
             files.append(store.write_csv())
-        if options.plot:
+        if drawn:
             from .plot import draw
 
-            target = None if options.plot is True else Path(options.plot)
-            files.append(draw(store, target, options.x, options.y, options.color))
+            files.append(draw(store, *drawn))
     except KeyboardInterrupt:
         said = f"interrupted: {store.done():,} of {store.runs:,} runs are kept in {store.folder}"
         print(f"contact-fmus sweep: {said}; --resume goes on", file=sys.stderr)
@@ -158,7 +161,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--csv", action="store_true", help="also write DIR/results.csv")
     parser.add_argument("--json", action="store_true", help="print what was done as one line of JSON")
     parser.add_argument(
-        "--plot", nargs="?", const=True, metavar="FILE", help="draw the results, DIR/plot.png without a name"
+        "--plot", nargs="?", const="", metavar="FILE", help="draw the results, DIR/plot.png without a name"
     )
     parser.add_argument("--x", metavar="COLUMN", help="across: the first parameter without it")
     parser.add_argument(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,6 @@ import matplotlib
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
-
-from contact_fmus.errors import UserError, similar
 
 from .store import Store
 
@@ -72,18 +71,12 @@ class Column:
         return np.clip(np.searchsorted(edges, self.values, side="right") - 1, 0, len(edges) - 2)
 
 
-def draw(store: Store, target: Path | None, x: str | None, y: str | None, color: str | None) -> Path:
-    """The picture's file, whose ending says its kind"""
-    target = target or store.folder / "plot.png"
-    kinds = plt.figure().canvas.get_supported_filetypes()
-    plt.close("all")
-    if target.suffix.lstrip(".") not in kinds:
-        raise UserError(f"--plot {target}: the ending is one of {', '.join(sorted(kinds))}")
-    names = _names(store, x, y, color)
+def draw(store: Store, target: Path, names: Sequence[str]) -> Path:
+    """`names` of columns: x, y and, for a map, color, as columns_of gives them"""
     rows = pq.read_table(store.results, columns=sorted(set(names)))
     figure, axes = plt.subplots(figsize=(8, 5), layout="constrained")
     columns = [Column(rows, name) for name in names]
-    if color is None:
+    if len(columns) == 2:
         _line(axes, *columns)
     else:
         _map(axes, *columns)
@@ -92,23 +85,6 @@ def draw(store: Store, target: Path | None, x: str | None, y: str | None, color:
     figure.savefig(target, dpi=150)
     plt.close(figure)
     return target
-
-
-def _names(store: Store, x: str | None, y: str | None, color: str | None) -> list[str]:
-    parameters = [column for one in store.study.parameters for column in one.columns]
-    outputs = [one.name for one in store.study.outputs]
-    if color is not None and y is None:
-        if len(parameters) < 2:
-            raise UserError("--color: a map wants two parameters, and only one varies; say --y")
-        y = next(one for one in parameters if one != x)
-    names = [x or parameters[0], y or outputs[0], *([color] if color else [])]
-    for option, name in zip(("--x", "--y", "--color"), names, strict=False):
-        if name not in parameters + outputs + ["run"]:
-            allowed = ", ".join(["run", *parameters, *outputs])
-            raise UserError(
-                f"{option} {name}: no such column{similar(name, parameters + outputs)}; {allowed}"
-            )
-    return names
 
 
 def _line(axes: Axes, x: Column, y: Column) -> None:

@@ -44,6 +44,8 @@ class Store:
 
     def open(self, resume: bool) -> None:
         """Takes the folder; one that holds another study, or results without --resume, is refused"""
+        if self.folder.exists() and not self.folder.is_dir():
+            raise UserError(f"{self.folder}: this is a file, and a folder is needed")
         with self._room():
             self.folder.mkdir(parents=True, exist_ok=True)
             self._lock = os.open(self.folder / ".lock", os.O_RDWR | os.O_CREAT, 0o644)
