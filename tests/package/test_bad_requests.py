@@ -108,6 +108,12 @@ def one_sentence(told):
     return text.count("\n") == 1 and "Traceback" not in text and len(text) < 1200
 
 
+STUDY = """
+fmu = "SphereSphere"
+experiment.stop_time = 1.0
+vary."source.radius" = [0.1, 0.2]
+outputs = { height = "source.position[3]" }
+"""
 WRONG = {
     "unknown command": (["buidl"], "did you mean 'build'"),
     "run: no such file": (["run", "nowhere.fmu"], "nowhere.fmu"),
@@ -138,7 +144,15 @@ WRONG = {
     "run: stop": (["run", "SphereSphere", "--stop", "-1"], "greater than 0"),
     "run: step": (["run", "SphereSphere", "--step", "1e-300"], "--step"),
     "run: csv": (["run", "SphereSphere", "--stop", "0.01", "--csv", "nowhere/out.csv"], "nowhere/out.csv"),
+    "run: csv is a folder": (["run", "SphereSphere", "--csv", "folder.fmu"], "this is a folder"),
+    "run: plot": (["run", "SphereSphere", "--stop", "1e9", "--plot", "x.xyz"], "none of the formats"),
+    "run: no name": (["run", ""], "an empty name"),
+    "run: a study": (["run", "study.toml"], "contact-fmus sweep"),
     "run: scenario": (["run", "broken.toml"], "broken.toml"),
+    "plot: a scene": (["plot", "scene.toml"], "contact-fmus build"),
+    "plot: no such file": (["plot", "nowhere.csv"], "nowhere.csv: there is no such file"),
+    "plot: text": (["plot", "words.csv", "--variables", "x"], "column x holds text"),
+    "animate: another kind": (["animate", "picture.png"], "a result (.csv)"),
     "build: no such file": (["build", "nowhere.toml"], "nowhere.toml"),
     "build: no toml": (["build", "text.fmu"], "text.fmu"),
     "build: binary": (["build", "bytes.toml"], "bytes.toml"),
@@ -150,12 +164,20 @@ WRONG = {
     "new: pinned": (["new", "X", "--pinned", "contact.dashpot=no"], "allowed: non_adhesive"),
     "new: folder": (["new", "X", "--output", "text.fmu"], "text.fmu"),
     "check: no such file": (["check", "nowhere.fmu"], "nowhere.fmu"),
+    "check: a folder": (["check", "folder.fmu"], "this is a folder"),
     "check: no archive": (["check", "text.fmu"], "not a ZIP archive"),
     "check: an archive": (["check", "empty.fmu"], "no modelDescription.xml"),
     "scenarios": (["scenarios", "nowhere.toml"], "nowhere.toml"),
+    "scenarios: no such name": (["scenarios", "restitutio"], "did you mean 'restitution'"),
+    "scenarios: binary": (["scenarios", "bytes.toml"], "this is no text"),
+    "picture: kind": (["picture", "restitution", "--output", "x.xyz"], "none of the formats"),
+    "sweep: a file": (["sweep", "study.toml", "-o", "text.fmu"], "a folder is needed"),
+    "sweep: plot": (["sweep", "study.toml", "--plot", "x.xyz"], "none of the formats"),
+    "sweep: column": (["sweep", "study.toml", "--plot", "--x", "hight"], "did you mean 'height'"),
     "picture": (["picture", "nowhere.toml", "--output", "x.png"], "nowhere.toml"),
     "page": (["page", "--output", "folder.fmu"], "folder.fmu"),
     "fuzz": (["fuzz", "--minutes", "-3"], "whole number"),
+    "bench: two wishes": (["bench", "--instructions", "--baseline", "main"], "leave out --instructions"),
     "bench: another build": (["bench", "--instructions", "--against", "folder.fmu"], "folder.fmu"),
     "stability": (["stability", "--output", "text.fmu"], "text.fmu"),
     "report": (["report", "--output", "text.fmu"], "text.fmu"),
@@ -169,6 +191,9 @@ def test_a_bad_request_ends_in_one_sentence_and_status_2(case, ask, tmp_path):
     (tmp_path / "folder.fmu").mkdir()
     (tmp_path / "bytes.toml").write_bytes(bytes(range(256)))
     (tmp_path / "broken.toml").write_text("title = \n")
+    (tmp_path / "words.csv").write_text("time,x\n0,1\n1,high\n")
+    (tmp_path / "picture.png").write_bytes(b"\x89PNG")
+    (tmp_path / "study.toml").write_text(STUDY)
     packed(tmp_path, {"readme.txt": "nothing"}).rename(tmp_path / "empty.fmu")
     assert ask("new", "scene")[0] == 0
     arguments, words = WRONG[case]

@@ -122,6 +122,7 @@ def _panel(panel: Axes, shown: Map, family: Family, rows: Sequence[SceneRun]) ->
     stride = max(1, math.ceil(len(values) / 9))
     ticks = range(0, len(values), stride)
     panel.set_xticks(ticks, [short(values[k]) for k in ticks])
-    panel.set_title(f"{family.name}: {family.axis}", fontsize=8, loc="left")
+    said = family.axis if family.axis.startswith(family.name) else f"{family.name}: {family.axis}"
+    panel.set_title(said, fontsize=8, loc="left")
     panel.tick_params(length=2)
     return drawn
