@@ -1,5 +1,5 @@
-"""Hertz's law: closed forms of the power law and of Hunt and Crossley's damping, stiffness from materials,
-restitution at every speed, prescribed motion, derivatives, published impacts.
+"""Hertz's law: closed forms of the power law and of Hunt and Crossley's damping, restitution at every speed,
+prescribed motion, derivatives, published impacts.
 """
 
 import math
@@ -8,7 +8,6 @@ import mpmath
 import numpy as np
 import pytest
 
-from contact_fmus.fmu.contact_fmu import FmuError
 from contact_fmus.published.chung_ooi import IMPACTS, outcome
 from support.checks import METHODS, check_close, check_relative, run, start
 from support.scenes.head_on import ACROSS, DASHPOTS, FMU, GEOMETRIES, approach, head_on
@@ -138,100 +137,6 @@ def test_a_ball_laid_on_another_comes_to_rest(opened):
     check_relative("depth", -fmu["contact.gap"], (9.81 / 1e8) ** (2 / 3), 1e-6)
     check_relative("force", fmu["contact.normal_force"], 9.81, 1e-6)
     assert abs(fmu["source.velocity"][2]) < 1e-6
-
-
-# Stiffness from materials
-
-
-def elliptic(modulus, a, b):
-    """k_h from the integrals of the pressure under an ellipse themselves, by quadrature and without elliptic
-    integrals in closed form: K. L. Johnson, Contact Mechanics (1985), (3.65) and (4.25), semi-axes 1 and k.
-    """
-
-    def integral(axis, other):  # of dw/((axis^2 + w) sqrt((axis^2 + w)(other^2 + w) w)), with w = t^2
-        return 2 * mpmath.quad(
-            lambda t: 1 / ((axis**2 + t**2) * mpmath.sqrt((axis**2 + t**2) * (other**2 + t**2))),
-            [0, other, axis, 10, mpmath.inf],
-        )
-
-    ratio = mpmath.findroot(
-        lambda k: integral(1, k) / integral(k, 1) - mpmath.mpf(a) / b,
-        (mpmath.mpf(a) / b, 1 - mpmath.mpf(10) ** -9),
-        solver="anderson",
-        tol=1e-12,
-    )
-    depth = 2 * mpmath.quad(
-        lambda t: 1 / mpmath.sqrt((1 + t**2) * (ratio**2 + t**2)), [0, ratio, 1, 10, mpmath.inf]
-    )
-    # p_0 = 1: A = k/(2 E*) integral(1, k), delta = k/(2 E*) depth, load 2 pi k/3; lengths grow with the scale
-    scale = ratio / (2 * modulus) * integral(1, ratio) / a
-    return float(2 * mpmath.pi * ratio / 3 * scale**2 / (ratio / (2 * modulus) * depth * scale) ** 1.5)
-
-
-MATERIALS = {"source": (7e10, 0.33), "destination": (2e9, 0.4)}
-MODULUS = 1 / sum((1 - nu**2) / e for e, nu in MATERIALS.values())
-
-
-def automatic(radius, shell, location):
-    values = {"contact.law": "hertz", "contact.penalty_control": "automatic", "contact.location": location}
-    values |= {"source.radius": radius, "destination.radius": shell, "source.center": [0.0, 0.5 * shell, 0.0]}
-    for body, (modulus, ratio) in MATERIALS.items():
-        values |= {f"{body}.youngs_modulus": modulus, f"{body}.poissons_ratio": ratio}
-    return values
-
-
-@pytest.mark.parametrize("location", ["outside", "inside"])
-def test_stiffness_of_spheres_is_that_of_hertz(opened, location):
-    for radius, shell in ((0.1, 0.5), (2.0, 2.5), (1e-3, 40.0)):
-        fmu = start(opened("SphereSphere"), automatic(radius, shell, location))
-        sign = 1 if location == "outside" else -1
-        expected = 4 / 3 * MODULUS * math.sqrt(radius * shell / (shell + sign * radius))
-        check_relative("k_h", fmu["contact.effective_hertz_stiffness"], expected, 1e-14)
-
-
-@pytest.mark.parametrize("location", ["outside", "inside"])
-def test_stiffness_of_sphere_and_cylinder_is_that_of_the_elliptic_contact(opened, location):
-    for radius, shell in ((0.1, 0.5), (0.4, 0.5), (1e-2, 40.0)):
-        fmu = start(opened("SphereCylinder"), automatic(radius, shell, location))
-        sign = 1 if location == "outside" else -1
-        across = 0.5 * (1 / radius + sign / shell)
-        expected = elliptic(MODULUS, *sorted((0.5 / radius, across)))
-        check_relative("k_h", fmu["contact.effective_hertz_stiffness"], expected, 1e-9)
-
-
-def test_a_ball_hardly_smaller_than_its_shell_is_warned_of(opened):
-    fmu = opened("SphereSphere")
-    for radius, warned in ((0.92, True), (0.88, False)):
-        values = automatic(radius, 1.0, "inside") | {"source.center": [0.0, 0.01, 0.0]}
-        start(fmu, values)
-        found = [message for message in fmu.messages if "source.radius" in message.text]
-        assert bool(found) == warned
-        assert not found or "destination.radius" in found[0].text
-
-
-REFUSED = [
-    ({"contact.penalty_control": "viscous_only"}, ("contact.penalty_control", "contact.law")),
-    (
-        {"contact.viscous_control": "restitution", "contact.hertz_stiffness": 0.0},
-        ("contact.viscous_control", "contact.hertz_stiffness"),
-    ),
-    ({"source.poissons_ratio": 0.51}, ("source.poissons_ratio", "0.5")),
-    ({"source.poissons_ratio": -1.0}, ("source.poissons_ratio", "0.5")),
-    ({"contact.restitution": 1.01}, ("contact.restitution", "0", "1")),
-    ({"contact.restitution": -0.01}, ("contact.restitution", "0", "1")),
-    ({"source.youngs_modulus": 0.0}, ("source.youngs_modulus", "1e-150")),
-    (
-        {"contact.penalty_control": "automatic", "contact.location": "inside", "source.radius": 0.5},
-        ("contact.location", "source.radius", "destination.radius"),
-    ),
-]
-
-
-@pytest.mark.parametrize("values, named", REFUSED)
-def test_what_makes_no_sense_is_refused_with_names_and_ranges(opened, values, named):
-    with pytest.raises(FmuError) as refused:
-        start(opened("SphereSphere"), {"contact.law": "hertz", **values})
-    assert all(word in str(refused.value) for word in named)
 
 
 # Prescribed motion: gap 0.01 - t + 20 t^2
