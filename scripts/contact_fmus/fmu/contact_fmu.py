@@ -216,9 +216,15 @@ class ContactFmu:
     def __setitem__(self, name: str, value: Any) -> None:
         variable = self.variable(name)
         if variable.type == "Real":
-            values = np.atleast_1d(np.asarray(value, dtype=float))
+            try:
+                values = np.atleast_1d(np.asarray(value, dtype=float))
+            except (TypeError, ValueError):
+                values = np.empty(0)
             if values.shape != (len(variable.references),):
-                raise ValueError(f"{name} takes {len(variable.references)} value(s), not {value!r}")
+                count = len(variable.references)
+                wanted = f"{count} numbers" if count > 1 else "a number"
+                unit = f" in {variable.unit}" if variable.unit else ""
+                raise ValueError(f"{name} takes {wanted}{unit}, not {value!r}")
             self.call("setReal", variable.references, values.tolist())
         elif variable.type == "Boolean":
             self.call("setBoolean", variable.references, [bool(value)])
