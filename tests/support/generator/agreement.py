@@ -28,6 +28,7 @@ def expected(name: str, scene: dict) -> dict:
         "base": kind["base"],
         "type": row["type"],
         "causality": row["causality"],
+        "tunable": row.get("tunable", False),
         "unit": kind.get("unit"),
         "min": float(low),
         "max": float(high),
@@ -53,14 +54,15 @@ def disagreements(files: dict[str, str], scene: dict) -> list[str]:
         found += _differences(
             f"XML {name}", xml[name], wanted, ("reference", "base", "type", "causality", "unit")
         )
-        found += _differences(f"XML {name}", xml[name], wanted, ("min", "max", "items"))
+        found += _differences(f"XML {name}", xml[name], wanted, ("min", "max", "items", "tunable"))
         found += _differences(
             f"C {name}", table[name], wanted, ("reference", "base", "causality", "min", "max")
         )
-        found += _differences(f"C {name}", table[name], wanted, ("component", "reinit"))
+        found += _differences(f"C {name}", table[name], wanted, ("component", "reinit", "tunable"))
         if table[name]["row"] != wanted["key"].replace(".", "_"):
             found.append(f"C {name}: row {table[name]['row']}")
         found += _differences(f"page {name}", page[name], wanted, ("reference", "type", "causality", "unit"))
+        found += _differences(f"page {name}", page[name], wanted, ("tunable",))
         found += _page_texts(name, page[name], xml[name], wanted)
         if not _same_start(xml[name], wanted["start"]):
             found.append(

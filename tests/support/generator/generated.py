@@ -64,6 +64,7 @@ def parse_xml(text: str) -> dict[str, dict]:
             "type": value.get("declaredType"),
             "causality": scalar.get("causality"),
             "variability": scalar.get("variability"),
+            "tunable": scalar.get("variability") == "tunable",
             "initial": scalar.get("initial"),
             "unit": attribute.get("unit"),
             "quantity": attribute.get("quantity"),
@@ -80,8 +81,8 @@ def parse_xml(text: str) -> dict[str, dict]:
 ROW = re.compile(
     r'^\s*\{"(?P<name>[^"]+)", (?P<min>[^,]+), (?P<max>[^,]+), (?P<reference>\d+), '
     r"(?:offsetof\(struct scene_values, (?P<member>[^)]+)\)|0), ROW_(?P<row>\w+), "
-    r"VARIABLE_(?P<base>\w+), VARIABLE_(?P<causality>\w+), (?P<element>\d+), "
-    r"(?P<component>\d+), (?P<reinit>[01])\},$",
+    r"VARIABLE_(?P<base>\w+), VARIABLE_(?P<causality>\w+), (?P<element>\d+), (?P<component>\d+), "
+    r"(?P<reinit>[01]), (?P<tunable>[01])\},$",
     re.MULTILINE,
 )
 
@@ -102,6 +103,7 @@ def parse_c(text: str) -> dict[str, dict]:
             "max": float(fields["max"]),
             **{key: fields[key] for key in ("member", "row")},
             **{key: int(fields[key]) for key in ("element", "component", "reinit")},
+            "tunable": fields["tunable"] == "1",
         }
     return variables
 
@@ -133,6 +135,7 @@ def parse_page(text: str) -> dict[str, dict]:
     for row in page.xpath("//table[@class='variables']/tr[td]"):
         name_cell, unit, start, symbol, meaning_cell = row.findall("td")
         reference, causality, type_name = words(name_cell.find("small")).split(", ")
+        tunable, causality = causality.startswith("tunable "), causality.removeprefix("tunable ")
         own = meaning_cell.find("small")
         own_range = words(own) if own is not None else ""
         meaning = words(meaning_cell).removesuffix(own_range)
@@ -150,6 +153,7 @@ def parse_page(text: str) -> dict[str, dict]:
             variables[scalar] = {
                 "reference": first + k,
                 "causality": causality,
+                "tunable": tunable,
                 "type": type_name,
                 "unit": unit or None,
                 "start": starts[k],
