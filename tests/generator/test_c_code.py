@@ -58,7 +58,8 @@ class Variable(ctypes.Structure):
         ("reference", ctypes.c_uint32),
         ("offset", ctypes.c_uint16),
         ("row", ctypes.c_uint16),
-        *((field, ctypes.c_uint8) for field in ("type", "causality", "element", "component", "reinit")),
+        *((field, ctypes.c_uint8) for field in ("type", "causality", "element", "component")),
+        *((field, ctypes.c_uint8) for field in ("reinit", "tunable")),
     ]
 
 

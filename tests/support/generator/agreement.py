@@ -18,6 +18,9 @@ def expected(name: str, scene: dict) -> dict:
     start = row.get("start_destination", row.get("start")) if hit_only else row.get("start")
     start = scene.get("start", {}).get(name.partition("[")[0], start)
     items = {item: entry["value"] for item, entry in kind.get("items", {}).items()}
+    kept = scene.get("pinned", {}).get(name)
+    if items and isinstance(kept, list):
+        items = {item: value for item, value in items.items() if item in kept}
     low, high = {
         "Enumeration": lambda: (min(items.values()), max(items.values())),
         "Boolean": lambda: (0, 1),
