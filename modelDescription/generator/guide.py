@@ -1,7 +1,8 @@
 """docs/scenes.md: every key of a scene file, from the schema in scene.py and from variables.toml."""
 
 from .catalogue import Catalogue, Row
-from .resolve import Resolved, resolve, shortest
+from .cell import shortest
+from .resolve import Resolved, resolve
 from .scene import BODY_KEYS, CONTACT_KEYS, EXPERIMENT, EXPERIMENT_KEYS, SCENE_KEYS, Body, Contact, Scene
 
 OWNERS = {"body": "BODY", "contact": "CONTACT", "world": ""}  # how the page names what a scene names itself

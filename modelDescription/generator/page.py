@@ -5,7 +5,8 @@ import re
 from markupsafe import Markup, escape
 
 from .catalogue import Row
-from .resolve import Cell, Resolved, shortest
+from .cell import Cell, shortest
+from .resolve import Resolved
 
 # Parameters and inputs keep to it, so that squares and products stay inside a double (variables.toml).
 LARGEST_GIVEN = 1e150

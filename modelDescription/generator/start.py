@@ -5,8 +5,9 @@ Contradictions that fmi2ExitInitializationMode would refuse are errors; a deep o
 
 import math
 
+from .cell import Cell, shortest
 from .conditions import number_of
-from .resolve import Cell, Resolved, shortest
+from .resolve import Resolved
 from .scene import Contact
 
 # Overlaps deeper than this part of the smaller radius are warned of: penalty contacts stand for small

@@ -1,0 +1,206 @@
+/* What is refused at the end of initialization, and what is warned of. */
+#include <math.h>
+
+#include "contact/hertz_stiffness.h"
+#include "model/motion.h"
+#include "model/shortest.h"
+
+/* The factor that a contact's spring is made of; its name. */
+struct spring_factor {
+    double value;
+    const char *name;
+};
+
+static struct spring_factor spring_factor_of(const struct scene_values *v, int contact)
+{
+    const bool automatic = contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC;
+    if (scene_is_hertz(v, contact)) { /* a modulus is never zero */
+        return (struct spring_factor){automatic ? 1.0 : contact_hertz_stiffness(v, contact),
+                                      "hertz_stiffness"};
+    }
+    return automatic ? (struct spring_factor){contact_penalty_multiplier(v, contact), "penalty_multiplier"}
+                     : (struct spring_factor){contact_penalty_factor(v, contact), "penalty_factor"};
+}
+
+/* A coefficient of restitution needs a spring that throws the bodies apart, and with the linear law the mass
+ * of a body that can be thrown. */
+static enum model_status check_restitution(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const char *name = scene_contact_name(contact);
+    const char *source = scene_body_name(contact_source(contact));
+    const char *destination = scene_body_name(contact_destination(contact));
+    if (!SCENE_ANY_RESTITUTION || contact_viscous_control(v, contact) != VISCOUS_CONTROL_RESTITUTION ||
+        contact_method(v, contact) == METHOD_PENALTY) {
+        return MODEL_OK;
+    }
+    if (contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.viscous_control = restitution contradicts %s.penalty_control = viscous_only: "
+                            "without a spring there is no rebound (allowed: automatic, user_defined).",
+                            name, name);
+    }
+    if (contact_is_driven(v, contact) && !scene_is_hertz(v, contact)) {
+        return model_report(
+            m, MODEL_ERROR,
+            "%s.viscous_control = restitution contradicts the motion of %s and %s: neither is "
+            "free, and p_nv depends on their masses (allowed: %s.motion = free or "
+            "%s.motion = free).",
+            name, source, destination, source, destination);
+    }
+    const struct spring_factor spring = spring_factor_of(v, contact);
+    if (spring.value == 0.0) {
+        return model_report(
+            m, MODEL_ERROR,
+            "%s.viscous_control = restitution contradicts %s.%s = 0: without a spring there is "
+            "no rebound (allowed: a factor above 0).",
+            name, name, spring.name);
+    }
+    return MODEL_OK;
+}
+
+/* What one law has and the other has not. */
+static enum model_status check_law(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const char *name = scene_contact_name(contact);
+    if (scene_is_hertz(v, contact) && contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.penalty_control = viscous_only contradicts %s.law = hertz "
+                            "(allowed: automatic, user_defined; viscous_only with law linear).",
+                            name, name);
+    }
+    return check_restitution(m, contact);
+}
+
+static enum model_status check_contact(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const char *name = scene_contact_name(contact);
+    const char *source = scene_body_name(contact_source(contact));
+    const char *destination = scene_body_name(contact_destination(contact));
+    const double r_s = body_radius(v, contact_source(contact));
+    const double r_d = body_radius(v, contact_destination(contact));
+    if (contact_location(v, contact) == LOCATION_INSIDE && r_s >= r_d) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.location = inside contradicts %s.radius = %s m >= %s.radius = %s m "
+                            "(allowed: a source smaller than its hollow destination).",
+                            name, source, shortest_digits(r_s).text, destination, shortest_digits(r_d).text);
+    }
+    if (contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY &&
+        contact_method(v, contact) == METHOD_PENALTY) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.penalty_control = viscous_only contradicts %s.method = penalty "
+                            "(allowed: viscous_only with penalty_dynamic).",
+                            name, name);
+    }
+    if (body_shape(contact_destination(contact)) != SHAPE_SPHERE &&
+        !(vec3_norm(body_axis(v, contact_destination(contact))) > 0.0)) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.axis[1], %s.axis[2], %s.axis[3] = 0, 0, 0 has no direction "
+                            "(allowed: at least one component other than zero).",
+                            destination, destination, destination);
+    }
+    return check_law(m, contact);
+}
+
+/* Finite parameters can still multiply to infinity. */
+static enum model_status check_factors(struct model *m, int contact)
+{
+    const struct contact_state *state = &m->state.motion.contact[contact];
+    if (isfinite(state->parameters.factors.k) && isfinite(state->parameters.factors.c)) {
+        return MODEL_OK;
+    }
+    const char *name = scene_contact_name(contact);
+    if (scene_is_hertz(&m->state.values, contact)) {
+        return model_report(m, MODEL_ERROR,
+                            "Hertz's factors of %s are not finite: k_h = %g N/m^1.5, chi = %g s/m "
+                            "(allowed: finite products of moduli, radii and times).",
+                            name, state->parameters.factors.k, state->parameters.factors.c);
+    }
+    return model_report(
+        m, MODEL_ERROR,
+        "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N s/m from "
+        "%s.penalty_multiplier = %g, %s.reference_modulus = %g Pa, diagonal = %g m "
+        "(allowed: finite products).",
+        name, state->parameters.factors.k, state->parameters.factors.c, name,
+        contact_penalty_multiplier(&m->state.values, contact), name,
+        contact_reference_modulus(&m->state.values, contact), state->parameters.diagonal);
+}
+
+/* Overlaps deeper than this part of the smaller radius are warned of: a penalty contact stands for small
+ * deformations and throws such bodies apart, and lengths may have been meant in millimetres. */
+static const double DEEP_START = 0.1;
+
+static void warn_of_deep_start(const struct model *m, const struct scene_instant *at, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const struct contact_shape shape = scene_contact_shape(v, &m->state.motion, contact);
+    const struct contact_law law = scene_contact_law(v, &m->state.motion, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double radius = shape.other_radius > 0.0 ? fmin(shape.source_radius, shape.other_radius)
+                                                   : shape.source_radius; /* of a plane */
+    if (!(-g->gap > DEEP_START * radius) || !scene_within_extents(&shape, g)) {
+        return;
+    }
+    model_report(
+        m, MODEL_WARNING,
+        "%s.gap = %g m at the start: the bodies overlap by more than a tenth of the smaller radius, "
+        "%g m, and %g J are stored in it (allowed: any, but the law is meant for small ones). Given once.",
+        scene_contact_name(contact), g->gap, radius, contact_stored_energy(&law, REGIME_COMPRESSION, g->gap));
+}
+
+/* Finite parameters can multiply to infinite forces and energies as well. */
+static enum model_status check_start(struct model *m)
+{
+    const struct scene_values *v = &m->state.values;
+    struct scene_instant at;
+    scene_now(v, &m->state.motion, &at);
+    double sum = motion_energy(v, &m->state.motion, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        sum += at.normal_force[j];
+        warn_of_deep_start(m, &at, j);
+    }
+    return isfinite(sum) ? MODEL_OK
+                         : model_report(m, MODEL_ERROR,
+                                        "The start is beyond the range of numbers "
+                                        "(allowed: finite forces and energies).");
+}
+
+/* Hertz's theory takes the contact for small beside the bodies. */
+static enum model_status warn_of_conforming(struct model *m)
+{
+    enum model_status status = MODEL_OK;
+    const struct scene_values *v = &m->state.values;
+    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
+        const struct contact_shape shape = scene_contact_shape(v, &m->state.motion, j);
+        if (scene_is_hertz(v, j) && contact_penalty_control(v, j) == PENALTY_CONTROL_AUTOMATIC &&
+            hertz_is_conforming(&shape)) {
+            status = model_report(
+                m, MODEL_WARNING,
+                "%s: %s.radius = %s m is hardly smaller than %s.radius = %s m around it: such "
+                "surfaces follow each other, and the stiffness of Hertz's theory is only "
+                "roughly right (its range: up to nine tenths).",
+                scene_contact_name(j), scene_body_name(contact_source(j)),
+                shortest_digits(shape.source_radius).text, scene_body_name(contact_destination(j)),
+                shortest_digits(shape.other_radius).text);
+        }
+    }
+    return status;
+}
+
+enum model_status model_check_consistency(struct model *m)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        enum model_status status = check_contact(m, j);
+        if (status == MODEL_OK) {
+            model_prepare(m);
+            status = check_factors(m, j);
+        }
+        if (status != MODEL_OK) {
+            return status;
+        }
+    }
+    const enum model_status status = check_start(m);
+    return status == MODEL_OK ? warn_of_conforming(m) : status;
+}
