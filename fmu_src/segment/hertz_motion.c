@@ -14,7 +14,7 @@ enum { PLACES = 3 };
 /* What the last terms of a series may be, as a part of the whole: the tolerance of a segment, but no less than
  * some roundings, and no more than keeps energies closed to 1e-10 over thousands of steps. */
 static const double FINEST = 8.0 * DBL_EPSILON;
-static const double COARSEST = 1e-12;
+static const double COARSEST = 1e-13;
 
 /* Halvings of a step at most: from the longest to the shortest that double precision tells apart. */
 enum { HALVINGS = 1100 };
@@ -122,13 +122,17 @@ enum { FAST_ORDER = 6 };
 /* By them an oscillation is known to about this factor. */
 static const double FAST_CLEARLY = 4.0;
 
-enum { SLOW_ATTEMPTS = 2 };
+/* Trials, each at half the step, the third at this many of the times in which a contact beyond critical damping
+ * settles: it may have to be followed. */
+enum { SLOW_ATTEMPTS = 4, FOLLOWING = 2 };
+static const double CREEP_STEP = 2.0;
 
 /* The pair as the slow motion sees it. */
 struct slow_scales {
     double load;  /* L: the acceleration that presses [m/s^2] */
     double along; /* the tangential rate [1/s] */
     double fast;  /* of the contact's oscillation or of its damping, whichever is faster [1/s] */
+    double creep; /* beyond critical damping the rate at which it settles; 0: it oscillates [1/s] */
 };
 
 static struct slow_scales slow_scales_of(const struct contact_pair *from)
@@ -140,10 +144,13 @@ static struct slow_scales slow_scales_of(const struct contact_pair *from)
     const double k = from->law.stiffness / from->reduced_mass;
     const double load = vec3_dot(across, across) / d + vec3_dot(from->normal, acceleration);
     const bool turns = !vec3_is_zero(across) || !vec3_is_zero(pair_tangential(from, acceleration));
-    return (struct slow_scales){
-        .load = -from->shape.side * load,
-        .along = turns ? vec3_norm(across) / d + sqrt(vec3_norm(acceleration) / d) : 0.0,
-        .fast = fmax(sqrt(1.5 * k * sqrt(depth)), k * from->chi * depth * sqrt(depth))};
+    const double spring = sqrt(1.5 * k * sqrt(depth));
+    const double dashpot = k * from->chi * depth * sqrt(depth);
+    return (struct slow_scales){.load = -from->shape.side * load,
+                                .along =
+                                    turns ? vec3_norm(across) / d + sqrt(vec3_norm(acceleration) / d) : 0.0,
+                                .fast = fmax(spring, dashpot),
+                                .creep = dashpot > 2.0 * spring ? spring * spring / dashpot : 0.0};
 }
 
 /* What is fast in the penetration, as a part of it, by the coefficients of u = sqrt(delta). */
@@ -176,7 +183,8 @@ bool hertz_slow_make(struct segment *p)
     struct hertz_slow *made = &p->as.hertz_slow;
     const struct slow_scales scales = slow_scales_of(&p->pair);
     double step = scales.along > 0.0 ? fmin(p->longest, SLOW_STEP / scales.along) : p->longest;
-    for (int i = 0; i < SLOW_ATTEMPTS && step * scales.fast >= SLOW_SHORTEST; ++i) {
+    const int attempts = scales.creep > 0.0 ? SLOW_ATTEMPTS : FOLLOWING;
+    for (int i = 0; i < attempts && step * scales.fast >= SLOW_SHORTEST; ++i) {
         if (slow_hertz_make(made, &p->pair, step, p->tolerance, -p->pair.gap * SLOW_DEPTH)) {
             p->unit = made->half;
             p->end = 2.0;
@@ -188,6 +196,9 @@ bool hertz_slow_make(struct segment *p)
             return true;
         }
         step *= 0.5;
+        if (i + 1 == FOLLOWING) {
+            step = fmin(step, CREEP_STEP / scales.creep);
+        }
     }
     return false;
 }

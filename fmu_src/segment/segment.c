@@ -76,6 +76,7 @@ static bool is_collocated(const struct segment *p)
     return p->kind != SEGMENT_CLOSED_FORM && p->kind < SEGMENT_TAYLOR;
 }
 
+#if SCENE_ANY_HERTZ
 /* The series first, for it tells whether anything is fast; where that was wrong it is made again. */
 static void make_hertz(struct segment *p)
 {
@@ -85,6 +86,12 @@ static void make_hertz(struct segment *p)
         (void)make_kind(p, SEGMENT_HERTZ);
     }
 }
+#else /* then it is not called */
+static void make_hertz(struct segment *p)
+{
+    (void)p;
+}
+#endif
 
 /* Over a plane nothing turns that would end a segment. But the motion is that of the flight without contact and
  * a deviation that nearly cancels it: the flight may be as long as the gap's own rounding bound allows [s]. */

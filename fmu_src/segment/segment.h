@@ -47,8 +47,10 @@ struct segment {
         struct pair_oscillation oscillation;
         struct pair_taylor taylor;
         struct pair_collocation collocation;
+#if SCENE_ANY_HERTZ
         struct pair_hertz hertz;
         struct hertz_slow hertz_slow;
+#endif
     } as;
     struct pair_timescales scales;    /* of all kinds but the closed form */
     bool event_free;                  /* known to have no event */
