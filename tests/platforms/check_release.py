@@ -182,8 +182,7 @@ def test_linux_libraries_want_an_old_c_library_only(release):
 def test_windows_libraries_want_windows_only_and_show_the_functions_of_fmi(release):
     for name in SCENES:
         library = lief.parse(str(library_in(release(name), name, "win64")))
-        wanted = {entry.name.lower() for entry in library.imports}
-        assert all(one.startswith("api-ms-win-crt-") or one == "kernel32.dll" for one in wanted)
+        assert {entry.name.lower() for entry in library.imports} == {"ucrtbase.dll"}
         shown = {entry.name for entry in library.get_export().entries}
         assert shown == exported(BUILD / "libraries" / f"{name}.so")
 
@@ -191,7 +190,8 @@ def test_windows_libraries_want_windows_only_and_show_the_functions_of_fmi(relea
 def test_macos_libraries_have_both_processors_and_show_the_functions_of_fmi(release):
     """Untested otherwise: nothing here runs them"""
     for name in SCENES:
-        parts = list(lief.MachO.parse(str(library_in(release(name), name, "darwin64"))))
+        both = lief.MachO.parse(str(library_in(release(name), name, "darwin64")))  # the parts live as long
+        parts = [both.at(i) for i in range(both.size)]
         assert {part.header.cpu_type.name for part in parts} == {"X86_64", "ARM64"}
         for part in parts:
             assert [one.name for one in part.libraries if one.command.name != "ID_DYLIB"] == [
@@ -199,6 +199,7 @@ def test_macos_libraries_have_both_processors_and_show_the_functions_of_fmi(rele
             ]
             assert list(part.build_version.minos)[:2] == [11, 0]
             shown = {symbol.name.removeprefix("_") for symbol in part.exported_symbols}
+            shown -= {"__dso_handle", "_mh_dylib_header"}  # the linker's, in every library
             assert shown == exported(BUILD / "libraries" / f"{name}.so")
             signed = any(command.command.name == "CODE_SIGNATURE" for command in part.commands)
             assert signed or part.header.cpu_type.name == "X86_64"  # Apple's processors run nothing unsigned
