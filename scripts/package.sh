@@ -10,7 +10,7 @@
 #                          needs and wants to be root. Nothing of it is among the tests of scripts/test.sh.
 #   -h, --help             prints this
 source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
-source "$root/scripts/sundials_source.sh"
+source "$root/scripts/tools/debian_sundials.sh"
 help_asked "$@"
 sundials=
 check=
