@@ -2,7 +2,6 @@
 
 #include "scene/free_bodies.h"
 #include "scene/scene_jet.h"
-#include "segment/dense_output.h"
 
 static void put_terms(double of[3], const double term[JET_TERMS])
 {
