@@ -24,7 +24,7 @@ FAST_PATHS = {
     "fmu_src/segment/flight_candidates.c",
 }
 FACTORS = {
-    "fmu_src/model/prepare.c",
+    "fmu_src/model/factors.c",
     "fmu_src/model/outputs.c",
     "fmu_src/model/sensitivity.c",
     "fmu_src/scene/onset.c",  # whose speed without load is made with k_h

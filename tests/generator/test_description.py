@@ -164,11 +164,9 @@ def test_outputs_depend_on_the_inputs_and_states_that_their_rows_name(folder, sc
         assert dict(zip(inputs, kinds, strict=True)) == felt_at_once(output, scene), output
 
 
-# What may be set between steps, and what follows from it.
 TUNABLE = {
-    "penalty_multiplier", "penalty_factor", "characteristic_time", "viscous_penalty_factor",
-    "reference_modulus",
-    "dashpot", "gravity", "relative_tolerance", "absolute_tolerance", "max_internal_steps",
+    "penalty_multiplier", "penalty_factor", "characteristic_time", "viscous_penalty_factor", "dashpot",
+    "reference_modulus", "gravity", "relative_tolerance", "absolute_tolerance", "max_internal_steps",
     "effective_penalty_factor", "effective_viscous_penalty_factor",
 }  # fmt: skip
 
