@@ -87,7 +87,7 @@ static void take_law(struct contact_pair *p, const struct contact_law *law, enum
         const struct contact_slopes slopes =
             contact_force_slopes(law, regime, geometry->gap, geometry->gap_rate);
         p->coefficients = (struct contact_coefficients){-slopes.by_gap, -slopes.by_rate};
-        p->chi = regime == REGIME_COMPRESSION ? law->damping : 0.0;
+        p->chi = regime == REGIME_COMPRESSION ? contact_factors_of(law).c : 0.0;
     }
 }
 

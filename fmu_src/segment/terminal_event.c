@@ -85,7 +85,8 @@ struct event_function terminal_event_margin(const struct segment *p)
     const struct contact_law *law = &p->pair.law;
     const double rate = p->pair.rate_rounding;
     if (contact_is_hertz(law) && law->dashpot == DASHPOT_NON_ADHESIVE) {
-        return (struct event_function){PAIR_GAP_RATE, -1.0, (1.0 + HYSTERESIS) / law->damping + rate};
+        return (struct event_function){PAIR_GAP_RATE, -1.0,
+                                       (1.0 + HYSTERESIS) / contact_factors_of(law).c + rate};
     }
     const struct contact_coefficients full = full_coefficients(p);
     const double open =
