@@ -86,7 +86,7 @@ static bool returns_too_fast(double y, double e)
 
 double restitution_hunt_crossley(double restitution, enum dashpot dashpot)
 {
-    const double e = fmax(restitution, RESTITUTION_LEAST);
+    const double e = fmax(restitution, RESTITUTION_LEAST_HERTZ);
     if (e >= 1.0) {
         return 0.0;
     }

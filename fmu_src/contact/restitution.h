@@ -15,6 +15,12 @@
 #define RESTITUTION_LEAST 1e-6
 
 /*
+ * The same of Hunt and Crossley's law. Its chi v is 1/e, with the approach-only dashpot 2/e^2, and integration
+ * costs steps in proportion: 2e6 take some ten thousand. A millionth of the energy is left then.
+ */
+#define RESTITUTION_LEAST_HERTZ 1e-3
+
+/*
  * The damping ratio zeta = p_nv / (2 sqrt(p_n m_red)) of the linear law for e in [0, 1].
  *
  *   unclamped       contact ends at g = 0:      e = exp(-pi zeta / sqrt(1 - zeta^2)); e = 0: zeta = 1

@@ -175,7 +175,7 @@ static void restitution_solves_its_equation(void)
     }
     CHECK_CLOSE("1", restitution_hunt_crossley(1.0, DASHPOT_NON_ADHESIVE), 0.0, 0.0);
     CHECK(restitution_hunt_crossley(0.0, DASHPOT_NON_ADHESIVE) ==
-          restitution_hunt_crossley(RESTITUTION_LEAST, DASHPOT_UNCLAMPED));
+          restitution_hunt_crossley(RESTITUTION_LEAST_HERTZ, DASHPOT_UNCLAMPED));
 }
 
 static void the_factors_follow_the_controls(void)
