@@ -4,7 +4,6 @@ Not among the tests of every change: it needs wine64, qemu-user, mingw-w64's gcc
 macOS cannot be run here; its libraries are inspected.
 """
 
-import itertools
 import os
 import shutil
 import sys
@@ -17,7 +16,7 @@ import pytest
 
 from contact_fmus.building.compiler import find_compiler
 from support.fmi2.elf import exported, glibc_version, needed
-from support.portable_host import HEADERS, SOURCE, motion, numbers, unpacked
+from support.portable_host import HEADERS, SOURCE, difference, motion, numbers, unpacked
 from support.programs import checked
 from support.scenes.benchmarks import BENCHMARKS
 from support.sources import BUILD, ROOT, SCENES
@@ -32,6 +31,9 @@ METHODS = ("cvode_bdf", "cvode_adams")
 CVODE = {f"P2 {method}": {**BENCHMARKS["P2"].configuration, "solver.method": method} for method in METHODS}
 CASES |= {name: ("SphereSphere", values, 1.5, 1e-6) for name, values in CVODE.items()}
 LIBRARIES = {"linux64": "so", "win64": "dll", "aarch64-linux": "so", "darwin64": "dylib"}
+PLATFORMS3 = {f"{one}-{two}" for one in ("x86_64", "aarch64") for two in ("linux", "darwin")} | {
+    "x86_64-windows"
+}
 QUIET_WINE = {"DISPLAY": "", "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree,mshtml="}
 # Where Debian has it; it is on no path.
 WINE = Path("/usr/lib/wine/wine64")
@@ -93,11 +95,6 @@ def of_this_build(hosts, work):
         return found[case]
 
     return run
-
-
-def difference(text, reference):
-    pairs = zip(itertools.chain(*numbers(text)), itertools.chain(*numbers(reference)), strict=True)
-    return max(abs(a - b) / max(1.0, abs(b)) for a, b in pairs)
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -215,18 +212,8 @@ def test_the_archive_has_platforms_sources_and_licences(folder, name):
     fmu = RELEASE / folder / f"{name}.fmu"
     with zipfile.ZipFile(fmu) as archive:
         names = set(archive.namelist())
-    places = (
-        LIBRARIES
-        if folder == "fmus"
-        else [
-            "x86_64-linux",
-            "x86_64-windows",
-            "x86_64-darwin",
-            "aarch64-linux",
-            "aarch64-darwin",
-        ]
-    )
-    assert {member.split("/")[1] for member in names if member.startswith("binaries/")} == set(places)
+    places = set(LIBRARIES) if folder == "fmus" else PLATFORMS3
+    assert {member.split("/")[1] for member in names if member.startswith("binaries/")} == places
     assert {
         "sources/contact.c",
         "sources/buildDescription.xml",
@@ -271,15 +258,15 @@ def bare_root(work):
 @pytest.mark.parametrize("case", BENCHMARKS)
 def test_a_bare_debian_with_a_c_compiler_builds_and_runs_the_sources(case, bare_root, release):
     name, values, end, _ = CASES[case]
-    folder = bare_root / "tmp" / name
+    folder = bare_root / "build" / name
     if not folder.is_dir():
         shutil.copytree(release(name) / "sources", folder)
-        shutil.copytree(HEADERS, bare_root / "tmp" / "headers", dirs_exist_ok=True)
-        shutil.copy(SOURCE, bare_root / "tmp")
+        shutil.copytree(HEADERS, bare_root / "build" / "headers", dirs_exist_ok=True)
+        shutil.copy(SOURCE, bare_root / "build")
         inside = ["chroot", bare_root, "cc", "-std=c11", "-O2"]
-        checked([*inside, "-shared", "-fPIC", "-o", f"/tmp/{name}/a.so", f"/tmp/{name}/contact.c", "-lm"])
-        checked([*inside, "-I/tmp/headers", "/tmp/host.c", "-ldl", "-o", "/tmp/host"])
-    text = motion(["chroot", bare_root, "/tmp/host"], f"/tmp/{name}/a.so", release(name), values, end)
+        checked([*inside, "-shared", "-fPIC", "-o", f"/build/{name}/a.so", f"/build/{name}/contact.c", "-lm"])
+        checked([*inside, "-I/build/headers", "/build/host.c", "-ldl", "-o", "/build/host"])
+    text = motion(["chroot", bare_root, "/build/host"], f"/build/{name}/a.so", release(name), values, end)
     assert numbers(text)[-1][1:4] == pytest.approx(BENCHMARKS[case].position, abs=1e-9)
 
 

@@ -1,5 +1,6 @@
 """tests/platforms/host.c, the importer that compiles everywhere: how it is asked, what it answers"""
 
+import itertools
 import os
 import subprocess
 import zipfile
@@ -55,3 +56,8 @@ def motion(host, library, folder, configuration, end, environment=None):
 
 def numbers(text):
     return [[float(word) for word in line.split()] for line in text.splitlines()]
+
+
+def difference(text, reference):
+    pairs = zip(itertools.chain(*numbers(text)), itertools.chain(*numbers(reference)), strict=True)
+    return max(abs(a - b) / max(1.0, abs(b)) for a, b in pairs)
