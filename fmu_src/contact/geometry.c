@@ -44,7 +44,7 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
         at.offset = contact_across_axis(shape, c, at.axial);
     }
     if (contact_is_plane(shape)) {
-        at.normal = vec3_scale(-1.0, shape->axis);
+        at.normal = vec3_sub(vec3_make(0.0, 0.0, 0.0), shape->axis);
         at.distance = vec3_dot(at.normal, c);
         at.degenerate = false;
     } else {
@@ -96,7 +96,7 @@ struct vec3 contact_escape_direction(const struct contact_shape *shape, struct v
 struct vec3 contact_default_normal(const struct contact_shape *shape)
 {
     if (contact_is_plane(shape)) {
-        return vec3_scale(-1.0, shape->axis);
+        return vec3_sub(vec3_make(0.0, 0.0, 0.0), shape->axis);
     }
     if (!contact_is_cylinder(shape)) {
         return vec3_make(0.0, 0.0, -1.0);

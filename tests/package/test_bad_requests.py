@@ -159,6 +159,7 @@ WRONG = {
     "build: no compiler": (["build", "scene.toml", "--compiler", "nocc"], "nocc: not found"),
     "build: no such platform": (["build", "scene.toml", "--platforms", "amiga"], "there is no 'amiga'"),
     "build: no SUNDIALS": (["build", "scene.toml", "--sundials-source", "folder.fmu"], "src/cvode"),
+    "new: plane": (["new", "X", "--shape", "plane", "--inside"], "a plane has no inside"),
     "new: name": (["new", "3x"], "'3x'"),
     "new: exists": (["new", "scene"], "--force"),
     "new: pinned": (["new", "X", "--pinned", "contact.dashpot=no"], "allowed: non_adhesive"),
