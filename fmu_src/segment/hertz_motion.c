@@ -35,6 +35,22 @@ static struct coasting coasting_to(const struct contact_pair *from, double time)
                              load + 6.0 * cubic + 12.0 * quartic};
 }
 
+/* L: the acceleration that presses the bodies together [m/s^2]. */
+static double pressing_load(const struct contact_pair *from)
+{
+    const struct vec3 across = pair_tangential(from, pair_across(from, from->flight.c[1]));
+    const double along = vec3_dot(across, across) / from->distance;
+    return -from->shape.side * (along + 2.0 * vec3_dot(from->normal, from->flight.c[2]));
+}
+
+/* Whether bodies that part at this speed come back before it has brought them apart by the depth at which the
+ * force is nothing beside the load. An oscillation that touches zero is to have no events on rounding. */
+static bool hardly_parts(const struct contact_pair *from, double speed)
+{
+    const double load = pressing_load(from);
+    return load > 0.0 && speed * speed <= 2.0 * load * pair_hertz_depth_under(from, NO_FORCE * load);
+}
+
 /*
  * At rest at the touch, or nearly so, u = sqrt(delta) is no variable to begin with. For how long the contact's
  * force stays nothing beside the load [s]; 0 where it is not, or where the bodies move on their own.
@@ -99,6 +115,10 @@ bool hertz_make(struct segment *p)
     for (int i = 0; i < PLACES; ++i) {
         dense_output_add(&p->output, p->end * i / (PLACES - 1));
     }
+    if (parting > 0.0 && parting <= p->end &&
+        hardly_parts(&p->pair, p->output.at[PLACES - 1].of[PAIR_GAP_RATE][0])) {
+        parting = (double)INFINITY;
+    }
     find_terminal_event(p, parting);
     return true;
 }
@@ -142,11 +162,10 @@ static struct slow_scales slow_scales_of(const struct contact_pair *from)
     const double d = from->distance;
     const double depth = -from->gap;
     const double k = from->law.stiffness / from->reduced_mass;
-    const double load = vec3_dot(across, across) / d + vec3_dot(from->normal, acceleration);
     const bool turns = !vec3_is_zero(across) || !vec3_is_zero(pair_tangential(from, acceleration));
     const double spring = sqrt(1.5 * k * sqrt(depth));
     const double dashpot = k * from->chi * depth * sqrt(depth);
-    return (struct slow_scales){.load = -from->shape.side * load,
+    return (struct slow_scales){.load = pressing_load(from),
                                 .along =
                                     turns ? vec3_norm(across) / d + sqrt(vec3_norm(acceleration) / d) : 0.0,
                                 .fast = fmax(spring, dashpot),
