@@ -65,11 +65,17 @@ def _effective_mass(run: Recording) -> float:
 
 
 def _damping(run: Recording) -> float:
-    dynamic = run.value("contact.method") == "penalty_dynamic"
-    return run.value("contact.viscous_penalty_factor") if dynamic else 0.0
+    if run.value("contact.method") != "penalty_dynamic":
+        return 0.0
+    if run.value("contact.viscous_control") != "restitution":
+        return run.value("contact.viscous_penalty_factor")
+    zeta = closed_forms.ratio_for(run.value("contact.restitution"), run.value("contact.dashpot"))
+    return 2.0 * zeta * math.sqrt(run.value("contact.penalty_factor") * _effective_mass(run))
 
 
 def _restitution(run: Recording) -> float:
+    if _damping(run) > 0.0 and run.value("contact.viscous_control") == "restitution":
+        return run.value("contact.restitution")
     stiffness, damping = run.value("contact.penalty_factor"), _damping(run)
     if damping == 0.0:
         return 1.0

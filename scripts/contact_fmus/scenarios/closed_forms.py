@@ -56,6 +56,14 @@ def restitution(dashpot: str, zeta: float) -> float:
     raise ValueError(f"no dashpot '{dashpot}'")
 
 
+def ratio_for(wanted: float, dashpot: str) -> float:
+    """The damping ratio zeta that gives a coefficient of restitution in [1e-6, 1]; it falls as zeta grows."""
+    from scipy.optimize import brentq  # only what checks claims needs scipy
+
+    highest = 1.0 - 1e-16 if dashpot == "unclamped" else 1e6
+    return brentq(lambda zeta: restitution(dashpot, zeta) - wanted, 0.0, highest, xtol=1e-16, rtol=1e-15)
+
+
 def overlap_duration(dashpot: str, mass: float, stiffness: float, damping: float) -> float:
     """How long s > 0 in a head-on contact, gravity off; pi sqrt(m/k) for every dashpot when c = 0.
 
