@@ -98,6 +98,11 @@ struct contact_law contact_law_slope(const struct contact_factors *factors, stru
     return slope;
 }
 
+struct contact_law contact_hunt_crossley_slope(double chi_slope)
+{
+    return (struct contact_law){.damping = chi_slope, .law = LAW_HERTZ};
+}
+
 struct contact_law contact_law_with(struct contact_coefficients factors, enum method method,
                                     enum penalty_control penalty_control, enum dashpot dashpot,
                                     enum contact_force_law force_law)

@@ -34,6 +34,9 @@ struct contact_law contact_law_of(const struct contact_factors *factors, enum da
 struct contact_law contact_law_slope(const struct contact_factors *factors, struct contact_coefficients at,
                                      double diagonal_slope);
 
+/* The derivatives of the factors of Hertz's law where only chi changes. */
+struct contact_law contact_hunt_crossley_slope(double chi_slope);
+
 /* The law with these factors in force. The choices, constants where a scene pins them, leave out what they do
  * not need. */
 struct contact_law contact_law_with(struct contact_coefficients factors, enum method method,

@@ -15,8 +15,8 @@
 #define RESTITUTION_LEAST 1e-6
 
 /*
- * The same of Hunt and Crossley's law. Its chi v is 1/e, with the approach-only dashpot 2/e^2, and integration
- * costs steps in proportion: 2e6 take some ten thousand. A millionth of the energy is left then.
+ * The same of Hunt and Crossley's law. Its chi v is 1/e, with the approach-only dashpot 2/e^2, and
+ * integration costs steps in proportion: 2e6 take some ten thousand. A millionth of the energy is left then.
  */
 #define RESTITUTION_LEAST_HERTZ 1e-3
 

@@ -3,7 +3,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "contact/factors.h"
 #include "model/motion.h"
+#include "scene/onset.h"
 #include "scene/scene_jet.h"
 
 static double contact_term(const struct model *m, const struct scene_instant *at,
@@ -141,6 +143,24 @@ static void vary_factors(const struct model *m, struct scene_jet *along)
     }
 }
 
+/* Until the end of initialization a contact begins at the start: its damping follows gap and rate there. */
+static void vary_onsets(const struct model *m, const struct scene_instant *at, struct scene_jet *along)
+{
+#if SCENE_ANY_HERTZ
+    const struct scene_values *v = &m->state.values;
+    for (int j = 0; !m->state.initialized && j < SCENE_CONTACTS; ++j) {
+        if (scene_damps_by_onset(v, j)) {
+            jet_of_contacts(v, &m->state.motion, at, along);
+            const struct contact_jet *contact = &along->contact[j];
+            along->law_slope[j] = contact_hunt_crossley_slope(
+                onset_damping_slope(v, &m->state.motion, at, j, contact->gap[1], contact->gap_rate[1]));
+        }
+    }
+#else
+    (void)m, (void)at, (void)along;
+#endif
+}
+
 /* Calculated parameters, too, are those of the start until the end of initialization. */
 static double input_derivative(const struct model *m, const struct scene_instant *at,
                                const struct scene_jet *along, const struct variable *variable)
@@ -187,6 +207,7 @@ enum model_status model_get_directional_derivative(struct model *m, const uint32
         move_inputs(&m->state.values, scene_variable(knowns[i]), direction[i], &along);
     }
     vary_factors(m, &along);
+    vary_onsets(m, &at, &along);
     jet_of_contacts(&m->state.values, &m->state.motion, &at, &along);
     if (m->state.initialized && !m->host.exchange) { /* there the work is a state */
         motion_jet_of_work(&m->state.values, &m->state.motion, &along);

@@ -18,6 +18,12 @@ CONTACT_COLD enum contact_regime onset_take_damping(const struct scene_values *v
                                                     const struct scene_instant *at, int contact,
                                                     enum contact_regime next);
 
+/* What chi changes by when gap and rate of a start in overlap change so; a change of the load alone counts as
+ * none. */
+CONTACT_COLD double onset_damping_slope(const struct scene_values *v, const struct scene_state *q,
+                                        const struct scene_instant *at, int contact, double gap_slope,
+                                        double rate_slope);
+
 /* Before a contact enters the regime `next` at the instant `at`: the regime that it enters with the damping
  * of its onset. Nothing is done, and that is `next`, where it touches already, where it remains apart, or
  * where damping knows no onset. */

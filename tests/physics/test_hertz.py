@@ -238,3 +238,45 @@ def test_published_impacts_come_out_to_their_digits(opened, index):
         check_close("force", got.force, case.force, 0.5 + 1e-5 * case.force)
         check_close("depth", got.depth, case.depth, (5e-9 if case.test == 1 else 5e-10) + 1e-5 * case.depth)
     check_close("restitution", got.restitution, case.restitution or 1.0, 1e-6)
+
+
+@pytest.mark.parametrize("dashpot", DASHPOTS)
+@pytest.mark.parametrize("motion", ["fixed", "free"])
+def test_until_the_end_of_initialization_the_damping_of_a_start_in_overlap_follows_the_start(
+    opened, motion, dashpot
+):
+    """By central differences of the formula: chi v = y, v^2 = g'^2 + (4/5) k_h delta^(5/2)/m_red."""
+    depth, rate, mass = 2e-3, -0.7, 3.0
+    values = prescribed(dashpot, "restitution") | {
+        "source.center": [0.0, 0.0, 0.6 - depth],
+        "destination.motion": motion,
+        "destination.mass": mass,
+        "source.prescribed_velocity": [0.0, 0.0, rate],
+        "gravity": [0.0, 0.0, 0.0],
+    }
+    values = {name: value for name, value in values.items() if not name.endswith("derivatives")}
+    fmu = opened("SphereSphere")
+    fmu.reset()
+    fmu.call("setupExperiment", 1e-8, 0.0, None)
+    for name, value in values.items():
+        fmu[name] = value
+    fmu.call("enterInitializationMode")
+
+    def speed(d, r):
+        return mpmath.sqrt(
+            r**2 + (mpmath.mpf("0.8e8") * d ** mpmath.mpf(2.5) / mass if motion == "free" else 0)
+        )
+
+    number = fmu["contact.effective_hunt_crossley_factor"] * float(speed(depth, rate))
+
+    def force(d, r):
+        return 10**8 * d ** mpmath.mpf(1.5) * (1 - number / speed(d, r) * r)
+
+    check_relative("force", fmu["contact.normal_force"], float(force(depth, rate)), 1e-12)
+    for order, (name, sign) in enumerate((("displacement", -1), ("velocity", 1))):
+        known = [fmu.variable(f"source.prescribed_{name}").references[2]]
+        got = fmu.call(
+            "getDirectionalDerivative", fmu.variable("contact.normal_force").references, known, [1.0]
+        )[0]
+        expected = sign * float(mpmath.diff(force, (depth, rate), (1 - order, order)))
+        check_close(f"by {name}", got, expected, 1e-9 * float(force(depth, rate)) / depth)
