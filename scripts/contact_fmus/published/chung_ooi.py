@@ -9,9 +9,6 @@ from typing import Any
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
 
-# A plane is a sphere of so many radii: its stiffness is off by half of the inverse, which no published digit
-# shows, and positions so far from its centre keep eight digits of the depth.
-FLAT = 1e5
 RIGID = 1e150  # Pa, of what does not deform
 
 
@@ -68,36 +65,49 @@ class Outcome:
     restitution: float  # speed after over speed before
 
 
+def scene_of(impact: Impact) -> str:
+    """The FMU that has its bodies"""
+    return "SpherePlane" if impact.on_plane else "SphereSphere"
+
+
 def start_values(impact: Impact) -> dict[str, Any]:
     """A hundredth of a radius apart"""
-    other = FLAT * impact.radius if impact.on_plane else impact.radius
     material = impact.material
-    return {
+    values = {
         "gravity": [0.0, 0.0, 0.0],
         "source.motion": "free",
-        "destination.motion": "fixed" if impact.on_plane else "free",
         "source.radius": impact.radius,
-        "destination.radius": other,
         "source.mass": impact.mass,
-        "destination.mass": impact.mass,
-        "source.center": [0.0, 0.0, impact.radius + other + 0.01 * impact.radius],
         "source.initial_velocity": [0.0, 0.0, -impact.speed],
-        "destination.initial_velocity": [0.0, 0.0, 0.0 if impact.on_plane else impact.speed],
         "source.youngs_modulus": material.youngs_modulus,
         "source.poissons_ratio": material.poissons_ratio,
-        "destination.youngs_modulus": RIGID if impact.on_plane else material.youngs_modulus,
         "destination.poissons_ratio": material.poissons_ratio,
-        "contact.location": "outside",
         "contact.law": "hertz",
         "contact.penalty_control": "automatic",
         "contact.method": "penalty" if impact.restitution is None else "penalty_dynamic",
         "contact.viscous_control": "restitution",
         "contact.restitution": 1.0 if impact.restitution is None else impact.restitution,
     }
+    if impact.on_plane:
+        return values | {
+            "destination.motion": "fixed",
+            "destination.axis": [0.0, 0.0, 1.0],
+            "source.center": [0.0, 0.0, 1.01 * impact.radius],
+            "destination.youngs_modulus": RIGID,
+        }
+    return values | {
+        "destination.motion": "free",
+        "destination.radius": impact.radius,
+        "destination.mass": impact.mass,
+        "source.center": [0.0, 0.0, 2.01 * impact.radius],
+        "destination.initial_velocity": [0.0, 0.0, impact.speed],
+        "destination.youngs_modulus": material.youngs_modulus,
+        "contact.location": "outside",
+    }
 
 
 def outcome(fmu: ContactFmu, impact: Impact, method: str, tolerance: float) -> Outcome:
-    """One step from before the impact to after it: the peaks are those of the motion, not of its samples"""
+    """Of the FMU of its scene, in one step: the peaks are those of the motion, not of its samples"""
     before = impact.speed if impact.on_plane else 2 * impact.speed
     fmu.reset()
     fmu.start(start_values(impact) | {"solver.method": method}, tolerance=tolerance)
