@@ -86,6 +86,15 @@ function(contact_generate_scene scene result)
     set(${result} "${folder}" PARENT_SCOPE)
 endfunction()
 
+# What the scene whose scene.cmake has been read does not need; the contact folder, which knows no scene, hears of it here.
+function(contact_leave_out_parts target)
+    foreach(what CYLINDER PLANE HERTZ RESTITUTION)
+        if(NOT SCENE_HAS_${what})
+            target_compile_definitions(${target} PRIVATE CONTACT_NO_${what})
+        endif()
+    endforeach()
+endfunction()
+
 # What every compilation of the scene's code needs, whether it becomes an FMU or a test library.
 function(contact_scene_options target folder has_cvode)
     contact_compile_options(${target})
@@ -97,11 +106,7 @@ function(contact_scene_options target folder has_cvode)
     if(has_cvode)
         target_link_libraries(${target} PUBLIC contact::sundials)
     endif()
-    foreach(what CYLINDER PLANE HERTZ RESTITUTION) # the contact folder, which knows no scene, hears of it here
-        if(NOT SCENE_HAS_${what})
-            target_compile_definitions(${target} PRIVATE CONTACT_NO_${what})
-        endif()
-    endforeach()
+    contact_leave_out_parts(${target})
     set_target_properties(${target} PROPERTIES C_VISIBILITY_PRESET hidden POSITION_INDEPENDENT_CODE ON)
 endfunction()
 

@@ -3,7 +3,8 @@
 #   find_package(contact_fmus REQUIRED)
 #   target_link_libraries(mine PRIVATE contact_fmus::SphereSphere)
 # The libraries of two scenes have the same names inside: one for each program.
-set(CONTACT_MODEL_SCENES SphereSphere SphereCylinder CACHE STRING "Scenes to install as libraries for C, without FMI")
+set(CONTACT_MODEL_SCENES SphereSphere SphereCylinder SpherePlane
+    CACHE STRING "Scenes to install as libraries for C, without FMI")
 set(component COMPONENT c) # `cmake --install build --component c` brings nothing else
 
 function(contact_model_library name)
@@ -17,9 +18,7 @@ function(contact_model_library name)
     target_include_directories(${target} PRIVATE "${CONTACT_SOURCE_FOLDER}" "${folder}"
         INTERFACE "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/contact_fmus>")
     target_link_libraries(${target} PUBLIC m)
-    if(NOT SCENE_HAS_CYLINDER)
-        target_compile_definitions(${target} PRIVATE CONTACT_SPHERES_ONLY)
-    endif()
+    contact_leave_out_parts(${target})
     set_target_properties(${target} PROPERTIES OUTPUT_NAME contact_${name} EXPORT_NAME ${name}
         POSITION_INDEPENDENT_CODE ON UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
     install(TARGETS ${target} EXPORT contact_fmus ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" ${component})
