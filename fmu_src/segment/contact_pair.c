@@ -82,11 +82,12 @@ static void take_law(struct contact_pair *p, const struct contact_law *law, enum
 {
     p->law = *law;
     p->coefficients = contact_coefficients_of(law, regime);
-    p->chi = 0.0;
+    p->chi = p->hertz_stiffness = 0.0;
     if (contact_is_hertz(law)) {
         const struct contact_slopes slopes =
             contact_force_slopes(law, regime, geometry->gap, geometry->gap_rate);
         p->coefficients = (struct contact_coefficients){-slopes.by_gap, -slopes.by_rate};
+        p->hertz_stiffness = contact_factors_of(law).k;
         p->chi = regime == REGIME_COMPRESSION ? contact_factors_of(law).c : 0.0;
     }
 }

@@ -32,7 +32,8 @@ struct contact_pair {
     struct contact_law law;
     /* k and c in the regime; of Hertz's law the slopes of the force at the start, for estimates */
     struct contact_coefficients coefficients;
-    double chi; /* the factor of Hunt and Crossley in the regime; 0 under the linear law [s/m] */
+    double hertz_stiffness; /* k_h; 0 under the linear law [N/m^1.5] */
+    double chi;             /* the factor of Hunt and Crossley in the regime; 0 under the linear law [s/m] */
     /* C, W; of a cylinder the part along its axis too, but for C(0) at the axis */
     struct separation_path flight;
     struct vec3 normal;   /* n */

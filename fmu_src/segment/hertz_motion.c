@@ -11,8 +11,8 @@ static const double NO_FORCE = 0.5 * DBL_EPSILON;
  * two of them no quantity has two extrema. */
 enum { PLACES = 3 };
 
-/* What the last terms of a series may be, as a part of the whole: the tolerance of a segment, but no less than
- * some roundings, and no more than keeps energies closed to 1e-10 over thousands of steps. */
+/* What the last terms of a series may be, as a part of the whole: the tolerance of a segment, but no less
+ * than some roundings, and no more than keeps energies closed to 1e-10 over thousands of steps. */
 static const double FINEST = 8.0 * DBL_EPSILON;
 static const double COARSEST = 1e-13;
 
@@ -52,8 +52,9 @@ static bool hardly_parts(const struct contact_pair *from, double speed)
 }
 
 /*
- * At rest at the touch, or nearly so, u = sqrt(delta) is no variable to begin with. For how long the contact's
- * force stays nothing beside the load [s]; 0 where it is not, or where the bodies move on their own.
+ * At rest at the touch, or nearly so, u = sqrt(delta) is no variable to begin with. For how long the
+ * contact's force stays nothing beside the load [s]; 0 where it is not, or where the bodies move on their
+ * own.
  */
 static double coasting_time(const struct segment *p)
 {
@@ -135,15 +136,15 @@ static const double SLOW_SHORTEST = 16.0;
  * are then as good. */
 static const double SLOW_DEPTH = 1e-9;
 
-/* The derivatives of the slow motion fall with powers of the ratio of the rates, those of what is fast do not: by
- * this order and the next only that is left. */
+/* The derivatives of the slow motion fall with powers of the ratio of the rates, those of what is fast do
+ * not: by this order and the next only that is left. */
 enum { FAST_ORDER = 6 };
 
 /* By them an oscillation is known to about this factor. */
 static const double FAST_CLEARLY = 4.0;
 
-/* Trials, each at half the step, the third at this many of the times in which a contact beyond critical damping
- * settles: it may have to be followed. */
+/* Trials, each at half the step, the third at this many of the times in which a contact beyond critical
+ * damping settles: it may have to be followed. */
 enum { SLOW_ATTEMPTS = 4, FOLLOWING = 2 };
 static const double CREEP_STEP = 2.0;
 
@@ -161,7 +162,7 @@ static struct slow_scales slow_scales_of(const struct contact_pair *from)
     const struct vec3 acceleration = pair_across(from, vec3_scale(2.0, from->flight.c[2]));
     const double d = from->distance;
     const double depth = -from->gap;
-    const double k = from->law.stiffness / from->reduced_mass;
+    const double k = from->hertz_stiffness / from->reduced_mass;
     const bool turns = !vec3_is_zero(across) || !vec3_is_zero(pair_tangential(from, acceleration));
     const double spring = sqrt(1.5 * k * sqrt(depth));
     const double dashpot = k * from->chi * depth * sqrt(depth);

@@ -55,14 +55,14 @@ static inline void hertz_lower_scalars(const struct pair_hertz *p, const struct 
         time2 += double2_at(p->time, k) * backwards(p->time, i - k);
         square += root * roots;
         cube += double2_at(z->square, k) * roots;
-        force += double2_at(p->cube, k) * backwards(z->damping, i - k);
+        force += double2_at(p->cube, k) * backwards(z->damped, i - k);
         impulse += root * backwards(p->force, i - k);
     }
     const bool is_left = k < i;
     sum->time2 = lanes_together(time2) + (is_left ? p->time[k] * p->time[i - k] : 0.0);
     sum->square = lanes_together(square) + (is_left ? p->root[k] * p->root[i - k] : 0.0);
     sum->cube = lanes_together(cube) + (is_left ? z->square[k] * p->root[i - k] : 0.0);
-    sum->force = lanes_together(force) + (is_left ? p->cube[k] * z->damping[i - k] : 0.0);
+    sum->force = lanes_together(force) + (is_left ? p->cube[k] * z->damped[i - k] : 0.0);
     sum->impulse = lanes_together(impulse) + (is_left ? p->root[k] * p->force[i - k] : 0.0);
 }
 
@@ -161,9 +161,9 @@ static inline void hertz_coefficient(struct pair_hertz *p, struct hertz_recurren
     }
     hertz_geometry(p, z, i, &sum, dimensions);
     p->cube[i] = sum.cube + z->square[i] * p->root[0] + both * z->square[0] * p->root[i];
-    z->damping[i] = (i == 0 ? 1.0 : 0.0) - from->chi * p->rate[i];
+    z->damped[i] = (i == 0 ? 1.0 : 0.0) - from->chi * p->rate[i];
     p->force[i] =
-        from->law.stiffness * (sum.force + p->cube[i] * z->damping[0] + both * p->cube[0] * z->damping[i]);
+        from->hertz_stiffness * (sum.force + p->cube[i] * z->damped[0] + both * p->cube[0] * z->damped[i]);
     z->impulse[i] = sum.impulse + p->root[0] * p->force[i] + both * p->root[i] * p->force[0];
     if (i + 1 == TAYLOR_TERMS) {
         return;

@@ -16,7 +16,7 @@ struct hertz_recurrence {
     hertz_row d;                           /* [m] */
     hertz_row opening;                     /* dg/dt [m/s] */
     hertz_row square;                      /* u^2 */
-    hertz_row damping;                     /* 1 + chi delta' */
+    hertz_row damped;                      /* 1 + chi delta' */
     hertz_row impulse;                     /* u F_n */
     double inverse_distance, side_by_mass; /* 1/d at the start [1/m], side/m_red [1/kg] */
 };

@@ -53,7 +53,7 @@ struct hertz_flight hertz_flight_of(const struct contact_pair *from)
 
 double pair_hertz_depth_under(const struct contact_pair *from, double acceleration)
 {
-    const double ratio = acceleration * from->reduced_mass / from->law.stiffness;
+    const double ratio = acceleration * from->reduced_mass / from->hertz_stiffness;
     return cbrt(ratio * ratio);
 }
 
@@ -64,7 +64,7 @@ double pair_hertz_depth_under(const struct contact_pair *from, double accelerati
  */
 static double hertz_unit(const struct contact_pair *from, double opening)
 {
-    const double k = from->law.stiffness / from->reduced_mass;
+    const double k = from->hertz_stiffness / from->reduced_mass;
     /* of an impact without damping: delta_max^(5/2) = 5/4 v^2 / k */
     const double by_speed = pow(1.25 * opening * opening / k, 0.4);
     const double by_load = pair_hertz_depth_under(from, pair_load(from) / from->reduced_mass);

@@ -1,4 +1,4 @@
-#include "segment/hertz_slow_state.h"
+#include "segment/hertz_slow.h"
 
 #include <float.h>
 
@@ -171,8 +171,8 @@ static bool take_bend(struct hertz_slow *p, double *change)
     return true;
 }
 
-/* A first guess of delta, with the bend that leads there: at rest under the load at each node; as at the start
- * beyond critical damping, for there it creeps. */
+/* A first guess of delta, with the bend that leads there: at rest under the load at each node; as at the
+ * start beyond critical damping, for there it creeps. */
 static bool guess_depth(struct hertz_slow *p, const double *load, double twice[SLOW_N][SLOW_N])
 {
     double law[3];
@@ -196,8 +196,8 @@ static bool guess_depth(struct hertz_slow *p, const double *load, double twice[S
     return take_bend(p, &ignored);
 }
 
-/* The polynomial through the nodes at the start, less the value there: what truncation leaves, and a part that
- * is too fast for the step. */
+/* The polynomial through the nodes at the start, less the value there: what truncation leaves, and a part
+ * that is too fast for the step. */
 static double misses_start(const double *values, double start)
 {
     nodal_values a;
@@ -205,8 +205,8 @@ static double misses_start(const double *values, double start)
     return fabs(nodal_polynomial_at(a, SLOW_N, 0.0) - start);
 }
 
-/* After so many sweeps delta is near enough to its place to tell whether anything fast is left of it: a step is
- * given up where that is so many times too much. */
+/* After so many sweeps delta is near enough to its place to tell whether anything fast is left of it: a
+ * step is given up where that is so many times too much. */
 enum { LOOK_AFTER = 2 };
 static const double TOO_FAST = 1e3;
 
@@ -274,7 +274,7 @@ bool slow_hertz_make(struct hertz_slow *p, const struct contact_pair *from, doub
     p->from = from;
     p->flight = hertz_flight_of(from);
     p->half = 0.5 * step;
-    p->k = from->law.stiffness / from->reduced_mass;
+    p->k = from->hertz_stiffness / from->reduced_mass;
     p->depth_start = -from->gap;
     p->rate_start = -p->half * pair_gap_derivative(from);
     const double normal[HERTZ_TURNING] = {

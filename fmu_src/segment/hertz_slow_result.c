@@ -1,4 +1,4 @@
-#include "segment/hertz_slow_state.h"
+#include "segment/hertz_slow.h"
 
 static double slow_depth(const struct hertz_slow *p, double s)
 {
@@ -16,7 +16,7 @@ void slow_hertz_sample(const void *hertz_slow, double s, struct pair_sample *sam
     const double damping[3] = {1.0 + chi * rate[0], chi * rate[1], chi * rate[2]};
     const double spring[3] = {depth * root, 1.5 * root * rate[0],
                               0.75 / root * rate[0] * rate[0] + 1.5 * root * rate[1]};
-    const double k = p->from->law.stiffness;
+    const double k = p->from->hertz_stiffness;
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP][i] = i == 0 ? -depth : -rate[i - 1];
         sample->of[PAIR_GAP_RATE][i] = -rate[i] / p->half;
@@ -96,7 +96,7 @@ static void slow_powers(const struct hertz_slow *p, double s, struct pair_change
         const struct slow_place at = slow_place_at(p, place);
         const double force = slow_force(p, &at);
         const double rate = at.rate / p->half;
-        const double spring = p->from->law.stiffness * at.depth * sqrt(at.depth);
+        const double spring = p->from->hertz_stiffness * at.depth * sqrt(at.depth);
         double rows[3][HERTZ_DIMENSIONS];
         slow_deviation(p, &at, place, rows[0], rows[1]);
         change->dissipated += weight * (force - spring) * rate;

@@ -1,7 +1,6 @@
 #include "segment/pair_hertz.h"
 
 #include "math/root.h"
-#include "segment/hertz_recurrence.h"
 
 /* Value and two derivatives. */
 static void hertz_series_at(const double *a, double s, double out[3])
@@ -144,7 +143,7 @@ void pair_hertz_sample(const void *pair_hertz, double s, struct pair_sample *sam
 /* The integral of pair_work over [0, s]: of path(t) r'_s ds, order 2, or path(t) r_s ds, order 1. */
 static double hertz_work(const struct pair_hertz *p, const struct pair_work *work, double s)
 {
-    hertz_row slope[HERTZ_DIMENSIONS];
+    double slope[HERTZ_DIMENSIONS][TAYLOR_TERMS];
     double sum = 0.0;
     const bool is_idle =
         vec3_is_zero(work->path[0]) && vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]);
@@ -161,12 +160,12 @@ static double hertz_work(const struct pair_hertz *p, const struct pair_work *wor
                                 vec3_dot(work->path[1], p->flight.frame[j]),
                                 vec3_dot(work->path[2], p->flight.frame[j])};
         const bool is_steady = path[1] == 0.0 && path[2] == 0.0;
-        hertz_row along = {0.0};
-        hertz_row power;
+        double along[TAYLOR_TERMS] = {0.0};
+        double power[TAYLOR_TERMS];
         for (int i = 0; i + 1 < TAYLOR_TERMS; ++i) {
             along[i] = path[0] * (i == 0) + path[1] * p->time[i];
-            along[i] += path[2] == 0.0 ? 0.0 : path[2] * series_product(p->time, p->time, i);
-            power[i] = is_steady ? path[0] * slope[j][i] : series_product(along, slope[j], i);
+            along[i] += path[2] == 0.0 ? 0.0 : path[2] * taylor_multiply(p->time, p->time, i);
+            power[i] = is_steady ? path[0] * slope[j][i] : taylor_multiply(along, slope[j], i);
         }
         sum += taylor_integral(power, TAYLOR_ORDER, s);
     }
@@ -176,18 +175,18 @@ static double hertz_work(const struct pair_hertz *p, const struct pair_work *wor
 /* The integral of -(F_n - k_h u^3) g' dt, dt = unit u ds. */
 static double hertz_dissipated(const struct pair_hertz *p, double s)
 {
-    hertz_row damped;
-    hertz_row power;
+    double damped[TAYLOR_TERMS];
+    double power[TAYLOR_TERMS];
     if (!(p->from->chi > 0.0)) {
         return 0.0;
     }
     for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        damped[i] = p->from->law.stiffness * p->cube[i] - p->force[i];
-        power[i] = series_product(damped, p->rate, i);
+        damped[i] = p->from->hertz_stiffness * p->cube[i] - p->force[i];
+        power[i] = taylor_multiply(damped, p->rate, i);
     }
-    hertz_row by_s;
+    double by_s[TAYLOR_TERMS];
     for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        by_s[i] = series_product(power, p->root, i);
+        by_s[i] = taylor_multiply(power, p->root, i);
     }
     return p->unit * taylor_integral(by_s, TAYLOR_TERMS, s);
 }
@@ -198,11 +197,11 @@ static struct vec3 hertz_vector_at(const struct pair_hertz *p, double rows[][TAY
     double sum[HERTZ_DIMENSIONS] = {0.0, 0.0, 0.0};
     struct vec3 out = vec3_make(0.0, 0.0, 0.0);
     for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
-        for (int j = 0; j < p->flight.dimensions; ++j) {
+        for (int j = 0; j < p->flight.dimensions && j < HERTZ_DIMENSIONS; ++j) {
             sum[j] = sum[j] * s + rows[j][i];
         }
     }
-    for (int j = 0; j < p->flight.dimensions; ++j) {
+    for (int j = 0; j < p->flight.dimensions && j < HERTZ_DIMENSIONS; ++j) {
         out = vec3_axpy(out, sum[j], p->flight.frame[j]);
     }
     return out;

@@ -46,8 +46,8 @@ struct pair_hertz {
     double r_rate[HERTZ_DIMENSIONS][TAYLOR_TERMS]; /* r' [m/s] */
 };
 
-/* From delta >= 0 on; not from rest at delta = 0, where s stands still. The sums are exact to `accuracy`, a part
- * of their largest terms. */
+/* From delta >= 0 on; not from rest at delta = 0, where s stands still. The sums are exact to `accuracy`,
+ * a part of their largest terms. */
 void pair_hertz_make(struct pair_hertz *p, const struct contact_pair *from, double accuracy);
 
 /* The time at s [s], and the s of a time between those of two places. */

@@ -147,27 +147,6 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
     return p->end > 0.0;
 }
 
-double segment_time(const struct segment *p, double s)
-{
-#if SCENE_ANY_HERTZ
-    if (p->kind == SEGMENT_HERTZ) {
-        return pair_hertz_time(&p->as.hertz, s);
-    }
-#endif
-    return s * p->unit;
-}
-
-double segment_place(const struct segment *p, double time)
-{
-#if SCENE_ANY_HERTZ
-    if (p->kind == SEGMENT_HERTZ) {
-        const double end = fmin(p->end, p->terminal.s);
-        return !(time < segment_time(p, end)) ? end : pair_hertz_place(&p->as.hertz, time, end);
-    }
-#endif
-    return time / p->unit;
-}
-
 const struct pair_sample *segment_sample(struct segment *p, double s)
 {
     return dense_output_at(&p->output, s);

@@ -64,8 +64,26 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
                   const struct scene_instant *at, int contact, double longest, double tolerance);
 
 /* The time since the segment's start at s [s], and the s in [0, end] of such a time. */
-double segment_time(const struct segment *p, double s);
-double segment_place(const struct segment *p, double time);
+static inline double segment_time(const struct segment *p, double s)
+{
+#if SCENE_ANY_HERTZ
+    if (p->kind == SEGMENT_HERTZ) {
+        return pair_hertz_time(&p->as.hertz, s);
+    }
+#endif
+    return s * p->unit;
+}
+
+static inline double segment_place(const struct segment *p, double time)
+{
+#if SCENE_ANY_HERTZ
+    if (p->kind == SEGMENT_HERTZ) {
+        const double end = fmin(p->end, p->terminal.s);
+        return !(time < segment_time(p, end)) ? end : pair_hertz_place(&p->as.hertz, time, end);
+    }
+#endif
+    return time / p->unit;
+}
 
 /* Gap, gap rate and force with two derivatives at s in [0, end]. */
 const struct pair_sample *segment_sample(struct segment *p, double s);

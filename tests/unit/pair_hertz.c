@@ -1,5 +1,5 @@
-/* A contact by Hertz's law: its series against closed forms and against what they must keep, and the slow motion
- * against the series. */
+/* A contact by Hertz's law: its series against closed forms and against what they must keep, and the slow
+ * motion against the series. */
 #include "segment/hertz_slow.h"
 
 #include <float.h>
@@ -39,8 +39,8 @@ static bool advance(struct model *m)
     return parting <= p.step;
 }
 
-/* |v'| = |v|; duration 2.943275184 delta_max / v, delta_max = (5 m v^2 / (4 k))^(2/5): Landau and Lifshitz, Theory of
- * Elasticity, section 9. */
+/* |v'| = |v|; duration 2.943275184 delta_max / v, delta_max = (5 m v^2 / (4 k))^(2/5): Landau and
+ * Lifshitz, Theory of Elasticity, section 9. */
 static void an_impact_lasts_as_hertz_says(void)
 {
     for (int i = 0; i < 9; ++i) {
@@ -104,8 +104,8 @@ static void a_series_keeps_momentum_and_energy(void)
     }
 }
 
-/* A ball that slides in a cylinder, damped: series up to where the oscillation has died away, then one slow step
- * against series over the same time. */
+/* A ball that slides in a cylinder, damped: series up to where the oscillation has died away, then one
+ * slow step against series over the same time. */
 static void a_slow_step_agrees_with_series(void)
 {
     const double stiffness[2] = {1e7, 1e9};
