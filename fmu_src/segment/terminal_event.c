@@ -52,6 +52,9 @@ double terminal_event_gap_noise(const struct contact_pair *from)
 double terminal_event_gap_tolerance(const struct segment *p)
 {
     const double most = 2.0 * p->gap_rounding;
+    if (contact_is_hertz(&p->pair.law)) { /* it coasts at the touch: whatever comes back has not parted */
+        return most;
+    }
     const double part = GAP_HYSTERESIS * largest_size(p, PAIR_GAP);
     return part >= most ? most : fmin(most, fmax(part, fmax(terminal_event_gap_noise(&p->pair), DIED_AWAY)));
 }
@@ -109,7 +112,7 @@ static struct terminal_event parting(struct segment *p)
     if (terminal.s < (double)INFINITY) {
         const struct pair_sample *then = dense_output_at(&p->output, terminal.s);
         const double clean = fmax(CLEAR_SEPARATION * largest_size(p, PAIR_GAP_RATE), p->pair.rate_rounding);
-        if (!(then->of[PAIR_GAP_RATE][0] > clean)) {
+        if (contact_is_hertz(&p->pair.law) || !(then->of[PAIR_GAP_RATE][0] > clean)) {
             terminal.function.offset = terminal_event_gap_tolerance(p);
             terminal.s = dense_output_first_event(&p->output, &terminal.function);
         }
