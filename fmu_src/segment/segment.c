@@ -93,8 +93,9 @@ static void make_hertz(struct segment *p)
 }
 #endif
 
-/* Over a plane nothing turns that would end a segment. But the motion is that of the flight without contact and
- * a deviation that nearly cancels it: the flight may be as long as the gap's own rounding bound allows [s]. */
+/* Over a plane nothing turns that would end a segment. But the motion is that of the flight without contact
+ * and a deviation that nearly cancels it: the flight may be as long as the gap's own rounding bound allows
+ * [s]. */
 static double longest_over_plane(const struct segment *p)
 {
     const double flight = p->gap_rounding / DBL_EPSILON;

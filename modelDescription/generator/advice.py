@@ -4,6 +4,7 @@ import difflib
 import re
 
 from .catalogue import Catalogue, Row, Type
+from .errors import allowed
 
 # A number and, after it, a unit: "50 mm", "1e3kg".
 QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*")
@@ -89,3 +90,20 @@ def other_shape(scene, catalogue: Catalogue, name: str) -> str:
     if row is None or not row.shape or shapes[owner] in row.shape:
         return ""
     return f"a {shapes[owner]} has no {row.field}"
+
+
+def unknown(where: str, name: str, known: dict, reason: str = "") -> str:
+    if reason:
+        return f"{where}: unknown variable '{name}': {reason} {near(name, known)}"
+    vector, bracket, _ = name.partition("[")
+    if bracket and vector in known and known[vector].row.dim > 1:
+        return f"{where}: '{name}' is part of a vector (allowed: all of it, \"{vector}\" = [x, y, z])"
+    return f"{where}: unknown variable '{name}'{likely(name, known)} {near(name, known)}"
+
+
+def near(name: str, known: dict) -> str:
+    """The allowed names that share the first part of `name`, or else its last, or all where none does."""
+    group, _, field = name.partition(".")
+    own = [other for other in known if other.startswith(f"{group}.")]
+    same = [other for other in known if other.endswith(f".{field}") and field]
+    return allowed(own or same or list(known))

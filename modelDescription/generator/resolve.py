@@ -125,10 +125,12 @@ def _pins(
     for name, value in scene.pinned.items():
         if name not in known:
             reason = advice.other_shape(scene, catalogue, name)
-            raise scene.error(_unknown("[pinned]", name, parameters, reason))
+            raise scene.error(advice.unknown("[pinned]", name, parameters, reason))
         if name not in parameters:
             kind = known[name].row.causality
-            raise scene.error(f"[pinned]: '{name}' is no parameter but {kind} {_near(name, parameters)}")
+            raise scene.error(
+                f"[pinned]: '{name}' is no parameter but {kind} {advice.near(name, parameters)}"
+            )
         if known[name].row.type.items and isinstance(value, list):
             narrowed[name] = value
             continue
@@ -159,23 +161,6 @@ def _narrow(cell: Cell, wanted: list | None, scene: Scene) -> Cell:
             f"[pinned]: '{cell.name}' leaves out its start value {start} (allowed: another under [start])"
         )
     return replace(cell, row=replace(cell.row, type=replace(kind, items=kept)))
-
-
-def _unknown(where: str, name: str, known: dict[str, Cell], reason: str = "") -> str:
-    if reason:
-        return f"{where}: unknown variable '{name}': {reason} {_near(name, known)}"
-    vector, bracket, _ = name.partition("[")
-    if bracket and vector in known and known[vector].row.dim > 1:
-        return f"{where}: '{name}' is part of a vector (allowed: all of it, \"{vector}\" = [x, y, z])"
-    return f"{where}: unknown variable '{name}'{advice.likely(name, known)} {_near(name, known)}"
-
-
-def _near(name: str, known: dict[str, Cell]) -> str:
-    """The allowed names that share the first part of `name`, or else its last, or all where none does."""
-    group, _, field = name.partition(".")
-    own = [other for other in known if other.startswith(f"{group}.")]
-    same = [other for other in known if other.endswith(f".{field}") and field]
-    return allowed(own or same or list(known))
 
 
 def checked(scene: Scene, catalogue: Catalogue, where: str, cell: Cell, value):
@@ -229,11 +214,13 @@ def _check_use(
     for where, names in (("[pinned]", scene.pinned), ("[start]", scene.start)):
         for name in names:
             if name not in known:
-                raise scene.error(_unknown(where, name, usable, advice.other_shape(scene, catalogue, name)))
+                raise scene.error(
+                    advice.unknown(where, name, usable, advice.other_shape(scene, catalogue, name))
+                )
             if name in usable:
                 continue
             if not known[name].row.has_start:
-                raise scene.error(f"{where}: '{name}' is computed by the FMU {_near(name, usable)}")
+                raise scene.error(f"{where}: '{name}' is computed by the FMU {advice.near(name, usable)}")
             reason, remedy = why_not(known[name], cells, constants, scene)
             text = f"{where}: '{name}' is not needed with what is pinned: {reason}"
             raise scene.error(f"{text} (allowed: {remedy}, or no '{name}')")
@@ -259,13 +246,15 @@ def _left_out(scene: Scene, known: dict[str, Cell], cells: list[Cell], constants
             and (known[entry].row.has_start or known[entry].row.causality == "local")
         ):
             kind = known[entry].row.causality
-            raise scene.error(f"[leave_out]: '{entry}' is no output but {kind} {_near(entry, outputs)}")
+            raise scene.error(f"[leave_out]: '{entry}' is no output but {kind} {advice.near(entry, outputs)}")
         if not found and entry in known:
             reason, _ = why_not(known[entry], cells, constants, scene)
-            raise scene.error(f"[leave_out]: '{entry}' is left out already: {reason} {_near(entry, outputs)}")
+            raise scene.error(
+                f"[leave_out]: '{entry}' is left out already: {reason} {advice.near(entry, outputs)}"
+            )
         if not found:
             raise scene.error(
-                _unknown("[leave_out]", entry, outputs).replace("unknown variable", "unknown output")
+                advice.unknown("[leave_out]", entry, outputs).replace("unknown variable", "unknown output")
             )
         result |= found
     return result
