@@ -20,13 +20,13 @@ bool resolved_make(struct segment *p);
 bool overdamped_applies(const struct segment *p);
 bool overdamped_make(struct segment *p);
 
-/* Under Hertz's law; false where its force is nothing beside the load, as at rest at the touch, and the motion
- * is a Taylor series over p->longest, which is then as long as that lasts. p->terminal is known. */
+/* Under Hertz's law; false where its force is nothing beside the load, as at rest at the touch, and the
+ * motion is a Taylor series over p->longest, which is then as long as that lasts. p->terminal is known. */
 bool hertz_applies(const struct segment *p);
 bool hertz_make(struct segment *p);
 
-/* Under a load that presses, far slower than the contact's oscillation or its decay. p->as.hertz holds the series
- * from the same start, which tells. */
+/* Under a load that presses, far slower than the contact's oscillation or its decay. p->as.hertz holds the
+ * series from the same start, which tells. */
 bool hertz_slow_applies(const struct segment *p);
 bool hertz_slow_make(struct segment *p);
 
