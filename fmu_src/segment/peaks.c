@@ -214,6 +214,6 @@ void peaks_note(struct segment *p, struct contact_state *state, double end)
         contact_peaks_note(peaks, force, deepest);
     }
     if (p->pair.coefficients.k >= PAIR_STIFF) {
-        peak_error_note(p, end * p->unit, state);
+        peak_error_note(p, segment_time(p, end), state);
     }
 }
