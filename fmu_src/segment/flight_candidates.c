@@ -1,6 +1,7 @@
 #include "segment/flight_candidates.h"
 
-/* chi g' = 1, where Hunt and Crossley's damping would begin to pull: g' = side (c.w)/d, of a plane n.w, squared. */
+/* chi g' = 1, where Hunt and Crossley's damping would begin to pull: g' = side (c.w)/d, of a plane n.w,
+ * squared. */
 static struct polynomial hertz_condition(const struct relative_path *path, const struct contact_law *law)
 {
     const double unit = contact_factors_of(law).c * path->scale / path->horizon;
