@@ -24,11 +24,9 @@ def unpacked(fmu, folder):
     return folder
 
 
-def host_arguments(folder, configuration, end):
-    """Start values and outputs as host.c takes them: value references, vectors as three, names as numbers"""
-    about = fmpy.read_model_description(str(folder))
+def settings(about, configuration):
+    """(variable, value) of one number each: of vectors three, of an enumeration's names their numbers"""
     by_name = {variable.name: variable for variable in about.modelVariables}
-    words = [about.guid, str(end), str(STEPS)]
     for name, value in configuration.items():
         parts = value if isinstance(value, list) else [value]
         names = [f"{name}[{i + 1}]" for i in range(3)] if isinstance(value, list) else [name]
@@ -36,7 +34,16 @@ def host_arguments(folder, configuration, end):
             variable = by_name[one]
             if variable.type == "Enumeration":
                 (part,) = [item.value for item in variable.declaredType.items if item.name == part]
-            words += ["r" if variable.type == "Real" else "i", variable.valueReference, part]
+            yield variable, part
+
+
+def host_arguments(folder, configuration, end):
+    """Start values and outputs as host.c takes them, by value references"""
+    about = fmpy.read_model_description(str(folder))
+    words = [about.guid, str(end), str(STEPS)]
+    for variable, value in settings(about, configuration):
+        words += ["r" if variable.type == "Real" else "i", variable.valueReference, value]
+    by_name = {variable.name: variable for variable in about.modelVariables}
     for name in OUTPUTS:
         if name in by_name:
             words += ["get", by_name[name].valueReference]
