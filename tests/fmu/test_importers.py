@@ -9,12 +9,13 @@ import pytest
 
 from contact_fmus.errors import UserError
 from contact_fmus.importers.page import page
-from contact_fmus.importers.trying import AGREE, IMPORTERS, Trial, tried
+from contact_fmus.importers.trying import AGREE, IMPORTERS, Given, Trial, tried
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENES = sorted(path.stem for path in (ROOT / "modelDescription" / "scenes").glob("*.toml"))
 FMPY, LIBCOSIM = (next(one for one in IMPORTERS if one.name == name) for name in ("fmpy", "libcosim"))
 STEP, COUNT = 1e-3, 400
+GIVEN = Given(STEP, COUNT, Path(sys.executable), {})
 
 # fmpy as users call it, twice at once, with a reset between; it prints the end of each run.
 SIMULATE = """
@@ -35,10 +36,7 @@ assert all(end == ends[0] for end in ends), ends
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_libcosim_ends_where_fmpy_does(fmu_path, scene):
-    here, there = (
-        tried(importer, Path(fmu_path(scene)), STEP, COUNT, Path(sys.executable), None)
-        for importer in (FMPY, LIBCOSIM)
-    )
+    here, there = (tried(importer, Path(fmu_path(scene)), GIVEN) for importer in (FMPY, LIBCOSIM))
     assert (here.problem, there.problem) == ("", "")
     assert len(here.values) > 10
     assert there.difference(here) <= AGREE
@@ -58,7 +56,14 @@ def test_an_fmu_that_cannot_run_is_refused_with_the_reason(tmp_path):
     source = ROOT / "modelDescription" / "variables.toml"
     shutil.copy(source, broken)
     with pytest.raises(UserError, match="no FMU that fmpy can read: File is not a zip file"):
-        tried(FMPY, broken, STEP, COUNT, Path(sys.executable), None)
+        tried(FMPY, broken, GIVEN)
+
+
+def test_a_setting_that_is_no_choice_of_the_fmu_is_refused(fmu_path):
+    for name in ("contact.no_method", "contact.gap"):
+        asked = Given(STEP, COUNT, Path(sys.executable), {}, {name: 1})
+        with pytest.raises(UserError, match=f"there is no Integer or Enumeration '{name}'"):
+            tried(FMPY, Path(fmu_path("BallOnSphere")), asked)
 
 
 def test_other_numbers_are_told():

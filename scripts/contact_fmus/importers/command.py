@@ -12,7 +12,15 @@ from rich.console import Console
 from contact_fmus.errors import UserError
 
 from .page import page
-from .trying import AGREE, IMPORTERS, installed, prepared_java, tried
+from .trying import AGREE, IMPORTERS, Given, installed, prepared_java, tried
+
+
+def setting(text: str) -> tuple[str, int]:
+    name, _, value = text.partition("=")
+    try:
+        return name, int(value)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} (allowed: NAME=N, N a whole number)") from None
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -24,6 +32,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("fmus", type=Path, nargs="+", metavar="FMU")
     parser.add_argument("--steps", type=int, default=1000, metavar="N", help="communication steps (1000)")
     parser.add_argument("--step", type=float, default=1e-3, metavar="S", help="of so many seconds (0.001)")
+    parser.add_argument(
+        "--set", type=setting, action="append", default=[], metavar="NAME=N", help="a choice, by its number"
+    )
     parser.add_argument("--python", type=Path, default=Path(sys.executable), help="that has the importers")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page, as docs/importers.md")
     options = parser.parse_args(arguments)
@@ -32,13 +43,13 @@ def main(arguments: list[str] | None = None) -> int:
             raise UserError(f"{fmu}: there is no such file")
     if not (options.steps > 0 and 0.0 < options.step < 1e6):
         raise UserError("--steps and --step: (allowed: at least 1 step of more than 0 and less than 1e6 s)")
-    java = prepared_java(Path(platformdirs.user_cache_path("contact-fmus")) / "fmi4j")
+    java = prepared_java(Path(platformdirs.user_cache_path("contact-fmus")) / "importers")
     present = [importer for importer in IMPORTERS if installed(importer, options.python, java)]
+    given = Given(options.step, options.steps, options.python, java, dict(options.set))
     console, trials = Console(stderr=True), []
     for fmu in options.fmus:
         with console.status(fmu.stem):
-            given = fmu, options.step, options.steps, options.python, java
-            trials += [tried(importer, *given) for importer in present]
+            trials += [tried(importer, fmu, given) for importer in present]
     references = {trial.fmu: trial for trial in trials if trial.importer.name == "fmpy"}
     good = True
     for trial in trials:

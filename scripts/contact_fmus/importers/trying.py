@@ -10,6 +10,7 @@ import math
 import os
 import re
 import subprocess
+import sys
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -33,7 +34,7 @@ class Importer:
     name: str
     registry: str
     package: str  # as the registry knows it
-    module: str  # of Python; empty for Java
+    module: str  # of Python; empty for Java, see prepared_java
     script: str
 
 
@@ -43,7 +44,22 @@ IMPORTERS = (
     Importer("fmuloader", "PyPI", "fmuloader", "fmuloader", "with_fmuloader.py"),
     Importer("ecos", "PyPI", "ecospy", "ecospy", "with_ecos.py"),
     Importer("FMI4j", "Maven", "info.laht.fmi4j:fmi-import", "", "WithFmi4j.java"),
+    Importer("Maestro", "Maven", "org.into-cps.maestro:maestro", "", "with_maestro.py"),
 )
+
+
+Programs = dict[str, list[str]]  # how a command for an importer of Java begins, by its name
+
+
+@dataclass(frozen=True)
+class Given:
+    """What is asked of every importer"""
+
+    step: float  # s
+    count: int
+    python: Path
+    java: Programs
+    settings: dict[str, int] = field(default_factory=dict)  # choices by name, set before the start
 
 
 @dataclass
@@ -63,25 +79,38 @@ class Trial:
         return max(off) if all(map(math.isfinite, off)) else math.inf
 
 
-def installed(importer: Importer, python: Path, java: Path | None) -> bool:
+def installed(importer: Importer, python: Path, java: Programs) -> bool:
     if not importer.module:
-        return java is not None
+        return importer.name in java
     command = [str(python), "-c", f"import {importer.module}"]
     return subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
-def prepared_java(folder: Path) -> Path | None:
-    """The folder of FMI4j's classes and of the runner's, by Maven and javac; None where one is missing"""
-    done = folder / "WithFmi4j.class"
-    if not done.is_file():
-        libraries = ["mvn", "-q", "-B", "-f", str(RUNNERS / "pom.xml"), "dependency:copy-dependencies"]
-        compiling = ["javac", "-cp", f"{folder}/*", "-d", str(folder), str(RUNNERS / "WithFmi4j.java")]
-        for command in ([*libraries, f"-DoutputDirectory={folder}"], compiling):
-            try:
-                subprocess.run(command, capture_output=True, check=True)
-            except (OSError, subprocess.CalledProcessError):
-                return None
-    return folder
+def prepared_java(folder: Path) -> Programs:
+    """By Maven and javac, into that folder; what cannot be had is left out"""
+    programs = {}
+    fmi4j, maestro = folder / "fmi4j", folder / "maestro"
+    source = RUNNERS / "WithFmi4j.java"
+    compiling = ["javac", "-cp", f"{fmi4j}/*", "-d", str(fmi4j), str(source)]
+    if _fetched(RUNNERS / "pom.xml", fmi4j) and _done(compiling):
+        programs["FMI4j"] = ["java", "-cp", f"{fmi4j}/*:{fmi4j}", source.stem]
+    if _fetched(RUNNERS / "maestro.xml", maestro, "-DexcludeTransitive=true"):
+        (jar,) = maestro.glob("*.jar")
+        programs["Maestro"] = [sys.executable, str(RUNNERS / "with_maestro.py"), str(jar)]
+    return programs
+
+
+def _fetched(project: Path, folder: Path, *options: str) -> bool:
+    """The libraries that a project of Maven names"""
+    copying = ["mvn", "-q", "-B", "-f", str(project), "dependency:copy-dependencies", *options]
+    return any(folder.glob("*.jar")) or _done([*copying, f"-DoutputDirectory={folder}"])
+
+
+def _done(command: list[str]) -> bool:
+    try:
+        return subprocess.run(command, capture_output=True, check=False).returncode == 0
+    except OSError:
+        return False
 
 
 def outputs(fmu: Path) -> dict[str, int]:
@@ -93,13 +122,21 @@ def outputs(fmu: Path) -> dict[str, int]:
     return {v.name: v.valueReference for v in variables if v.causality == "output" and v.type == "Real"}
 
 
-def tried(importer: Importer, fmu: Path, step: float, count: int, python: Path, java: Path | None) -> Trial:
+def chosen(fmu: Path, settings: dict[str, int]) -> list[str]:
+    """Settings as the runners read them. FMI 2.0 sets enumerations as it sets Integers."""
+    variables = {v.name: v for v in fmpy.read_model_description(str(fmu)).modelVariables}
+    for name in settings:
+        if name not in variables or variables[name].type not in ("Integer", "Enumeration"):
+            raise UserError(f"{fmu}: there is no Integer or Enumeration {name!r}")
+    return [f"{name}={variables[name].valueReference}:={value}" for name, value in settings.items()]
+
+
+def tried(importer: Importer, fmu: Path, given: Given) -> Trial:
     """In a folder of its own, for importers that write logs"""
-    program = [str(python), str(RUNNERS / importer.script)]
-    if not importer.module:
-        program = ["java", "-cp", f"{java}/*:{java}", Path(importer.script).stem]
+    program = given.java.get(importer.name) or [str(given.python), str(RUNNERS / importer.script)]
     names = [f"{name}={reference}" for name, reference in outputs(fmu).items()]
-    command = [*program, str(fmu.resolve()), repr(step), str(count), *names]
+    settings = chosen(fmu, given.settings)
+    command = [*program, str(fmu.resolve()), repr(given.step), str(given.count), *settings, *names]
     trial = Trial(importer, fmu.stem)
     environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
     with tempfile.TemporaryDirectory() as folder:

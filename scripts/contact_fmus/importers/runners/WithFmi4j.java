@@ -10,6 +10,11 @@ public class WithFmi4j {
         int count = Integer.parseInt(args[2]);
         AbstractFmu fmu = AbstractFmu.from(new File(args[0]));
         SlaveInstance slave = fmu.asCoSimulationFmu().newInstance("tried");
+        int first = 3;
+        for (; first < args.length && args[first].contains(":="); ++first) {
+            String[] setting = args[first].substring(args[first].lastIndexOf('=', args[first].indexOf(":=")) + 1).split(":=");
+            slave.writeInteger(new long[] {Long.parseLong(setting[0])}, new int[] {Integer.parseInt(setting[1])});
+        }
         boolean ready =
             slave.setupExperiment(0.0, 0.0, 0.0) && slave.enterInitializationMode() && slave.exitInitializationMode();
         for (int k = 0; ready && k < count; ++k) {
@@ -21,10 +26,10 @@ public class WithFmi4j {
         }
         StringBuilder out = new StringBuilder("{\"version\": \"0.38.0\", \"values\": {");
         double[] value = new double[1];
-        for (int i = 3; i < args.length; ++i) {
+        for (int i = first; i < args.length; ++i) {
             int at = args[i].lastIndexOf('=');
             slave.readReal(new long[] {Long.parseLong(args[i].substring(at + 1))}, value);
-            out.append(i > 3 ? ", " : "").append(String.format(Locale.ROOT, "\"%s\": %.17g", args[i].substring(0, at), value[0]));
+            out.append(i > first ? ", " : "").append(String.format(Locale.ROOT, "\"%s\": %.17g", args[i].substring(0, at), value[0]));
         }
         slave.terminate();
         slave.close();

@@ -11,12 +11,20 @@ class Request:
     step: float  # s
     count: int
     references: dict[str, int]
+    settings: list[tuple[str, int, int]]  # name, reference and value of Integers
 
 
 def request() -> Request:
-    fmu, step, count, *outputs = sys.argv[1:]
-    pairs = (output.rpartition("=") for output in outputs)
-    return Request(fmu, float(step), int(count), {name: int(number) for name, _, number in pairs})
+    fmu, step, count, *rest = sys.argv[1:]
+    references, settings = {}, []
+    for text in rest:
+        variable, _, value = text.partition(":=")
+        name, _, number = variable.rpartition("=")
+        if value:
+            settings.append((name, int(number), int(value)))
+        else:
+            references[name] = int(number)
+    return Request(fmu, float(step), int(count), references, settings)
 
 
 def answer(version: str, names, values) -> None:

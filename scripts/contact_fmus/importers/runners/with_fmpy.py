@@ -18,6 +18,8 @@ with tempfile.TemporaryDirectory() as folder:
         instanceName="tried",
     )
     fmu.instantiate()
+    for _, reference, value in asked.settings:
+        fmu.setInteger([reference], [value])
     fmu.setupExperiment(startTime=0.0)
     fmu.enterInitializationMode()
     fmu.exitInitializationMode()

@@ -13,6 +13,8 @@ fmu = Fmi2Slave(asked.fmu, model_identifier=about.find("CoSimulation").get("mode
 # Its own allocateMemory hands back the lower half of an address only: every FMU that uses it ends there.
 own = {"cannot_use_memory_management_functions": True}
 fmu.instantiate("tried", Fmi2Type.CO_SIMULATION, guid=about.get("guid"), **own)
+for _, reference, value in asked.settings:
+    fmu.set_integer([reference], [value])
 fmu.setup_experiment(start_time=0.0)
 fmu.enter_initialization_mode()
 fmu.exit_initialization_mode()

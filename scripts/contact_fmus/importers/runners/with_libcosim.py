@@ -12,6 +12,9 @@ asked = request()
 log_output_level(CosimLogLevel.ERROR)
 execution = CosimExecution.from_step_size(round(asked.step * 1e9))
 index = execution.add_local_slave(CosimLocalSlave(asked.fmu, "tried"))
+for name, reference, value in asked.settings:
+    if not execution.integer_initial_value(index, reference, value):
+        raise SystemExit(f"{name} cannot be set")
 observer = CosimObserver.create_last_value()
 if not execution.add_observer(observer):
     raise SystemExit("no observer")
