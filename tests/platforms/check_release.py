@@ -13,6 +13,7 @@ from pathlib import Path
 import fmpy
 import lief
 import pytest
+from fmpy.validation import validate_fmu
 
 from contact_fmus.building.compiler import find_compiler
 from support.fmi2.elf import exported, glibc_version, needed
@@ -213,7 +214,7 @@ def test_the_archive_has_platforms_sources_and_licences(folder, name):
         "sources/buildDescription.xml",
         "documentation/licenses/license.txt",
     } <= names
-    assert not fmpy.validation.validate_fmu(str(fmu))
+    assert not validate_fmu(str(fmu))
 
 
 def test_clang_in_the_mode_of_msvc_has_no_complaint_about_the_sources(release):
