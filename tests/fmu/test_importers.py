@@ -74,6 +74,7 @@ def test_other_numbers_are_told():
     for name in still.values:
         lost = Trial(LIBCOSIM, "Ball", "1", {**reference.values, name: float("nan")})
         assert lost.difference(reference) > 1.0
+    assert reference.difference(Trial(FMPY, "Ball", problem="refused")) == float("inf")
     text = page([reference, still], [FMPY, LIBCOSIM], STEP, COUNT)
     assert "| libcosim (PyPI) | 1 | 5e-01 **differs** |" in text
     assert "| ecos (PyPI) |  | not installed |" in text

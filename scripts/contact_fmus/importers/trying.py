@@ -73,10 +73,10 @@ class Trial:
     problem: str = ""  # one line; empty where it ran
 
     def difference(self, other: Trial) -> float:
-        """The largest, relative to values above 1 and absolute below"""
+        """The largest, relative to values above 1 and absolute below; infinite where the other did not run"""
         pairs = [(self.values[name], value) for name, value in other.values.items()]
         off = [abs(a - b) / max(1.0, abs(b)) for a, b in pairs]
-        return max(off) if all(map(math.isfinite, off)) else math.inf
+        return max(off) if off and all(map(math.isfinite, off)) else math.inf
 
 
 def installed(importer: Importer, python: Path, java: Programs) -> bool:

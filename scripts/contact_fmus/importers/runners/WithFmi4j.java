@@ -11,11 +11,13 @@ public class WithFmi4j {
         AbstractFmu fmu = AbstractFmu.from(new File(args[0]));
         SlaveInstance slave = fmu.asCoSimulationFmu().newInstance("tried");
         int first = 3;
-        for (; first < args.length && args[first].contains(":="); ++first) {
+        boolean ready = true;
+        for (; ready && first < args.length && args[first].contains(":="); ++first) {
             String[] setting = args[first].substring(args[first].lastIndexOf('=', args[first].indexOf(":=")) + 1).split(":=");
-            slave.writeInteger(new long[] {Long.parseLong(setting[0])}, new int[] {Integer.parseInt(setting[1])});
+            long[] reference = {Long.parseLong(setting[0])};
+            ready = slave.writeInteger(reference, new int[] {Integer.parseInt(setting[1])}).isOK();
         }
-        boolean ready =
+        ready = ready &&
             slave.setupExperiment(0.0, 0.0, 0.0) && slave.enterInitializationMode() && slave.exitInitializationMode();
         for (int k = 0; ready && k < count; ++k) {
             ready = slave.doStep(k * step, step);

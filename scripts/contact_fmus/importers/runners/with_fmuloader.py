@@ -4,7 +4,7 @@ import zipfile
 from importlib.metadata import version
 from xml.etree import ElementTree
 
-from fmuloader.fmi2 import Fmi2Slave, Fmi2Type
+from fmuloader.fmi2 import Fmi2Slave, Fmi2Status, Fmi2Type
 from request import answer, request
 
 asked = request()
@@ -13,8 +13,9 @@ fmu = Fmi2Slave(asked.fmu, model_identifier=about.find("CoSimulation").get("mode
 # Its own allocateMemory hands back the lower half of an address only: every FMU that uses it ends there.
 own = {"cannot_use_memory_management_functions": True}
 fmu.instantiate("tried", Fmi2Type.CO_SIMULATION, guid=about.get("guid"), **own)
-for _, reference, value in asked.settings:
-    fmu.set_integer([reference], [value])
+for name, reference, value in asked.settings:
+    if fmu.set_integer([reference], [value]) != Fmi2Status.OK:
+        raise SystemExit(f"{name} cannot be set")
 fmu.setup_experiment(start_time=0.0)
 fmu.enter_initialization_mode()
 fmu.exit_initialization_mode()
