@@ -16,7 +16,6 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
-from generator.catalogue import read_catalogue  # noqa: E402
 from generator.emit import counts, guide, render, write  # noqa: E402
 from generator.errors import InputError  # noqa: E402
 from generator.icon import draw  # noqa: E402
@@ -24,6 +23,7 @@ from generator.icon_svg import draw_svg  # noqa: E402
 from generator.resolve import Resolved, resolve  # noqa: E402
 from generator.scene import CHOICES, read_scene  # noqa: E402
 from generator.start import Start, check_start  # noqa: E402
+from generator.variables_file import read_catalogue  # noqa: E402
 
 
 def load(path: Path, choices: str | None = None) -> Resolved:

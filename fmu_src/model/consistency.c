@@ -159,12 +159,16 @@ static enum model_status check_start(struct model *m)
     double sum = motion_energy(v, &m->state.motion, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         sum += at.normal_force[j];
+    }
+    if (!isfinite(sum)) {
+        return model_report(
+            m, MODEL_ERROR,
+            "The start is beyond the range of numbers (allowed: finite forces and energies).");
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
         warn_of_deep_start(m, &at, j);
     }
-    return isfinite(sum) ? MODEL_OK
-                         : model_report(m, MODEL_ERROR,
-                                        "The start is beyond the range of numbers "
-                                        "(allowed: finite forces and energies).");
+    return MODEL_OK;
 }
 
 /* Hertz's theory takes the contact for small beside the bodies. */

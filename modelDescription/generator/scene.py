@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from . import advice
-from .catalogue import Catalogue, read_toml
+from .catalogue import Catalogue
 from .errors import InputError, allowed
 from .names import refused_name
+from .variables_file import read_toml
 
 SHAPES = ("sphere", "cylinder", "plane")
 # The keys of each table and what they mean: docs/scenes.md shows these words.

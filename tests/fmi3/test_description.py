@@ -12,7 +12,11 @@ from contact_fmus.fmu.files import fmu_file, unpack
 from support.fmi3 import raw
 from support.fmi3.prototypes import ARGUMENTS
 
-SUMS_UP = {"mean_force", "peak_force", "peak_penetration", "last_onset_time", "last_duration"}
+# and what is settled at each onset
+SUMS_UP = {
+    "mean_force", "peak_force", "peak_penetration", "last_onset_time", "last_duration",
+    "effective_hunt_crossley_factor",
+}  # fmt: skip
 TYPES = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean", "Enumeration": "Enumeration"}
 
 

@@ -69,7 +69,7 @@ def test_every_function_in_every_state(fmu, state):
 
 
 # What event_driven could not finish in one internal step it finishes in the next.
-@pytest.mark.parametrize("scene", [scene for scene in SOLVER_SCENES if scene != "PinnedEvent"])
+@pytest.mark.parametrize("scene", [scene for scene in SOLVER_SCENES if scene not in raw.WITHOUT_CVODE])
 def test_every_function_after_a_discarded_step(scene):
     fmu = raw.load(scene)
     functions = [function for function in FUNCTIONS if function != "FreeInstance"]
@@ -132,10 +132,10 @@ def test_start_values_can_be_read_at_once_and_outputs_cannot(fmu):
 def test_outputs_are_there_in_initialization_mode(fmu):
     with raw.Instance(fmu) as instance:
         instance.ok("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-        instance.set({"source.center": [0.9, 0.0, 0.0]})
+        instance.set({"source.center": [0.9, 0.0, 0.3]})
         instance.ok("EnterInitializationMode")
         first = instance.get("contact.gap")
-        instance.set({"source.center": [0.8, 0.0, 0.0]})
+        instance.set({"source.center": [0.8, 0.0, 0.2]})
         assert instance.get("contact.gap") != first
         instance.ok("ExitInitializationMode")
 

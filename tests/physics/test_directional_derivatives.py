@@ -102,6 +102,7 @@ def wrong_in(fmu, reference, motion, known, unknowns):
         return None
     outputs, _ = reference.at(motion)
     distance, _, _, length = reference.contact.separation(motion)
+    distance = abs(distance)  # below a plane it is negative
     wrong = []
     for name in unknowns:
         if name in fmu and name in expected:

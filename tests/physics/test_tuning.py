@@ -127,6 +127,7 @@ def refused(fmu):
 TUNABLE = [
     "contact.penalty_multiplier", "contact.penalty_factor", "contact.characteristic_time",
     "contact.viscous_penalty_factor", "contact.reference_modulus", "contact.dashpot", "gravity",
+    "contact.hertz_stiffness", "contact.hunt_crossley_factor", "contact.restitution",
     "solver.relative_tolerance", "solver.absolute_tolerance", "solver.max_internal_steps",
 ]  # fmt: skip
 
@@ -143,8 +144,8 @@ def test_what_changes_nothing_does_not_change_one_bit(opened, between, split, me
 def test_what_may_be_set_is_told_so(opened):
     variables = opened("SphereSphere").description.modelVariables
     told = {one.name.partition("[")[0] for one in variables if one.variability == "tunable"}
-    effective = {"contact.effective_penalty_factor", "contact.effective_viscous_penalty_factor"}
-    assert told == {*TUNABLE, *effective}
+    effective = ("penalty_factor", "viscous_penalty_factor", "hertz_stiffness")
+    assert told == {*TUNABLE, *(f"contact.effective_{factor}" for factor in effective)}
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -1,0 +1,33 @@
+"""What modelDescription.xml says of when a variable changes, and of its start."""
+
+import pytest
+
+from support.generator.generated import SCENES, describe
+
+# and what is settled at each onset
+SUMS_UP = {
+    "mean_force", "peak_force", "peak_penetration", "last_onset_time", "last_duration",
+    "effective_hunt_crossley_factor",
+}  # fmt: skip
+TUNABLE = {
+    "penalty_multiplier", "penalty_factor", "characteristic_time", "viscous_penalty_factor", "dashpot",
+    "reference_modulus", "gravity", "relative_tolerance", "absolute_tolerance", "max_internal_steps",
+    "effective_penalty_factor", "effective_viscous_penalty_factor", "effective_hertz_stiffness",
+    "hertz_stiffness", "hunt_crossley_factor", "restitution",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_variability_and_initial_follow_from_causality(scene):
+    """What sums up a step changes at communication points only: nobody is to ask for its derivatives."""
+    for name, entry in describe(scene).items():
+        sums_up = name.partition("[")[0].rpartition(".")[2] in SUMS_UP
+        varies = "continuous" if entry["base"] == "Real" and not sums_up else "discrete"
+        fixed = "tunable" if name.partition("[")[0].rpartition(".")[2] in TUNABLE else "fixed"
+        assert (entry["variability"], entry["initial"]) == {
+            "parameter": (fixed, "exact"),
+            "calculatedParameter": (fixed, "calculated"),
+            "input": (varies, None),
+            "output": (varies, "calculated"),
+            "local": (varies, "calculated"),
+        }[entry["causality"]], name
