@@ -29,9 +29,7 @@ def bring_to(instance: raw.Instance, state: str) -> None:
 
 
 def fail_a_step(instance: raw.Instance) -> None:
-    """A step that the solver cannot finish in one internal step: a ball dropped on the other body, where it does
-    not hit that from the start
-    """
+    """A step that the solver cannot finish in one internal step: a ball dropped on the other body"""
     drop = {"solver.method": 2, "solver.max_internal_steps": 1}
     if instance.fmu.name != "HertzImpact":
         drop |= {"source.center[1]": 1.1, "gravity[1]": -9.81}
