@@ -206,7 +206,10 @@ def test_both_compilers_are_there():
 @pytest.mark.parametrize("scene", SCENES)
 def test_pinned_choices_are_constants_of_the_header(scene_folder, scene):
     header = (scene_folder(scene) / "scene.h").read_text()
-    for name in scene_file(scene).get("pinned", {}):
+    for name, value in scene_file(scene).get("pinned", {}).items():
+        if isinstance(value, list) and isinstance(value[0], str):  # some items of a choice, which stays open
+            assert name in describe(scene)
+            continue
         group, _, field = name.partition(".")
         if group == "solver":  # a member of the world is named in full
             others, field = [other for other in describe(scene) if other == name], f"{group}_{field}"
