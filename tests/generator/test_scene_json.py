@@ -21,9 +21,7 @@ def test_a_viewer_is_told_what_the_scene_file_says(file, tmp_path):
     constants = {
         name: value
         for name, value in scene.get("pinned", {}).items()
-        if not (
-            isinstance(value, list) and isinstance(value[0], str)
-        )  # a choice that keeps some of its items
+        if not (isinstance(value, list) and isinstance(value[0], str))  # a choice that keeps some items
     }
     assert told["pinned"] == constants
     assert (told["name"], told["title"], told["format"]) == (scene["name"], scene["title"], 1)
