@@ -43,7 +43,7 @@ ALTERATIONS = [
     ("scene_variables.c", r'    \{"contact.gap",.*\n', ""),
     ("scene_variables.c", r"ROW_contact_gap_rate, VARIABLE_REAL", "ROW_contact_gap, VARIABLE_REAL"),
     ("scene_variables.c", r"(ROW_contact_active, VARIABLE_)BOOLEAN", r"\g<1>INTEGER"),
-    ("scene_variables.c", r'("energy.dissipated_state".*, )1\}', r"\g<1>0}"),
+    ("scene_variables.c", r'("energy.dissipated_state".*, )1(, 0\})', r"\g<1>0\g<2>"),
     ("documentation/index.html", r"(source.center\[1..3\]</code>\s*<small>)111..113", r"\g<1>111..114"),
     ("documentation/index.html", r"(contact.penalty_factor</code>[\s\S]*?<td>)1000000.0", r"\g<1>100000.0"),
     ("documentation/index.html", r"(contact.gap</code>[\s\S]*?<td>)m(</td>)", r"\g<1>mm\g<2>"),

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from support.checks import METHODS, check_close, run
-from support.scenes.head_on import AXIS, DASHPOTS, FMU, GEOMETRIES, approach, head_on
+from support.scenes.head_on import AXIS, DASHPOTS, GEOMETRIES, approach, head_on
 from support.scenes.random_scenes import SCENES, random_scene
+from support.scenes.scene_checks import FMU
 
 BALANCE = 1e-8  # of the largest term, at tolerance 1e-10
 TERMS = [f"energy.{name}" for name in ("kinetic", "potential", "contact", "dissipated", "external_work")]
