@@ -156,8 +156,9 @@ static void near_the_axis_the_normal_still_lies_across(void)
     CHECK(on_the_axis > 0 && on_the_axis < CONFIGURATIONS / 2);
 }
 
-/* e_c starts at the source's centre. Of a sphere it ends at the destination's centre; of a cylinder r_s e_c
- * is the source's contact point: nearest to the axis outside, farthest from it inside. */
+/* e_c starts at the source's centre. Of a sphere it ends at the destination's centre, of a plane it is
+ * against the plane's normal; of a cylinder r_s e_c is the source's contact point: nearest to the axis
+ * outside, farthest from it inside. */
 static void directions_are_those_of_the_design(void)
 {
     struct random r = {6};
@@ -169,6 +170,10 @@ static void directions_are_those_of_the_design(void)
         const double noise = 32.0 * DBL_EPSILON * (vec3_norm(c) + 1.0) / fmin(1.0, at.distance);
         if (shape.destination == SHAPE_SPHERE) {
             CHECK_CLOSE("e_c.c", vec3_dot(e, c), vec3_norm(c), noise);
+            continue;
+        }
+        if (shape.destination == SHAPE_PLANE) {
+            CHECK_CLOSE("e_c.e_d", vec3_dot(e, shape.axis), -1.0, 4.0 * DBL_EPSILON);
             continue;
         }
         const struct vec3 from_point = vec3_axpy(c, -shape.source_radius, e);
