@@ -82,6 +82,7 @@ static bool synchronized_step_make(struct synchronized_step *all, const struct s
     all->longest = all->time = longest;
     all->terminal = -1;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        all->segment[j].kind = SEGMENT_CLOSED_FORM; /* defined where there is none, too */
         all->segment[j].unit = all->segment[j].end = 0.0;
     }
     for (double before = (double)INFINITY; all->time < before;) {
