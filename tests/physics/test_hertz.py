@@ -10,7 +10,7 @@ import pytest
 
 from contact_fmus.published.chung_ooi import IMPACTS, outcome, scene_of
 from support.checks import METHODS, check_close, check_relative, run, start
-from support.scenes.head_on import ACROSS, DASHPOTS, FMU, GEOMETRIES, approach, head_on
+from support.scenes.head_on import DASHPOTS, FMU, GEOMETRIES, approach, head_on, of_size
 
 # Relative, at the tolerance 1e-12 of CVODE; what event_driven does does not depend on the tolerance so.
 ACCURACY = {"event_driven": 1e-10, "cvode_bdf": 1e-10, "cvode_adams": 1e-10}
@@ -31,13 +31,9 @@ def impact(shape, location, stiffness=1e9, speed=1.0, masses="source free", **mo
     depth = deepest(stiffness, speed)
     radius = 100 * depth
     gap = 4 * depth
-    values = head_on(shape, location, speed=speed)
-    distance = 4 * radius - gap if location == "inside" else 6 * radius + gap
+    values = of_size(shape, location, radius, gap, speed)
     velocity = np.array(values["source.initial_velocity"])
     values |= {
-        "source.radius": radius,
-        "destination.radius": 5 * radius,
-        "source.center": (distance * ACROSS).tolist(),
         "source.motion": source,
         "destination.motion": destination,
         "source.mass": m_s,

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from support.checks import check_close, check_relative, run, start
 from support.reference.law import ReferenceContact
-from support.scenes.head_on import ACROSS, DASHPOTS, FMU, GEOMETRIES, approach, head_on
+from support.scenes.head_on import DASHPOTS, FMU, GEOMETRIES, approach, of_size
 
 MASSES = {  # motions, masses, reduced mass
     "source free": ("free", "fixed", 0.3, 7.0, 0.3),
@@ -28,13 +28,9 @@ def impact(shape, location, dashpot, restitution, speed, stiffness, masses):
     depth = speed * math.sqrt(reduced / stiffness)
     radius = max(0.1, 100 * depth)
     gap = 0.1 * radius
-    values = head_on(shape, location, speed=speed)
-    distance = 4 * radius - gap if location == "inside" else 6 * radius + gap
+    values = of_size(shape, location, radius, gap, speed)
     velocity = np.array(values["source.initial_velocity"])
     values |= {
-        "source.radius": radius,
-        "destination.radius": 5 * radius,
-        "source.center": (distance * ACROSS).tolist(),
         "source.motion": source,
         "destination.motion": destination,
         "source.mass": m_s,

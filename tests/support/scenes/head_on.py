@@ -49,6 +49,17 @@ def head_on(shape, location, gap=GAP, speed=SPEED, **more):
     return values
 
 
+def of_size(shape, location, radius, gap, speed):
+    """head_on with a source of this radius and a destination five times as large."""
+    values = head_on(shape, location, speed=speed)
+    distance = 4 * radius - gap if location == "inside" else 6 * radius + gap
+    return values | {
+        "source.radius": radius,
+        "destination.radius": 5 * radius,
+        "source.center": (distance * ACROSS).tolist(),
+    }
+
+
 def approach(location):
     """Unit vector of the source's velocity before the contact."""
     return ACROSS if location == "inside" else -ACROSS
