@@ -1,0 +1,290 @@
+#include "contact/friction.h"
+
+/* A vector's length and direction; zero has none. */
+struct direction {
+    double length;
+    struct vec3 unit;
+};
+
+static struct direction direction_of(struct vec3 a)
+{
+    const double length = vec3_norm(a);
+    const struct vec3 zero = {0.0, 0.0, 0.0};
+    return (struct direction){length, length > 0.0 ? vec3_scale(1.0 / length, a) : zero};
+}
+
+/* m = along u u^T + across (I - u u^T) */
+static void set_axial(double m[3][3], struct vec3 u, double along, double across)
+{
+    const double unit[3] = {u.x, u.y, u.z};
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            m[i][j] = (along - across) * unit[i] * unit[j] + (i == j ? across : 0.0);
+        }
+    }
+}
+
+static void add_outer(double m[3][3], double factor, struct vec3 a, struct vec3 b)
+{
+    const double left[3] = {a.x, a.y, a.z};
+    const double right[3] = {b.x, b.y, b.z};
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            m[i][j] += factor * left[i] * right[j];
+        }
+    }
+}
+
+/* F* [N] */
+static struct vec3 carried(const struct friction_law *law, struct friction_state at)
+{
+    return vec3_axpy(vec3_scale(law->stiffness, at.spring), law->damping, at.slip);
+}
+
+static bool slides(enum friction_regime regime)
+{
+    return regime == FRICTION_SLIDING || regime == FRICTION_CAPPED;
+}
+
+static bool has_dashpot(const struct friction_law *law)
+{
+    return law->damping > 0.0;
+}
+
+bool friction_acts(const struct friction_law *law)
+{
+    const double largest_factor = law->kind == FRICTION_ELASTIC ? law->static_coefficient : law->coefficient;
+    return law->kind != FRICTION_NONE && largest_factor > 0.0 && law->largest > 0.0;
+}
+
+double friction_limit(const struct friction_law *law, enum friction_regime regime, double normal_force)
+{
+    switch (regime) {
+    case FRICTION_STICKING:
+        return fmin(law->static_coefficient * fmax(normal_force, 0.0), law->largest);
+    case FRICTION_SLIDING:
+        return law->coefficient * normal_force;
+    case FRICTION_CAPPED:
+        return law->largest;
+    case FRICTION_LIFTED:
+    default:
+        return 0.0;
+    }
+}
+
+/* dL/dF_n of a sliding contact */
+static double limit_slope(const struct friction_law *law, enum friction_regime regime)
+{
+    return regime == FRICTION_SLIDING ? law->coefficient : 0.0;
+}
+
+enum friction_regime friction_sliding_regime(const struct friction_law *law, double normal_force)
+{
+    if (!(normal_force > 0.0)) {
+        return FRICTION_LIFTED;
+    }
+    return law->coefficient * normal_force > law->largest ? FRICTION_CAPPED : FRICTION_SLIDING;
+}
+
+/* A force that jumps to F_n > 0 at the touch bears the dashpot's share of F*. One that grows from zero must
+ * outgrow the spring's, which grows with the slip. */
+enum friction_regime friction_onset_regime(const struct friction_law *law, double normal_force,
+                                           double normal_force_rate, struct vec3 slip)
+{
+    const double speed = vec3_norm(slip);
+    const bool begins_loaded = normal_force > 0.0;
+    const double limit = friction_limit(law, FRICTION_STICKING, normal_force);
+    const bool holds = begins_loaded
+                           ? law->damping * speed < limit
+                           : law->damping * speed == 0.0 &&
+                                 law->stiffness * speed <= law->static_coefficient * normal_force_rate;
+    if (law->kind == FRICTION_ELASTIC && holds) {
+        return FRICTION_STICKING;
+    }
+    return begins_loaded ? friction_sliding_regime(law, normal_force) : FRICTION_SLIDING;
+}
+
+/* (1 - exp(-z)) / z */
+static double saturation(double z)
+{
+    return z > 0.0 ? -expm1(-z) / z : 1.0;
+}
+
+struct vec3 friction_force(const struct friction_law *law, enum friction_regime regime,
+                           struct friction_state at)
+{
+    const double limit = friction_limit(law, regime, at.normal_force);
+    if (law->kind == FRICTION_REGULARIZED) {
+        const double z = vec3_norm(at.slip) / law->slip_velocity;
+        return vec3_scale(-limit * saturation(z) / law->slip_velocity, at.slip);
+    }
+    if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    const struct vec3 force = carried(law, at);
+    return regime == FRICTION_STICKING ? vec3_scale(-1.0, force)
+                                       : vec3_scale(-limit, direction_of(force).unit);
+}
+
+struct friction_slopes friction_force_slopes(const struct friction_law *law, enum friction_regime regime,
+                                             struct friction_state at)
+{
+    struct friction_slopes slopes = {.by_slip = {{0.0}}, .by_spring = {{0.0}}};
+    const double limit = friction_limit(law, regime, at.normal_force);
+    if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
+        return slopes;
+    }
+    if (law->kind == FRICTION_REGULARIZED) {
+        const struct direction v = direction_of(at.slip);
+        const double z = v.length / law->slip_velocity;
+        const double across = -limit * saturation(z) / law->slip_velocity;
+        slopes.by_normal_force = vec3_scale(limit_slope(law, regime) * expm1(-z), v.unit);
+        set_axial(slopes.by_slip, v.unit, -limit * exp(-z) / law->slip_velocity, across);
+        return slopes;
+    }
+    if (regime == FRICTION_STICKING) {
+        set_axial(slopes.by_slip, at.slip, -law->damping, -law->damping);
+        set_axial(slopes.by_spring, at.slip, -law->stiffness, -law->stiffness);
+        return slopes;
+    }
+    const struct direction f = direction_of(carried(law, at));
+    const double across = f.length > 0.0 ? -limit / f.length : 0.0;
+    slopes.by_normal_force = vec3_scale(-limit_slope(law, regime), f.unit);
+    set_axial(slopes.by_slip, f.unit, 0.0, across * law->damping);
+    set_axial(slopes.by_spring, f.unit, 0.0, across * law->stiffness);
+    return slopes;
+}
+
+/* How fast the slip turns a spring of sliding friction without a dashpot, which it does not lengthen:
+ * k_t / L times the spring's nominal length |xi|; 0 under no force. */
+static double turning_factor(const struct friction_law *law, double limit, double length)
+{
+    return limit > 0.0 ? law->stiffness * length / limit : 0.0;
+}
+
+struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
+                                 struct friction_state at)
+{
+    if (law->kind != FRICTION_ELASTIC || regime == FRICTION_LIFTED) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    if (regime == FRICTION_STICKING) {
+        return at.slip;
+    }
+    const double limit = friction_limit(law, regime, at.normal_force);
+    const struct direction f = direction_of(carried(law, at));
+    if (has_dashpot(law)) {
+        const struct vec3 excess = vec3_axpy(vec3_scale(limit, f.unit), -law->stiffness, at.spring);
+        return vec3_scale(1.0 / law->damping, excess);
+    }
+    const struct vec3 across = vec3_axpy(at.slip, -vec3_dot(at.slip, f.unit), f.unit);
+    return vec3_scale(turning_factor(law, limit, vec3_norm(at.spring)), across);
+}
+
+static struct friction_slopes damped_spring_slopes(const struct friction_law *law,
+                                                   enum friction_regime regime, struct friction_state at)
+{
+    struct friction_slopes slopes = friction_force_slopes(law, regime, at);
+    const double factor = -1.0 / law->damping; /* xi' = -(F_t + k_t xi) / c_t */
+    slopes.by_normal_force = vec3_scale(factor, slopes.by_normal_force);
+    for (int i = 0; i < 3; ++i) {
+        slopes.by_spring[i][i] += law->stiffness;
+        for (int j = 0; j < 3; ++j) {
+            slopes.by_slip[i][j] *= factor;
+            slopes.by_spring[i][j] *= factor;
+        }
+    }
+    return slopes;
+}
+
+/* With u = xi / |xi|, P = I - u u^T: xi' = (k_t / L) |xi| P v_t, whose derivative with respect to xi is
+ * (k_t / L) (P v_t u^T - (u . v_t) P - u (P v_t)^T). */
+static struct friction_slopes direction_slopes(const struct friction_law *law, enum friction_regime regime,
+                                               struct friction_state at)
+{
+    struct friction_slopes slopes;
+    const double limit = friction_limit(law, regime, at.normal_force);
+    const struct direction xi = direction_of(at.spring);
+    const double along = vec3_dot(at.slip, xi.unit);
+    const struct vec3 across = vec3_axpy(at.slip, -along, xi.unit);
+    const double factor = turning_factor(law, limit, 1.0);
+    const double falling = limit > 0.0 ? limit_slope(law, regime) / limit : 0.0;
+    slopes.by_normal_force = vec3_scale(-falling * factor * xi.length, across);
+    set_axial(slopes.by_slip, xi.unit, 0.0, factor * xi.length);
+    set_axial(slopes.by_spring, xi.unit, 0.0, -factor * along);
+    add_outer(slopes.by_spring, factor, across, xi.unit);
+    add_outer(slopes.by_spring, -factor, xi.unit, across);
+    return slopes;
+}
+
+struct friction_slopes friction_spring_rate_slopes(const struct friction_law *law,
+                                                   enum friction_regime regime, struct friction_state at)
+{
+    struct friction_slopes slopes = {.by_slip = {{0.0}}, .by_spring = {{0.0}}};
+    if (law->kind != FRICTION_ELASTIC || regime == FRICTION_LIFTED) {
+        return slopes;
+    }
+    if (regime == FRICTION_STICKING) {
+        set_axial(slopes.by_slip, at.slip, 1.0, 1.0);
+        return slopes;
+    }
+    return has_dashpot(law) ? damped_spring_slopes(law, regime, at) : direction_slopes(law, regime, at);
+}
+
+struct vec3 friction_spring(const struct friction_law *law, enum friction_regime regime,
+                            struct friction_state at)
+{
+    if (law->kind != FRICTION_ELASTIC || regime == FRICTION_LIFTED) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    if (!slides(regime) || has_dashpot(law)) {
+        return at.spring;
+    }
+    const double length = friction_limit(law, regime, at.normal_force) / law->stiffness;
+    return vec3_scale(length, direction_of(at.spring).unit);
+}
+
+double friction_stored_energy(const struct friction_law *law, enum friction_regime regime,
+                              struct friction_state at)
+{
+    const struct vec3 spring = friction_spring(law, regime, at);
+    return 0.5 * law->stiffness * vec3_dot(spring, spring);
+}
+
+double friction_stick_event(const struct friction_law *law, enum friction_regime regime,
+                            struct friction_state at, double normal_force_rate)
+{
+    if (law->kind != FRICTION_ELASTIC || regime == FRICTION_LIFTED) {
+        return 1.0;
+    }
+    const double limit = friction_limit(law, regime, at.normal_force);
+    const struct direction f = direction_of(carried(law, at));
+    if (regime == FRICTION_STICKING) {
+        return limit - f.length;
+    }
+    if (has_dashpot(law)) {
+        return f.length - limit;
+    }
+    if (law->coefficient == 0.0) {
+        return 1.0; /* it slides freely: no spring that could stop */
+    }
+    const double limit_rate = limit_slope(law, regime) * normal_force_rate;
+    return vec3_dot(at.slip, f.unit) - limit_rate / law->stiffness;
+}
+
+double friction_cap_event(const struct friction_law *law, enum friction_regime regime, double normal_force)
+{
+    const double room = law->largest - law->coefficient * normal_force;
+    if (law->kind == FRICTION_NONE || !slides(regime)) {
+        return 1.0;
+    }
+    return regime == FRICTION_SLIDING ? room : -room;
+}
+
+double friction_lift_event(const struct friction_law *law, enum friction_regime regime, double normal_force)
+{
+    if (law->kind == FRICTION_NONE) {
+        return 1.0;
+    }
+    return regime == FRICTION_LIFTED ? -normal_force : normal_force;
+}

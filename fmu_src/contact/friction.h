@@ -1,0 +1,100 @@
+/*
+ * The laws of friction and their regimes. SI units; vectors are tangent to the contact.
+ *
+ *   regularized   F_t = -L (1 - exp(-|v_t| / v_0)) v_t / |v_t|,   L = min(mu F_n, F_max)
+ *   elastic       F* = k_t xi + c_t v_t, the force that the tangential spring and dashpot would carry
+ *     sticking    F_t = -F*             xi' = v_t
+ *     sliding     F_t = -L F* / |F*|    c_t > 0: xi' = (L F* / |F*| - k_t xi) / c_t
+ *
+ * v_t is the slip: the velocity of the source's contact point against the destination's. xi is the spring's
+ * elongation. What turns the spring with the contact's normal is not in xi' here. The source gets F_t, the
+ * destination the opposite.
+ *
+ * Without a dashpot (c_t = 0) the spring of a sliding contact has the length L / k_t at every instant. There
+ * the state xi tells only its direction and keeps its own length: friction_spring gives the spring itself.
+ *
+ * In each regime all functions are smooth; the regimes change where an event function falls through zero.
+ * Source: P. A. Cundall, O. D. L. Strack, Geotechnique 29 (1979) 47.
+ */
+#ifndef CONTACT_CONTACT_FRICTION_H
+#define CONTACT_CONTACT_FRICTION_H
+
+#include <stdbool.h>
+
+#include "contact/choices.h"
+#include "math/vec3.h"
+
+struct friction_law {
+    enum friction kind;
+    double coefficient;        /* mu */
+    double static_coefficient; /* mu_s >= mu, of elastic friction */
+    double slip_velocity;      /* v_0 of regularized friction [m/s] */
+    double largest;            /* F_max [N] */
+    double stiffness, damping; /* k_t [N/m], c_t [N s/m] of elastic friction */
+};
+
+/* Regularized friction always slides. */
+enum friction_regime {
+    FRICTION_STICKING,
+    FRICTION_SLIDING, /* L = mu F_n */
+    FRICTION_CAPPED,  /* sliding with L = F_max */
+    FRICTION_LIFTED   /* overlap with F_n <= 0: no friction */
+};
+
+/* The motion of a contact, as far as friction depends on it. */
+struct friction_state {
+    double normal_force; /* F_n [N] */
+    struct vec3 slip;    /* v_t [m/s] */
+    struct vec3 spring;  /* xi [m]; of elastic friction */
+};
+
+/* Derivatives of a vector with respect to a friction_state: component i with respect to component j. */
+struct friction_slopes {
+    struct vec3 by_normal_force;
+    double by_slip[3][3], by_spring[3][3];
+};
+
+/* Whether the law ever makes a force. */
+bool friction_acts(const struct friction_law *law);
+
+/* L [N]: what F_t has at most in a regime; of sticking, where it breaks away: min(mu_s F_n, F_max). */
+double friction_limit(const struct friction_law *law, enum friction_regime regime, double normal_force);
+
+/* The regime of friction that slides under F_n. */
+enum friction_regime friction_sliding_regime(const struct friction_law *law, double normal_force);
+
+/* The regime as contact begins, with xi = 0, from F_n and its rate [N/s]: sticking where that persists. */
+enum friction_regime friction_onset_regime(const struct friction_law *law, double normal_force,
+                                           double normal_force_rate, struct vec3 slip);
+
+/* F_t on the source [N], xi' [m/s] and their derivatives. */
+struct vec3 friction_force(const struct friction_law *law, enum friction_regime regime,
+                           struct friction_state at);
+struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
+                                 struct friction_state at);
+struct friction_slopes friction_force_slopes(const struct friction_law *law, enum friction_regime regime,
+                                             struct friction_state at);
+struct friction_slopes friction_spring_rate_slopes(const struct friction_law *law,
+                                                   enum friction_regime regime, struct friction_state at);
+
+/* The spring itself [m] and the energy that it stores [J]; what else friction takes is dissipated. */
+struct vec3 friction_spring(const struct friction_law *law, enum friction_regime regime,
+                            struct friction_state at);
+double friction_stored_energy(const struct friction_law *law, enum friction_regime regime,
+                              struct friction_state at);
+
+/*
+ * Event functions, positive within the regime; 1 where nothing ends it.
+ *
+ *   stick      sticking: min(mu_s F_n, F_max) - |F*|                 [N]
+ *              sliding, c_t > 0: |F*| - L                            [N]
+ *              sliding, c_t = 0: v_t . F* / |F*| - L' / k_t          [m/s]
+ *   cap        sliding: F_max - mu F_n, capped: mu F_n - F_max       [N]
+ *   lift       sliding, capped and sticking: F_n, lifted: -F_n       [N]
+ */
+double friction_stick_event(const struct friction_law *law, enum friction_regime regime,
+                            struct friction_state at, double normal_force_rate);
+double friction_cap_event(const struct friction_law *law, enum friction_regime regime, double normal_force);
+double friction_lift_event(const struct friction_law *law, enum friction_regime regime, double normal_force);
+
+#endif
