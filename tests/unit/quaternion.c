@@ -1,0 +1,153 @@
+/* Quaternions against rotation matrices by Rodrigues' formula in long double. */
+#include "math/quaternion.h"
+
+#include <float.h>
+
+#include "check.h"
+#include "random.h"
+
+enum { CASES = 2000 };
+
+struct long_vec3 {
+    long double x, y, z;
+};
+
+static struct quaternion random_orientation(struct random *r)
+{
+    const struct vec3 v = random_vector(r, 1.0);
+    return quaternion_unit(quaternion_make(random_between(r, -1.0, 1.0), v));
+}
+
+/* a turned about r by |r|: a + sin u x a + (1 - cos) u x (u x a). */
+static struct long_vec3 rodrigues(struct vec3 r, struct vec3 a)
+{
+    const long double angle = sqrtl((long double)r.x * r.x + (long double)r.y * r.y + (long double)r.z * r.z);
+    if (angle == 0.0L) {
+        return (struct long_vec3){a.x, a.y, a.z};
+    }
+    const struct long_vec3 u = {r.x / angle, r.y / angle, r.z / angle};
+    const struct long_vec3 once = {u.y * a.z - u.z * a.y, u.z * a.x - u.x * a.z, u.x * a.y - u.y * a.x};
+    const struct long_vec3 twice = {u.y * once.z - u.z * once.y, u.z * once.x - u.x * once.z,
+                                    u.x * once.y - u.y * once.x};
+    const long double s = sinl(angle);
+    const long double half = sinl(0.5L * angle);
+    const long double versine = 2.0L * half * half;
+    return (struct long_vec3){a.x + s * once.x + versine * twice.x, a.y + s * once.y + versine * twice.y,
+                              a.z + s * once.z + versine * twice.z};
+}
+
+static void check_vectors(const char *name, struct vec3 got, struct long_vec3 expected, long double allowed)
+{
+    CHECK_CLOSE(name, got.x, expected.x, allowed);
+    CHECK_CLOSE(name, got.y, expected.y, allowed);
+    CHECK_CLOSE(name, got.z, expected.z, allowed);
+}
+
+static struct long_vec3 long_of(struct vec3 a)
+{
+    return (struct long_vec3){a.x, a.y, a.z};
+}
+
+static void a_rotation_vector_turns_as_rodrigues_says(void)
+{
+    struct random r = {1};
+    for (int i = 0; i < CASES; ++i) {
+        const struct vec3 by = vec3_scale(random_power(&r, -20.0, 0.7), random_direction(&r));
+        const struct vec3 a = random_vector(&r, 1.0);
+        const struct quaternion q = quaternion_of_rotation(by);
+        CHECK_CLOSE("length", quaternion_dot(q, q), 1.0L, 4.0L * DBL_EPSILON);
+        check_vectors("turned", quaternion_rotate(q, a), rodrigues(by, a), 16.0L * DBL_EPSILON);
+        check_vectors("and back", quaternion_rotate_back(q, quaternion_rotate(q, a)), long_of(a),
+                      16.0L * DBL_EPSILON);
+    }
+    const struct quaternion none = quaternion_of_rotation(vec3_make(0.0, 0.0, 0.0));
+    CHECK(none.w == 1.0 && none.x == 0.0 && none.y == 0.0 && none.z == 0.0);
+}
+
+static void a_product_turns_by_the_second_first(void)
+{
+    struct random r = {2};
+    for (int i = 0; i < CASES; ++i) {
+        const struct quaternion p = random_orientation(&r);
+        const struct quaternion q = random_orientation(&r);
+        const struct vec3 a = random_vector(&r, 1.0);
+        check_vectors("product", quaternion_rotate(quaternion_product(p, q), a),
+                      long_of(quaternion_rotate(p, quaternion_rotate(q, a))), 16.0L * DBL_EPSILON);
+        check_vectors("third axis", quaternion_third_axis(q),
+                      long_of(quaternion_rotate(q, vec3_make(0.0, 0.0, 1.0))), 8.0L * DBL_EPSILON);
+    }
+}
+
+static void the_rate_is_that_of_the_turned_vector(void)
+{
+    struct random r = {3};
+    for (int i = 0; i < CASES; ++i) {
+        const struct quaternion q = random_orientation(&r);
+        const struct vec3 omega = random_vector(&r, 1.0);
+        const double step = 1e-5;
+        const struct quaternion change = quaternion_scale(step, quaternion_rate(q, omega));
+        const struct quaternion then = quaternion_product(quaternion_of_rotation(vec3_scale(step, omega)), q);
+        const struct quaternion difference = quaternion_axpy(quaternion_axpy(then, -1.0, q), -1.0, change);
+        /* what the first order leaves out: |omega step|^2 / 8 <= 3e-10 / 8 */
+        CHECK(sqrt(quaternion_dot(difference, difference)) < 4e-11);
+    }
+}
+
+static void any_length_but_zero_is_made_unit(void)
+{
+    struct random r = {4};
+    for (int i = 0; i < CASES; ++i) {
+        const struct quaternion q = random_orientation(&r);
+        const struct quaternion unit = quaternion_unit(quaternion_scale(random_power(&r, -300.0, 300.0), q));
+        CHECK_CLOSE("length", quaternion_dot(unit, unit), 1.0L, 4.0L * DBL_EPSILON);
+        CHECK_CLOSE("direction", quaternion_dot(unit, q), 1.0L, 4.0L * DBL_EPSILON);
+    }
+    CHECK(quaternion_unit((struct quaternion){0.0, 0.0, 0.0, 0.0}).w == 1.0);
+    CHECK(quaternion_unit((struct quaternion){(double)INFINITY, 0.0, 0.0, 0.0}).w == 1.0);
+    CHECK(quaternion_unit((struct quaternion){(double)NAN, 0.0, 0.0, 0.0}).w == 1.0);
+}
+
+/* It takes a to b, about an axis across both, by no more than half a turn. */
+static void check_smallest(struct vec3 a, struct vec3 b)
+{
+    const struct quaternion q = quaternion_between(a, b);
+    CHECK_CLOSE("length", quaternion_dot(q, q), 1.0L, 4.0L * DBL_EPSILON);
+    CHECK(q.w >= 0.0);
+    check_vectors("a becomes b", quaternion_rotate(q, a), long_of(b), 16.0L * DBL_EPSILON);
+    CHECK_CLOSE("across a", vec3_dot(quaternion_vector(q), a), 0.0L, 8.0L * DBL_EPSILON);
+}
+
+static void the_smallest_rotation_takes_one_vector_to_the_other(void)
+{
+    struct random r = {5};
+    for (int i = 0; i < CASES; ++i) {
+        const struct vec3 a = random_direction(&r);
+        check_smallest(a, random_direction(&r));
+        /* nearly parallel and nearly antiparallel */
+        const struct vec3 near = vec3_axpy(a, random_power(&r, -18.0, -1.0), random_direction(&r));
+        const struct vec3 unit = vec3_scale(1.0 / vec3_norm(near), near);
+        check_smallest(a, unit);
+        check_smallest(a, vec3_scale(-1.0, unit));
+    }
+}
+
+static void antiparallel_vectors_turn_about_x(void)
+{
+    const struct vec3 up = {0.0, 0.0, 1.0};
+    const struct quaternion q = quaternion_between(up, vec3_make(0.0, 0.0, -1.0));
+    CHECK(q.w == 0.0 && q.x == 1.0 && q.y == 0.0 && q.z == 0.0);
+    const struct quaternion none = quaternion_between(up, up);
+    CHECK(none.w == 1.0 && none.x == 0.0 && none.y == 0.0 && none.z == 0.0);
+    check_smallest(vec3_make(1.0, 0.0, 0.0), vec3_make(-1.0, 0.0, 0.0));
+}
+
+int main(void)
+{
+    CHECK_TEST(a_rotation_vector_turns_as_rodrigues_says);
+    CHECK_TEST(a_product_turns_by_the_second_first);
+    CHECK_TEST(the_rate_is_that_of_the_turned_vector);
+    CHECK_TEST(any_length_but_zero_is_made_unit);
+    CHECK_TEST(the_smallest_rotation_takes_one_vector_to_the_other);
+    CHECK_TEST(antiparallel_vectors_turn_about_x);
+    return check_summary("quaternion");
+}
