@@ -1,0 +1,51 @@
+/*
+ * The torque-free rigid body with an axis of symmetry, in closed form. e_3 is the third axis of the body's
+ * frame, I_3 the moment of inertia about it, I_1 that across it; all else in the world's frame.
+ *
+ *   L = I_1 omega + (I_3 - I_1) (omega.e_3) e_3         conserved, as is omega.e_3 = omega_3
+ *   P = L / I_1 = omega + (I_3/I_1 - 1) omega_3 e_3     the axis goes round L with it (precession)
+ *   R(t) = Rot(L/|L|, |P| t) R(0) Rot(e_z, (1 - I_3/I_1) omega_3 t)
+ *
+ * A sphere is I_1 = I_3: then P = omega and the second rotation is none. Both rates have twice the digits of
+ * a double and angles are reduced with them, so that the number of turns costs no digit.
+ */
+#ifndef CONTACT_MATH_ROTOR_H
+#define CONTACT_MATH_ROTOR_H
+
+#include "math/double_double.h"
+#include "math/quaternion.h"
+
+/* How a body is turned, and how it turns. */
+struct rotor_state {
+    struct quaternion orientation; /* unit, body to world */
+    struct vec3 angular_velocity;  /* omega, in the world's frame [rad/s] */
+};
+
+/* Torque-free motion from a start, all of it. */
+struct rotor {
+    struct rotor_state start;
+    struct vec3 axis;                /* e_3 at the start, unit */
+    struct vec3 direction;           /* L/|L|, unit; any where the body does not turn */
+    double unit;                     /* of time, a power of two: rates are those times this [1/s] */
+    struct double_double precession; /* |P| >= 0 [unit] */
+    struct double_double spin;       /* (1 - I_3/I_1) omega_3 [unit] */
+};
+
+/* Moments of inertia in any unit, both positive and finite. */
+struct rotor rotor_from(struct rotor_state start, double transverse_inertia, double axial_inertia);
+
+/* After any time, forwards or backwards. The orientation is continuous in sign, from the start on. */
+struct rotor_state rotor_at(const struct rotor *rotor, double time);
+
+/* The axis e_3 alone, and its rate omega x e_3. */
+struct rotor_axis {
+    struct vec3 axis; /* unit */
+    struct vec3 rate; /* [1/s] */
+};
+struct rotor_axis rotor_axis_at(const struct rotor *rotor, double time);
+
+/* |P| and the size of the axis' rate, both constant [rad/s]. */
+double rotor_precession(const struct rotor *rotor);
+double rotor_axis_speed(const struct rotor *rotor);
+
+#endif

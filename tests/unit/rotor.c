@@ -1,0 +1,166 @@
+/* The torque-free top against orientations with 80 digits, and what it must conserve. */
+#include "math/rotor.h"
+
+#include <float.h>
+
+#include "check.h"
+#include "random.h"
+#include "rotor_references.h"
+
+/* Roundings of a rotation that has been put together from three, whatever the number of turns. */
+static const long double ALLOWED = 12.0L * DBL_EPSILON;
+
+struct reference {
+    double transverse, axial, time;
+    struct rotor_state start;
+    struct vec3 axis[3], angular_velocity; /* at the end */
+};
+
+static struct reference reference_of(const double *a)
+{
+    struct reference of = {.transverse = a[0], .axial = a[1], .time = a[2]};
+    of.start.orientation = (struct quaternion){a[3], a[4], a[5], a[6]};
+    of.start.angular_velocity = vec3_make(a[7], a[8], a[9]);
+    for (int i = 0; i < 3; ++i) {
+        of.axis[i] = vec3_make(a[10 + 3 * i], a[11 + 3 * i], a[12 + 3 * i]);
+    }
+    of.angular_velocity = vec3_make(a[19], a[20], a[21]);
+    return of;
+}
+
+static void check_vectors(const char *name, struct vec3 got, struct vec3 expected, long double allowed)
+{
+    CHECK_CLOSE(name, got.x, expected.x, allowed);
+    CHECK_CLOSE(name, got.y, expected.y, allowed);
+    CHECK_CLOSE(name, got.z, expected.z, allowed);
+}
+
+static void any_number_of_turns_keeps_all_digits(void)
+{
+    const int count = (int)(sizeof rotor_references / sizeof rotor_references[0]);
+    for (int i = 0; i < count; ++i) {
+        const struct reference of = reference_of(rotor_references[i]);
+        const struct rotor rotor = rotor_from(of.start, of.transverse, of.axial);
+        const struct rotor_state end = rotor_at(&rotor, of.time);
+        check_vectors("e_1", quaternion_rotate(end.orientation, vec3_make(1, 0, 0)), of.axis[0], ALLOWED);
+        check_vectors("e_2", quaternion_rotate(end.orientation, vec3_make(0, 1, 0)), of.axis[1], ALLOWED);
+        check_vectors("e_3", quaternion_third_axis(end.orientation), of.axis[2], ALLOWED);
+        check_vectors("axis alone", rotor_axis_at(&rotor, of.time).axis, of.axis[2], ALLOWED);
+        check_vectors("omega", end.angular_velocity, of.angular_velocity,
+                      ALLOWED * vec3_norm(of.start.angular_velocity));
+    }
+}
+
+/* I_1 omega + (I_3 - I_1) (omega.e_3) e_3 */
+static struct vec3 momentum_of(const struct rotor_state *at, double transverse, double axial)
+{
+    const struct vec3 axis = quaternion_third_axis(at->orientation);
+    const double along = vec3_dot(at->angular_velocity, axis);
+    return vec3_axpy(vec3_scale(transverse, at->angular_velocity), (axial - transverse) * along, axis);
+}
+
+static struct rotor_state random_start(struct random *r)
+{
+    const struct vec3 turn = random_vector(r, 3.0);
+    return (struct rotor_state){quaternion_of_rotation(turn), random_vector(r, random_power(r, -6.0, 6.0))};
+}
+
+static void angular_momentum_and_unit_length_last(void)
+{
+    struct random r = {1};
+    for (int i = 0; i < 2000; ++i) {
+        const struct rotor_state start = random_start(&r);
+        const double transverse = random_power(&r, -9.0, 9.0);
+        const double axial = transverse * random_between(&r, 1e-3, 2.0);
+        const struct rotor rotor = rotor_from(start, transverse, axial);
+        const double size = vec3_norm(start.angular_velocity);
+        const struct rotor_state end = rotor_at(&rotor, random_sign(&r) * random_power(&r, -9, 9) / size);
+        const struct vec3 momentum = momentum_of(&start, transverse, axial);
+        check_vectors("momentum", momentum_of(&end, transverse, axial), momentum,
+                      32.0L * DBL_EPSILON * transverse * size);
+        CHECK_CLOSE("unit", quaternion_dot(end.orientation, end.orientation), 1.0L, 4.0L * DBL_EPSILON);
+        CHECK_CLOSE("speed", vec3_norm(end.angular_velocity), size, 16.0L * DBL_EPSILON * size);
+    }
+}
+
+static void the_orientation_is_continuous_in_sign(void)
+{
+    struct random r = {2};
+    for (int i = 0; i < 50; ++i) {
+        const struct rotor_state start = random_start(&r);
+        const struct rotor rotor = rotor_from(start, 1.0, random_between(&r, 0.01, 2.0));
+        struct quaternion before = start.orientation;
+        for (int j = 0; j < 1000; ++j) {
+            const double time = 0.2 * j / vec3_norm(start.angular_velocity);
+            const struct quaternion now = rotor_at(&rotor, time).orientation;
+            CHECK(quaternion_dot(now, before) > 0.9);
+            before = now;
+        }
+    }
+}
+
+static void one_turn_of_a_sphere_changes_the_sign(void)
+{
+    const struct rotor_state start = {quaternion_identity(), {0.0, 0.0, 2.0}};
+    const struct rotor rotor = rotor_from(start, 0.4, 0.4);
+    const double turn = 3.141592653589793;
+    CHECK_CLOSE("once round", rotor_at(&rotor, turn).orientation.w, -1.0L, DBL_EPSILON);
+    CHECK_CLOSE("twice round", rotor_at(&rotor, 2.0 * turn).orientation.w, 1.0L, DBL_EPSILON);
+}
+
+/* omega x e_3 by central differences of the axis. */
+static void the_rate_of_the_axis_is_its_derivative(void)
+{
+    struct random r = {3};
+    for (int i = 0; i < 500; ++i) {
+        struct rotor_state start = random_start(&r);
+        start.angular_velocity = random_vector(&r, 1.0);
+        const struct rotor rotor = rotor_from(start, 1.0, random_between(&r, 0.01, 2.0));
+        const double time = random_between(&r, -10.0, 10.0);
+        const double step = 1e-5;
+        const struct vec3 after = rotor_axis_at(&rotor, time + step).axis;
+        const struct vec3 before = rotor_axis_at(&rotor, time - step).axis;
+        const struct rotor_axis now = rotor_axis_at(&rotor, time);
+        check_vectors("rate", now.rate, vec3_scale(0.5 / step, vec3_sub(after, before)), 1e-9L);
+        const struct rotor_state at = rotor_at(&rotor, time);
+        check_vectors("cross", now.rate, vec3_cross(at.angular_velocity, now.axis), ALLOWED);
+        CHECK_CLOSE("speed", rotor_axis_speed(&rotor), vec3_norm(now.rate), ALLOWED);
+    }
+}
+
+static void what_does_not_turn_stays(void)
+{
+    const struct rotor_state start = {quaternion_of_rotation(vec3_make(0.3, -1.0, 2.0)), {0.0, 0.0, 0.0}};
+    const struct rotor rotor = rotor_from(start, 1.0, 0.5);
+    const struct rotor_state end = rotor_at(&rotor, 1e300);
+    CHECK_CLOSE("same", quaternion_dot(end.orientation, start.orientation), 1.0L, 4.0L * DBL_EPSILON);
+    CHECK(vec3_is_zero(end.angular_velocity) && rotor_precession(&rotor) == 0.0);
+    CHECK(vec3_is_zero(rotor_axis_at(&rotor, 1.0).rate));
+}
+
+/* Sizes at the ends of the range of numbers leave unit orientations and speeds. */
+static void extreme_sizes_stay_numbers(void)
+{
+    for (int i = -300; i <= 300; i += 50) {
+        for (int j = -300; j <= 300; j += 50) {
+            const double size = pow(10.0, i);
+            const struct rotor_state start = {quaternion_identity(), {0.6 * size, 0.0, 0.8 * size}};
+            const struct rotor rotor = rotor_from(start, pow(10.0, -j), 0.5 * pow(10.0, -j));
+            const struct rotor_state end = rotor_at(&rotor, pow(10.0, j));
+            CHECK_CLOSE("unit", quaternion_dot(end.orientation, end.orientation), 1.0L, 4.0L * DBL_EPSILON);
+            CHECK_CLOSE("speed", vec3_norm(end.angular_velocity), size, 16.0L * DBL_EPSILON * size);
+        }
+    }
+}
+
+int main(void)
+{
+    CHECK_TEST(any_number_of_turns_keeps_all_digits);
+    CHECK_TEST(angular_momentum_and_unit_length_last);
+    CHECK_TEST(the_orientation_is_continuous_in_sign);
+    CHECK_TEST(one_turn_of_a_sphere_changes_the_sign);
+    CHECK_TEST(the_rate_of_the_axis_is_its_derivative);
+    CHECK_TEST(what_does_not_turn_stays);
+    CHECK_TEST(extreme_sizes_stay_numbers);
+    return check_summary("rotor");
+}
