@@ -1,5 +1,7 @@
 #include "contact/friction.h"
 
+#include "math/matrix3.h"
+
 /* A vector's length and direction; zero has none. */
 struct direction {
     double length;
@@ -20,17 +22,6 @@ static void set_axial(double m[3][3], struct vec3 u, double along, double across
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
             m[i][j] = (along - across) * unit[i] * unit[j] + (i == j ? across : 0.0);
-        }
-    }
-}
-
-static void add_outer(double m[3][3], double factor, struct vec3 a, struct vec3 b)
-{
-    const double left[3] = {a.x, a.y, a.z};
-    const double right[3] = {b.x, b.y, b.z};
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            m[i][j] += factor * left[i] * right[j];
         }
     }
 }
@@ -212,8 +203,8 @@ static struct friction_slopes direction_slopes(const struct friction_law *law, e
     slopes.by_normal_force = vec3_scale(-falling * factor * xi.length, across);
     set_axial(slopes.by_slip, xi.unit, 0.0, factor * xi.length);
     set_axial(slopes.by_spring, xi.unit, 0.0, -factor * along);
-    add_outer(slopes.by_spring, factor, across, xi.unit);
-    add_outer(slopes.by_spring, -factor, xi.unit, across);
+    matrix3_add_outer(slopes.by_spring, factor, across, xi.unit);
+    matrix3_add_outer(slopes.by_spring, -factor, xi.unit, across);
     return slopes;
 }
 

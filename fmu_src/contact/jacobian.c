@@ -1,15 +1,6 @@
 #include "contact/jacobian.h"
 
-static void add_outer(double m[3][3], double factor, struct vec3 a, struct vec3 b)
-{
-    const double left[3] = {a.x, a.y, a.z};
-    const double right[3] = {b.x, b.y, b.z};
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            m[i][j] += factor * left[i] * right[j];
-        }
-    }
-}
+#include "math/matrix3.h"
 
 /* Adds factor T. */
 static void add_projector(double m[3][3], double factor, const struct contact_shape *shape, struct vec3 n)
@@ -17,9 +8,9 @@ static void add_projector(double m[3][3], double factor, const struct contact_sh
     for (int i = 0; i < 3; ++i) {
         m[i][i] += factor;
     }
-    add_outer(m, -factor, n, n);
+    matrix3_add_outer(m, -factor, n, n);
     if (contact_is_cylinder(shape)) {
-        add_outer(m, -factor, shape->axis, shape->axis);
+        matrix3_add_outer(m, -factor, shape->axis, shape->axis);
     }
 }
 
@@ -38,9 +29,9 @@ struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
     const struct vec3 force_by_w = vec3_scale(slopes.by_rate * side, n);
 
     struct contact_jacobian gradient = {.by_separation = {{0.0}}, .by_rate = {{0.0}}};
-    add_outer(gradient.by_separation, -side, n, force_by_c);
+    matrix3_add_outer(gradient.by_separation, -side, n, force_by_c);
     add_projector(gradient.by_separation, -side * force * inverse_distance, shape, n);
-    add_outer(gradient.by_rate, -side, n, force_by_w);
+    matrix3_add_outer(gradient.by_rate, -side, n, force_by_w);
 
     /* P = -(F_n + dE_c/dg) g' */
     const double viscous_force = force + contact_stored_slope(law, regime, at->gap);

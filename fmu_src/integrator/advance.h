@@ -14,6 +14,7 @@ struct advance {
     bool is_now;                /* to be cleared by whoever moves the bodies */
     int contact;                /* out, ADVANCE_EVENT: which contact changes its regime at q->clock */
     enum contact_regime regime; /* out, ADVANCE_EVENT: and into which */
+    int event; /* out, ADVANCE_EVENT: by which of its event functions (scene/ode.h); 0, 1: by regime alone */
 };
 
 /* The present instant, without accelerations and forces: computed once, however many ask for it. */

@@ -28,6 +28,16 @@ int ode_dissipated(const struct scene_values *v)
     return ode_impulse(v, SCENE_CONTACTS);
 }
 
+int ode_coupled(const struct scene_values *v)
+{
+    return ode_body(v, SCENE_BODIES);
+}
+
+int ode_integrals(const struct scene_values *v)
+{
+    return ode_body(v, SCENE_BODIES);
+}
+
 int ode_size(const struct scene_values *v)
 {
     return ode_dissipated(v) + 2;

@@ -5,9 +5,28 @@
  *   y = (moved [m], v [m/s] of each free body; impulse on the source of each contact [N s];
  *        dissipated energy [J]; external work [J])
  *
+ * and where bodies turn or rub (scene_turns)
+ *
+ *   y = (moved, v of each free body; L / I_1 [rad/s] of each body of free rotation;
+ *        orientation (w, x, y, z) of those with an axis; spring xi [m] of each elastic friction;
+ *        orientation of the spheres among them;
+ *        impulse, impulse of torque on the source and on the destination of each contact [N s, N m s];
+ *        dissipated energy, external work, work on friction and its springs [J])
+ *
+ * L is the angular momentum about the centre, I_1 the transverse inertia: L is what torques change, and an
+ * integrator that keeps quadratic invariants keeps the angular momentum of all bodies. Of a sphere L / I_1 is
+ * the angular velocity.
+ *
+ * Three kinds of states, in this order: those that rates depend on, ode_coupled of them; orientations of
+ * spheres, on which only their own rates depend; and integrals, from ode_integrals on, on which nothing does.
+ *
  * Two event functions for each contact, each an event where it falls through zero, which ends the phase:
  *   0   -g              contact ends
  *   1   contact_event   the law changes
+ * and where bodies turn or rub
+ *   2   friction_stick_event   sticking and sliding change
+ *   3   friction_cap_event     mu F_n passes F_max
+ *   4   friction_lift_event    F_n passes zero while the bodies overlap
  * An offset is added, so that they start above zero in spite of rounding. Without contact both are the
  * constant 1, unless another contact loads one of the bodies: then 0 is also the first touch and the passage
  * of a cylinder's end. Where neither body is free closed forms foresee both, which are then constant.
@@ -17,7 +36,20 @@
 
 #include "scene/evaluate.h"
 
-enum { ODE_EVENTS_EACH = 2, ODE_EVENTS = ODE_EVENTS_EACH * SCENE_CONTACTS };
+#ifndef SCENE_ANY_TURNING
+#define SCENE_ANY_TURNING 0
+#endif
+
+enum ode_event { ODE_EVENT_GAP, ODE_EVENT_LAW, ODE_EVENT_STICK, ODE_EVENT_CAP, ODE_EVENT_LIFT };
+
+enum {
+    ODE_EVENTS_EACH = SCENE_ANY_TURNING ? 5 : 2,
+    ODE_EVENTS = ODE_EVENTS_EACH * SCENE_CONTACTS,
+    /* states at most: 6 of motion and 7 of rotation for each body, 3 of the spring and 9 impulses for each
+     * contact, 3 energies; without rotation 6, 3 and 2 */
+    ODE_MOST_STATES = SCENE_ANY_TURNING ? 13 * SCENE_BODIES + 12 * SCENE_CONTACTS + 3
+                                        : 6 * SCENE_BODIES + 3 * SCENE_CONTACTS + 2
+};
 
 struct scene_ode {
     const struct scene_values *values;
@@ -33,6 +65,10 @@ int ode_size(const struct scene_values *v);
 int ode_body(const struct scene_values *v, int body);
 int ode_impulse(const struct scene_values *v, int contact);
 int ode_dissipated(const struct scene_values *v);
+
+/* How many leading states are coupled, and the first of those that are integrals only. */
+int ode_coupled(const struct scene_values *v);
+int ode_integrals(const struct scene_values *v);
 
 /* Gives contacts at d = 0 a direction: n takes the escape direction. */
 void ode_leave_centres(const struct scene_values *v, struct scene_state *q);
@@ -51,6 +87,9 @@ void ode_rates(const struct scene_ode *ode, double clock, const double *y, doubl
 
 /* d(dy/dt)_i / dy_j at [j * ode_size + i]: dense, by columns. */
 void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns);
+
+/* The same of the coupled states only: ode_coupled rows and columns. */
+void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns);
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
 

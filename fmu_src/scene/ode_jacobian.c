@@ -101,3 +101,14 @@ void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, do
         }
     }
 }
+
+void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns)
+{
+    double whole[ODE_MOST_STATES * ODE_MOST_STATES];
+    const int size = ode_size(ode->values);
+    const int coupled = ode_coupled(ode->values);
+    ode_jacobian(ode, clock, y, whole);
+    for (int j = 0; j < coupled; ++j) {
+        memcpy(columns + j * coupled, whole + j * size, (size_t)coupled * sizeof *columns);
+    }
+}
