@@ -192,10 +192,10 @@ function(contact_fmu_library target folder fmi output)
         set(no_unwinding "")
     endif()
     # zig: no debug information, since there may be no program that strips it. Its linker for macOS has no link-time
-    # optimization, and for Windows that would be one of the C library too, which zig compiles itself.
+    # optimization.
     if(NOT CONTACT_ZIG)
         target_compile_options(${target} PRIVATE -gdwarf-4)
-    elseif(NOT APPLE AND NOT WIN32)
+    elseif(NOT APPLE)
         target_compile_options(${target} PRIVATE -flto)
         target_link_options(${target} PRIVATE -flto)
     endif()
@@ -220,7 +220,9 @@ endfunction()
 function(contact_link_windows target)
     set(runtime "${PROJECT_SOURCE_DIR}/cmake/platforms/windows_runtime.c")
     target_sources(${target} PRIVATE "${runtime}")
-    set_source_files_properties("${runtime}" PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON COMPILE_OPTIONS -fno-builtin)
+    # Not optimized with the rest: the optimizer would make calls of memcpy, of which it takes no note then.
+    set_source_files_properties("${runtime}" PROPERTIES
+        SKIP_UNITY_BUILD_INCLUSION ON COMPILE_OPTIONS "-fno-builtin;-fno-lto")
     target_link_options(${target} PRIVATE -nostdlib)
     target_link_libraries(${target} PRIVATE ucrtbase)
 endfunction()
@@ -230,6 +232,9 @@ endfunction()
 function(contact_link_options target exports)
     if(APPLE)
         target_link_options(${target} PRIVATE -Wl,-dead_strip)
+        if(CONTACT_ZIG) # whose -s leaves the names of inner functions in: a tenth of the file
+            target_link_options(${target} PRIVATE -Wl,-x)
+        endif()
         set_target_properties(${target} PROPERTIES MACOSX_RPATH ON) # its name, not its place here, is inside
         return()
     endif()
