@@ -5,6 +5,7 @@
 #include "model/motion.h"
 #include "model/shortest.h"
 #include "scene/energy.h"
+#include "scene/turning.h"
 #include "segment/flight.h"
 
 enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise)
@@ -33,6 +34,9 @@ void motion_place(const struct scene_values *v, struct scene_state *q)
             q->body[i].velocity = q->origin[i].velocity;
         }
     }
+#if SCENE_ANY_TURNING
+    turning_place(v, q);
+#endif
 }
 
 void motion_begin(const struct scene_values *v, struct scene_state *q)
@@ -50,6 +54,9 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     const double stored = energy_stored(v, q, &at);
     scene_rebase(v, q);
     memcpy(q->path, next, sizeof q->path);
+#if SCENE_ANY_TURNING
+    turning_take_axes(v, q);
+#endif
     transition_settle_regimes(v, q, stored, false);
     if (isfinite(q->external_work) || scene_is_force_element(v)) {
         return true;

@@ -38,6 +38,14 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
     const bool touching = state->regime != REGIME_APART;
     const struct vec3 mean = mean_of(impulse, q->step_length);
     put_contact_mean_force(v, contact, mean);
+#if SCENE_ANY_TURNING
+    const struct contact_torques *torques = &state->torques;
+    put_contact_mean_source_torque(
+        v, contact, mean_of(vec3_sub(torques->source_impulse, torques->source_mark), q->step_length));
+    put_contact_mean_destination_torque(
+        v, contact,
+        mean_of(vec3_sub(torques->destination_impulse, torques->destination_mark), q->step_length));
+#endif
     put_contact_peak_force(v, contact, state->peaks.force);
     put_contact_peak_penetration(v, contact, state->peaks.penetration);
     put_contact_onsets(v, contact, state->record.onsets);
@@ -46,6 +54,24 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
                               touching ? q->clock - state->record.touch_clock : state->record.last_duration);
     const double known = peaks_are_known(state) ? 0.0 : (double)INFINITY;
     return mean.x + mean.y + mean.z + state->peaks.force + known;
+}
+
+/* Their sum. Nothing is added where nothing turns or rubs. */
+static double put_turning_energies(struct scene_values *v, const struct scene_state *q,
+                                   const struct scene_instant *at)
+{
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        const double rotational = energy_rotational_of(v, at);
+        const double tangential = energy_tangential_of(v, q, at);
+        put_energy_rotational(v, rotational);
+        put_energy_tangential(v, tangential);
+        put_energy_friction(v, q->friction_energy);
+        return rotational + tangential + q->friction_energy;
+    }
+#endif
+    (void)v, (void)q, (void)at;
+    return 0.0;
 }
 
 static double put_energies(struct scene_values *v, const struct scene_state *q,
@@ -59,7 +85,8 @@ static double put_energies(struct scene_values *v, const struct scene_state *q,
     put_energy_contact(v, stored);
     put_energy_dissipated(v, q->dissipated);
     put_energy_external_work(v, q->external_work);
-    const double total = kinetic + potential + stored + q->dissipated - q->external_work;
+    const double total =
+        kinetic + potential + stored + q->dissipated - q->external_work + put_turning_energies(v, q, at);
     put_energy_total(v, total);
     put_solver_steps(v, q->counters.steps);
     put_solver_force_evaluations(v, q->counters.force_evaluations);

@@ -9,8 +9,9 @@
 
 #include "model/motion.h"
 #include "model/shortest.h"
+#include "scene/turning.h"
 
-/* Which of a body's nine input signals a variable is; -1 when it is no input. */
+/* Which of a body's input signals a variable is; -1 when it is no input. */
 static int signal_of(const struct variable *variable)
 {
     switch (variable->row) {
@@ -20,6 +21,12 @@ static int signal_of(const struct variable *variable)
         return 3 + variable->component;
     case ROW_body_external_force:
         return 6 + variable->component;
+    case ROW_body_prescribed_angular_velocity:
+        return 9 + variable->component;
+    case ROW_body_prescribed_axis:
+        return 12 + variable->component;
+    case ROW_body_external_torque:
+        return 15 + variable->component;
     default:
         return -1;
     }
@@ -124,6 +131,32 @@ static bool all_prescribed(const struct scene_values *v)
     return true;
 }
 
+#if SCENE_ANY_ROTATION
+/* The axis goes on by derivatives of its own, or with the angular velocity. */
+static void renew_turn(const struct model *m, int body, const uint8_t *marks, struct body_path *path)
+{
+    const struct scene_values *v = &m->state.values;
+    const struct input_signal *signals = m->state.signals[body];
+    const struct vec3 omega = body_prescribed_angular_velocity(v, body);
+    const struct vec3 axis = body_prescribed_axis(v, body);
+    const struct vec3 torque = body_external_torque(v, body);
+    const bool prescribed = body_turn_is_prescribed(v, body);
+    for (int k = 0; k < 3; ++k) {
+        if (prescribed) {
+            put_signal(path->angular_velocity, k, vec3_get(omega, k), &signals[9 + k], marks[9 + k]);
+            put_signal(path->axis, k, vec3_get(axis, k), &signals[12 + k], marks[12 + k]);
+        }
+        if (body_turns_freely(v, body)) {
+            put_signal(path->torque, k, vec3_get(torque, k), &signals[15 + k], marks[15 + k]);
+        }
+    }
+    const bool has_rate = ((marks[12] | marks[13] | marks[14]) & SIGNAL_EXPLICIT) != 0;
+    path->turn_follows = m->host.exchange ? TURN_FOLLOWS_AXIS_ALONE
+                         : has_rate       ? TURN_FOLLOWS_AXIS
+                                          : TURN_FOLLOWS_VELOCITY;
+}
+#endif
+
 /* The body's paths from now on; `path` comes with its origin at the present. */
 static void renew_path(const struct model *m, int body, const uint8_t *marks, struct body_path *path)
 {
@@ -142,7 +175,25 @@ static void renew_path(const struct model *m, int body, const uint8_t *marks, st
             put_signal(path->force, k, vec3_get(force, k), &signals[6 + k], marks[6 + k]);
         }
     }
+#if SCENE_ANY_ROTATION
+    renew_turn(m, body, marks, path);
+#endif
 }
+
+#if SCENE_ANY_ROTATION
+static bool is_set(const uint8_t *marks)
+{
+    return (marks[0] | marks[1] | marks[2]) != 0;
+}
+
+/* Until it is set, a prescribed axis is the parameter's. */
+static void start_axis(struct model *m, int body)
+{
+    if (body_shape(body) != SHAPE_SPHERE && !is_set(&m->state.marks[body][12])) {
+        m->state.motion.path[body].axis[0] = body_axis(&m->state.values, body);
+    }
+}
+#endif
 
 void model_start_paths(struct model *m)
 {
@@ -152,6 +203,9 @@ void model_start_paths(struct model *m)
             marks[k] = m->state.marks[i][k] | SIGNAL_VALUE;
         }
         renew_path(m, i, marks, &m->state.motion.path[i]);
+#if SCENE_ANY_ROTATION
+        start_axis(m, i);
+#endif
     }
 }
 
@@ -167,18 +221,59 @@ static bool same_coefficients(const struct vec3 *a, const struct vec3 *b, int co
 
 static bool same_path(const struct body_path *a, const struct body_path *b)
 {
+#if SCENE_ANY_ROTATION
+    if (!same_coefficients(a->angular_velocity, b->angular_velocity, 3) ||
+        !same_coefficients(a->axis, b->axis, 3) || !same_coefficients(a->torque, b->torque, 3) ||
+        a->turn_follows != b->turn_follows) {
+        return false;
+    }
+#endif
     return same_coefficients(a->displacement, b->displacement, 4) &&
            same_coefficients(a->velocity, b->velocity, 3) && same_coefficients(a->force, b->force, 3);
 }
 
+#if SCENE_ANY_ROTATION
+/* Whether an axis is prescribed that has no direction. */
+static bool has_no_axis(const struct scene_values *v, int body)
+{
+    return body_shape(body) != SHAPE_SPHERE && body_turn_is_prescribed(v, body) &&
+           vec3_is_zero(body_prescribed_axis(v, body));
+}
+#endif
+
 enum model_status model_refuse_inputs(const struct model *m)
 {
+#if SCENE_ANY_ROTATION
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        const char *name = scene_body_name(i);
+        if (has_no_axis(&m->state.values, i)) {
+            return model_report(m, MODEL_DISCARD,
+                                "%s.prescribed_axis[1], %s.prescribed_axis[2], %s.prescribed_axis[3] = 0, 0, "
+                                "0 has no direction "
+                                "and is not in force (allowed: at least one component other than zero).",
+                                name, name, name);
+        }
+    }
+#endif
     return model_report(
         m, MODEL_DISCARD,
         "The %s set last would take an energy beyond the range of numbers and are not in force "
         "(allowed: %s with finite energies).",
         m->state.tuned ? "parameters or inputs" : "inputs", m->state.tuned ? "values" : "inputs");
 }
+
+#if SCENE_ANY_ROTATION
+/* An axis that has turned with its body goes on from there, whatever of it is not set. */
+static void put_turned_axis(const struct model *m, int body, struct body_path *path)
+{
+    if (path->turn_follows == TURN_FOLLOWS_VELOCITY && body_shape(body) != SHAPE_SPHERE &&
+        body_turn_is_prescribed(&m->state.values, body)) {
+        const struct scene_state *q = &m->state.motion;
+        const struct body_turn now = turning_prescribed_at(&m->state.values, q, q->clock, body);
+        path->axis[0] = quaternion_third_axis(now.orientation);
+    }
+}
+#endif
 
 bool model_apply_inputs(struct model *m)
 {
@@ -197,8 +292,19 @@ bool model_apply_inputs(struct model *m)
         path_shift(next[i].displacement, 4, q->clock);
         path_shift(next[i].velocity, 3, q->clock);
         path_shift(next[i].force, 3, q->clock);
+#if SCENE_ANY_ROTATION
+        path_shift(next[i].angular_velocity, 3, q->clock);
+        path_shift(next[i].axis, 3, q->clock);
+        path_shift(next[i].torque, 3, q->clock);
+        put_turned_axis(m, i, &next[i]);
+#endif
         const struct body_path before = next[i];
         renew_path(m, i, m->state.marks[i], &next[i]);
+#if SCENE_ANY_ROTATION
+        if (has_no_axis(&m->state.values, i)) {
+            return false;
+        }
+#endif
         same = same && same_path(&before, &next[i]);
     }
     bool applied = true;

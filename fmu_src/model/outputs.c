@@ -106,7 +106,7 @@ static void update_all(struct model *m)
         q->contact[j].normal = at.geometry[j].normal;
         sum += put_contact(v, q, &at, j);
     }
-    sum += motion_show(v, q, &at);
+    sum += motion_show(v, q, &at) + model_show_turning(v, q, &at);
     warn_of_missing_direction(m, &at);
     /* What is no number has to be looked at one by one. */
     m->outputs = isfinite(sum) ? OUTPUTS_ALL : OUTPUTS_BODIES;

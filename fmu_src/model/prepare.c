@@ -58,6 +58,16 @@ static int automatic_side(const struct contact_shape *shape, const struct contac
     return inside ? -1 : 1;
 }
 
+#if SCENE_ANY_FRICTION
+/* A thousandth of the diagonal per second, or the user's [m/s]. */
+static double slip_velocity_of(const struct scene_values *v, int contact, double diagonal)
+{
+    return contact_slip_velocity_control(v, contact) == SLIP_VELOCITY_CONTROL_AUTOMATIC
+               ? 1e-3 * diagonal
+               : contact_characteristic_slip_velocity(v, contact);
+}
+#endif
+
 static void prepare_contact(const struct scene_values *v, struct scene_state *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
@@ -66,6 +76,9 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
     state->parameters.diagonal = bounding_box_diagonal(&boxes[0], &boxes[1]);
     state->side = 1;
     state->regime = (int32_t)REGIME_APART;
+#if SCENE_ANY_FRICTION
+    state->parameters.slip_velocity = slip_velocity_of(v, contact, state->parameters.diagonal);
+#endif
 #if SCENE_ANY_CYLINDER || SCENE_ANY_PLANE
     if (body_shape(contact_destination(contact)) != SHAPE_SPHERE) {
         state->parameters.axis = unit_axis(v, contact_destination(contact));

@@ -72,6 +72,36 @@ static bool paths_are_sound(const struct scene_state *q)
     return all_within(q->path, q->path + SCENE_BODIES, 1e300);
 }
 
+/* An orientation, to rounding; after the end of initialization all have one. */
+static bool is_orientation(struct quaternion a, bool initialized)
+{
+    return fabs(quaternion_dot(a, a) - 1.0) < 1e-9 || (!initialized && quaternion_dot(a, a) == 0.0);
+}
+
+static bool turning_is_sound(const struct scene_state *q, bool initialized)
+{
+#if SCENE_ANY_TURNING
+    if (!all_finite(&q->turning, &q->turning + 1)) {
+        return false;
+    }
+#endif
+#if SCENE_ANY_ROTATION
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        const double follows = q->path[i].turn_follows;
+        if (!is_orientation(q->turn_origin[i].orientation, initialized) ||
+            !is_orientation(q->turning.body[i].orientation, initialized) ||
+            (follows != TURN_FOLLOWS_VELOCITY && follows != TURN_FOLLOWS_AXIS &&
+             follows != TURN_FOLLOWS_AXIS_ALONE)) {
+            return false;
+        }
+    }
+    return all_finite(q->turn_origin, q->turn_origin + SCENE_BODIES);
+#else
+    (void)q, (void)initialized, (void)is_orientation;
+    return true;
+#endif
+}
+
 static bool known_regime(int32_t regime)
 {
     return regime >= REGIME_APART && regime <= REGIME_SEPARATING;
@@ -91,6 +121,12 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
     if (initialized && !is_direction(contact->normal)) {
         return false;
     }
+#if SCENE_ANY_FRICTION
+    if (contact->friction_regime < (int32_t)FRICTION_STICKING ||
+        contact->friction_regime > (int32_t)FRICTION_LIFTED) {
+        return false;
+    }
+#endif
 #if SCENE_ANY_CYLINDER || SCENE_ANY_PLANE
     if (initialized && !is_direction(contact->parameters.axis) &&
         !vec3_is_zero(contact->parameters.axis)) { /* zero: of a sphere */
@@ -140,6 +176,7 @@ static bool state_is_sound(const struct model_state *state)
         }
     }
     return motion_is_sound(&state->values, &state->motion, state->initialized != 0) &&
+           turning_is_sound(&state->motion, state->initialized != 0) &&
            all_finite(state->signals, &state->motion) &&
            all_finite(&state->importer_tolerance, state->in_force.dashpot) && state->tuned <= 1;
 }

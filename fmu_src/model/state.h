@@ -9,7 +9,7 @@
 #include "scene/scene_state.h"
 
 /* Raised when struct model_state, struct scene_state or struct scene_values change their meaning. */
-#define MODEL_STATE_VERSION 9u
+#define MODEL_STATE_VERSION 10u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
 /* Who integrates: the model itself; or an integrator outside, which is in event mode or goes on. */
@@ -28,7 +28,9 @@ struct input_signal {
     double rate, curvature; /* d/dt and d^2/dt^2 */
 };
 
-enum { SIGNALS_EACH = 9 }; /* prescribed displacement, velocity and external force of a body */
+/* Of a body: prescribed displacement, velocity and external force; where bodies may turn, prescribed angular
+ * velocity, axis and external torque. */
+enum { SIGNALS_EACH = SCENE_ANY_ROTATION ? 18 : 9 };
 
 /* Parameters that may be set between steps and of which the motion keeps no copy of its own. */
 struct tunable_values {
@@ -136,6 +138,9 @@ enum model_status model_refuse_inputs(const struct model *m);
 
 /* Shows where a body is: its displacement, position and velocity; as given, or those of the present. */
 void model_show_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity);
+/* Shows what turns and rubs; a sum that is finite only if all of it is. */
+double model_show_turning(struct scene_values *v, const struct scene_state *q,
+                          const struct scene_instant *at);
 void model_show_body_now(struct scene_values *v, const struct scene_state *q, int body);
 
 #endif

@@ -1,5 +1,7 @@
 #include "scene/energy.h"
 
+#include "scene/turning.h"
+
 double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at)
 {
     double sum = 0.0;
@@ -28,6 +30,43 @@ double energy_potential_of(const struct scene_values *v, const struct scene_inst
 {
     return energy_potential_change(v, at, gravity(v)); /* from none */
 }
+
+#if SCENE_ANY_TURNING
+/* I_t omega^2/2 + (I_a - I_t) (omega.e)^2/2 */
+double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at)
+{
+    double sum = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_turns_freely(v, i)) {
+            const struct body_inertia inertia = body_inertia_of(v, i);
+            const struct body_turn *turn = &at->turning.body[i];
+            const double axial = vec3_dot(turn->angular_velocity, quaternion_third_axis(turn->orientation));
+            sum += 0.5 * inertia.transverse * vec3_dot(turn->angular_velocity, turn->angular_velocity) +
+                   0.5 * (inertia.axial - inertia.transverse) * axial * axial;
+        }
+    }
+    return sum;
+}
+
+double energy_tangential_of(const struct scene_values *v, const struct scene_state *q,
+                            const struct scene_instant *at)
+{
+    double sum = 0.0;
+#if SCENE_ANY_FRICTION
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_rubs_elastically(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
+            const struct friction_law law = scene_friction_law(v, q, j);
+            const struct friction_state rubbing = {at->normal_force[j], at->turning.slip[j],
+                                                   q->turning.spring[j]};
+            sum += friction_stored_energy(&law, (enum friction_regime)q->contact[j].friction_regime, rubbing);
+        }
+    }
+#else
+    (void)v, (void)q, (void)at;
+#endif
+    return sum;
+}
+#endif
 
 double energy_stored(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at)

@@ -1,4 +1,6 @@
-/* Energies of the scene [J]. kinetic + potential + contact + dissipated - external work stays constant. */
+/* Energies of the scene [J]. kinetic + potential + contact + dissipated - external work stays constant; with
+ * what turns and rubs, kinetic + rotational + potential + contact + tangential + dissipated + friction - external
+ * work. */
 #ifndef CONTACT_SCENE_ENERGY_H
 #define CONTACT_SCENE_ENERGY_H
 
@@ -6,6 +8,13 @@
 
 /* Sum of m v^2 / 2 over the free bodies. */
 double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at);
+
+#if SCENE_ANY_TURNING
+/* Sum of omega I omega / 2 over the bodies of free rotation; what the tangential springs store. */
+double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at);
+double energy_tangential_of(const struct scene_values *v, const struct scene_state *q,
+                            const struct scene_instant *at);
+#endif
 
 /* Minus the sum of m gravity.x over the free bodies; zero at the world's origin. */
 double energy_potential_of(const struct scene_values *v, const struct scene_instant *at);

@@ -1,9 +1,11 @@
 #include "scene/evaluate.h"
 
 #include <float.h>
+#include <stddef.h>
 
 #include "contact/factors.h"
 #include "scene/free_bodies.h"
+#include "scene/turning.h"
 
 struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
                                          int contact)
@@ -68,8 +70,40 @@ struct body_instant scene_body_now(const struct scene_values *v, const struct sc
     return body_at(v, q, q->clock, free_bodies_now(q), body);
 }
 
-void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
-                      const struct body_state *bodies, struct scene_instant *at)
+struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
+                                            const struct scene_instant *at, int contact)
+{
+    struct contact_shape shape = scene_contact_shape(v, q, contact);
+#if SCENE_ANY_ROTATION
+    if (body_turns(v, contact_destination(contact)) && shape.destination != SHAPE_SPHERE) {
+        shape.axis = at->turning.axis[contact];
+    }
+#else
+    (void)at;
+#endif
+    return shape;
+}
+
+#if SCENE_ANY_TURNING
+/* w as the destination's frame sees it, which may turn. */
+static struct vec3 rate_in_destination(const struct scene_values *v, const struct scene_instant *at,
+                                       int contact)
+{
+#if SCENE_ANY_ROTATION
+    const int destination = contact_destination(contact);
+    if (body_turns(v, destination)) {
+        return vec3_sub(at->rate[contact],
+                        vec3_cross(at->turning.body[destination].angular_velocity, at->separation[contact]));
+    }
+#else
+    (void)v;
+#endif
+    return at->rate[contact];
+}
+#endif
+
+static void put_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
+                           const struct body_state *bodies, struct scene_instant *at)
 {
     struct vec3 origin[SCENE_BODIES];
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -87,12 +121,41 @@ void scene_kinematics(const struct scene_values *v, const struct scene_state *q,
         const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
         const struct vec3 start = vec3_add(apart, vec3_sub(origin[destination], origin[source]));
         const struct vec3 c = vec3_add(start, vec3_sub(at->moved[destination], at->moved[source]));
-        const struct contact_shape shape = scene_contact_shape(v, q, j);
         at->rate[j] = vec3_sub(at->velocity[destination], at->velocity[source]);
         at->separation[j] = c;
-        at->geometry[j] = contact_geometry_at(&shape, c, at->rate[j], q->contact[j].normal);
     }
 }
+
+void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
+                      const struct body_state *bodies, struct scene_instant *at)
+{
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        scene_kinematics_turning(v, q, clock, bodies, &q->turning, at);
+        return;
+    }
+#endif
+    put_kinematics(v, q, clock, bodies, at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_shape shape = scene_contact_shape(v, q, j);
+        at->geometry[j] = contact_geometry_at(&shape, at->separation[j], at->rate[j], q->contact[j].normal);
+    }
+}
+
+#if SCENE_ANY_TURNING
+void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q, double clock,
+                              const struct body_state *bodies, const struct turning_state *turning,
+                              struct scene_instant *at)
+{
+    put_kinematics(v, q, clock, bodies, at);
+    turning_of_bodies(v, q, clock, turning, at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_shape shape = scene_contact_shape_at(v, q, at, j);
+        at->geometry[j] = contact_geometry_at(&shape, at->separation[j], rate_in_destination(v, at, j),
+                                              q->contact[j].normal);
+    }
+}
+#endif
 
 /* Gravity and the external force; contacts are added by scene_evaluate. */
 static struct vec3 free_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
@@ -108,8 +171,11 @@ static struct vec3 path_rate(const struct scene_state *q, double clock, int body
     return vec3_axpy(q->path[body].velocity[1], 2.0 * clock, q->path[body].velocity[2]);
 }
 
-void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                  struct scene_instant *at)
+struct turning_state; /* of scenes in which something may turn or rub */
+
+/* `turning`: NULL where nothing turns or rubs. */
+static inline void put_forces(const struct scene_values *v, const struct scene_state *q, double clock,
+                              const struct turning_state *turning, struct scene_instant *at)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         at->acceleration[i] = body_is_free(v, i)         ? free_acceleration(v, q, clock, i)
@@ -126,6 +192,13 @@ void scene_forces(const struct scene_values *v, const struct scene_state *q, dou
             at->normal_force[j] = contact_force(&law, regime, g->gap, g->gap_rate);
         }
         at->source_force[j] = vec3_scale(-shape.side * at->normal_force[j], g->normal);
+#if SCENE_ANY_TURNING
+        if (turning) {
+            turning_of_contact(v, q, turning, j, at);
+        }
+#else
+        (void)turning;
+#endif
         const int source = contact_source(j);
         const int destination = contact_destination(j);
         if (body_is_free(v, source)) {
@@ -138,6 +211,28 @@ void scene_forces(const struct scene_values *v, const struct scene_state *q, dou
         }
     }
 }
+
+void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
+                  struct scene_instant *at)
+{
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        put_forces(v, q, clock, &q->turning, at);
+        return;
+    }
+#endif
+    put_forces(v, q, clock, NULL, at);
+}
+
+#if SCENE_ANY_TURNING
+void scene_evaluate_turning(const struct scene_values *v, const struct scene_state *q, double clock,
+                            const struct body_state *bodies, const struct turning_state *turning,
+                            struct scene_instant *at)
+{
+    scene_kinematics_turning(v, q, clock, bodies, turning, at);
+    put_forces(v, q, clock, turning, at);
+}
+#endif
 
 void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
                     const struct body_state *bodies, struct scene_instant *at)
@@ -177,6 +272,15 @@ double scene_driving_power(const struct scene_values *v, const struct scene_inst
     if (body_is_prescribed(v, destination)) {
         power += vec3_dot(at->source_force[contact], at->velocity[destination]);
     }
+#if SCENE_ANY_ROTATION
+    if (body_turn_is_prescribed(v, source)) {
+        power -= vec3_dot(at->turning.source_torque[contact], at->turning.body[source].angular_velocity);
+    }
+    if (body_turn_is_prescribed(v, destination)) {
+        power -=
+            vec3_dot(at->turning.destination_torque[contact], at->turning.body[destination].angular_velocity);
+    }
+#endif
     return power;
 }
 
@@ -188,6 +292,11 @@ double scene_external_power(const struct scene_values *v, const struct scene_sta
         if (body_is_free(v, i)) {
             power += vec3_dot(path_at(q->path[i].force, 3, clock), at->velocity[i]);
         }
+#if SCENE_ANY_FREE_ROTATION
+        if (body_turns_freely(v, i)) {
+            power += vec3_dot(path_at(q->path[i].torque, 3, clock), at->turning.body[i].angular_velocity);
+        }
+#endif
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         power += scene_driving_power(v, at, j);

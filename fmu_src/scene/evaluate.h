@@ -8,16 +8,32 @@
 #include "contact/geometry.h"
 #include "scene/topology.h"
 
+#if SCENE_ANY_TURNING
+/* What turns and rubs at one instant: known where scene_turns, and after turning_complete. */
+struct turning_instant {
+    struct body_turn body[SCENE_BODIES];         /* no rotation at all where a body does not turn */
+    struct vec3 axis[SCENE_CONTACTS];            /* e_d as it has turned; zero of a sphere */
+    struct vec3 source_arm[SCENE_CONTACTS];      /* p - x_src = r_s e [m] */
+    struct vec3 destination_arm[SCENE_CONTACTS]; /* p - x_dst [m] */
+    struct vec3 slip[SCENE_CONTACTS];            /* v_t [m/s] */
+    struct vec3 friction_force[SCENE_CONTACTS];  /* F_t, part of the force on the source [N] */
+    struct vec3 source_torque[SCENE_CONTACTS], destination_torque[SCENE_CONTACTS]; /* [N m] */
+};
+#endif
+
 struct scene_instant {
     struct vec3 displacement[SCENE_BODIES]; /* u [m] */
     struct vec3 moved[SCENE_BODIES];        /* the part of u since clock 0 [m] */
     struct vec3 velocity[SCENE_BODIES];     /* v [m/s] */
     struct vec3 acceleration[SCENE_BODIES]; /* zero for a fixed body [m/s^2] */
     struct contact_geometry geometry[SCENE_CONTACTS];
-    struct vec3 separation[SCENE_CONTACTS]; /* c = x_dst - x_src [m] */
-    struct vec3 rate[SCENE_CONTACTS];       /* w = v_dst - v_src [m/s] */
-    double normal_force[SCENE_CONTACTS];    /* F_n of the smooth law of the regime [N] */
-    struct vec3 source_force[SCENE_CONTACTS];
+    struct vec3 separation[SCENE_CONTACTS];   /* c = x_dst - x_src [m] */
+    struct vec3 rate[SCENE_CONTACTS];         /* w = v_dst - v_src [m/s] */
+    double normal_force[SCENE_CONTACTS];      /* F_n of the smooth law of the regime [N] */
+    struct vec3 source_force[SCENE_CONTACTS]; /* of the contact, friction with it [N] */
+#if SCENE_ANY_TURNING
+    struct turning_instant turning;
+#endif
 };
 
 /* One body of it. */
@@ -53,6 +69,20 @@ struct body_instant scene_body_now(const struct scene_values *v, const struct sc
 void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
                       const struct body_state *bodies, struct scene_instant *at);
 
+#if SCENE_ANY_TURNING
+/* The same with another state of what turns and rubs than that of q: kinematics, all of it. */
+void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q, double clock,
+                              const struct body_state *bodies, const struct turning_state *turning,
+                              struct scene_instant *at);
+void scene_evaluate_turning(const struct scene_values *v, const struct scene_state *q, double clock,
+                            const struct body_state *bodies, const struct turning_state *turning,
+                            struct scene_instant *at);
+#endif
+
+/* The shape of a contact with the axis of the instant. */
+struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
+                                            const struct scene_instant *at, int contact);
+
 /* The rest of the instant, accelerations and forces, in the regimes of q. */
 void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
                   struct scene_instant *at);
@@ -73,10 +103,10 @@ double body_inverse_mass(const struct scene_values *v, int body);
 /* Sum of the inverse masses of a contact's bodies: 1 / m_eff [1/kg]. */
 double scene_inverse_mass(const struct scene_values *v, int contact);
 
-/* Power of whatever moves prescribed bodies against a contact [W]. */
+/* Power of whatever moves and turns prescribed bodies against a contact [W]. */
 double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact);
 
-/* That of all contacts, and of the external forces on free bodies [W]. */
+/* That of all contacts, and of the external forces and torques on free bodies [W]. */
 double scene_external_power(const struct scene_values *v, const struct scene_state *q, double clock,
                             const struct scene_instant *at);
 

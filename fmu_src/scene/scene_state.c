@@ -2,6 +2,7 @@
 
 #include "scene/free_bodies.h"
 #include "scene/topology.h"
+#include "scene/turning.h"
 
 void counter_add(int32_t *counter, long more)
 {
@@ -61,12 +62,25 @@ static void shift_paths(const struct scene_values *v, struct scene_state *q, int
     } else if (body_is_free(v, body)) {
         path_shift(path->force, 3, q->clock);
     }
+#if SCENE_ANY_ROTATION
+    if (body_turn_is_prescribed(v, body)) {
+        path_shift(path->angular_velocity, 3, q->clock);
+        path_shift(path->axis, 3, q->clock);
+    } else if (body_turns_freely(v, body)) {
+        path_shift(path->torque, 3, q->clock);
+    }
+#endif
 }
 
 void scene_rebase(const struct scene_values *v, struct scene_state *q)
 {
     q->integrator_fresh = 1;
     free_bodies_rebase(q);
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        turning_rebase(v, q);
+    }
+#endif
     if (q->clock == 0.0) {
         return;
     }

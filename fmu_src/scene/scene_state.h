@@ -11,7 +11,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "contact/friction.h"
 #include "contact/law.h"
+#include "math/quaternion.h"
 #include "scene.h"
 
 /* Where a free body was at clock 0. */
@@ -27,11 +29,44 @@ struct body_state {
     struct vec3 velocity; /* v [m/s] */
 };
 
+/* How a body is turned, in the world frame. */
+struct body_turn {
+    struct quaternion orientation; /* unit, from the body's frame to the world's */
+    struct vec3 angular_velocity;  /* omega [rad/s] */
+};
+
+#if SCENE_ANY_TURNING
+/* What turning bodies and friction add to the states of the bodies: moved by whoever integrates. */
+struct turning_state {
+#if SCENE_ANY_ROTATION
+    /* of bodies whose rotation is free; a prescribed one follows its path from turn_origin */
+    struct body_turn body[SCENE_BODIES];
+#endif
+#if SCENE_ANY_FRICTION
+    struct vec3 spring[SCENE_CONTACTS]; /* xi of elastic friction, zero where it is none [m] */
+#endif
+};
+#endif
+
+/* What the orientation of a body of prescribed rotation follows. */
+enum turn_follows {
+    TURN_FOLLOWS_VELOCITY, /* the angular velocity from turn_origin on, its axis too */
+    TURN_FOLLOWS_AXIS,     /* so, but for the axis, which has derivatives of its own */
+    /* the axis alone, the smallest rotation from z: for an integrator outside, which knows no orientation */
+    TURN_FOLLOWS_AXIS_ALONE
+};
+
 /* Inputs between communication points: sum of coefficient[i] clock^i. */
 struct body_path {
     struct vec3 displacement[4]; /* of a prescribed body [m, m/s, ...] */
     struct vec3 velocity[3];     /* of a prescribed body [m/s, ...] */
     struct vec3 force[3];        /* external force on a free body [N, N/s, ...] */
+#if SCENE_ANY_ROTATION
+    struct vec3 angular_velocity[3]; /* of a body of prescribed rotation [rad/s, rad/s^2, ...] */
+    struct vec3 axis[3];             /* its axis, of any length */
+    struct vec3 torque[3];           /* external torque on a body of free rotation [N m, ...] */
+    double turn_follows;             /* enum turn_follows: what a body of prescribed rotation follows */
+#endif
 };
 
 /* What the start fixes. */
@@ -39,8 +74,11 @@ struct contact_parameters {
     /* p_n and p_nv in force [N/m, N s/m]; k_h and chi [N/m^1.5, s/m], with restitution k_h and chi v */
     struct contact_coefficients factors;
     double diagonal; /* of the bounding box of both bodies at the start [m] */
+#if SCENE_ANY_FRICTION
+    double slip_velocity; /* v_0 of regularized friction [m/s] */
+#endif
 #if SCENE_ANY_CYLINDER || SCENE_ANY_PLANE
-    struct vec3 axis; /* e_d, unit length; zero where the destination is a sphere */
+    struct vec3 axis; /* e_d at the start, unit length; zero where the destination is a sphere */
 #endif
 };
 
@@ -67,6 +105,19 @@ struct contact_record {
     int32_t onsets;
     int32_t unused; /* in place of padding */
 };
+
+#if SCENE_ANY_TURNING
+/* Torques about the bodies' centres in time. */
+struct contact_torques {
+#if SCENE_ANY_FREE
+    /* impulses since initialization, and at the start of the communication step [N m s] */
+    struct vec3 source_impulse, destination_impulse;
+    struct vec3 source_mark, destination_mark;
+#else
+    struct vec3 source_mean, destination_mean; /* over the last communication step [N m] */
+#endif
+};
+#endif
 
 /* The largest values over the last communication step. */
 struct contact_peaks {
@@ -100,6 +151,9 @@ struct contact_state {
     double onset_damping; /* with restitution: chi of the contact under way, or of the last one [s/m] */
 #endif
     struct contact_peaks peaks;
+#if SCENE_ANY_TURNING
+    struct contact_torques torques;
+#endif
 #if SCENE_ANY_FREE
     struct contact_physics physics;
     struct contact_record record;
@@ -109,6 +163,10 @@ struct contact_state {
 #endif
     int32_t regime; /* enum contact_regime */
     int32_t side;   /* +1 outside, -1 inside: the location in force */
+#if SCENE_ANY_FRICTION
+    int32_t friction_regime; /* enum friction_regime; of no meaning while the bodies are apart */
+    int32_t unused;          /* in place of padding */
+#endif
 };
 
 struct solver_counters {
@@ -129,7 +187,16 @@ struct scene_state {
     struct body_state body[SCENE_BODIES];
     double phase_energy;              /* at clock 0 of the phase, see projection_balance [J] */
     double dissipated, external_work; /* since initialization [J] */
-    double step_length;               /* length of the last communication step, as far as it got [s] */
+#if SCENE_ANY_TURNING
+    double friction_energy; /* dissipated by friction since initialization [J] */
+#endif
+    double step_length; /* length of the last communication step, as far as it got [s] */
+#endif
+#if SCENE_ANY_ROTATION
+    struct body_turn turn_origin[SCENE_BODIES]; /* at clock 0, of bodies that turn */
+#endif
+#if SCENE_ANY_TURNING
+    struct turning_state turning;
 #endif
     struct body_path path[SCENE_BODIES];
     struct solver_counters counters;

@@ -10,15 +10,68 @@ bool body_is_prescribed(const struct scene_values *v, int body)
     return SCENE_ANY_PRESCRIBED && body_motion(v, body) == MOTION_PRESCRIBED;
 }
 
+bool body_turns_freely(const struct scene_values *v, int body)
+{
+    return SCENE_ANY_FREE_ROTATION && body_rotation(v, body) == ROTATION_FREE;
+}
+
+bool body_turn_is_prescribed(const struct scene_values *v, int body)
+{
+    return SCENE_ANY_ROTATION && body_rotation(v, body) == ROTATION_PRESCRIBED;
+}
+
+bool body_turns(const struct scene_values *v, int body)
+{
+    return SCENE_ANY_ROTATION && body_rotation(v, body) != ROTATION_NONE;
+}
+
+bool contact_rubs(const struct scene_values *v, int contact)
+{
+    return SCENE_ANY_FRICTION && contact_friction(v, contact) != FRICTION_NONE;
+}
+
+bool contact_rubs_elastically(const struct scene_values *v, int contact)
+{
+    return SCENE_ANY_ELASTIC_FRICTION && contact_friction(v, contact) == FRICTION_ELASTIC;
+}
+
+bool contact_turns_or_rubs(const struct scene_values *v, int contact)
+{
+    return body_turns(v, contact_source(contact)) || body_turns(v, contact_destination(contact)) ||
+           contact_rubs(v, contact);
+}
+
+bool scene_turns(const struct scene_values *v)
+{
+#if SCENE_ANY_TURNING
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_rubs(v, j)) {
+            return true;
+        }
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_turns(v, i)) {
+            return true;
+        }
+    }
+#else
+    (void)v;
+#endif
+    return false;
+}
+
 bool contact_is_driven(const struct scene_values *v, int contact)
 {
-    return !body_is_free(v, contact_source(contact)) && !body_is_free(v, contact_destination(contact));
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    return !body_is_free(v, source) && !body_is_free(v, destination) && !body_turns_freely(v, source) &&
+           !body_turns_freely(v, destination);
 }
 
 bool scene_is_force_element(const struct scene_values *v)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
+        if (body_is_free(v, i) || body_turns_freely(v, i)) {
             return false;
         }
     }

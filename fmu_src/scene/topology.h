@@ -8,10 +8,26 @@
 bool body_is_free(const struct scene_values *v, int body);
 bool body_is_prescribed(const struct scene_values *v, int body);
 
-/* Whether neither body of the contact is free: its motion is given. */
+/* Whether body i turns by Euler's equations, by its inputs, in either way; constants where the scene pins
+ * it. */
+bool body_turns_freely(const struct scene_values *v, int body);
+bool body_turn_is_prescribed(const struct scene_values *v, int body);
+bool body_turns(const struct scene_values *v, int body);
+
+/* Whether a contact may have a friction force; whether it stores energy in a tangential spring. */
+bool contact_rubs(const struct scene_values *v, int contact);
+bool contact_rubs_elastically(const struct scene_values *v, int contact);
+
+/* Whether the contact has a torque, a slip velocity or friction that count. */
+bool contact_turns_or_rubs(const struct scene_values *v, int contact);
+
+/* Whether any body turns or any contact rubs. Where none does, all is as in scenes without rotation. */
+bool scene_turns(const struct scene_values *v);
+
+/* Whether neither body of the contact is free or turns freely: its motion is given. */
 bool contact_is_driven(const struct scene_values *v, int contact);
 
-/* Whether no body is free: the scene is a force element and has no states. */
+/* Whether no body is free or turns freely: the scene is a force element and has no states of bodies. */
 bool scene_is_force_element(const struct scene_values *v);
 
 /* Whether any free body is in more than one contact, so that contacts may act on each other through it. */

@@ -184,6 +184,10 @@ void transition_begin_step(const struct scene_values *v, struct scene_state *q, 
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].record.impulse_mark = q->contact[j].physics.impulse;
         q->contact[j].record.force_bound = 0.0;
+#if SCENE_ANY_TURNING
+        q->contact[j].torques.source_mark = q->contact[j].torques.source_impulse;
+        q->contact[j].torques.destination_mark = q->contact[j].torques.destination_impulse;
+#endif
         q->contact[j].peaks = (struct contact_peaks){0.0, 0.0};
     }
     note_instant(q, at);

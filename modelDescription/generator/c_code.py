@@ -4,6 +4,7 @@ import re
 from dataclasses import dataclass
 
 from .catalogue import Row
+from .cell import COMPONENTS
 from .conditions import number_of
 from .resolve import Cell, Resolved
 
@@ -14,6 +15,7 @@ C_CAUSALITY = {
     "input": "INPUT",
     "output": "OUTPUT",
 }
+C_VALUE = {3: "struct vec3", 4: "struct quaternion"}  # by the number of components
 C_ROLE = {"state": "STATE", "rate": "RATE", "indicator": "INDICATOR"}
 # Outputs that need the motion of the bodies and no more.
 BODY_MOTION = ("body_displacement", "body_position", "body_velocity")
@@ -109,7 +111,7 @@ def _branches(row: Row, statements: dict[int, tuple[str, ...]]) -> tuple[Branch,
 
 
 def _accessor(row: Row, name: str, statements: dict[int, tuple[str, ...]]) -> Accessor:
-    result = "struct vec3" if row.dim > 1 else ("double" if row.type.base == "Real" else "int")
+    result = C_VALUE.get(row.dim) or ("double" if row.type.base == "Real" else "int")
     branches = _branches(row, statements)
     uses_values = any("v->" in line for lines in statements.values() for line in lines)
     indexed = any(f"[{row.owner}]" in line for lines in statements.values() for line in lines)
@@ -121,7 +123,7 @@ def readers(resolved: Resolved) -> list[Accessor]:
     result = []
     for row in (row for row in resolved.catalogue.rows.values() if row.has_start):
         value = f"v->{member(row, row.owner)}"
-        if row.dim > 1:
+        if row.dim == 3:  # no parameter or input is a quaternion
             value = f"vec3_make({', '.join(f'{value}[{k}]' for k in range(row.dim))})"
         lines = {}
         for element, cell in _cells(resolved, row):
@@ -148,7 +150,7 @@ def writers(resolved: Resolved) -> list[Accessor]:
     for row in (row for row in rows if (not row.has_start and not row.role) or row.tolerance):
         target = f"v->{member(row, row.owner)}"
         if row.dim > 1:
-            store = tuple(f"{target}[{k}] = value.{axis};" for k, axis in enumerate("xyz"))
+            store = tuple(f"{target}[{k}] = value.{axis};" for k, axis in enumerate(COMPONENTS[row.dim]))
         else:
             store = (f"{target} = value;",)
         lines = {element: store if cell and cell.open else () for element, cell in _cells(resolved, row)}

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 from .catalogue import Row
 
-AXES = ("x", "y", "z")
+# What a vector or a quaternion calls its components, by their number.
+COMPONENTS = {3: ("x", "y", "z"), 4: ("w", "x", "y", "z")}
 
 
 def shortest(value) -> str:

@@ -68,7 +68,9 @@ def _item(row, number) -> str:
 
 
 def may_need_cvode(cells: list, constants: dict, scene) -> bool:
-    """The CVODE methods ask for it, and event_driven where contacts share a body that may be free."""
+    """The CVODE methods ask for it, and event_driven where contacts share a body that may be free.
+
+    Free is a body too that turns freely."""
 
     def may_be(key: str, item: str, element: int) -> bool:
         return any(
@@ -77,7 +79,11 @@ def may_need_cvode(cells: list, constants: dict, scene) -> bool:
             if cell.row.key == key and cell.element == element and cell.row.type.item(item)
         )
 
-    free = [body for body in range(len(scene.bodies)) if may_be("body.motion", "free", body)]
+    free = [
+        body
+        for body in range(len(scene.bodies))
+        if may_be("body.motion", "free", body) or may_be("body.rotation", "free", body)
+    ]
     methods = any(may_be("solver.method", method, 0) for method in ("cvode_bdf", "cvode_adams"))
     ends = [body for contact in scene.contacts for body in (contact.source, contact.destination)]
     return bool(free) and (methods or any(ends.count(body) > 1 for body in free))

@@ -162,12 +162,21 @@ def _context(resolved: Resolved) -> dict:
         "has_derivatives": any(
             v.cell.row.causality == "output" and v.cell.row.type.base == "Real" for v in variables
         ),
-        "any_free": resolved.may("body.motion", "free"),
+        "any_free": resolved.may("body.motion", "free") or resolved.may("body.rotation", "free"),
         "any_prescribed": resolved.may("body.motion", "prescribed"),
         "any_cylinder": any(body.shape == "cylinder" for body in resolved.scene.bodies),
         "any_linear": resolved.may("contact.law", "linear"),
         "any_hertz": resolved.may("contact.law", "hertz"),
         "any_restitution": resolved.may("contact.viscous_control", "restitution"),
+        "any_rotation": (
+            rotation := any(resolved.may("body.rotation", how) for how in ("prescribed", "free"))
+        ),
+        "any_free_rotation": resolved.may("body.rotation", "free"),
+        "any_friction": (
+            friction := any(resolved.may("contact.friction", law) for law in ("regularized", "elastic"))
+        ),
+        "any_elastic_friction": resolved.may("contact.friction", "elastic"),
+        "any_turning": rotation or friction,
         "any_plane": any(body.shape == "plane" for body in resolved.scene.bodies),
         "has_cvode": resolved.may_need_cvode,
         "rows": list(rows),

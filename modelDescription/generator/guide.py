@@ -67,7 +67,7 @@ def _allowed(row: Row) -> str:
         return "true, false"
     low, high = (shortest(limit) for limit in row.limits)
     unit = f" {row.type.unit}" if row.type.unit not in (None, "1") else ""
-    count = "3 numbers, " if row.dim > 1 else ""
+    count = f"{row.dim} numbers, " if row.dim > 1 else ""
     return f"{count}{low} to {high}{unit}"
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from . import advice
 from .catalogue import Catalogue, Row
-from .cell import AXES, Cell, Variable
+from .cell import COMPONENTS, Cell, Variable
 from .conditions import may_need_cvode, number_of, possible, why_not
 from .errors import allowed
 from .scene import Scene
@@ -56,7 +56,11 @@ class Resolved:
             for index, other in enumerate(self.variables, 1)
             if other.cell.row.key in cell.row.depends
             and other.cell.element in bodies
-            and (cell.row.owner != "body" or other.component == variable.component)
+            and (
+                cell.row.owner != "body"
+                or cell.row.depends[other.cell.row.key] == "dependent"
+                or other.component == variable.component
+            )
         ]
 
 
@@ -274,7 +278,7 @@ def _variables(cells: list[Cell], scene: Scene):
         if cell.row.dim == 1:
             yield Variable(cell, 0, cell.name, cell.reference, cell.description + symbol, cell.value)
             continue
-        for k, axis in enumerate(AXES):
+        for k, axis in enumerate(COMPONENTS[cell.row.dim]):
             text = f"{cell.description}, {axis} component{symbol}"
             start = None if cell.value is None else cell.value[k]
             yield Variable(cell, k, f"{cell.name}[{k + 1}]", cell.reference + k, text, start)

@@ -37,6 +37,7 @@
 #include <stdint.h>
 
 #include "contact/choices.h"
+#include "math/quaternion.h"
 #include "math/vec3.h"
 
 #define SCENE_NAME "{{ scene.name }}"
@@ -49,13 +50,18 @@
 #define SCENE_VARIABLES {{ variables | length }}
 #define SCENE_STATES {{ positions.states | length }} /* continuous states, for an integrator outside */
 #define SCENE_INDICATORS {{ positions.indicators | length }} /* event indicators */
-#define SCENE_ANY_FREE {{ any_free | int }}       /* may any body be free? else there are no states and no solver */
+#define SCENE_ANY_FREE {{ any_free | int }}       /* may any body be free or turn freely? else there is no solver */
 #define SCENE_ANY_PRESCRIBED {{ any_prescribed | int }} /* may any body's motion be prescribed? */
 #define SCENE_ANY_CYLINDER {{ any_cylinder | int }}
 #define SCENE_ANY_LINEAR {{ any_linear | int }} /* may the law of any contact be linear? */
 #define SCENE_ANY_HERTZ {{ any_hertz | int }}  /* may it be Hertz's? */
 #define SCENE_ANY_RESTITUTION {{ any_restitution | int }} /* may damping be given by a coefficient of restitution? */
 #define SCENE_ANY_PLANE {{ any_plane | int }}
+#define SCENE_ANY_ROTATION {{ any_rotation | int }}   /* may any body turn? */
+#define SCENE_ANY_FREE_ROTATION {{ any_free_rotation | int }} /* by Euler's equations? */
+#define SCENE_ANY_FRICTION {{ any_friction | int }}   /* may there be friction? */
+#define SCENE_ANY_ELASTIC_FRICTION {{ any_elastic_friction | int }} /* with tangential springs? */
+#define SCENE_ANY_TURNING {{ any_turning | int }}    /* either: contacts have torques and a slip velocity */
 #define SCENE_HAS_CVODE {{ has_cvode | int }} /* may CVODE be needed? else SUNDIALS is not linked */
 
 /* Every row of variables.toml, whether this scene has it or not. */

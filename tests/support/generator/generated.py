@@ -143,12 +143,12 @@ def parse_page(text: str) -> dict[str, dict]:
         low, high = "", ""
         if type_name in types and types[type_name][0] != "false":
             low, high = page_range(types[type_name], own_range, causality in ("parameter", "input"))
-        count = 3 if name.endswith("[1..3]") else 1
+        count = int(name[-2]) if "[1.." in name else 1
         first, *last = map(int, reference.split(".."))
-        assert last == ([first + 2] if count == 3 else [])
+        assert last == ([first + count - 1] if count > 1 else [])
         starts = start.strip("()").split(", ") if start else [None] * count
         for k in range(count):
-            scalar = name.replace("[1..3]", f"[{k + 1}]")
+            scalar = name.replace(f"[1..{count}]", f"[{k + 1}]")
             assert scalar not in variables
             variables[scalar] = {
                 "reference": first + k,
