@@ -66,8 +66,8 @@ static double put_turning_energies(struct scene_values *v, const struct scene_st
         const double tangential = energy_tangential_of(v, q, at);
         put_energy_rotational(v, rotational);
         put_energy_tangential(v, tangential);
-        put_energy_friction(v, q->friction_energy);
-        return rotational + tangential + q->friction_energy;
+        put_energy_friction(v, q->friction_energy - tangential);
+        return rotational + q->friction_energy;
     }
 #endif
     (void)v, (void)q, (void)at;

@@ -6,6 +6,7 @@
 #include "scene/present.h"
 #include "scene/rounding.h"
 #include "scene/singularity.h"
+#include "scene/turning_ode.h"
 
 enum { BODY_STATES = 6 };
 
@@ -20,6 +21,11 @@ int ode_body(const struct scene_values *v, int body)
 
 int ode_impulse(const struct scene_values *v, int contact)
 {
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        return turning_layout_of(v).integrals + TURNING_IMPULSES * contact;
+    }
+#endif
     return ode_body(v, SCENE_BODIES) + 3 * contact;
 }
 
@@ -30,17 +36,27 @@ int ode_dissipated(const struct scene_values *v)
 
 int ode_coupled(const struct scene_values *v)
 {
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        return turning_layout_of(v).coupled;
+    }
+#endif
     return ode_body(v, SCENE_BODIES);
 }
 
 int ode_integrals(const struct scene_values *v)
 {
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        return turning_layout_of(v).integrals;
+    }
+#endif
     return ode_body(v, SCENE_BODIES);
 }
 
 int ode_size(const struct scene_values *v)
 {
-    return ode_dissipated(v) + 2;
+    return ode_dissipated(v) + (scene_turns(v) ? 3 : 2);
 }
 
 /* Relative acceleration by all but the contact itself. */
@@ -90,11 +106,21 @@ void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double rel
 {
     const struct scene_values *v = ode->values;
     ode->energy_scale = energy_kinetic_of(v, at) + energy_stored(v, ode->state, at);
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        ode->energy_scale += energy_rotational_of(v, at);
+    }
+#endif
     ode->momentum_scale = momentum_scale(v, ode->energy_scale);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double tolerated = relative * vec3_norm(at->rate[j]) + absolute;
         ode->gap_offset[j] = 2.0 * rounding_of_gap(v, at, j);
         ode->margin_offset[j] = rounding_margin_offset(v, ode->state, at, j, tolerated);
+#if SCENE_ANY_TURNING
+        if (scene_turns(v)) {
+            turning_begin(ode, at, j, tolerated);
+        }
+#endif
     }
 }
 
@@ -136,6 +162,12 @@ void ode_pack(const struct scene_ode *ode, double *y)
     }
     y[ode_dissipated(v)] = q->dissipated;
     y[ode_dissipated(v) + 1] = q->external_work;
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        turning_pack(ode, y);
+        turning_pack_integrals(ode, y);
+    }
+#endif
 }
 
 void ode_unpack(const struct scene_values *v, struct scene_state *q, const double *y)
@@ -146,12 +178,26 @@ void ode_unpack(const struct scene_values *v, struct scene_state *q, const doubl
     }
     q->dissipated = y[ode_dissipated(v)];
     q->external_work = y[ode_dissipated(v) + 1];
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        turning_unpack(v, y, &q->turning);
+        turning_unpack_integrals(v, q, y);
+    }
+#endif
 }
 
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at)
 {
     struct body_state bodies[SCENE_BODIES];
     unpack_bodies(ode->values, y, bodies);
+#if SCENE_ANY_TURNING
+    if (scene_turns(ode->values)) {
+        struct turning_state turning = ode->state->turning;
+        turning_unpack(ode->values, y, &turning);
+        scene_evaluate_turning(ode->values, ode->state, clock, bodies, &turning, at);
+        return;
+    }
+#endif
     scene_evaluate(ode->values, ode->state, clock, bodies, at);
 }
 
@@ -171,70 +217,11 @@ void ode_rates(const struct scene_ode *ode, double clock, const double *y, doubl
     }
     rates[ode_dissipated(v)] = energy_dissipated_power(v, ode->state, &at);
     rates[ode_dissipated(v) + 1] = scene_external_power(v, ode->state, clock, &at);
-}
-
-/* Zero is returned as a tiny negative number: a contact that starts at g = 0 does not end at once, a root is
- * not found twice, and CVODE, which rejects functions that stay at zero, never sees one. 1e-100 is far below
- * any meaningful gap, rate or force and leaves room for the root finder's products and quotients. */
-static double not_zero(double value)
-{
-    return fabs(value) < 1e-100 ? -1e-100 : value;
-}
-
-/* The event functions of a contact whose bodies are loaded by another contact, so that closed forms do not
- * foresee its changes. */
-static void coupled_events(const struct scene_ode *ode, const struct contact_shape *shape,
-                           const struct contact_law *law, const struct contact_geometry *g, int j,
-                           double out[ODE_EVENTS_EACH])
-{
-    const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
-    if (regime == REGIME_APART) {
-        out[0] = not_zero(ode->gap_offset[j] + fmax(g->gap, scene_beyond_ends(shape, g)));
-    } else {
-        out[0] = not_zero(ode->gap_offset[j] - fmax(g->gap, scene_beyond_ends(shape, g)));
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        turning_rates(ode, clock, y, &at, rates);
     }
-    if (regime == REGIME_SEPARATING) {
-        out[1] = not_zero(ode->margin_offset[j] + contact_event(law, regime, g->gap, g->gap_rate));
-    }
-}
-
-void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS])
-{
-    const struct scene_values *v = ode->values;
-    struct scene_instant at;
-    ode_instant(ode, clock, y, &at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        double *out = events + ODE_EVENTS_EACH * j;
-        const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
-        const struct contact_law law = scene_contact_law(v, ode->state, j);
-        const struct contact_geometry *g = &at.geometry[j];
-        out[0] = out[1] = 1.0;
-        if (contact_transmits(ode->state, j) && !contact_is_driven(v, j)) {
-            out[0] = not_zero(ode->gap_offset[j] - g->gap);
-            out[1] = not_zero(ode->margin_offset[j] + contact_event(&law, regime, g->gap, g->gap_rate));
-        }
-        if (contact_is_coupled(v, ode->state, j)) {
-            const struct contact_shape shape = scene_contact_shape(v, ode->state, j);
-            coupled_events(ode, &shape, &law, g, j, out);
-        }
-    }
-}
-
-enum contact_regime ode_regime_after(const struct scene_values *v, const struct scene_state *q, int contact,
-                                     int event)
-{
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
-    if (event == 1) {
-        return contact_regime_after(&law, regime);
-    }
-    if (regime != REGIME_APART) {
-        return REGIME_APART;
-    }
-    struct scene_instant at;
-    scene_now(v, q, &at);
-    const double gap = fmin(at.geometry[contact].gap, -DBL_MIN);
-    return contact_regime_of(&law, gap, at.geometry[contact].gap_rate, true);
+#endif
 }
 
 static void set_three(double *sizes, double size)
@@ -259,4 +246,9 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
     for (int i = ode_dissipated(v); i < ode_size(v); ++i) {
         sizes[i] = fmax(fabs(y[i]), ode->energy_scale);
     }
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        turning_nominal(ode, y, sizes);
+    }
+#endif
 }

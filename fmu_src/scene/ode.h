@@ -36,10 +36,6 @@
 
 #include "scene/evaluate.h"
 
-#ifndef SCENE_ANY_TURNING
-#define SCENE_ANY_TURNING 0
-#endif
-
 enum ode_event { ODE_EVENT_GAP, ODE_EVENT_LAW, ODE_EVENT_STICK, ODE_EVENT_CAP, ODE_EVENT_LIFT };
 
 enum {
@@ -56,7 +52,11 @@ struct scene_ode {
     const struct scene_state *state;      /* regimes, paths; its body states are not read */
     double gap_offset[SCENE_CONTACTS];    /* added to events 0 [m] */
     double margin_offset[SCENE_CONTACTS]; /* added to events 1 [as the event] */
-    double energy_scale, momentum_scale;  /* of the motion as the phase begins [J], [N s] */
+#if SCENE_ANY_TURNING
+    /* added to events 2, 3 and 4 */
+    double stick_offset[SCENE_CONTACTS], cap_offset[SCENE_CONTACTS], lift_offset[SCENE_CONTACTS];
+#endif
+    double energy_scale, momentum_scale; /* of the motion as the phase begins [J], [N s] */
 };
 
 /* Number of states, and where in y a body's `moved` is, which its v follows; a contact's impulse; the

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "contact/jacobian.h"
+#include "scene/turning_ode.h"
 
 /* Dense, by columns. */
 struct matrix {
@@ -71,6 +72,12 @@ void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, do
 {
     const struct scene_values *v = ode->values;
     const struct matrix jacobian = {columns, ode_size(v)};
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        turning_jacobian(ode, clock, y, ode_size(v), columns);
+        return;
+    }
+#endif
     struct scene_instant at;
     ode_instant(ode, clock, y, &at);
     memset(columns, 0, (size_t)jacobian.rows * (size_t)jacobian.rows * sizeof *columns);
@@ -107,6 +114,12 @@ void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const doubl
     double whole[ODE_MOST_STATES * ODE_MOST_STATES];
     const int size = ode_size(ode->values);
     const int coupled = ode_coupled(ode->values);
+#if SCENE_ANY_TURNING
+    if (scene_turns(ode->values)) {
+        turning_jacobian(ode, clock, y, coupled, columns);
+        return;
+    }
+#endif
     ode_jacobian(ode, clock, y, whole);
     for (int j = 0; j < coupled; ++j) {
         memcpy(columns + j * coupled, whole + j * size, (size_t)coupled * sizeof *columns);

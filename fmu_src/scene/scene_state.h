@@ -188,7 +188,7 @@ struct scene_state {
     double phase_energy;              /* at clock 0 of the phase, see projection_balance [J] */
     double dissipated, external_work; /* since initialization [J] */
 #if SCENE_ANY_TURNING
-    double friction_energy; /* dissipated by friction since initialization [J] */
+    double friction_energy; /* taken by friction since initialization, with what springs store [J] */
 #endif
     double step_length; /* length of the last communication step, as far as it got [s] */
 #endif

@@ -141,3 +141,10 @@ bool contact_is_coupled(const struct scene_values *v, const struct scene_state *
     return false;
 #endif
 }
+
+bool contact_is_foreseen(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    const int destination = contact_destination(contact);
+    const bool tips = body_turns(v, destination) && body_shape(destination) != SHAPE_SPHERE;
+    return !scene_turns(v) || (!tips && !contact_transmits(q, contact) && !contact_is_coupled(v, q, contact));
+}
