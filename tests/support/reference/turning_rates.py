@@ -1,0 +1,151 @@
+"""Rates of the state of turning.py: Newton and Euler, the two laws of friction, and what is summed up.
+
+`touching` and `sticking` say which side of its events the contact is on; they are remembered by who integrates,
+not recomputed from a rounded gap.
+"""
+
+import math
+from types import SimpleNamespace
+
+from support.reference.turning import DISSIPATED, EACH, FRICTION, SIZE, SPRING, SUMS, TINY, WORK, ZERO
+from support.reference.turning_vectors import add, cross, dot, minus, norm, quaternion_rate, times
+
+
+def along_spring(spring, slip):
+    """Unit vector of the spring; that of the slip while there is no spring yet."""
+    size = norm(spring)
+    if size > 0.0:
+        return times(1 / size, spring)
+    size = norm(slip)
+    return times(1 / size, slip) if size > 0.0 else list(ZERO)
+
+
+def friction_of(pair, place, force, slip, spring, sticking):
+    """Friction force on the source, and the rate of the spring before it is turned with the normal; None where
+    the spring is at its limit and its rate follows from the limit's."""
+    if pair.friction == "none":
+        return list(ZERO), list(ZERO)
+    if pair.friction == "regularized":
+        speed = norm(slip)
+        if speed == 0.0:
+            return list(ZERO), list(ZERO)
+        return times(pair.limit(force) * math.expm1(-speed / pair.v_0) / speed, slip), list(ZERO)
+    if sticking:
+        return times(-1.0, pair.trial(slip, spring)), slip
+    limit = pair.limit(force)
+    if pair.c_t == 0.0:
+        if limit == 0.0:  # no force holds a spring
+            return list(ZERO), list(ZERO)
+        return times(-limit, along_spring(spring, slip)), None
+    trial = pair.trial(slip, spring)
+    size = norm(trial)
+    pull = times(limit / size, trial) if size > 0.0 else list(ZERO)
+    return times(-1.0, pull), times(1 / pair.c_t, minus(pull, times(pair.k_t, spring)))
+
+
+def forces(pair, y, touching, sticking):
+    """Everything that acts at one instant."""
+    place = pair.geometry(y)
+    now = SimpleNamespace(place=place, force=0.0, friction=list(ZERO), spring_rate=list(ZERO), slip=list(ZERO))
+    now.on_source = now.source_torque = now.destination_torque = list(ZERO)
+    if not touching:
+        return now
+    spring = y[SPRING:SUMS]
+    now.force = pair.normal_force(place.gap, place.rate)
+    now.slip, arm, other = pair.slip(place)
+    now.friction, now.spring_rate = friction_of(pair, place, now.force, now.slip, spring, sticking)
+    now.on_source = add(times(-pair.side * now.force, place.n), now.friction)
+    now.source_torque = cross(arm, now.on_source)
+    now.destination_torque = times(-1.0, cross(other, now.on_source))
+    return now
+
+
+def body_rates(pair, y, now, out):
+    """Of both bodies; the power that moves what is prescribed comes back."""
+    power = 0.0
+    for index, body in enumerate(pair.bodies):
+        at = EACH * index
+        push = now.on_source if index == 0 else times(-1.0, now.on_source)
+        turn = now.source_torque if index == 0 else now.destination_torque
+        here = now.place.src if index == 0 else now.place.dst
+        out[at : at + 3] = here.v
+        if body.mass:
+            out[at + 3 : at + 6] = add(times(1 / body.mass, add(push, body.force)), pair.gravity)
+            power += dot(body.force, here.v)
+        elif body.moved:
+            power -= dot(push, here.v)
+            bend = pair.values.get(f"{body.name}.prescribed_velocity.derivatives", [ZERO])[0]
+            out[at + 3 : at + 6] = list(bend)
+        if body.rotation == "none":
+            continue
+        out[at + 6 : at + 10] = quaternion_rate(here.q, here.omega)
+        if body.inertia:
+            out[at + 10 : at + 13] = add(turn, body.torque)
+            power += dot(body.torque, here.omega)
+        else:
+            power -= dot(turn, here.omega)
+            rates = pair.values.get(f"{body.name}.prescribed_angular_velocity.derivatives", [ZERO])
+            out[at + 10 : at + 13] = list(rates[0])
+    return power
+
+
+def rates(pair, y, touching, sticking):
+    y = [float(x) for x in y]
+    out = [0.0] * SIZE
+    now = forces(pair, y, touching, sticking)
+    out[WORK] = body_rates(pair, y, now, out)
+    if not touching:
+        return out
+    place, spring = now.place, y[SPRING:SUMS]
+    # The dashpot's part, F_n less the spring's, takes its power from the normal motion.
+    kept = pair.stiffness * max(-place.gap, 0.0) ** 1.5 if pair.hertz else -pair.stiffness * place.gap
+    out[DISSIPATED] = -(now.force - kept) * place.rate
+    out[SUMS : SUMS + 9] = now.on_source + now.source_torque + now.destination_torque
+    given = -dot(now.friction, now.slip)
+    if pair.friction == "elastic":
+        rate = now.spring_rate
+        if rate is None:
+            rate, _ = at_limit(pair, y, now, out)
+        out[FRICTION] = given - pair.k_t * dot(spring, rate)
+        out[SPRING:SUMS] = minus(rate, times(dot(spring, place.n_rate), place.n))
+    else:
+        out[FRICTION] = given
+    return out
+
+
+def limit_rate(pair, y, out):
+    """Rate of mu F_n along the motion `out`, by the imaginary part."""
+    moved = [complex(a, TINY * b) for a, b in zip(y[:SPRING], out[:SPRING], strict=True)]
+    place = pair.geometry(moved)
+    force = pair.normal_force(place.gap, place.rate)
+    if force.real <= 0 or pair.mu * force.real >= pair.largest:
+        return 0.0
+    return pair.mu * force.imag / TINY
+
+
+def growth_of_limit(pair, y):
+    """The same while nothing rubs yet."""
+    out = [0.0] * SIZE
+    body_rates(pair, y, forces(pair, y, True, False), out)
+    moved = [complex(a, TINY * b) for a, b in zip(y[:SPRING], out[:SPRING], strict=True)]
+    place = pair.geometry(moved)
+    return pair.mu_static * pair.law_force(place.gap, place.rate).imag / TINY
+
+
+def at_limit(pair, y, now, out):
+    """Rate of a spring without dashpot that slides at its limit, and how fast the contact slides along it."""
+    unit = along_spring(y[SPRING:SUMS], now.slip)
+    grows = limit_rate(pair, y, out) / pair.k_t
+    along = dot(now.slip, unit)
+    across = minus(now.slip, times(along, unit))
+    return add(across, times(grows, unit)), along - grows
+
+
+def sliding_rate(pair, y):
+    """lambda of the definitions: while it is positive the contact slides."""
+    out = [0.0] * SIZE
+    now = forces(pair, y, True, False)
+    if now.spring_rate is not None:
+        return norm(now.slip)
+    body_rates(pair, y, now, out)
+    return at_limit(pair, y, now, out)[1]

@@ -1,0 +1,322 @@
+"""Integrates turning.py: Dormand and Prince's method of order 8 (scipy) at 1e-13, stopped and begun anew at
+every event: touch, release, end of a cylinder, corner of a law, stick and slip.
+
+An event is looked for on the dense output of every step, between samples and at their extremes, and then placed
+by steps of the method itself, which are more accurate than its dense output.
+"""
+
+import math
+
+import numpy as np
+from scipy.integrate import DOP853
+from scipy.optimize import brentq, minimize_scalar
+
+from support.reference.turning import BODIES, DISSIPATED, EACH, FRICTION, SIZE, SPRING, SUMS, WORK, TurningPair
+from support.reference.turning_rates import forces, growth_of_limit, rates, sliding_rate
+from support.reference.turning_vectors import dot, norm, times
+
+RELATIVE, ABSOLUTE = 1e-13, 1e-15
+SAMPLES = 8  # of a step, between which an event may hide only if its function has two extremes there
+FALLS, RISES, BOTH = -1, 1, 0
+
+
+class TurningRun:
+    """State and events of one scene; `run` moves it on."""
+
+    def __init__(self, values, shape, longest=math.inf, relative=RELATIVE):
+        self.pair, self.time, self.longest, self.relative = TurningPair(values, shape), 0.0, longest, relative
+        self.y = np.array(self.pair.first_state())
+        self.onset_times, self.durations, self.events = [], [], []
+        self.touching = self.sticking = False
+        self.given = 0.0  # to friction by what is lost at once: a spring at release, one that falls to its limit
+        self.ends = 0.0  # to energy.dissipated by the ends of a cylinder
+        place = self.pair.geometry(list(self.y))
+        self.within = abs(place.along) <= self.pair.half_length
+        if place.gap < 0 and self.within:
+            self._touch()
+        self.begin = self.energies()["total"]
+
+    def _touch(self):
+        pair = self.pair
+        self.touching = True
+        self.onset_times.append(self.time)
+        self.y[SPRING:SUMS] = 0.0
+        self.sticking = False
+        if pair.friction != "elastic":
+            return
+        y = list(self.y)
+        place = pair.geometry(y)
+        slip = norm(pair.slip(place)[0])
+        force = pair.normal_force(min(place.gap, 0.0), place.rate)
+        if force > 1e-12 * pair.stiffness * pair.r_s or pair.c_t > 0 or slip == 0.0:
+            self.sticking = pair.c_t * slip <= pair.limit(force, True)
+        elif not pair.hertz:  # both grow from zero: which one faster
+            self.sticking = pair.k_t * slip <= pair.mu_static * pair.stiffness * -place.rate
+
+    def _release(self):
+        self.given += 0.5 * self.pair.k_t * float(self.y[SPRING:SUMS] @ self.y[SPRING:SUMS])
+        self.y[SPRING:SUMS] = 0.0
+        self.touching = self.sticking = False
+        self.durations.append(self.time - self.onset_times[-1])
+
+    def _functions(self):
+        """name -> (function of the state, direction) of what may end the present stretch."""
+        pair, found = self.pair, {}
+        if math.isfinite(pair.half_length):
+            found["end"] = lambda y: abs(pair.geometry(y).along) - pair.half_length, BOTH
+        if not self.touching:
+            if self.within:
+                found["touch"] = lambda y: pair.geometry(y).gap, FALLS
+            return found
+        found["release"] = lambda y: pair.geometry(y).gap, RISES
+        if pair.viscous > 0 and pair.dashpot == "approach_only":
+            found["corner"] = lambda y: pair.geometry(y).rate, BOTH
+        elif pair.viscous > 0:
+            found["corner"] = lambda y: self._law(y), BOTH
+        if pair.friction != "none" and pair.largest < 1e299:
+            found["largest"] = lambda y: pair.mu * self._law(y) - pair.largest, BOTH
+        if pair.friction == "elastic":
+            found |= self._stick_and_slip()
+        return found
+
+    def _law(self, y):
+        place = self.pair.geometry(y)
+        if self.pair.hertz:  # the sign alone, whatever the depth
+            return 1 - self.pair.viscous * place.rate
+        return self.pair.law_force(place.gap, place.rate)
+
+    def _over(self, y, static):
+        pair = self.pair
+        place = pair.geometry(y)
+        trial = norm(pair.trial(pair.slip(place)[0], y[SPRING:SUMS]))
+        return trial - pair.limit(pair.normal_force(place.gap, place.rate), static)
+
+    def _stick_and_slip(self):
+        if self.sticking:
+            return {"slip": (lambda y: self._over(y, True), RISES)}
+        if self.pair.c_t > 0:
+            return {"stick": (lambda y: self._over(y, False), FALLS)}
+        return {"stick": (lambda y: sliding_rate(self.pair, y), FALLS)}
+
+    def _happen(self, name):
+        self.events.append((self.time, name))
+        pair, y = self.pair, list(self.y)
+        if name == "touch":
+            self._touch()
+        elif name == "release":
+            self._release()
+        elif name == "stick":
+            self.sticking = True
+        elif name == "slip":
+            self.sticking = False
+            if pair.c_t == 0.0:
+                place = pair.geometry(y)
+                spring = y[SPRING:SUMS]
+                longest = pair.limit(pair.normal_force(place.gap, place.rate)) / pair.k_t
+                size = norm(spring)
+                if longest < size:
+                    self.given += 0.5 * pair.k_t * (size**2 - longest**2)
+                    self.y[SPRING:SUMS] = times(longest / size, spring)
+        elif name == "corner" and pair.friction == "elastic" and pair.c_t == 0.0:
+            self._rub_again(y)
+        elif name == "end":
+            self._pass_end(pair.geometry(y))
+
+    def _rub_again(self, y):
+        """A normal force that ends leaves no spring; one that begins again finds none."""
+        place = self.pair.geometry(y)
+        if self.pair.dashpot == "approach_only" or self.pair.hertz and place.gap >= 0:
+            return
+        self.given += 0.5 * self.pair.k_t * dot(y[SPRING:SUMS], y[SPRING:SUMS])
+        self.y[SPRING:SUMS] = 0.0
+        y[SPRING:SUMS] = [0.0] * 3
+        self.sticking = self.pair.k_t * norm(self.pair.slip(place)[0]) <= growth_of_limit(self.pair, y)
+
+    def _pass_end(self, place):
+        self.within = not self.within
+        if place.gap >= 0:
+            return
+        stored = self.pair.stored(place.gap)
+        self.ends += stored if self.touching else -stored
+        self._release() if self.touching else self._touch()
+
+    def _rates(self, t, y):
+        return rates(self.pair, y, self.touching, self.sticking)
+
+    def _solver(self, end, first=None):
+        scale = ABSOLUTE * np.ones(SIZE)
+        return DOP853(
+            self._rates, self.time, self.y, end, first_step=first, max_step=self.longest,
+            rtol=self.relative, atol=scale,
+        )  # fmt: skip
+
+    def _after(self, length):
+        """The state `length` later."""
+        if self.time + length <= self.time:
+            return self.y
+        end = self.time + length
+        solver = self._solver(end, end - self.time)
+        while solver.status == "running":
+            solver.step()
+        return solver.y
+
+    def run(self, end):
+        last = None
+        while self.time < end:
+            last = self._stretch(end, last)
+        return self
+
+    def _stretch(self, end, last):
+        """Steps up to the next event; its name, None at the end."""
+        functions = self._functions()
+        solver = self._solver(end)
+        # An event that has just happened leaves its function at zero, give or take a rounding.
+        started = last
+        while solver.status == "running":
+            message = solver.step()
+            if solver.status == "failed":
+                raise ValueError(f"the reference is stuck at {self.time} s: {message}")
+            found = self._first(functions, solver.dense_output(), solver.t_old, solver.t, started)
+            if found:
+                return self._land(*found, functions, solver)
+            started = None
+            self.time, self.y = solver.t, solver.y.copy()
+        return None
+
+    def _first(self, functions, dense, low, high, started):
+        times_ = np.linspace(low, high, SAMPLES + 1)
+        rows = [dense(t).tolist() for t in times_]
+        rows[0] = self.y.tolist()
+        best = None
+        for name, (function, direction) in functions.items():
+            of = [function(row) for row in rows]
+            if name == started:
+                of[0] = math.copysign(1e-300, of[1])
+            where = crossing(lambda t, f=function: f(dense(t).tolist()), times_, of, direction)
+            if where is not None and (best is None or where < best[0]):
+                best = where, name
+        return best
+
+    def _land(self, where, name, functions, solver):
+        """Newton's steps on the motion itself; the dense output gives the slope."""
+        function = functions[name][0]
+        low, dense = solver.t_old, solver.dense_output()
+        self.time, length = low, where - low
+        apart = 1e-3 * (solver.t - low)
+        a, b = max(where - apart, low), min(where + apart, solver.t)
+        slope = (function(dense(b).tolist()) - function(dense(a).tolist())) / (b - a)
+        for _ in range(2):
+            value = function(list(self._after(length)))
+            if slope != 0 and abs(value / slope) < 0.1 * (solver.t - low):
+                length = max(length - value / slope, 0.0)
+        self.y = np.array(self._after(length))
+        self.time = low + length
+        self._happen(name)
+        return name
+
+    # What a run says.
+
+    def energies(self):
+        pair, y = self.pair, list(self.y)
+        place = pair.geometry(y)
+        found = dict.fromkeys(("kinetic", "rotational", "potential", "contact", "tangential"), 0.0)
+        for index, body in enumerate(pair.bodies):
+            here = (place.src, place.dst)[index]
+            if body.mass:
+                found["kinetic"] += 0.5 * body.mass * dot(here.v, here.v)
+                found["potential"] -= body.mass * dot(pair.gravity, here.x)
+            if body.inertia:
+                at = EACH * index + 10
+                found["rotational"] += 0.5 * dot(here.omega, y[at : at + 3])
+        if self.touching:
+            found["contact"] = pair.stored(place.gap)
+            found["tangential"] = 0.5 * pair.k_t * dot(y[SPRING:SUMS], y[SPRING:SUMS])
+        found["dissipated"] = y[DISSIPATED] + self.ends
+        found["friction"] = y[FRICTION] + self.given
+        found["external_work"] = y[WORK]
+        found["total"] = sum(found.values()) - 2 * y[WORK]
+        return found
+
+    def ends_at(self, name):
+        """Of one body: position, velocity, orientation, angular velocity, axis."""
+        here = self.pair.body_at(list(self.y), BODIES.index(name))
+        q = np.array(here.q) / np.linalg.norm(here.q)
+        return {
+            "position": np.array(here.x),
+            "velocity": np.array(here.v),
+            "orientation": q,
+            "angular_velocity": np.array(here.omega),
+            "current_axis": np.array(here.axis),
+        }
+
+    def now(self):
+        """Forces and torques at this instant."""
+        return forces(self.pair, list(self.y), self.touching, self.sticking)
+
+    def figures(self):
+        """By the names of FMI; impulses and the spring, which no variable has, under names of their own."""
+        now, found = self.now(), {f"energy.{name}": value for name, value in self.energies().items()}
+        for body in BODIES:
+            found |= {f"{body}.{name}": value for name, value in self.ends_at(body).items()}
+        found |= {
+            "contact.gap": now.place.gap,
+            "contact.gap_rate": now.place.rate,
+            "contact.normal_force": now.force,
+            "contact.source_force": np.array(now.on_source),
+            "contact.source_torque": np.array(now.source_torque),
+            "contact.destination_torque": np.array(now.destination_torque),
+            "contact.friction_force": np.array(now.friction),
+            "contact.slip_velocity": np.array(now.slip),
+            "contact.onsets": len(self.onset_times),
+            "impulse": self.y[SUMS : SUMS + 3].copy(),
+            "source_torque_impulse": self.y[SUMS + 3 : SUMS + 6].copy(),
+            "destination_torque_impulse": self.y[SUMS + 6 : SUMS + 9].copy(),
+            "spring": self.y[SPRING:SUMS].copy(),
+        }
+        if self.onset_times:
+            lasting = self.time - self.onset_times[-1]
+            found["contact.last_onset_time"] = self.onset_times[-1]
+            found["contact.last_duration"] = lasting if self.touching else self.durations[-1]
+        return found
+
+
+def crossing(function, times_, of, direction):
+    """First time at which the function passes zero in the direction, or None."""
+    if direction == BOTH:
+        found = [crossing(function, times_, of, one) for one in (FALLS, RISES)]
+        return min((t for t in found if t is not None), default=None)
+    for i in range(len(of) - 1):
+        a, b = direction * of[i], direction * of[i + 1]
+        if a < 0 <= b or (a == 0 and i == 0 and b > 0):
+            return place(function, times_[i], times_[i + 1])
+        top = extreme(function, times_, of, i, direction)
+        if top is not None:
+            return place(function, times_[i], top)
+    return None
+
+
+def extreme(function, times_, of, i, direction):
+    """A time between samples i and i + 1 past the crossing, of a function that is back at the next sample."""
+    around = [direction * of[j] for j in range(max(i - 1, 0), min(i + 3, len(of)))]
+    if max(direction * of[i], direction * of[i + 1]) >= 0 or max(around) < max(around[0], around[-1]) + 1e-300:
+        return None
+    spread = max(around) - min(around)
+    if -max(around) > spread:  # a smooth function does not reach zero from there
+        return None
+    top = minimize_scalar(
+        lambda t: -direction * function(t), bounds=(times_[i], times_[i + 1]), method="bounded",
+        options={"xatol": 1e-9 * (times_[i + 1] - times_[i])},
+    )  # fmt: skip
+    return top.x if -top.fun > 0 else None
+
+
+def place(function, low, high):
+    a, b = function(low), function(high)
+    if a * b >= 0:
+        return low if abs(a) < abs(b) else high
+    return brentq(function, low, high, xtol=1e-300, rtol=1e-15)
+
+
+def follow(values, shape, end, **more):
+    return TurningRun(values, shape, **more).run(end)
+

@@ -1,0 +1,156 @@
+"""Seeded random scenes of bodies that turn and rub: shapes, laws, friction, rotation, fixed, prescribed or free."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from support.scenes.random_scenes import DASHPOTS, perpendicular, unit_vector
+from support.scenes.scene_parts import chosen, moved_by
+
+PLACES = (("sphere", False), ("cylinder", False), ("plane", False), ("sphere", True), ("cylinder", True))
+FRICTIONS = ("regularized", "elastic", "regularized", "elastic with dashpot", "elastic, static", "none")
+
+
+class TurningScene(NamedTuple):
+    shape: str
+    values: dict
+    end: float
+    steps: int  # of communication
+
+
+def random_turning_scene(seed):
+    """A ball a little off the surface, on its way to it, askew and spinning."""
+    random = np.random.default_rng([15, seed])
+    shape, inside = PLACES[seed % len(PLACES)]
+    friction = FRICTIONS[seed // len(PLACES) % len(FRICTIONS)]
+    outward, values = place(random, shape, inside)
+    side = 1.0 if inside else -1.0
+    speed = random.uniform(0.5, 2.0)
+    values |= motions(random, shape, side * outward, speed)
+    values |= rotations(random, shape, values)
+    values |= normal_law(random, values["source.mass"])
+    values |= friction_law(random, friction, values)
+    prescribed = any(
+        values.get(f"{body}.{what}") == "prescribed"
+        for body in ("source", "destination")
+        for what in ("motion", "rotation")
+    )
+    steps = 1 if prescribed else int(random.integers(1, 4))
+    return TurningScene(shape, values, float(random.uniform(0.1, 0.3)), steps)
+
+
+def place(random, shape, inside):
+    radius = random.uniform(0.3, 0.6)
+    small = radius * random.uniform(0.2, 0.5)
+    axis = unit_vector(random)
+    outward = axis if shape == "plane" else unit_vector(random)
+    if shape == "cylinder":
+        outward = perpendicular(axis, random)
+    gap = random.uniform(0.005, 0.05)
+    distance = small + gap if shape == "plane" else radius - small - gap if inside else radius + small + gap
+    middle = random.normal(size=3)
+    values = {
+        "source.radius": small,
+        "source.mass": random.uniform(0.5, 2.0),
+        "source.center": (middle + distance * outward).tolist(),
+        "destination.center": middle.tolist(),
+        "gravity": (9.81 * unit_vector(random)).tolist(),
+    }
+    if shape != "plane":
+        values |= {"destination.radius": radius, "contact.location": "inside" if inside else "outside"}
+    if shape != "sphere":
+        values["destination.axis"] = (axis * random.uniform(0.5, 2)).tolist()
+    return outward, values
+
+
+def motions(random, shape, towards, speed):
+    """Both bodies' motions; the speed is that of approach."""
+    velocity = speed * towards + 0.5 * random.normal(size=3)
+    found = {"source.motion": "free", "source.initial_velocity": velocity.tolist()}
+    kind = chosen(random, ["fixed", "fixed", "prescribed", "free"])
+    if kind == "prescribed":
+        return found | moved_by("destination", 0.3 * random.normal(size=3), 0.5 * random.normal(size=3))
+    if kind == "free":
+        found |= {
+            "destination.mass": random.uniform(1.0, 5.0),
+            "destination.initial_velocity": (0.2 * random.normal(size=3)).tolist(),
+            "destination.external_force": random.normal(size=3).tolist(),
+        }
+    return found | {"destination.motion": kind}
+
+
+def rotations(random, shape, values):
+    found = {}
+    for body in ("source", "destination"):
+        kinds = ["free", "free", "prescribed", "none"] if body == "source" else ["none", "prescribed", "free"]
+        if shape == "plane" and body == "destination":
+            kinds.remove("free")
+        kind = chosen(random, kinds)
+        spin = (10.0 if body == "source" else 2.0) * random.normal(size=3)
+        found[f"{body}.rotation"] = kind
+        if kind == "prescribed":
+            found[f"{body}.prescribed_angular_velocity"] = spin.tolist()
+            if body == "destination" and shape != "sphere":
+                found["destination.prescribed_axis"] = values["destination.axis"]
+        if kind == "free":
+            found[f"{body}.initial_angular_velocity"] = spin.tolist()
+            found[f"{body}.external_torque"] = (0.01 * random.normal(size=3)).tolist()
+            found |= inertia(random, body, shape, values)
+    return found
+
+
+def inertia(random, body, shape, values):
+    """Automatic for spheres, mostly; an infinite cylinder has none of its own."""
+    cylinder = body == "destination" and shape == "cylinder"
+    if not cylinder and random.random() < 0.7:
+        return {}
+    reach = values["destination.radius" if body == "destination" else "source.radius"]
+    along = random.uniform(0.2, 0.6) * values.get(f"{body}.mass", 1.0) * reach**2
+    found = {f"{body}.inertia_control": "user_defined", f"{body}.axial_inertia": along}
+    if cylinder:  # 2 I_1 >= I_3
+        found["destination.transverse_inertia"] = random.uniform(0.6, 4.0) * along
+    return found
+
+
+def normal_law(random, mass):
+    if random.random() < 0.35:
+        return {
+            "contact.law": "hertz",
+            "contact.hertz_stiffness": 10 ** random.uniform(5, 7),
+            "contact.method": "penalty_dynamic",
+            "contact.viscous_control": "user_defined",
+            "contact.hunt_crossley_factor": float(chosen(random, [0.0, 0.2, 0.8])),
+            "contact.dashpot": chosen(random, DASHPOTS),
+        }
+    stiffness = 10 ** random.uniform(3.5, 5.5)
+    return {
+        "contact.law": "linear",
+        "contact.method": chosen(random, ["penalty", "penalty_dynamic", "penalty_dynamic"]),
+        "contact.penalty_factor": stiffness,
+        "contact.viscous_penalty_factor": 2 * math.sqrt(stiffness * mass) * random.uniform(0.02, 0.4),
+        "contact.dashpot": chosen(random, DASHPOTS),
+    }
+
+
+def friction_law(random, friction, values):
+    found = {"contact.friction": friction.split(",")[0].split(" ")[0]}
+    if friction == "none":
+        return found
+    mu = random.uniform(0.05, 0.8)
+    more = 1.5 if "static" in friction else 1.0
+    found |= {"contact.friction_coefficient": mu, "contact.static_friction_coefficient": more * mu}
+    stiffness = values.get("contact.penalty_factor", 1e5)
+    if random.random() < 0.2:  # of about the largest normal force
+        found["contact.maximum_friction_force"] = 0.3 * mu * math.sqrt(stiffness * values["source.mass"])
+    if friction == "regularized":
+        return found | {
+            "contact.slip_velocity_control": "user_defined",
+            "contact.characteristic_slip_velocity": 10 ** random.uniform(-2.5, -1),
+        }
+    k_t = stiffness * random.uniform(0.2, 0.9)
+    damping = 2 * math.sqrt(k_t * values["source.mass"]) * random.uniform(0.02, 0.3)
+    return found | {
+        "contact.tangential_stiffness": k_t,
+        "contact.tangential_damping": damping if "dashpot" in friction else 0.0,
+    }
