@@ -17,7 +17,8 @@ from .contacts import contact_names
 FAR = 1e20  # a gap beyond this stands for infinity and is not drawn
 MOST = 8  # lines of one panel, panels of a result that nobody chose from
 AXES = dict(zip("123", "xyz", strict=True))
-ENERGIES = ("kinetic", "potential", "contact", "dissipated", "external_work", "total")
+ENERGIES = ("kinetic", "rotational", "potential", "contact", "tangential", "dissipated", "friction")
+ENERGIES += ("external_work", "total")
 # Penetrations are drawn next to flights: where they are less than this part of the axis, it is linear below
 # them and logarithmic above.
 SMALL = 0.05

@@ -15,6 +15,7 @@ import numpy as np
 
 from . import closed_forms, geometry
 from .experiment import Claim, Recording
+from .recording import ENERGIES
 
 CHECKS: dict[str, Callable[..., Outcome]] = {}
 
@@ -157,7 +158,8 @@ def static_force(run: Recording) -> Outcome:
 @check
 def energy_balance(run: Recording) -> Outcome:
     """Largest change of the sum of the energies, against the largest of its terms"""
-    terms = [run.series[f"energy.{name}"] for name in ("kinetic", "potential", "contact", "dissipated")]
+    names = [f"energy.{name}" for name in ENERGIES]
+    terms = [run.series[name] for name in names if name in run.series]
     terms.append(-run.series["energy.external_work"])
     total = np.sum(terms, axis=0)
     return Outcome(float(np.max(np.abs(total - total[0]))), 0.0, "J", float(np.max(np.abs(terms))))

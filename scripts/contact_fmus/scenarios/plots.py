@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Patch, Polygon
 
 from .experiment import Recording
+from .recording import ENERGIES
 
 # One for each run, or for each body and contact of a single run
 COLORS = ("#1f6fb4", "#d95f02", "#2b9348", "#8e44ad", "#7f7f7f")
@@ -219,12 +220,17 @@ def _energy(axes: Axes, runs: list[Recording]) -> None:
         _compare(axes, runs, [f"energy.{term}"], lambda run, name: run.series[name])
         return
     axes.set_title("energy")
+    known = {name: runs[0].series.get(f"energy.{name}") for name in ENERGIES}
+    # A model in which nothing turns or rubs has no such terms, or they stay zero.
+    always = ("kinetic", "potential", "contact", "dissipated")
     terms = {
-        name: runs[0].series[f"energy.{name}"] for name in ("kinetic", "potential", "contact", "dissipated")
+        name: values
+        for name, values in known.items()
+        if values is not None and (name in always or np.any(values != 0.0))
     }
     work = runs[0].series["energy.external_work"]
-    for (name, values), color in zip(terms.items(), COLORS, strict=False):
-        axes.plot(runs[0].time, values, color=color, label="stored" if name == "contact" else name)
+    for index, (name, values) in enumerate(terms.items()):
+        axes.plot(runs[0].time, values, color=_color(index), label="stored" if name == "contact" else name)
     axes.plot(runs[0].time, sum(terms.values()) - work, color="black", linestyle="--", label="sum")
 
 

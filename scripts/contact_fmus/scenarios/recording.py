@@ -12,7 +12,15 @@ from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError, fmu_file
 from .experiment import Recording, RunError, Scenario, Variant
 
 # Read at every communication point, where the FMU has them: of every body, of every contact, of the world
-OF_BODIES = ("position", "velocity", "orientation", "prescribed_displacement", "prescribed_velocity")
+OF_BODIES = (
+    "position",
+    "velocity",
+    "orientation",
+    "angular_velocity",
+    "current_axis",
+    "prescribed_displacement",
+    "prescribed_velocity",
+)
 OF_CONTACTS = (
     "gap",
     "gap_rate",
@@ -23,7 +31,8 @@ OF_CONTACTS = (
     "last_onset_time",
     "last_duration",
 )
-OF_THE_WORLD = ("kinetic", "potential", "contact", "dissipated", "external_work")  # energies
+ENERGIES = ("kinetic", "rotational", "potential", "contact", "tangential", "dissipated", "friction")
+OF_THE_WORLD = (*ENERGIES, "external_work")
 
 
 def recorded(fmu: ContactFmu) -> list[str]:

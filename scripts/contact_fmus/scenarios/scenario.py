@@ -46,7 +46,7 @@ from typing import Any
 
 from contact_fmus.errors import UserError
 
-from . import claims
+from . import claims, turning_claims  # noqa: F401 (its checks join those of claims)
 from .experiment import Claim, Scenario, Variant
 from .inputs import InputSignal
 

@@ -46,7 +46,9 @@ def friction_of(pair, place, force, slip, spring, sticking):
 def forces(pair, y, touching, sticking):
     """Everything that acts at one instant."""
     place = pair.geometry(y)
-    now = SimpleNamespace(place=place, force=0.0, friction=list(ZERO), spring_rate=list(ZERO), slip=list(ZERO))
+    now = SimpleNamespace(
+        place=place, force=0.0, friction=list(ZERO), spring_rate=list(ZERO), slip=list(ZERO)
+    )
     now.on_source = now.source_torque = now.destination_torque = list(ZERO)
     if not touching:
         return now

@@ -11,7 +11,17 @@ import numpy as np
 from scipy.integrate import DOP853
 from scipy.optimize import brentq, minimize_scalar
 
-from support.reference.turning import BODIES, DISSIPATED, EACH, FRICTION, SIZE, SPRING, SUMS, WORK, TurningPair
+from support.reference.turning import (
+    BODIES,
+    DISSIPATED,
+    EACH,
+    FRICTION,
+    SIZE,
+    SPRING,
+    SUMS,
+    WORK,
+    TurningPair,
+)
 from support.reference.turning_rates import forces, growth_of_limit, rates, sliding_rate
 from support.reference.turning_vectors import dot, norm, times
 
@@ -28,7 +38,9 @@ class TurningRun:
         self.y = np.array(self.pair.first_state())
         self.onset_times, self.durations, self.events = [], [], []
         self.touching = self.sticking = False
-        self.given = 0.0  # to friction by what is lost at once: a spring at release, one that falls to its limit
+        self.given = (
+            0.0  # to friction by what is lost at once: a spring at release, one that falls to its limit
+        )
         self.ends = 0.0  # to energy.dissipated by the ends of a cylinder
         place = self.pair.geometry(list(self.y))
         self.within = abs(place.along) <= self.pair.half_length
@@ -298,7 +310,10 @@ def crossing(function, times_, of, direction):
 def extreme(function, times_, of, i, direction):
     """A time between samples i and i + 1 past the crossing, of a function that is back at the next sample."""
     around = [direction * of[j] for j in range(max(i - 1, 0), min(i + 3, len(of)))]
-    if max(direction * of[i], direction * of[i + 1]) >= 0 or max(around) < max(around[0], around[-1]) + 1e-300:
+    if (
+        max(direction * of[i], direction * of[i + 1]) >= 0
+        or max(around) < max(around[0], around[-1]) + 1e-300
+    ):
         return None
     spread = max(around) - min(around)
     if -max(around) > spread:  # a smooth function does not reach zero from there
@@ -319,4 +334,3 @@ def place(function, low, high):
 
 def follow(values, shape, end, **more):
     return TurningRun(values, shape, **more).run(end)
-

@@ -10,7 +10,16 @@ ALLOWED = {"event_driven": 1e-7, "cvode_bdf": 1e-5, "cvode_adams": 1e-5}
 BALANCE = {"event_driven": 1e-9, "cvode_bdf": 1e-7, "cvode_adams": 1e-7}
 TOLERANCE = 1e-10
 MOST_STEPS = 300_000
-TERMS = ("kinetic", "rotational", "potential", "contact", "tangential", "dissipated", "friction", "external_work")
+TERMS = (
+    "kinetic",
+    "rotational",
+    "potential",
+    "contact",
+    "tangential",
+    "dissipated",
+    "friction",
+    "external_work",
+)
 BODIES = ("source", "destination")
 
 
@@ -19,7 +28,11 @@ class TurningFmuRun:
 
     def __init__(self, fmu, values, end, steps, method, tolerance=TOLERANCE):
         self.fmu = fmu
-        self.impulses = {"force": np.zeros(3), "source_torque": np.zeros(3), "destination_torque": np.zeros(3)}
+        self.impulses = {
+            "force": np.zeros(3),
+            "source_torque": np.zeros(3),
+            "destination_torque": np.zeros(3),
+        }
         start(fmu, {"solver.max_internal_steps": MOST_STEPS, **values}, tolerance, method)
         self.begin, self.stray, self.in_play = fmu["energy.total"], 0.0, 0.0
         self._look()
