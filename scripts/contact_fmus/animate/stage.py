@@ -94,8 +94,10 @@ def view(motion: Motion) -> tuple[np.ndarray, float]:
 
 
 def _plane_place(motion: Motion, body: str) -> np.ndarray:
-    """Where a plane is drawn: its point moved to below the middle of the way of what meets it"""
+    """Where a plane is drawn: its point moved to below the middle of the way of what meets it, unless it turns"""
     point, normal = motion.position(body), motion.axis(body)
+    if motion.orientation(body) is not None:
+        return point  # it turns about that
     source = motion.position(next(one.source for one in motion.contacts_of(body)))
     middle = 0.5 * np.min(source, axis=0) + 0.5 * np.max(source, axis=0)
     away = middle - point[0]

@@ -72,7 +72,8 @@ class Motion:
 
     def orientation(self, body: str) -> np.ndarray | None:
         """Unit quaternions w, x, y, z from the body to the world; None for bodies that do not turn"""
-        return self.series(f"{body}.orientation")
+        found = self.series(f"{body}.orientation")
+        return None if found is None or np.all(np.ptp(found, axis=0) == 0.0) else found
 
     def contacts_of(self, body: str) -> list[Contact]:
         return [one for one in self.scene.contacts if body in (one.source, one.destination)]

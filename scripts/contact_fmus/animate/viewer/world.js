@@ -6,6 +6,8 @@ const HIGH = new THREE.Vector3(0, 0, 1);
 const NORMAL = new THREE.Vector3(0, 1, 0); // the axis of three.js's cylinders
 const FLOOR = 2; // half the side of the square that is drawn of a plane, in radii of the first view
 const FLOOR_LINES = 10; // on it, on either side of its middle
+const STRIPES = 8; // of a body that turns, light and dark, between meridians
+const DARKER = 0.55; // the dark ones
 const ARROW = 0.2; // length of the longest force arrow as a part of the camera's distance
 
 /** Whether there is no graphics card: then smooth edges cost more than they are worth. */
@@ -52,11 +54,13 @@ class World {
     const turning = body.orientation ? new Turning(body.orientation) : null;
     const axis = body.axis ? new THREE.Vector3(...body.axis) : null;
     const made = { ...body, group, path, turning, index, at: [0, 0, 0], materials: [] };
-    made.upright = axis ? new THREE.Quaternion().setFromUnitVectors(NORMAL, axis) : new THREE.Quaternion();
+    // The frame of a body that turns has its axis along z: its orientation brings that to where the axis is.
+    made.upright = axis ? new THREE.Quaternion().setFromUnitVectors(NORMAL, turning ? HIGH : axis) : new THREE.Quaternion();
     const flat = body.shape === "plane";
     made.half = flat ? 0 : axis ? this.halfLength(body, path) : body.radius;
     if (flat) made.extent = FLOOR * this.data.view.radius;
     made.mesh = flat ? this.makeFloor(made) : this.makeSolid(made, axis);
+    if (turning) this.stripe(made.mesh);
     group.add(made.mesh);
     if (body.hollow || axis || turning) group.add(this.makeNet(made, axis));
     made.trail = body.moves ? this.makeTrail(made) : null;
@@ -85,10 +89,29 @@ class World {
     return mesh;
   }
 
+  /** Stripes between meridians of the shape's own axis, y; on a sphere the other way round on its other half, so that
+   * turning is seen from everywhere. */
+  stripe(mesh) {
+    const shape = mesh.geometry.index ? mesh.geometry.toNonIndexed() : mesh.geometry;
+    const place = shape.getAttribute("position");
+    const colors = new Float32Array(3 * place.count);
+    const ball = mesh.geometry.type === "SphereGeometry";
+    for (let k = 0; k < place.count; k += 3) {
+      const middle = [0, 1, 2].map((axis) => [0, 1, 2].reduce((sum, corner) => sum + place.getComponent(k + corner, axis) / 3, 0));
+      const stripe = Math.floor((0.5 + Math.atan2(middle[2], middle[0]) / (2 * Math.PI)) * STRIPES);
+      colors.fill((stripe + (ball && middle[1] < 0 ? 1 : 0)) % 2 ? DARKER : 1, 3 * k, 3 * k + 9);
+    }
+    shape.setAttribute("color", new THREE.BufferAttribute(colors, 3));
+    mesh.geometry = shape;
+    mesh.material.vertexColors = true;
+  }
+
   /** A square of the surface of a plane, with its normal along y; it is seen from above only. */
   makeFloor(body) {
     const material = new THREE.MeshLambertMaterial({});
-    const corners = [[-1, 1], [1, 1], [1, -1], [-1, 1], [1, -1], [-1, -1]].flatMap(([x, z]) => [x, 0, z]);
+    // Triangles round its middle, so that those of a plane that turns can be light and dark
+    const square = [[-1, -1], [-1, 0], [-1, 1], [0, 1], [1, 1], [1, 0], [1, -1], [0, -1], [-1, -1]];
+    const corners = square.slice(1).flatMap(([x, z], k) => [0, 0, 0, square[k][0], 0, square[k][1], x, 0, z]);
     const shape = new THREE.BufferGeometry();
     shape.setAttribute("position", new THREE.BufferAttribute(new Float32Array(corners), 3));
     shape.setAttribute("normal", new THREE.BufferAttribute(new Float32Array(corners.map((_, k) => (k % 3 === 1 ? 1 : 0))), 3));
