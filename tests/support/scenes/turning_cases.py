@@ -28,7 +28,6 @@ def rubbing(v_0, mu, **more):
         "contact.static_friction_coefficient": mu,
         "contact.slip_velocity_control": "user_defined",
         "contact.characteristic_slip_velocity": v_0,
-        "contact.location": "outside",
         **more,
     }
 
@@ -126,6 +125,7 @@ def golfers_tube(v_0, mu=1.0, tube=0.5, rate=8.0, stiffness=1e5, turns=2.0, **mo
         stiffness,
         **{
             "destination.radius": tube,
+            "destination.axis": [0.0, 0.0, 1.0],
             "source.center": [rho, 0.0, 0.0],
             "source.initial_velocity": [0.0, rate * rho, 0.0],
             "source.initial_angular_velocity": [0.0, 0.0, -rate * rho / RADIUS],
@@ -250,6 +250,7 @@ def opposite_spin(mu=0.4, speed=0.2, spin=25.0):
             "source.initial_angular_velocity": [0.0, spin, 0.0],
             "destination.initial_angular_velocity": [0.0, -spin, 0.0],
             "gravity": [0.0, 0.0, 0.0],
+            "contact.location": "outside",
             **rubbing(1e-3, mu),
         },
     )
