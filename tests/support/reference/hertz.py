@@ -1,6 +1,6 @@
-"""An independent reference for contacts by Hertz's law with Hunt and Crossley's damping: the equations of
-motion in world coordinates, as DESIGN sections 1 and 6 write them, by extrapolation (Gragg, Bulirsch, Stoer)
-in extended precision.
+"""An independent reference for contacts by either law, with restitution: the equations of motion in world
+coordinates, as DESIGN sections 1 and 6 write them, by extrapolation (Gragg, Bulirsch, Stoer) in extended
+precision.
 
 Nothing is made of what is known about the contact: time is the variable, steps shrink by error control where
 the force is not smooth, and an event is the root of its function in the length of the last step.
@@ -18,10 +18,10 @@ APART, FULL, SPRING, CLIPPED = "apart", "full", "spring", "clipped"
 
 
 class HertzPair(NamedTuple):
-    """One ball and its counterpart; a mass of infinity does not move."""
+    """One ball and its counterpart; a mass of infinity moves as it is given."""
 
-    stiffness: float  # k_h
-    chi: float
+    stiffness: float  # k_h, or p_n
+    chi: float  # or p_nv
     dashpot: str
     reach: float  # d at g = 0
     side: int  # +1 outside, -1 inside
@@ -29,6 +29,9 @@ class HertzPair(NamedTuple):
     gravity: tuple = (0.0, 0.0, 0.0)
     axis: tuple | None = None  # of a cylinder, unit length
     plane: tuple | None = None  # the outward normal of a plane, unit length
+    linear: bool = False
+    damped: float | None = None  # chi times the speed of each onset, where chi follows from that
+    given: tuple = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # accelerations of what does not move freely
 
     def across(self, c):
         return c if self.axis is None else c - (c @ self.axis) * self.axis
@@ -44,11 +47,17 @@ class HertzPair(NamedTuple):
     def force(self, gap, rate, branch):
         depth = max(-gap, LONG(0))
         chi = self.chi if branch == FULL else LONG(0)
-        return (
-            LONG(0)
-            if branch in (APART, CLIPPED)
-            else self.stiffness * depth * np.sqrt(depth) * (1 - chi * rate)
-        )
+        if branch in (APART, CLIPPED):
+            return LONG(0)
+        if self.linear:
+            return self.stiffness * depth - chi * rate
+        return self.stiffness * depth * np.sqrt(depth) * (1 - chi * rate)
+
+    def stored(self, gap):
+        depth = max(-gap, LONG(0))
+        if self.linear:
+            return self.stiffness * depth * depth / 2
+        return LONG("0.4") * self.stiffness * depth * depth * np.sqrt(depth)
 
     def slope(self, state, branch):
         """Positions of both bodies, their velocities, dissipated energy."""
@@ -60,8 +69,8 @@ class HertzPair(NamedTuple):
         for i, sign in ((0, -self.side), (1, self.side)):
             mass = self.masses[i]
             pull = self.gravity + (sign * force / mass) * n
-            out[6 + 3 * i : 9 + 3 * i] = pull if np.isfinite(mass) else 0
-        out[12] = -(force - spring) * rate if branch in (FULL, SPRING) else 0
+            out[6 + 3 * i : 9 + 3 * i] = pull if np.isfinite(mass) else self.given[i]
+        out[12] = -(force - spring) * rate if branch != APART else 0
         return out
 
     def margin(self, state, branch):
@@ -74,8 +83,38 @@ class HertzPair(NamedTuple):
         if self.dashpot == "approach_only":
             law = -rate if branch == FULL else rate
         else:
-            law = 1 - self.chi * rate if branch == FULL else self.chi * rate - 1
+            formula = -self.stiffness * gap - self.chi * rate if self.linear else 1 - self.chi * rate
+            law = formula if branch == FULL else -formula
         return (-gap, law)
+
+    def onset(self, state):
+        """The pair with the damping of a contact that begins: by the speed of the touch, that of motion and
+        stored energy, or, where that is slower, the fastest that the load alone presses a body at rest to
+        (v^2 = 6/5 a (a m/k)^(2/3))."""
+        if self.damped is None:
+            return self
+        gap, rate, n = self.gap_and_rate(state)
+        per_mass = sum(1 / mass for mass in self.masses)
+        across = self.across(state[9:12] - state[6:9])
+        turning = np.zeros(3, LONG)
+        if self.plane is None:
+            d = self.side * gap + self.reach
+            turning = n * ((across @ across - (across @ n) ** 2) / d)
+        pulls = [self.gravity if np.isfinite(m) else g for m, g in zip(self.masses, self.given, strict=True)]
+        load = max(-self.side * (n @ (pulls[1] - pulls[0] + turning)), LONG(0))
+        square = rate * rate + 2 * self.stored(gap) * per_mass
+        depth = np.cbrt((load / (self.stiffness * per_mass)) ** 2)
+        return self._replace(chi=self.damped / np.sqrt(max(square, LONG("1.2") * load * depth)))
+
+    def begins(self, state):
+        """The branch at the start, and the pair with its damping"""
+        gap = self.gap_and_rate(state)[0]
+        if not gap < 0:
+            return self, APART
+        pair = self.onset(state)
+        if pair.chi == 0 or pair.dashpot == "unclamped" or np.atleast_1d(pair.margin(state, FULL))[-1] > 0:
+            return pair, FULL
+        return pair, SPRING if pair.dashpot == "approach_only" else CLIPPED
 
 
 def precise(pair):
@@ -85,7 +124,10 @@ def precise(pair):
         if getattr(pair, k) is not None
     }
     numbers = {k: LONG(getattr(pair, k)) for k in ("stiffness", "chi", "reach")}
-    return pair._replace(**vectors, **numbers, masses=tuple(LONG(m) for m in pair.masses))
+    masses = tuple(LONG(m) for m in pair.masses)
+    return pair._replace(
+        **vectors, **numbers, masses=masses, given=tuple(np.array(g, LONG) for g in pair.given)
+    )
 
 
 def step_of(pair, state, branch, h):
@@ -142,11 +184,28 @@ def locate(pair, state, branch, h, which):
     return high
 
 
-def run(pair, state, end, branch=APART, first=None):
+def dips(pair, state, then, branch, h):
+    """Where the gap falls below zero and rises again in this step: the length of a shorter one, at whose end
+    the bodies overlap and approach each other. None: it does not"""
+    first, last = pair.gap_and_rate(state), pair.gap_and_rate(then)
+    if branch != APART or not first[1] < 0 < last[1]:
+        return None
+    low, high = LONG(0), h
+    for _ in range(60):  # to the lowest place, by halving
+        middle = (low + high) / 2
+        gap, rate, _ = pair.gap_and_rate(step_of(pair, state, branch, middle)[0])
+        if gap < 0 and rate < 0:
+            return middle
+        low, high = (middle, high) if rate < 0 else (low, middle)
+    return None
+
+
+def run(pair, state, end, first=None):
     """The state at `end` (positions, velocities, dissipated) and the events: (time, branch that begins)."""
     pair = precise(pair)
     state = np.concatenate([np.array(state, LONG), [LONG(0)]])
     time, end, events = LONG(0), LONG(end), []
+    pair, branch = pair.begins(state)
     h = LONG(first or end / 100)
     while time < end:
         h = min(h, end - time, end / 100)
@@ -155,6 +214,10 @@ def run(pair, state, end, branch=APART, first=None):
             h *= max(LONG("0.2"), LONG("0.8") * (TOLERANCE / error) ** (LONG(1) / 15))
             continue
         before, after = margins(pair, state, branch), margins(pair, then, branch)
+        shorter = dips(pair, state, then, branch, h)
+        if shorter is not None:
+            h = shorter
+            continue
         fallen = [i for i in range(len(after)) if after[i] < 0 and (before[i] > 0 or events)]
         opens = pair.gap_and_rate(then)[1] > 0  # what rounding left of a gap of zero is no event
         if 0 in fallen and opens == (branch == APART):
@@ -164,10 +227,12 @@ def run(pair, state, end, branch=APART, first=None):
             first_one = int(np.argmin(lengths))
             state, _ = step_of(pair, state, branch, lengths[first_one])
             time += lengths[first_one]
+            begins = branch == APART
             branch = after_event(pair, branch, fallen[first_one])
             events.append((time, branch))
             h = min(h, end / 1000)
             state = settle(pair, state, branch)
+            pair = pair.onset(state) if begins else pair
             continue
         state, time = then, time + h
         h *= min(LONG(2), LONG("0.8") * (TOLERANCE / max(error, LONG("1e-30"))) ** (LONG(1) / 15))

@@ -74,6 +74,16 @@ def norm(values):
     return largest * np.sqrt(np.sum((values / largest) ** 2))
 
 
+def rising_root(function, low, high):
+    """Where a function that is below zero at first is zero, by halving to 30 digits"""
+    with mpmath.workdps(30):
+        low, high = mpmath.mpf(low), mpmath.mpf(high)
+        while high - low > mpmath.mpf("1e-28") * high:
+            middle = (low + high) / 2
+            low, high = (middle, high) if function(middle) < 0 else (low, middle)
+        return high
+
+
 @dataclass
 class Motion:
     """Displacement and velocity of both bodies at one instant."""
@@ -202,7 +212,7 @@ class ReferenceContact:
             phi = mpmath.asin(mpmath.mpc(ratio))
             return mpmath.re(times * (mpmath.pi / 2 - phi) * mpmath.tan(phi)) - wanted
 
-        return REAL(float(mpmath.findroot(missing, (0.1, 0.9 + wanted), solver="anderson", tol=1e-28)))
+        return REAL(float(rising_root(missing, 0, mpmath.exp(wanted)))) if wanted else REAL(0)
 
     def normal_force(self, gap, gap_rate):
         """F_n of the laws and dashpots of DESIGN section 1."""

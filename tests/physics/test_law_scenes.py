@@ -1,0 +1,77 @@
+"""Random scenes of planes, of Hertz's law and of restitution (support/scenes/law_scenes.py) with all methods,
+against the reference in world coordinates.
+
+CONTACT_SCENES is the number of scenes, CONTACT_FIRST_SCENE the first one's seed: 300 take six minutes.
+"""
+
+import os
+
+import numpy as np
+import pytest
+
+from support.checks import METHODS, differences, run
+from support.reference import hertz
+from support.scenes.law_scenes import law_pair, law_scene
+
+COUNT = int(os.environ.get("CONTACT_SCENES", "20"))
+FIRST = int(os.environ.get("CONTACT_FIRST_SCENE", "0"))
+STEPS = (1, 3, 29)  # communication steps of a run, by the seed
+# m, m/s, J; CVODE holds its tolerance of 1e-10 by the step, and its steps add up.
+ALLOWED = {"event_driven": 1e-8, "cvode_bdf": 1e-6, "cvode_adams": 1e-6}
+BALANCE = {"event_driven": 1e-10, "cvode_bdf": 1e-6, "cvode_adams": 1e-6}  # of the energy in play, or 1 J
+
+
+def onsets_of(pair, state, events):
+    """How many contacts there are: one may have begun before the start."""
+    branches = [hertz.precise(pair).begins(np.array(state, np.longdouble))[1], *(name for _, name in events)]
+    before = [hertz.APART, *branches]
+    return sum(a == hertz.APART != b for a, b in zip(before, branches, strict=False))
+
+
+def failures(fmu, scene, seed, method, reference, onsets):
+    """A line for each figure that is off"""
+    _, values, end = scene
+    state, events = reference
+    totals, sizes = [], [1.0]
+
+    def look(made):
+        totals.append(made["energy.total"])
+        sizes.append(abs(made["energy.kinetic"]) + abs(made["energy.external_work"]))
+
+    run(fmu, values, end, STEPS[seed % 3], 1e-10, method, look)
+    found = [fmu[f"{body}.{row}"] for row in ("position", "velocity") for body in ("source", "destination")]
+    lines = differences("positions, velocities", np.concatenate(found), state[:12], ALLOWED[method])
+    lines += differences("dissipated", fmu["energy.dissipated"], state[12], ALLOWED[method])
+    balance = BALANCE[method] * max(sizes)
+    lines += differences("energy.total", totals, [totals[0]] * len(totals), balance)
+    if fmu["contact.onsets"] != onsets:
+        lines.append(f"onsets: got {fmu['contact.onsets']}, expected {onsets}")
+    if method == "event_driven":
+        if fmu["solver.events"] != len(events):
+            lines.append(f"events: got {fmu['solver.events']}, expected {len(events)}")
+        if fmu["solver.fallbacks"] != 0:
+            lines.append("left to CVODE")
+    return lines
+
+
+@pytest.mark.parametrize("seed", range(FIRST, FIRST + COUNT))
+def test_a_scene_goes_as_the_reference_says(opened, seed):
+    scene = law_scene(seed)
+    pair, state = law_pair(*scene[:2])
+    reference = hertz.run(pair, state, scene[2])
+    onsets = onsets_of(pair, state, reference[1])
+    wrong = {}
+    for method in METHODS:
+        lines = failures(opened(scene[0]), scene, seed, method, reference, onsets)
+        if lines:
+            wrong[method] = lines
+    assert not wrong, f"{wrong}\n{scene}"
+
+
+def test_the_scenes_are_what_they_are_about():
+    """Of the first 60: both laws, all shapes and sides, motions and dashpots, and most have a contact"""
+    scenes = [law_scene(seed) for seed in range(60)]
+    kinds = {(name, values.get("contact.location"), values["contact.law"]) for name, values, _ in scenes}
+    motions = {(values["source.motion"], values["destination.motion"]) for _, values, _ in scenes}
+    dampings = {(values["contact.dashpot"], values["contact.viscous_control"]) for _, values, _ in scenes}
+    assert (len(kinds), len(motions), len(dampings)) == (10, 4, 6)
