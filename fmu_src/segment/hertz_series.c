@@ -65,8 +65,10 @@ double pair_hertz_depth_under(const struct contact_pair *from, double accelerati
 static double hertz_unit(const struct contact_pair *from, double opening)
 {
     const double k = from->hertz_stiffness / from->reduced_mass;
-    /* of an impact without damping: delta_max^(5/2) = 5/4 v^2 / k */
-    const double by_speed = pow(1.25 * opening * opening / k, 0.4);
+    /* of an impact without damping: delta_max^(5/2) = 5/4 v^2 / k; with much, 5/2 v / (k chi) */
+    const double speed = fabs(opening);
+    const double stops = fmin(0.5 * speed, 1.0 / from->chi); /* chi = 0: the former */
+    const double by_speed = pow(2.5 * speed * stops / k, 0.4);
     const double by_load = pair_hertz_depth_under(from, pair_load(from) / from->reduced_mass);
     const double depth = fmax(fmax(by_speed, by_load), -from->gap);
     const double root = sqrt(depth);

@@ -100,6 +100,28 @@ static void choose_contact(fmi2Component c, struct bytes *b, int contact)
     (void)host_set_real(c, ROW_contact_reference_modulus, contact, 0, bytes_power(b, 3.0, 11.0));
 }
 
+/* The law and what it takes its factors from. These bytes came after all others: inputs without them have the
+ * linear law with the damping chosen above. */
+static void choose_law(fmi2Component c, struct bytes *b, int contact)
+{
+    const bool hertz = bytes_choice(b, 2) == 1;
+    (void)host_set_real(c, ROW_contact_restitution, contact, 0, bytes_choice(b, 4) ? bytes_part(b) : 0.0);
+    if (bytes_choice(b, 3) == 2) {
+        (void)host_set_integer(c, ROW_contact_viscous_control, contact, 3);
+    }
+    if (!hertz) {
+        return;
+    }
+    (void)host_set_integer(c, ROW_contact_law, contact, 2);
+    (void)host_set_integer(c, ROW_contact_penalty_control, contact, 2 - (int)bytes_choice(b, 2));
+    (void)host_set_real(c, ROW_contact_hertz_stiffness, contact, 0, bytes_power(b, 2.0, 12.0));
+    (void)host_set_real(c, ROW_contact_hunt_crossley_factor, contact, 0, bytes_power(b, -4.0, 3.0));
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        (void)host_set_real(c, ROW_body_youngs_modulus, i, 0, bytes_power(b, 5.0, 13.0));
+        (void)host_set_real(c, ROW_body_poissons_ratio, i, 0, bytes_between(b, -0.9, 0.5));
+    }
+}
+
 struct plan plan_choose(fmi2Component c, struct bytes *b)
 {
     struct plan plan = {.method = 1 + (int)bytes_choice(b, 3)};
@@ -118,6 +140,9 @@ struct plan plan_choose(fmi2Component c, struct bytes *b)
     }
     any_vector(b, -2.0, 2.0, gravity);
     set_vector(c, ROW_gravity, 0, gravity);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        choose_law(c, b, j);
+    }
     return plan;
 }
 

@@ -141,6 +141,10 @@ WRONG = {
         ["run", "SphereSphere", "--set", "contact.location=inside", "--set", "source.radius=2"],
         "source.radius",
     ),
+    "run: tolerance": (
+        ["run", "SphereSphere", "--tolerance", "1e5"],
+        "the tolerance 100000 is refused (allowed: 1e-14 .. 0.01, as solver.relative_tolerance)",
+    ),
     "run: stop": (["run", "SphereSphere", "--stop", "-1"], "greater than 0"),
     "run: step": (["run", "SphereSphere", "--step", "1e-300"], "--step"),
     "run: csv": (["run", "SphereSphere", "--stop", "0.01", "--csv", "nowhere/out.csv"], "nowhere/out.csv"),

@@ -134,6 +134,10 @@ def test_the_declared_ranges_are_swept():
     assert span("communication step") == (1e-9, 1e3)
     assert span("offset") == (0.0, 1e9)
     assert span("force")[1] == 1e12
+    assert span("plane") == (1.0, 1e15)
+    assert span("modulus") == (1e5, 1e13)
+    assert span("restitution") == (0.0, 1.0)
+    assert span("exponent") == (1.0, 1.5)
     sizes = [
         scene.motion.end / n for scene in scenes for n in scene.steps if scene.family == "communication step"
     ]

@@ -8,17 +8,19 @@ from decimal import Decimal, localcontext
 
 import pytest
 from mpmath import mp, mpf, odefun
+from scipy.integrate import solve_ivp
 
 from contact_fmus.scenarios.closed_forms import overlap_duration, restitution
 from contact_fmus.stability.expected import of_head_on
-from contact_fmus.stability.head_on import GEOMETRIES, LAWS, HeadOn
+from contact_fmus.stability.head_on import GEOMETRIES, LAWS, PLANE, HeadOn
+from contact_fmus.stability.impact import Impact
 from contact_fmus.stability.line_motion import Line
 from contact_fmus.stability.swing import Swing
 from support.checks import check_close
 from support.reference.bounce_train import Ball
 from support.reference.integrator import Reference
 
-SHAPES = {"SphereSphere": "sphere", "SphereCylinder": "cylinder"}
+SHAPES = {"SphereSphere": "sphere", "SphereCylinder": "cylinder", "SpherePlane": "plane"}
 
 
 @pytest.mark.parametrize("damping", [0.0, 200.0])
@@ -34,7 +36,7 @@ def test_a_bounce_train_is_that_of_the_other_closed_form(dashpot, damping):
 
 @pytest.mark.parametrize(
     "geometry, law, ratio",
-    [(geometry, law, 0.2) for geometry in GEOMETRIES for law in LAWS]
+    [(geometry, law, 0.2) for geometry in (*GEOMETRIES, PLANE) for law in LAWS]
     + [("sphere outside", law, ratio) for law in LAWS[1:] for ratio in (0.05, 1.5)],
 )
 def test_a_head_on_scene_ends_where_the_taylor_integrator_says(geometry, law, ratio):
@@ -60,6 +62,32 @@ def test_an_impact_gives_back_and_lasts_as_theory_says(law, ratio):
     check_close("restitution", float(line.speed), restitution(law, ratio), 1e-13)
     lasts = overlap_duration(law, 1.0, 1e6, damping)
     check_close("duration", float(line.last_duration), lasts, 1e-12 * lasts)
+
+
+@pytest.mark.parametrize("law", ["undamped", "non_adhesive", "approach_only"])
+def test_an_impact_by_hertz_goes_as_its_equation(law):
+    """Dormand and Prince's method of order 8, from the touch to the gap's next zero"""
+    motion = Impact("plane", law, damped=0.0 if law == "undamped" else 0.7, speed=2.0)
+    k, chi = 1e8, 0.0 if law == "undamped" else 0.35
+
+    def rates(_, y):
+        damping = 0.0 if law == "approach_only" and y[1] < 0 else chi
+        return [y[1], -k * max(y[0], 0.0) ** 1.5 * (1 + damping * y[1])]
+
+    def parts(t, y):
+        return y[0] if t > 1e-6 else 1.0
+
+    def turns(_, y):
+        return y[1]
+
+    parts.terminal = turns.terminal = True
+    settings = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-18}
+    forth = solve_ivp(rates, (0, 1), [0.0, 2.0], events=turns, **settings)
+    back = solve_ivp(rates, (forth.t[-1], 1), forth.y[:, -1], events=parts, **settings)
+    duration, after, depth = motion.impact
+    check_close("depth", float(depth), forth.y[0, -1], 1e-10 * float(depth))
+    check_close("duration", float(duration), back.t[-1], 1e-10 * float(duration))
+    check_close("speed", float(after), -back.y[1, -1], 1e-10)
 
 
 def test_two_free_bodies_keep_their_momentum():

@@ -84,8 +84,25 @@ def _refuse_too_much(values: float) -> None:
         )
 
 
+RELATIVE_TOLERANCE = "solver.relative_tolerance"  # of the FMUs here, which the experiment's replaces
+
+
+def _check_tolerance(fmu: ContactFmu, experiment: Experiment) -> None:
+    """An FMU takes the nearest one that it allows: here that would be another one than was asked for"""
+    declared = [one for one in fmu.description.modelVariables if one.name == RELATIVE_TOLERANCE]
+    if experiment.tolerance is None or not declared or None in (declared[0].min, declared[0].max):
+        return
+    low, high = float(declared[0].min), float(declared[0].max)
+    if not low <= experiment.tolerance <= high:
+        raise UserError(
+            f"{experiment.fmu.name}: the tolerance {experiment.tolerance:g} is refused"
+            f" (allowed: {low:g} .. {high:g}, as {RELATIVE_TOLERANCE})"
+        )
+
+
 def _start(fmu: ContactFmu, experiment: Experiment) -> None:
     """What the FMU refuses before its first step is the user's to change"""
+    _check_tolerance(fmu, experiment)
     values = dict(experiment.values)
     for signal in experiment.inputs:
         values[signal.variable] = signal.evaluate(experiment.start_time, 0)

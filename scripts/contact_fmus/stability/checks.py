@@ -13,6 +13,7 @@ from mpmath import mp, mpf
 from .drive import Outcome, Sample
 from .expected import Expected
 from .head_on import HeadOn
+from .impact import Impact
 from .line_motion import DIGITS
 from .similar import Similar
 
@@ -61,7 +62,7 @@ class Figures:
         return found + (["onsets"] if self.missed else [])
 
 
-def figures(motion: HeadOn | Similar, expected: Expected, outcome: Outcome) -> Figures:
+def figures(motion: HeadOn | Impact | Similar, expected: Expected, outcome: Outcome) -> Figures:
     if not outcome.counts:
         return Figures()
     values = np.array([sample.values for sample in outcome.samples])
@@ -84,7 +85,7 @@ def speed(sample: Sample) -> float:
     return float(max(np.linalg.norm(sample.vector(f"{body}.velocity")) for body in ("source", "destination")))
 
 
-def energy(motion: HeadOn | Similar, outcome: Outcome, fastest: float) -> tuple[float, float]:
+def energy(motion: HeadOn | Impact | Similar, outcome: Outcome, fastest: float) -> tuple[float, float]:
     """How far energy.total strays, and mechanical energy rises, over the largest energy in play"""
     rows = {name: np.array([one[f"energy.{name}"] for one in outcome.samples]) for name in ENERGIES}
     depth = max(sample["contact.peak_penetration"] for sample in outcome.samples)
@@ -101,7 +102,7 @@ def energy(motion: HeadOn | Similar, outcome: Outcome, fastest: float) -> tuple[
     return balance, max(0.0, float(np.max(mechanical - mechanical[0]))) / in_play
 
 
-def momentum(motion: HeadOn | Similar, outcome: Outcome, fastest: float) -> float:
+def momentum(motion: HeadOn | Impact | Similar, outcome: Outcome, fastest: float) -> float:
     """m dv of the source against the impulses of contact, gravity and force; of both bodies together"""
     first, last = outcome.samples[0], outcome.last
     times = np.array([sample.time for sample in outcome.samples])

@@ -56,7 +56,7 @@ class Outcome:
 
 
 class Driver:
-    """The two FMUs, each instantiated once"""
+    """The universal FMUs, each instantiated once"""
 
     def __init__(self) -> None:
         self._open: dict[str, tuple[ContactFmu, Any, Any]] = {}

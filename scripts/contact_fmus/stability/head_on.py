@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from mpmath import mp, mpf
 
-from .line_motion import DIGITS, Line
+from .line_motion import DIGITS, Line, damping_ratio
 
 GEOMETRIES = ("sphere outside", "sphere inside", "cylinder outside", "cylinder inside")
+PLANE = "plane"  # its normal is that along z; it has an axis of its own, and no radius
 LAWS = ("undamped", "non_adhesive", "unclamped", "approach_only", "viscous_only")
 
 
@@ -36,6 +37,7 @@ class HeadOn:
     penalty: float = 1e6
     ratio: float = 0.2
     damping: float | None = None
+    restitution: float | None = None  # in place of either
     gravity: float = 9.81
     force: float = 0.0  # on the source, into the contact
     offset: float = 0.0  # of both bodies, in all directions
@@ -52,10 +54,14 @@ class HeadOn:
 
     @property
     def fmu(self) -> str:
+        if self.geometry == PLANE:
+            return "SpherePlane"
         return "SphereSphere" if self.geometry.startswith("sphere") else "SphereCylinder"
 
     @property
     def reach(self) -> float:
+        if self.geometry == PLANE:
+            return self.source_radius
         return self.destination_radius + self.source_radius * (-1 if self.inside else 1)
 
     @property
@@ -74,6 +80,8 @@ class HeadOn:
             return 0.0
         if self.damping is not None:
             return self.damping
+        if self.restitution is not None:
+            return float(self._restitution_factor())
         return 2 * self.ratio * math.sqrt(self.penalty * self.reduced_mass)
 
     @property
@@ -89,15 +97,18 @@ class HeadOn:
     def configuration(self) -> dict[str, Any]:
         values = {
             "source.radius": self.source_radius,
-            "destination.radius": self.destination_radius,
             "source.mass": self.source_mass,
             "source.center": self.source_center(),
             "destination.center": [self.offset] * 3,
             "source.initial_velocity": [0.0, self.along_speed, -self.speed],
-            "contact.location": "inside" if self.inside else "outside",
             "gravity": [0.0, 0.0, -self.gravity],
             "source.external_force": [0.0, 0.0, -self.force],
         }
+        if self.geometry == PLANE:
+            values["destination.axis"] = [0.0, 0.0, 1.0]
+        else:
+            values["destination.radius"] = self.destination_radius
+            values["contact.location"] = "inside" if self.inside else "outside"
         if self.destination_mass is not None:
             values |= {"destination.motion": "free", "destination.mass": self.destination_mass}
         if self.prescribed:
@@ -112,9 +123,19 @@ class HeadOn:
         if self.law == "undamped":
             return {"contact.method": "penalty", "contact.penalty_factor": self.penalty}
         values = {"contact.viscous_penalty_factor": self.dashpot_factor, "contact.dashpot": self.kind}
+        if self.restitution is not None:
+            values = {"contact.viscous_control": "restitution", "contact.restitution": self.restitution}
+            return values | {"contact.dashpot": self.kind, "contact.penalty_factor": self.penalty}
         if self.law == "viscous_only":
             return values | {"contact.penalty_control": "viscous_only"}
         return values | {"contact.penalty_factor": self.penalty}
+
+    def _restitution_factor(self) -> mpf:
+        with mp.workdps(DIGITS):
+            mass = mpf(self.source_mass)
+            if self.destination_mass is not None:
+                mass = mass * mpf(self.destination_mass) / (mass + mpf(self.destination_mass))
+            return 2 * damping_ratio(self.restitution, self.kind) * mp.sqrt(mpf(self.penalty) * mass)
 
     def line(self) -> Line:
         """The closed form, from the very numbers that the FMU is given"""
@@ -126,12 +147,16 @@ class HeadOn:
                 else source
             )
             radii = mpf(self.destination_radius), mpf(self.source_radius)
+            if self.geometry == PLANE:
+                radii = mpf(0), radii[1]
+            damped = self.restitution is not None and self.law != "undamped"
             return Line(
                 inside=self.inside,
+                flat=self.geometry == PLANE,
                 reach=radii[0] - radii[1] if self.inside else radii[0] + radii[1],
                 mass=mass,
                 stiffness=mpf(self.stored_penalty),
-                damping=mpf(self.dashpot_factor),
+                damping=self._restitution_factor() if damped else mpf(self.dashpot_factor),
                 dashpot=self.kind,
                 push=-mpf(self.force) / source - (mpf(0) if free else mpf(self.gravity)),
                 place=mpf(self.source_center()[2]) - mpf(self.offset),

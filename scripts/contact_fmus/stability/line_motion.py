@@ -2,7 +2,7 @@
 both centres (across a cylinder's axis), under a constant acceleration a.
 
 Outside, the bodies overlap by s = reach - |q|, and a body fast or deep enough passes the middle, where the
-contact turns round. Inside they overlap by s = |q| - reach. The contact obeys
+contact turns round. Inside they overlap by s = |q| - reach, on a plane by s = reach - q. The contact obeys
 
     m s'' = m b - F(s, s'),    b the acceleration into the contact,
 
@@ -37,6 +37,7 @@ class Line:
     push: mpf  # acceleration along q
     place: mpf  # q
     speed: mpf  # q'
+    flat: bool = False  # a plane, below it
     ends: tuple = ()  # times at which a finite cylinder's end is passed
     within: bool = True
     time: mpf = ZERO
@@ -52,11 +53,15 @@ class Line:
     _on_root: str = ""
 
     def depth(self) -> mpf:
+        if self.flat:
+            return self.reach - self.place
         return (abs(self.place) - self.reach) * (1 if self.inside else -1)
 
     def side(self) -> mpf:
         """+1 or -1: where the source is; in the middle, where it goes to. At rest there, a solid body's
         contact pushes to +z, the FMU's direction where there is no other."""
+        if self.flat:
+            return mpf(1)
         away = self.push + self.stiffness * self.reach / self.mass
         at_rest = mpf(1) if not self.inside and away > 0 else mp.sign(self.push) or mpf(1)
         return mp.sign(self.place) or mp.sign(self.speed) or at_rest
@@ -135,8 +140,8 @@ class Line:
         swing = Swing(mpf(0), mpf(0), self.push, self.place, self.speed)
         stop = self._next_end(until)
         begin, event = self.time, ""
-        left = self._on_root == "left" and mp.sign(self.place)
-        for wall in (self.reach, -self.reach):
+        left = self._on_root == "left" and (1 if self.flat else mp.sign(self.place))
+        for wall in (self.reach,) if self.flat else (self.reach, -self.reach):
             if not self.within:
                 break
             t = swing.first_change((mpf(1), mpf(0), -wall), stop - begin, left == mp.sign(wall))
@@ -164,7 +169,7 @@ class Line:
             found["rate"] = (mpf(0), mpf(1), mpf(0))
         if self.dashpot == "non_adhesive" and self.damping != 0:
             found["force"] = (self.stiffness, self.damping, mpf(0))
-        if not self.inside:
+        if not self.inside and not self.flat:
             found["middle"] = (mpf(1), mpf(0), -self.reach)
         return found
 
@@ -206,3 +211,21 @@ class Line:
             self.law = SPRING if self.law == FULL else FULL
         elif event == "force":
             self.law = CLIPPED if self.law == FULL else FULL
+
+
+def damping_ratio(restitution: float, dashpot: str) -> mpf:
+    """zeta of a free impact with this coefficient of restitution, by halving: with cos t = zeta, or cosh t
+    beyond critical damping, unclamped e = exp(-pi cot t), the others e = exp(-t cot t), non_adhesive its
+    square. None but an infinite dashpot would give 0: less than 1e-6 counts as that."""
+    with mp.workdps(DIGITS):
+        e = mpf(restitution)
+        if dashpot == "unclamped":
+            return mpf(1) if e == 0 else -mp.log(e) / mp.hypot(mp.pi, mp.log(e))
+        wanted = -mp.log(max(e, mpf("1e-6"))) / (2 if dashpot == "non_adhesive" else 1)
+        low, high = mpf(0), mp.exp(wanted) if wanted > 0 else mpf(0)
+        for _ in range(220):
+            middle = (low + high) / 2
+            t = mp.acos(mp.mpc(middle))
+            lost = mp.re(t * mp.cot(t)) if t != 0 else mpf(1)
+            low, high = (middle, high) if lost < wanted else (low, middle)
+        return high

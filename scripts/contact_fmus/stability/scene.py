@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from .expected import Expected, of_head_on
 from .head_on import HeadOn
+from .impact import Impact
 from .similar import Similar
 
 STEPS = (1, 7)  # communication steps of a run, where a family does not say
@@ -26,18 +27,18 @@ class Scene:
 
     family: str
     value: float  # on the family's axis
-    motion: HeadOn | Similar
+    motion: HeadOn | Impact | Similar
     steps: Sequence[int] = STEPS
     jumps: Sequence[Jump] = ()
     note: str = ""  # what sets it apart from others at the same value
 
     def __post_init__(self) -> None:
-        if isinstance(self.motion, HeadOn):
+        if not isinstance(self.motion, Similar):
             object.__setattr__(self, "motion", self.motion.timed())
 
     def expected(self) -> dict[int, Expected]:
         """By number of communication steps, which matters where inputs jump at them"""
-        if isinstance(self.motion, Similar):
+        if not isinstance(self.motion, HeadOn):
             return dict.fromkeys(self.steps, self.motion.expected())
         if not self.jumps:
             return dict.fromkeys(self.steps, of_head_on(self.motion))

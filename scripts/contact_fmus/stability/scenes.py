@@ -7,7 +7,9 @@ from dataclasses import replace
 from functools import partial
 
 from . import together
-from .head_on import GEOMETRIES, LAWS, HeadOn
+from .head_on import GEOMETRIES, LAWS, PLANE, HeadOn
+from .impact import GEOMETRIES as ALL_GEOMETRIES
+from .impact import Impact
 from .scene import Family, Jump, Scene
 from .similar import Similar, bases, unit_systems
 
@@ -217,6 +219,59 @@ def units(which: str) -> Iterator[Scene]:
                 yield Scene(f"unit of {which}", power, Similar(number, system), note=base["name"])
 
 
+def plane() -> Iterator[Scene]:
+    """A ball on a plane: dropped, thrown, lying on it, and a plane that is free itself"""
+    for value in decades(0, 15):
+        for law in LAWS:
+            one = HeadOn(geometry=PLANE, law=law, penalty=value)
+            yield Scene("plane", value, one)
+            yield Scene("plane", value, replace(one, speed=100.0, gravity=0.0), note="thrown")
+            lying = replace(one, place=one.reach, gap=0.0, speed=0.0, end=min(0.1, 30 * one.contact_time()))
+            yield Scene("plane", value, lying, note="set down")
+            both = replace(one, source_mass=3.0, destination_mass=2.0, offset=1e3)
+            yield Scene("plane", value, both, note="free plane")
+
+
+DAMPED = LAWS[1:4]  # the dashpots
+
+
+def modulus() -> Iterator[Scene]:
+    for value in decades(5, 13):
+        for geometry in ALL_GEOMETRIES:
+            one = Impact(geometry=geometry, modulus=value)
+            yield Scene("modulus", value, replace(one, law="undamped"))
+            for law in DAMPED:
+                yield Scene("modulus", value, replace(one, law=law, restitution=0.7), note="restitution 0.7")
+                free = replace(one, law=law, damped=0.3, destination_mass=2.0)
+                yield Scene("modulus", value, free, note="Hunt-Crossley, both free")
+
+
+def restitution() -> Iterator[Scene]:
+    for value in (0.0, 1e-6, 1e-3, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 0.999, 1.0):
+        for geometry in ALL_GEOMETRIES:
+            for law in DAMPED:
+                hertz = Impact(geometry=geometry, law=law, restitution=value)
+                yield Scene("restitution", value, hertz, note="hertz")
+                linear = HeadOn(geometry=geometry, law=law, restitution=value, gravity=0.0)
+                yield Scene("restitution", value, linear, note="linear")
+
+
+def exponent() -> Iterator[Scene]:
+    """1: the linear law, 3/2: Hertz's, from creeping to a bullet's speed; the depth is the same"""
+    for geometry in ALL_GEOMETRIES:
+        for law in LAWS[:4]:
+            for speed in decades(-6, 6, 3):
+                e = None if law == "undamped" else 0.7
+                penalty = (speed / 1e-3) ** 2
+                linear = HeadOn(
+                    geometry=geometry, law=law, restitution=e, gravity=0.0, speed=speed, penalty=penalty
+                )
+                yield Scene("exponent", 1.0, linear, note=f"{speed:g} m/s")
+                stiffness = 1.25 * speed**2 / 1e-3**2.5
+                hertz = Impact(geometry=geometry, law=law, restitution=e, speed=speed, stiffness=stiffness)
+                yield Scene("exponent", 1.5, hertz, note=f"{speed:g} m/s")
+
+
 def at_once() -> Iterator[Scene]:
     for group, number, motion in together.scenes():
         yield Scene("all at once", group, motion, note=f"number {number}")
@@ -239,6 +294,10 @@ FAMILIES = (
     Family("rim", "time between touch and end, s", rim),
     Family("force", "external force, N", force),
     Family("jump", "jump over the radius", jumps),
+    Family("plane", "penalty factor, N/m", plane),
+    Family("modulus", "Young's modulus of both bodies, Pa", modulus),
+    Family("restitution", "coefficient of restitution", restitution),
+    Family("exponent", "exponent of the force law", exponent),
     Family("all at once", "group of random scenes", at_once),
     Family("unit of length", "length unit, power of two", partial(units, "length")),
     Family("unit of mass", "mass unit, power of two", partial(units, "mass")),

@@ -23,6 +23,12 @@ AXES = {
     "rim": "The ball passes the end of a finite cylinder so long before or after it touches",
     "force": "A force presses the ball on the body",
     "jump": "The importer moves the destination by so many radii at once, into the ball or away, and back",
+    "plane": "A ball on a plane: how stiff the contact is. The ball is dropped, thrown or set down, or the "
+    "plane is free too",
+    "modulus": "Impacts by Hertz's law with the stiffness of the material",
+    "restitution": "Impacts by either law whose damping follows from the coefficient of restitution",
+    "exponent": "Impacts by the linear law (1) and by Hertz's (3/2), from 1e-6 to 1e6 m/s, all about a "
+    "millimetre deep",
     "all at once": "Forty scenes in each of ten groups, drawn at random with everything above "
     "extreme at once. The number is the group's and has no order",
     "unit of length": "Oblique scenes told in another unit of length, 2 to this power of a metre: the "
@@ -43,9 +49,10 @@ LAWS = {
 CHECKS = (
     "Head-on scenes have a closed form, evaluated with 60 digits from the very numbers the FMU is "
     "given: flights are parabolas, contacts damped oscillations, joined where the gap, the gap rate or "
-    "the force changes its sign. Oblique scenes, grazes and soft bodies passed off their middle have an "
-    "end computed with 40 digits by a Taylor integrator, and are repeated in other units of length, "
-    "mass and time (powers of two): the numbers are extreme, the motion is the same.",
+    "the force changes its sign. Impacts by Hertz's law have a closed form up to one quadrature. "
+    "Oblique scenes, grazes and soft bodies passed off their middle have an end computed with 40 digits by "
+    "a Taylor integrator, and are repeated in other units of length, mass and time (powers of two): the "
+    "numbers are extreme, the motion is the same.",
     "Asked of every run: finite outputs; the place at the end; energy.total constant, over the largest "
     "energy in play; no mechanical energy gained where nothing gives any; momentum against the impulses "
     "of contact, gravity and force; the number of onsets and the time of the last one; the work. A run "
