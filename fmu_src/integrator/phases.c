@@ -8,7 +8,7 @@
 #include "integrator/prescribed.h"
 #include "scene/rounding.h"
 #include "segment/flight.h"
-#include "segment/regime_change.h"
+#include "segment/outlook.h"
 
 bool integrator_open(struct integrator *s, const struct scene_values *v,
                      const struct integrator_memory *memory)
@@ -59,9 +59,12 @@ static void look_ahead(const struct scene_values *v, struct scene_state *q, doub
         return;
     }
     const struct scene_instant *at = advance_now(step, v, q);
-    const double horizon = horizon_from(v, q, at, remaining);
+    double horizon = horizon_from(v, q, at, remaining);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct regime_change next = next_regime_change(v, q, at, q->clock, j, horizon);
+        const struct outlook outlook = outlook_of(v, q, at, j, horizon, step->budget);
+        const struct regime_change next = outlook.next;
+        horizon = outlook.searched;
+        step->budget -= outlook.evaluations;
         q->contact[j].schedule.change_clock = q->clock + next.after;
         q->contact[j].schedule.change_regime = (int32_t)next.regime;
         q->contact[j].schedule.change_gap = next.gap;

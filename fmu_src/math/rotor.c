@@ -32,8 +32,8 @@ static struct double_double without_turns(struct double_double angle)
 }
 
 /* Of rate times factor times time; `rate` in 1/unit. */
-static struct sine_cosine turned(const struct rotor *rotor, struct double_double rate, double factor,
-                                 double time)
+static struct sine_cosine sine_cosine_after(const struct rotor *rotor, struct double_double rate,
+                                            double factor, double time)
 {
     const double scaled = factor * (time / rotor->unit);
     /* an angle that overflows is beyond all digits, and so is a product of halves that does */
@@ -122,8 +122,8 @@ static struct vec3 turned_about(struct vec3 u, struct sine_cosine by, struct vec
 struct rotor_state rotor_at(const struct rotor *rotor, double time)
 {
     /* half angles, reduced by whole turns of their own: the sign of the quaternion follows */
-    const struct sine_cosine round = turned(rotor, rotor->precession, 0.5, time);
-    const struct sine_cosine about = turned(rotor, rotor->spin, 0.5, time);
+    const struct sine_cosine round = sine_cosine_after(rotor, rotor->precession, 0.5, time);
+    const struct sine_cosine about = sine_cosine_after(rotor, rotor->spin, 0.5, time);
     const struct quaternion first = quaternion_make(about.cosine, vec3_make(0.0, 0.0, about.sine));
     const struct quaternion last = quaternion_make(round.cosine, vec3_scale(round.sine, rotor->direction));
     const struct quaternion middle = quaternion_product(rotor->start.orientation, first);
@@ -134,7 +134,7 @@ struct rotor_state rotor_at(const struct rotor *rotor, double time)
 
 struct rotor_axis rotor_axis_at(const struct rotor *rotor, double time)
 {
-    const struct sine_cosine round = turned(rotor, rotor->precession, 1.0, time);
+    const struct sine_cosine round = sine_cosine_after(rotor, rotor->precession, 1.0, time);
     const struct vec3 axis = turned_about(rotor->direction, round, rotor->axis);
     return (struct rotor_axis){axis, vec3_scale(rotor_precession(rotor), vec3_cross(rotor->direction, axis))};
 }

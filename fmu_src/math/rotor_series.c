@@ -13,8 +13,8 @@ void rotor_rates_shift(struct vec3 *coefficient, int count, double time)
 }
 
 /* I_1 omega + (I_3 - I_1) omega_3 e_3, over I_1 */
-static struct vec3 start_rate(const struct rotor_state *start, double transverse_inertia,
-                              double axial_inertia)
+static struct vec3 rate_of_momentum(const struct rotor_state *start, double transverse_inertia,
+                                    double axial_inertia)
 {
     const struct vec3 axis = quaternion_third_axis(start->orientation);
     const double ratio = (axial_inertia - transverse_inertia) / transverse_inertia;
@@ -25,7 +25,7 @@ void rotor_rates_under_torque(const struct rotor_state *start, double transverse
                               double axial_inertia, const struct vec3 torque[ROTOR_TORQUES],
                               struct vec3 lambda[ROTOR_RATES])
 {
-    lambda[0] = start_rate(start, transverse_inertia, axial_inertia);
+    lambda[0] = rate_of_momentum(start, transverse_inertia, axial_inertia);
     for (int i = 0; i < ROTOR_TORQUES; ++i) {
         lambda[i + 1] = vec3_scale(1.0 / ((i + 1) * transverse_inertia), torque[i]);
     }

@@ -7,7 +7,7 @@
 #include "scene/free_bodies.h"
 #include "scene/regime_margin.h"
 #include "scene/transition.h"
-#include "segment/regime_change.h"
+#include "segment/outlook.h"
 
 void motion_set_state(struct scene_state *q, const struct variable *state, double value)
 {
@@ -119,6 +119,9 @@ bool motion_change_regimes(const struct scene_values *v, struct scene_state *q)
 static const double FIRST_HORIZON = 1.0, HORIZON_FACTOR = 4.0;
 enum { HORIZONS = 7 };
 
+/* Of a search for each horizon where an axis turns: beyond it the importer's own root finding is left. */
+static const long MOST_EVALUATIONS = 100000;
+
 /* Of a contact apart, unless the importer leads one of its bodies: where to, only it knows. */
 static double touch_after(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, int contact)
@@ -131,7 +134,7 @@ static double touch_after(const struct scene_values *v, const struct scene_state
     }
     double horizon = FIRST_HORIZON;
     for (int i = 0; i < HORIZONS && !isfinite(after); ++i) {
-        after = next_regime_change(v, q, at, q->clock, contact, horizon).after;
+        after = outlook_of(v, q, at, contact, horizon, MOST_EVALUATIONS).next.after;
         horizon *= HORIZON_FACTOR;
     }
     return after;

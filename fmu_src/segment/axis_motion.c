@@ -12,7 +12,7 @@ struct axis_motion axis_motion_of_rotor(const struct rotor *rotor)
         .kind = turns ? AXIS_PRECESSES : AXIS_FIXED, .axis = rotor->axis, .rotor = *rotor};
 }
 
-static bool axis_is_constant(const struct vec3 *coefficient, int count)
+static bool is_steady_axis(const struct vec3 *coefficient, int count)
 {
     for (int i = 1; i < count; ++i) {
         if (!vec3_is_zero(coefficient[i])) {
@@ -31,7 +31,7 @@ static void copy_terms(struct axis_motion *motion, const struct vec3 *coefficien
 
 struct axis_motion axis_motion_driven(struct vec3 axis, const struct vec3 *rate, int count)
 {
-    if (axis_is_constant(rate, count)) {
+    if (is_steady_axis(rate, count)) {
         /* a sphere's free motion is a steady turn */
         const struct rotor_state start = {quaternion_between(vec3_make(0.0, 0.0, 1.0), axis), rate[0]};
         struct rotor rotor = rotor_from(start, 1.0, 1.0);
@@ -45,7 +45,7 @@ struct axis_motion axis_motion_driven(struct vec3 axis, const struct vec3 *rate,
 
 struct axis_motion axis_motion_following(const struct vec3 *direction, int count)
 {
-    struct axis_motion motion = {.kind = axis_is_constant(direction, count) ? AXIS_FIXED : AXIS_FOLLOWS};
+    struct axis_motion motion = {.kind = is_steady_axis(direction, count) ? AXIS_FIXED : AXIS_FOLLOWS};
     motion.axis = vec3_scale(1.0 / vec3_norm(direction[0]), direction[0]);
     copy_terms(&motion, direction, count);
     return motion;
@@ -62,7 +62,7 @@ static void polynomial_of_vectors(const struct vec3 coefficient[AXIS_TERMS], dou
     }
 }
 
-static struct rotor_axis following_at(const struct axis_motion *motion, double time)
+static struct rotor_axis following_axis_at(const struct axis_motion *motion, double time)
 {
     struct rotor_axis now = {motion->axis, vec3_make(0.0, 0.0, 0.0)};
     struct vec3 at[3];
@@ -88,11 +88,11 @@ struct rotor_axis axis_motion_at(const struct axis_motion *motion, double time)
 {
     switch (motion->kind) {
     case AXIS_PRECESSES:
-        return rotor_axis_at(&motion->rotor, time);
+        return rotor_axis_at(&motion->rotor, time - motion->from);
     case AXIS_DRIVEN:
         return driven_axis_at(motion, time);
     case AXIS_FOLLOWS:
-        return following_at(motion, time);
+        return following_axis_at(motion, time);
     case AXIS_FIXED:
     default:
         return (struct rotor_axis){motion->axis, vec3_make(0.0, 0.0, 0.0)};

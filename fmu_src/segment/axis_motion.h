@@ -15,8 +15,9 @@ enum axis_motion_kind { AXIS_FIXED, AXIS_PRECESSES, AXIS_DRIVEN, AXIS_FOLLOWS };
 
 struct axis_motion {
     enum axis_motion_kind kind;
-    struct vec3 axis;   /* e_d at time `from`; of AXIS_FIXED always */
-    double from;        /* 0 but for AXIS_DRIVEN, whose polynomial and axis move on with the search */
+    struct vec3 axis; /* e_d at time `from`; of AXIS_FIXED always */
+    /* the origin of the times below; of AXIS_DRIVEN it moves on with the search */
+    double from;
     struct rotor rotor; /* AXIS_PRECESSES */
     /* of time since `from`: the rate lambda of AXIS_DRIVEN, e' = lambda x e; of AXIS_FOLLOWS the direction */
     struct vec3 coefficient[AXIS_TERMS];

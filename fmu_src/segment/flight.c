@@ -4,6 +4,7 @@
 
 #include "scene/energy.h"
 #include "scene/present.h"
+#include "segment/flight_turning.h"
 
 bool flight_is_free(const struct scene_state *q)
 {
@@ -106,6 +107,11 @@ void flight_advance(const struct scene_values *v, struct scene_state *q, double 
             q->body[i] = flight_body_at(v, q, i, clock);
         }
     }
+#if SCENE_ANY_ROTATION
+    if (scene_turns(v)) {
+        flight_turn_all(v, q, clock);
+    }
+#endif
     q->clock = clock;
     q->dissipated += apart ? 0.0 : stored - stored_now(v, q);
 }
@@ -128,6 +134,9 @@ static bool body_is_deferrable(const struct scene_values *v, const struct scene_
 double flight_deferrable_until(const struct scene_values *v, const struct scene_state *q)
 {
     double clock = q->horizon_clock;
+    if (scene_turns(v)) {
+        return 0.0;
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         clock = fmin(clock, q->contact[j].schedule.change_clock);
         if (!contact_is_deferrable(&q->contact[j])) {
@@ -189,7 +198,8 @@ void flight_restore(const struct scene_values *v, struct scene_state *q)
             q->body[i] = flight_body_at(v, q, i, q->clock);
         }
     }
-    for (int j = 0; SCENE_ANY_CYLINDER && j < SCENE_CONTACTS; ++j) {
+    /* friction acts along the axis, and an axis that turns keeps nothing */
+    for (int j = 0; SCENE_ANY_CYLINDER && !scene_turns(v) && j < SCENE_CONTACTS; ++j) {
         if (contact_transmits(q, j)) {
             restore_axial(v, q, j, contact_source(j));
             restore_axial(v, q, j, contact_destination(j));
