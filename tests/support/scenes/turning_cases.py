@@ -308,3 +308,64 @@ def product(p, q):
 
 def rotated(q, v):
     return v + 2 * np.cross(q[1:], np.cross(q[1:], v) + q[0] * v)
+
+
+def leaving(stiffness, mu, v_0=1e-6, angle=0.3, wide=0.5):
+    """A ball set on a sphere at `angle` from the top leaves it at cos = 10/17 cos(angle) where it rolls to the end,
+    at 2/3 cos(angle) where mu = 0; limits of p_n infinite and mu infinite."""
+    deep = wide + RADIUS - G * math.cos(angle) / stiffness
+    friction = rubbing(v_0, mu) if mu else {"contact.friction": "none"}
+    values = ball(
+        stiffness,
+        **{
+            "destination.radius": wide,
+            "source.center": [deep * math.sin(angle), 0.0, deep * math.cos(angle)],
+            "contact.location": "outside",
+            **friction,
+        },
+    )
+    return Case("sphere", values, 1.0, {"cosine": (10 / 17 if mu else 2 / 3) * math.cos(angle)})
+
+
+def left_at(figures, end):
+    """cos of the angle at which a ball has left the sphere at the origin: its fall, back to the release."""
+    since = end - figures["contact.last_onset_time"] - figures["contact.last_duration"]
+    fall = np.array([0.0, 0.0, -G])
+    place = figures["source.position"] - since * figures["source.velocity"] + 0.5 * since**2 * fall
+    return place[2] / np.linalg.norm(place)
+
+
+def shell(friction="regularized"):
+    """A free ball that goes to and fro in a free hollow sphere, without damping and gravity."""
+    values = ball(
+        1e5,
+        **{
+            "source.rotation": "free",
+            "destination.motion": "free",
+            "destination.rotation": "free",
+            "destination.mass": 2.0,
+            "source.center": [0.1, 0.05, 0.0],
+            "source.initial_velocity": [3.0, -4.0, 5.0],
+            "destination.initial_velocity": [0.2, 0.1, -0.1],
+            "source.initial_angular_velocity": [5.0, -9.0, 2.0],
+            "destination.initial_angular_velocity": [-1.0, 2.0, 3.0],
+            "gravity": [0.0, 0.0, 0.0],
+            **rubbing(1e-2, 0.3),
+            "contact.friction": friction,
+            "contact.location": "inside",
+        },
+    )
+    if friction == "elastic":
+        values["contact.tangential_stiffness"] = 4e4
+    return Case("sphere", values, 40.0, {})
+
+
+def momenta(figures, values):
+    """Linear and angular momentum of two free spheres about the origin."""
+    linear, angular = np.zeros(3), np.zeros(3)
+    for body, radius in (("source", RADIUS), ("destination", values.get("destination.radius", 0.5))):
+        mass = values[f"{body}.mass"]
+        linear += mass * figures[f"{body}.velocity"]
+        angular += mass * np.cross(figures[f"{body}.position"], figures[f"{body}.velocity"])
+        angular += 0.4 * mass * radius**2 * figures[f"{body}.angular_velocity"]
+    return linear, angular

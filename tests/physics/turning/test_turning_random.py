@@ -1,0 +1,89 @@
+"""Random scenes of bodies that turn and rub against the reference, in all that a run says.
+
+CONTACT_SCENES is the number of scenes, CONTACT_FIRST_SCENE the first one's seed: 300 are a long test.
+"""
+
+import os
+from functools import cache
+
+import numpy as np
+import pytest
+
+from support.checks import METHODS, check_close, start
+from support.reference.turning_run import TurningRun
+from support.scenes.scene_checks import FMU
+from support.scenes.scene_parts import even
+from support.scenes.turning_checks import TERMS, failures
+from support.scenes.turning_scenes import random_turning_scene
+
+COUNT = int(os.environ.get("CONTACT_SCENES", "60"))
+FIRST = int(os.environ.get("CONTACT_FIRST_SCENE", "0"))
+SEEDS = range(FIRST, FIRST + COUNT)
+
+
+@cache
+def expected(seed):
+    scene = random_turning_scene(seed)
+    return TurningRun(scene.values, scene.shape).run(scene.end).figures()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_scene_goes_as_the_reference_says(opened, seed):
+    scene, wrong = random_turning_scene(seed), {}
+    for method in METHODS:
+        fmu = opened(FMU[scene.shape])
+        lines = failures(fmu, scene.values, scene.end, scene.steps, method, expected(seed))
+        if lines:
+            wrong[method] = lines
+    assert not wrong, f"{wrong}\n{scene}"
+
+
+def test_the_scenes_reach_what_they_are_about():
+    scenes = [random_turning_scene(seed) for seed in range(120)]
+    assert {scene.shape for scene in scenes} == {"sphere", "cylinder", "plane"}
+    for name, choices in (
+        ("contact.friction", {"none", "regularized", "elastic"}),
+        ("contact.law", {"linear", "hertz"}),
+        ("source.rotation", {"none", "prescribed", "free"}),
+        ("destination.rotation", {"none", "prescribed", "free"}),
+        ("destination.motion", {"fixed", "prescribed", "free"}),
+    ):
+        assert {scene.values[name] for scene in scenes} == choices, name
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_grazing_impact_with_friction_gains_no_energy(opened, seed):
+    """Ten to a hundred times as fast along the surface as towards it, spinning: nothing drives it, so what is not
+    stored or in motion only grows."""
+    random = np.random.default_rng([16, seed])
+    shape = ("plane", "sphere", "cylinder")[seed % 3]
+    friction = ("regularized", "elastic")[seed // 3 % 2]
+    values = {
+        "source.center": [0.0, 0.0, 0.105] if shape == "plane" else [0.0, 0.0, 0.605],
+        "source.initial_velocity": [random.uniform(5, 20), random.uniform(-5, 5), random.uniform(-0.5, -0.2)],
+        "source.rotation": "free",
+        "source.initial_angular_velocity": (50 * random.normal(size=3)).tolist(),
+        "contact.friction": friction,
+        "contact.friction_coefficient": random.uniform(0.1, 1.0),
+        "contact.static_friction_coefficient": 1.2,
+        "contact.method": ("penalty", "penalty_dynamic")[seed % 2],
+        "contact.viscous_penalty_factor": 60.0,
+        "contact.penalty_factor": 10 ** random.uniform(4, 6),
+        "contact.tangential_stiffness": 10 ** random.uniform(4, 5.5),
+        "contact.tangential_damping": random.choice([0.0, 20.0]),
+        "gravity": [0.0, 0.0, 0.0],
+    }
+    if shape == "cylinder":
+        values |= {"destination.axis": [1.0, 0.0, 0.0], "contact.location": "outside"}
+    if shape == "sphere":
+        values["contact.location"] = "outside"
+    fmu = start(opened(FMU[shape]), values, 1e-10)
+    begin = fmu["energy.total"]
+    lost, size = 0.0, max(abs(fmu[f"energy.{name}"]) for name in TERMS)
+    for stop in even(0.05, 200):
+        fmu.step(stop - fmu.time)
+        now = fmu["energy.friction"] + fmu["energy.dissipated"]
+        assert now >= lost - 1e-10 * size, f"{lost} J to {now} J at {fmu.time} s"
+        lost = max(lost, now)
+    assert fmu["contact.onsets"] == 1
+    check_close("balance", fmu["energy.total"], begin, 1e-9 * size)
