@@ -31,14 +31,14 @@ BAD = [
         ['variable."body.acceleration"', "'rate_of' is 'body.velocity'", "allowed: body.displacement_state"],
     ),
     (
-        '["free"] }]',
-        '["free"], "body.mood" = ["bad"] }]',
+        '["free"] }, {',
+        '["free"], "body.mood" = ["bad"] }, {',
         ['variable."body.mass"', "'body.mood'", "body.motion"],
     ),
     (
         "max = 1e150\n",
         "max = 1e301\n",
-        ['variable."body.center"', "range -1e+150 to 1e+301", "within -1e+300"],
+        ['variable."body.axial_inertia"', "range 1e-150 to 1e+301", "within 1e-300"],
     ),
     ('unit = "m", display = "mm"', 'unit = "ft", display = "mm"', ["type.Length", "'ft'", "allowed: 1, J"]),
     ('unit = "m", display = "mm"', 'unit = "m", display = "in"', ["type.Length", "'in'", "allowed: mm"]),

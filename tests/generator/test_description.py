@@ -145,7 +145,7 @@ def felt_at_once(output, scene):
             names = [f"{key.replace('body', body)}[{k}]" for k in (1, 2, 3)]
             if not key.startswith("body."):
                 names = [key]
-            elif len(bodies) == 1:
+            elif len(bodies) == 1 and kind == "fixed":
                 names = [name for name in names if name.endswith(component)]
             found |= {name: kind for name in names if name in describe(scene)}
     return found
@@ -163,11 +163,13 @@ def test_outputs_depend_on_the_inputs_and_states_that_their_rows_name(folder, sc
         assert dict(zip(inputs, kinds, strict=True)) == felt_at_once(output, scene), output
 
 
-# Units by hand from the definitions of the SI: exponents of kg, m, s.
+# Units by hand from the definitions of the SI: exponents of kg, m, s, rad.
 SI = {
-    "1": (0, 0, 0), "m": (0, 1, 0), "s": (0, 0, 1), "kg": (1, 0, 0), "m/s": (0, 1, -1), "m/s2": (0, 1, -2),
-    "N": (1, 1, -2), "N/m": (1, 0, -2), "N.s/m": (1, 0, -1), "Pa": (1, -1, -2), "J": (1, 2, -2),
-    "W": (1, 2, -3), "s/m": (0, -1, 1), "N/m1.5": None,  # FMI has no half exponents
+    "1": (0, 0, 0, 0), "m": (0, 1, 0, 0), "s": (0, 0, 1, 0), "kg": (1, 0, 0, 0), "m/s": (0, 1, -1, 0),
+    "m/s2": (0, 1, -2, 0), "N": (1, 1, -2, 0), "N/m": (1, 0, -2, 0), "N.s/m": (1, 0, -1, 0),
+    "Pa": (1, -1, -2, 0), "J": (1, 2, -2, 0), "W": (1, 2, -3, 0), "s/m": (0, -1, 1, 0),
+    "rad/s": (0, 0, -1, 1), "N.m": (1, 2, -2, 0), "kg.m2": (1, 2, 0, 0),
+    "N/m1.5": None,  # FMI has no half exponents
 }  # fmt: skip
 PREFIX = {
     "mm": 1e3,
@@ -179,6 +181,7 @@ PREFIX = {
     "N.s/mm": 1e-3,
     "MPa": 1e-6,
     "mJ": 1e3,
+    "N.mm": 1e3,
 }
 
 
@@ -189,7 +192,7 @@ def test_units_are_those_of_the_si(folder, scene):
     assert units.keys() == {entry["unit"] for entry in describe(scene).values() if entry["unit"]}
     for name, unit in units.items():
         base = unit.find("BaseUnit")
-        exponents = base if base is None else tuple(int(base.get(key, 0)) for key in ("kg", "m", "s"))
+        exponents = base if base is None else tuple(int(base.get(key, 0)) for key in ("kg", "m", "s", "rad"))
         assert exponents == SI[name]
         for display in unit.iterchildren("DisplayUnit"):
             assert float(display.get("factor")) == PREFIX[display.get("name")]
