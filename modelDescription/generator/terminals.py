@@ -17,13 +17,23 @@ KIND = "contact-fmus.body"
 MEMBERS = {
     "prescribed_displacement": "body.prescribed_displacement",
     "prescribed_velocity": "body.prescribed_velocity",
+    "prescribed_axis": "body.prescribed_axis",
+    "prescribed_angular_velocity": "body.prescribed_angular_velocity",
     "external_force": "body.external_force",
+    "external_torque": "body.external_torque",
     "displacement": "body.displacement",
     "position": "body.position",
     "velocity": "body.velocity",
+    "orientation": "body.orientation",
+    "axis": "body.current_axis",
+    "angular_velocity": "body.angular_velocity",
 }
-# Of a contact, on its two bodies: the member is "force", numbered where a body is in several contacts.
-FORCES = {"source": "contact.source_force", "destination": "contact.destination_force"}
+# Of a contact, on its two bodies: the members are "force" and "torque", numbered where a body is in several
+# contacts.
+LOADS = {
+    "force": {"source": "contact.source_force", "destination": "contact.destination_force"},
+    "torque": {"source": "contact.source_torque", "destination": "contact.destination_torque"},
+}
 
 
 @dataclass(frozen=True)
@@ -52,19 +62,20 @@ def terminals(resolved: Resolved, arrays: bool) -> list[Terminal]:
 
 
 def _cells(resolved: Resolved, body: int):
-    """(member, cell) of what the body has, then of the forces of its contacts"""
+    """(member, cell) of what the body has, then of the forces and torques of its contacts"""
     for member, key in MEMBERS.items():
         yield from ((member, cell) for cell in resolved.of(key) if cell.element == body and cell.open)
-    forces = [
-        cell
-        for j, contact in enumerate(resolved.scene.contacts)
-        for role, key in FORCES.items()
-        if getattr(contact, role) == body
-        for cell in resolved.of(key)
-        if cell.element == j and cell.open
-    ]
-    several = len(forces) > 1
-    yield from ((f"force_{n}" if several else "force", cell) for n, cell in enumerate(forces, 1))
+    for load, keys in LOADS.items():
+        found = [
+            cell
+            for j, contact in enumerate(resolved.scene.contacts)
+            for role, key in keys.items()
+            if getattr(contact, role) == body
+            for cell in resolved.of(key)
+            if cell.element == j and cell.open
+        ]
+        several = len(found) > 1
+        yield from ((f"{load}_{n}" if several else load, cell) for n, cell in enumerate(found, 1))
 
 
 def _members(name: str, cell, arrays: bool):
