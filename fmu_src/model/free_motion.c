@@ -6,6 +6,7 @@
 #include "model/shortest.h"
 #include "scene/energy.h"
 #include "scene/turning.h"
+#include "segment/driven_turning.h"
 #include "segment/flight.h"
 
 enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise)
@@ -104,8 +105,40 @@ static enum model_status report_step_limit(const struct model *m, const struct s
         request->whole ? "where it began" : "there");
 }
 
+#if SCENE_ANY_TURNING
+/* No body is free or turns freely, but something turns or rubs. */
+static enum model_status advance_given(struct model *m, const struct step_request *request)
+{
+    const struct scene_values *v = &m->state.values;
+    struct scene_state *q = &m->state.motion;
+    const struct scene_state before = *q;
+    const double length = scene_remaining(q, request->end_time);
+    long budget = solver_max_internal_steps(v);
+    struct scene_instant at;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        driven_turning_settle(v, q, j);
+    }
+    transition_begin_step(v, q, &at);
+    if (!driven_turning_over(v, q, length, &budget)) {
+        *q = before;
+        const struct step_request whole = {.end_time = request->end_time, .whole = true};
+        return report_step_limit(m, &whole);
+    }
+    q->clock += length;
+    q->step_length = length;
+    scene_rebase(v, q);
+    transition_end_step(v, q);
+    return MODEL_OK;
+}
+#endif
+
 enum model_status motion_advance(struct model *m, const struct step_request *request)
 {
+#if SCENE_ANY_TURNING
+    if (scene_turns(&m->state.values) && scene_is_force_element(&m->state.values)) {
+        return advance_given(m, request);
+    }
+#endif
     const double end_time = request->end_time;
     const struct scene_values *v = &m->state.values;
     const int32_t events = m->state.motion.counters.events;

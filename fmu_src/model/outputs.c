@@ -4,6 +4,7 @@
 #include "model/motion.h"
 #include "model/shortest.h"
 #include "scene/onset.h"
+#include "segment/driven_turning.h"
 
 /* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d
  * n. */
@@ -92,6 +93,20 @@ static void update_bodies(struct model *m)
     m->outputs = OUTPUTS_BODIES;
 }
 
+/* The regime of a contact of a force element; `at` remains its present instant. */
+static void settle_given(const struct scene_values *v, struct scene_state *q, struct scene_instant *at, int contact)
+{
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        driven_turning_settle(v, q, contact);
+        scene_now(v, q, at);
+        return;
+    }
+#endif
+    q->contact[contact].regime =
+        (int32_t)onset_note(v, q, at, contact, scene_regime(v, q, at, contact));
+}
+
 static void update_all(struct model *m)
 {
     struct scene_values *v = &m->state.values;
@@ -101,7 +116,7 @@ static void update_all(struct model *m)
     scene_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (scene_is_force_element(v) && !(SCENE_STATES > 0 && m->host.exchange)) {
-            q->contact[j].regime = (int32_t)onset_note(v, q, &at, j, scene_regime(v, q, &at, j));
+            settle_given(v, q, &at, j);
         }
         q->contact[j].normal = at.geometry[j].normal;
         sum += put_contact(v, q, &at, j);

@@ -5,6 +5,7 @@
 #include "math/gauss.h"
 #include "scene/onset.h"
 #include "scene/rounding.h"
+#include "segment/driven_turning.h"
 #include "segment/flight_candidates.h"
 #include "segment/scene_output.h"
 
@@ -201,13 +202,26 @@ static bool is_steady(const struct separation_path *path)
     return path_is_steady(path->c, SEPARATION_DEGREE + 1) && path_is_steady(path->w, SEPARATION_DEGREE);
 }
 
+static void note_regime(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
+                        int contact)
+{
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        driven_turning_settle(v, q, contact);
+        return;
+    }
+#endif
+    q->contact[contact].regime =
+        (int32_t)onset_note(v, q, at, contact, scene_regime(v, q, at, contact));
+}
+
 /* The force of an instant that lasts; returns it on the source. */
 static struct vec3 note_present(const struct scene_values *v, struct scene_state *q, int contact)
 {
     struct scene_instant at;
     struct contact_state *state = &q->contact[contact];
     scene_kinematics_now(v, q, &at);
-    state->regime = (int32_t)onset_note(v, q, &at, contact, scene_regime(v, q, &at, contact));
+    note_regime(v, q, &at, contact);
     state->peaks = (struct contact_peaks){0.0, 0.0};
     state->mean_force = vec3_make(0.0, 0.0, 0.0);
     if (state->regime == REGIME_APART) {
@@ -218,8 +232,29 @@ static struct vec3 note_present(const struct scene_values *v, struct scene_state
     return at.source_force[contact];
 }
 
+#if SCENE_ANY_TURNING
+/* Panels of a step; a contact takes some dozens, a jump of its law some hundreds. */
+static const long MOST_PANELS = 1000000;
+
+/* Where something turns or rubs. */
+static void given_turning_over(const struct scene_values *v, struct scene_state *q, double length)
+{
+    long budget = MOST_PANELS;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        (void)note_present(v, q, j);
+    }
+    (void)driven_turning_over(v, q, length, &budget);
+}
+#endif
+
 void given_force_over(const struct scene_values *v, struct scene_state *q, double length)
 {
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        given_turning_over(v, q, length);
+        return;
+    }
+#endif
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct scene_instant at;
         scene_kinematics_now(v, q, &at);

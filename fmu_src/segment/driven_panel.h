@@ -1,0 +1,56 @@
+/*
+ * A contact that turns or rubs while all motion is given, over a panel of time in which it touches: impulses
+ * and energies by Gauss-Legendre quadrature; the spring of elastic friction by collocation at the same nodes,
+ * which has order ten there.
+ */
+#ifndef CONTACT_SEGMENT_DRIVEN_PANEL_H
+#define CONTACT_SEGMENT_DRIVEN_PANEL_H
+
+#include "math/gauss.h"
+#include "scene/turning_motion.h"
+
+#if SCENE_ANY_TURNING
+
+/* Where the integrals are: impulse of the force on the source [N s], of the torques on source and destination
+ * [N m s]; energies that the normal law dissipates, that friction and its springs take, that is supplied [J]. */
+enum {
+    DRIVEN_FORCE = 0,
+    DRIVEN_SOURCE_TORQUE = 3,
+    DRIVEN_DESTINATION_TORQUE = 6,
+    DRIVEN_DISSIPATED = 9,
+    DRIVEN_FRICTION,
+    DRIVEN_WORK,
+    DRIVEN_TERMS
+};
+
+/* One contact whose motion is given; q serves as working memory: its regimes and spring are those of the last
+ * instant looked at. */
+struct driven_contact {
+    const struct scene_values *v;
+    struct scene_state *q;
+    int contact;
+};
+
+struct driven_panel {
+    double from, to;           /* clocks [s] */
+    double sum[DRIVEN_TERMS];  /* the integrals */
+    double size[DRIVEN_TERMS]; /* of what they are summed up */
+    struct vec3 spring;        /* xi at the end [m] */
+    double slipped;            /* the path of the slip [m] */
+    struct {
+        double clock;
+        struct vec3 spring;
+    } node[GAUSS_NODES];
+};
+
+/* The instant of a contact that touches, in the regimes that its law has there; those of elastic friction
+ * stay. */
+void driven_instant(const struct driven_contact *c, double clock, struct vec3 spring,
+                    struct scene_instant *at);
+
+/* False where the spring is not found: the panel is too long for it. `graded`: see gauss.h. */
+bool driven_panel_make(const struct driven_contact *c, double from, double to, struct vec3 spring,
+                       bool graded, struct driven_panel *panel);
+
+#endif
+#endif
