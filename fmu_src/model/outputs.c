@@ -94,7 +94,8 @@ static void update_bodies(struct model *m)
 }
 
 /* The regime of a contact of a force element; `at` remains its present instant. */
-static void settle_given(const struct scene_values *v, struct scene_state *q, struct scene_instant *at, int contact)
+static void settle_given(const struct scene_values *v, struct scene_state *q, struct scene_instant *at,
+                         int contact)
 {
 #if SCENE_ANY_TURNING
     if (scene_turns(v)) {
@@ -103,8 +104,7 @@ static void settle_given(const struct scene_values *v, struct scene_state *q, st
         return;
     }
 #endif
-    q->contact[contact].regime =
-        (int32_t)onset_note(v, q, at, contact, scene_regime(v, q, at, contact));
+    q->contact[contact].regime = (int32_t)onset_note(v, q, at, contact, scene_regime(v, q, at, contact));
 }
 
 static void update_all(struct model *m)

@@ -18,8 +18,8 @@ void driven_instant(const struct driven_contact *c, double clock, struct vec3 sp
         const struct contact_law law = scene_contact_law(c->v, c->q, c->contact);
         const struct friction_law friction = scene_friction_law(c->v, c->q, c->contact);
         const struct contact_geometry *g = &at->geometry[c->contact];
-        state->friction_regime = (int32_t)friction_sliding_regime(
-            &friction, contact_force(&law, regime, g->gap, g->gap_rate));
+        state->friction_regime =
+            (int32_t)friction_sliding_regime(&friction, contact_force(&law, regime, g->gap, g->gap_rate));
     }
 #else
     (void)spring;
@@ -36,7 +36,7 @@ static void put_vector(double *out, struct vec3 a)
 
 /* What is integrated, and in `scale` how large such quantities are made of. */
 static void driven_rates(const struct driven_contact *c, const struct scene_instant *at,
-                     double rate[DRIVEN_TERMS], double scale[DRIVEN_TERMS])
+                         double rate[DRIVEN_TERMS], double scale[DRIVEN_TERMS])
 {
     const int j = c->contact;
     const struct turning_instant *turning = &at->turning;
@@ -45,18 +45,17 @@ static void driven_rates(const struct driven_contact *c, const struct scene_inst
     put_vector(rate + DRIVEN_FORCE, at->source_force[j]);
     put_vector(rate + DRIVEN_SOURCE_TORQUE, turning->source_torque[j]);
     put_vector(rate + DRIVEN_DESTINATION_TORQUE, turning->destination_torque[j]);
-    rate[DRIVEN_DISSIPATED] =
-        contact_dissipated_power(&law, (enum contact_regime)c->q->contact[j].regime, at->normal_force[j],
-                                 g->gap, g->gap_rate);
+    rate[DRIVEN_DISSIPATED] = contact_dissipated_power(&law, (enum contact_regime)c->q->contact[j].regime,
+                                                       at->normal_force[j], g->gap, g->gap_rate);
     rate[DRIVEN_FRICTION] = -vec3_dot(turning->friction_force[j], turning->slip[j]);
     rate[DRIVEN_WORK] = scene_driving_power(c->v, at, j);
     const double force = vec3_norm(at->source_force[j]);
     const double arm = vec3_norm(turning->source_arm[j]) + vec3_norm(turning->destination_arm[j]);
     const struct body_turn *source = &turning->body[contact_source(j)];
     const struct body_turn *destination = &turning->body[contact_destination(j)];
-    const double speed = vec3_norm(at->velocity[contact_source(j)]) +
-                         vec3_norm(at->velocity[contact_destination(j)]) +
-                         arm * (vec3_norm(source->angular_velocity) + vec3_norm(destination->angular_velocity));
+    const double speed =
+        vec3_norm(at->velocity[contact_source(j)]) + vec3_norm(at->velocity[contact_destination(j)]) +
+        arm * (vec3_norm(source->angular_velocity) + vec3_norm(destination->angular_velocity));
     for (int k = 0; k < DRIVEN_TERMS; ++k) {
         scale[k] = force * (k < DRIVEN_SOURCE_TORQUE ? 1.0 : k < DRIVEN_DISSIPATED ? arm : speed);
     }
@@ -118,8 +117,8 @@ static void put_rows(const struct spring_problem *p, const struct vec3 x[GAUSS_N
             residual = vec3_axpy(residual, weight, spring_rate_at(p, j, x[j]));
             for (int a = 0; a < 3; ++a) {
                 for (int b = 0; b < 3; ++b) {
-                    const double slope = slopes.by_spring[a][b] -
-                                         vec3_get(node->normal, a) * vec3_get(node->normal_rate, b);
+                    const double slope =
+                        slopes.by_spring[a][b] - vec3_get(node->normal, a) * vec3_get(node->normal_rate, b);
                     m[3 * i + a][3 * j + b] = (i == j && a == b) - weight * slope;
                 }
             }
@@ -200,11 +199,11 @@ static bool put_springs(const struct driven_contact *c, bool graded, struct vec3
     for (int i = 0; i < GAUSS_NODES; ++i) {
         struct scene_instant at;
         driven_instant(c, panel->node[i].clock, start, &at);
-        p.node[i] = (struct spring_node){
-            .rubbing = {at.normal_force[c->contact], at.turning.slip[c->contact], start},
-            .normal = at.geometry[c->contact].normal,
-            .normal_rate = turning_normal_rate(c->v, c->q, &at, c->contact),
-            .factor = (panel->to - panel->from) * gauss_place(i, graded).factor};
+        p.node[i] =
+            (struct spring_node){.rubbing = {at.normal_force[c->contact], at.turning.slip[c->contact], start},
+                                 .normal = at.geometry[c->contact].normal,
+                                 .normal_rate = turning_normal_rate(c->v, c->q, &at, c->contact),
+                                 .factor = (panel->to - panel->from) * gauss_place(i, graded).factor};
         x[i] = start;
     }
     if (!solve_spring(&p, x)) {
@@ -213,8 +212,8 @@ static bool put_springs(const struct driven_contact *c, bool graded, struct vec3
     panel->spring = start;
     for (int i = 0; i < GAUSS_NODES; ++i) {
         panel->node[i].spring = x[i];
-        panel->spring = vec3_axpy(panel->spring, 0.5 * GAUSS_WEIGHT[i] * p.node[i].factor,
-                                  spring_rate_at(&p, i, x[i]));
+        panel->spring =
+            vec3_axpy(panel->spring, 0.5 * GAUSS_WEIGHT[i] * p.node[i].factor, spring_rate_at(&p, i, x[i]));
     }
     return true;
 }

@@ -55,8 +55,8 @@ static struct driven_margin margin_at(const struct driven_span *s, double clock,
     const double stick = friction_stick_event(&law, regime, rubbing, rate);
     const double cap = friction_cap_event(&law, regime, at.normal_force[j]);
     const double lift = friction_lift_event(&law, regime, at.normal_force[j]);
-    struct driven_margin least = {
-        stick, by_speed ? vec3_norm(rubbing.slip) : law.static_coefficient * force, DRIVEN_STICK};
+    struct driven_margin least = {stick, by_speed ? vec3_norm(rubbing.slip) : law.static_coefficient * force,
+                                  DRIVEN_STICK};
     if (cap < 0.0 && cap < least.value) {
         least = (struct driven_margin){cap, law.coefficient * force, DRIVEN_CAP};
     }
@@ -359,8 +359,7 @@ static struct tumbling_path path_from(const struct driven_span *s, double clock)
 {
     struct scene_instant at;
     scene_kinematics(s->c.v, s->c.q, clock, free_bodies_now(s->c.q), &at);
-    const struct separation_path separation =
-        separation_path_of(s->c.v, s->c.q, &at, clock, s->c.contact);
+    const struct separation_path separation = separation_path_of(s->c.v, s->c.q, &at, clock, s->c.contact);
     struct tumbling_path path = {.shape = scene_contact_shape_at(s->c.v, s->c.q, &at, s->c.contact),
                                  .axis = axis_from(s, &at, clock),
                                  .rounding = rounding_of_gap(s->c.v, &at, s->c.contact)};
@@ -476,7 +475,6 @@ static void book_span(const struct driven_span *s, double length)
     s->c.q->turning.spring[s->c.contact] = s->total.spring;
 #endif
 }
-
 
 bool driven_turning_over(const struct scene_values *v, struct scene_state *q, double length, long *budget)
 {
