@@ -6,7 +6,8 @@ from support.generator.generated import SCENES, describe
 
 # and what is settled at each onset
 SUMS_UP = {
-    "mean_force", "mean_source_torque", "mean_destination_torque", "peak_force", "peak_penetration", "last_onset_time", "last_duration",
+    "mean_force", "mean_source_torque", "mean_destination_torque", "peak_force", "peak_penetration",
+    "last_onset_time", "last_duration",
     "effective_hunt_crossley_factor",
 }  # fmt: skip
 TUNABLE = {

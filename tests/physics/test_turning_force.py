@@ -1,6 +1,7 @@
-"""Forces, torques, slip and friction of bodies that turn, and their directional derivatives, against the formulas written
-once more (support/reference/turning_instant.py): at random motions, all shapes, outside and inside, every dashpot. Derivatives are
-complex steps of those formulas, exact to rounding."""
+"""Forces, torques, slip and friction of bodies that turn, and their directional derivatives, against the
+formulas written once more (support/reference/turning_instant.py): at random motions, all shapes, outside and
+inside, every dashpot. Derivatives are complex steps of those formulas, exact to rounding.
+"""
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from support.reference import turning_instant as turning
 
 COUNT = 40
 VALUES, DERIVATIVES = 1e-12, 1e-9
-# A gap of 1e-3 m is the difference of coordinates of a metre: its rounding of some 1e-16 m, times p_n, times lengths [N, N m].
+# A gap of 1e-3 m is the difference of coordinates of a metre: some 1e-16 m of rounding, times p_n [N].
 ROUNDED_FORCE = 1e6 * 2e-15 / VALUES
 SCENES = [("SphereSphere", "sphere", 1), ("SphereSphere", "sphere", -1), ("SphereCylinder", "cylinder", 1),
           ("SphereCylinder", "cylinder", -1), ("SpherePlane", "plane", 1)]  # fmt: skip
@@ -29,8 +30,8 @@ def random_case(rng, shape, side):
     """Values of the formulas, and a motion that overlaps three times out of four"""
     v = {
         "shape": shape, "side": side, "r_s": rng.uniform(0.05, 0.2), "r_d": rng.uniform(0.4, 0.8), "p_n": 1e6,
-        "p_nv": rng.choice([0.0, 100.0, 3000.0]), "unclamped": bool(rng.integers(2)), "mu": rng.uniform(0.0, 1.0),
-        "v_0": 10 ** rng.uniform(-4, 0), "largest": rng.choice([1e300, 200.0]),
+        "p_nv": rng.choice([0.0, 100.0, 3000.0]), "unclamped": bool(rng.integers(2)),
+        "mu": rng.uniform(0.0, 1.0), "v_0": 10 ** rng.uniform(-4, 0), "largest": rng.choice([1e300, 200.0]),
     }  # fmt: skip
     m = {name: rng.normal(size=3) for name in MOTION.values()}
     for name in ("source.displacement", "destination.displacement"):

@@ -1,5 +1,8 @@
-"""A contact that turns and rubs at one instant, written once more from DESIGN's formulas. All functions are analytic within a
-regime, so that a complex step gives exact derivatives: no absolute values, no conjugates."""
+"""A contact that turns and rubs at one instant, written once more from DESIGN's formulas.
+
+All functions are analytic within a regime, so that a complex step gives exact derivatives: no absolute
+values, no conjugates.
+"""
 
 import numpy as np
 
