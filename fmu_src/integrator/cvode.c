@@ -125,11 +125,14 @@ static void root_event(struct cvode *c, const struct scene_values *v, const stru
     int found[ODE_EVENTS];
     CVodeGetRootInfo(c->memory, found);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int *roots = found + ODE_EVENTS_EACH * j;
-        if (roots[0] || roots[1]) {
-            step->contact = j;
-            step->regime = ode_regime_after(v, q, j, roots[0] ? 0 : 1);
-            return;
+        for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+            if (found[ODE_EVENTS_EACH * j + i]) {
+                step->contact = j;
+                step->event = i;
+                step->regime = i > ODE_EVENT_LAW ? (enum contact_regime)q->contact[j].regime
+                                                 : ode_regime_after(v, q, j, i);
+                return;
+            }
         }
     }
 }

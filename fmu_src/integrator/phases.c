@@ -103,7 +103,7 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
     if (!(step->clock_end > q->clock)) {
         return ADVANCE_REACHED;
     }
-    if (scene_is_force_element(v)) {
+    if (scene_is_force_element(v) && !scene_turns(v)) {
         return prescribed_advance(v, q, step);
     }
     if (flight_is_free(q)) {
@@ -111,7 +111,7 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
         flight_advance(v, q, step->clock_end);
         return ADVANCE_REACHED;
     }
-    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN) {
+    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_turns(v)) {
         const enum advance_result result = event_driven_advance(v, q, step);
         if (result != ADVANCE_FAILED) {
             return result;
@@ -134,6 +134,19 @@ static bool change_regime(const struct scene_values *v, struct scene_state *q, s
     transition_change_regime(v, q, contact, regime, &step->now);
     step->is_now = true;
     return touched != (q->contact[contact].regime != (int32_t)REGIME_APART);
+}
+
+/* The event that ended a phase; whether contact begins or ends with it. */
+static bool take_event(const struct scene_values *v, struct scene_state *q, struct advance *step)
+{
+#if SCENE_ANY_FRICTION
+    if (step->event > ODE_EVENT_LAW) {
+        transition_change_friction(v, q, step->contact, (enum ode_event)step->event, &step->now);
+        step->is_now = true;
+        return false;
+    }
+#endif
+    return change_regime(v, q, step, step->contact, step->regime);
 }
 
 /* When the step shall end, now that a contact has begun or ended: who asked for the step may look at the
@@ -166,6 +179,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         const double change = q->contact[next].schedule.change_clock;
         const double end = q->clock + remaining;
         step->clock_end = fmin(end, fmin(change, q->horizon_clock));
+        step->event = ODE_EVENT_GAP;
         const enum advance_result result = advance_phase(s, v, q, step);
         step->is_now = false;
         switch (result) {
@@ -180,7 +194,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
             }
             break;
         case ADVANCE_EVENT:
-            begins_or_ends = change_regime(v, q, step, step->contact, step->regime);
+            begins_or_ends = take_event(v, q, step);
             break;
         case ADVANCE_STEP_LIMIT:
             return INTEGRATOR_STEP_LIMIT;

@@ -19,11 +19,12 @@ static bool body_is_undriven(const struct scene_values *v, const struct scene_st
     return !body_is_free(v, body) || path_rests(path->force, 3);
 }
 
-/* Whether a contact keeps the energy of its relative motion, and no other contact acts. */
+/* Whether a contact keeps the energy of its relative motion, and no other contact acts. What turns has more
+ * energy than that. */
 static bool keeps_energy(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_transmits(q, j) != (j == contact)) {
+        if (scene_turns(v) || contact_transmits(q, j) != (j == contact)) {
             return false;
         }
     }

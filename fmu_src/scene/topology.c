@@ -99,7 +99,7 @@ bool scene_shares_free_body(const struct scene_values *v)
 
 bool scene_uses_ode(const struct scene_values *v)
 {
-    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || scene_shares_free_body(v);
+    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || scene_shares_free_body(v) || scene_turns(v);
 }
 
 bool contact_transmits(const struct scene_state *q, int contact)
@@ -134,8 +134,10 @@ bool contact_is_coupled(const struct scene_values *v, const struct scene_state *
 #if SCENE_CONTACTS > 1
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
-    return (body_is_free(v, source) && body_is_loaded(q, source, contact)) ||
-           (body_is_free(v, destination) && body_is_loaded(q, destination, contact));
+    const bool source_moves = body_is_free(v, source) || body_turns_freely(v, source);
+    const bool destination_moves = body_is_free(v, destination) || body_turns_freely(v, destination);
+    return (source_moves && body_is_loaded(q, source, contact)) ||
+           (destination_moves && body_is_loaded(q, destination, contact));
 #else
     (void)v, (void)q, (void)contact;
     return false;
@@ -144,7 +146,6 @@ bool contact_is_coupled(const struct scene_values *v, const struct scene_state *
 
 bool contact_is_foreseen(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    const int destination = contact_destination(contact);
-    const bool tips = body_turns(v, destination) && body_shape(destination) != SHAPE_SPHERE;
-    return !scene_turns(v) || (!tips && !contact_transmits(q, contact) && !contact_is_coupled(v, q, contact));
+    return !scene_turns(v) || ((!contact_transmits(q, contact) || contact_is_driven(v, contact)) &&
+                               !contact_is_coupled(v, q, contact));
 }

@@ -48,9 +48,9 @@ bool body_is_loaded(const struct scene_state *q, int body, int except);
  * even while this one is apart. Constant false in scenes of one contact. */
 bool contact_is_coupled(const struct scene_values *v, const struct scene_state *q, int contact);
 
-/* Whether closed forms tell when the contact changes its regime, as far as its bodies are not coupled to
- * others: always where nothing turns or rubs; else while it transmits no force and its axis keeps its
- * direction. */
+/* Whether it is known when the contact changes its regime before that is integrated (segment/outlook.h): always
+ * where nothing turns or rubs, as far as closed forms tell; else while it transmits no force or its motion is
+ * given, and no other contact acts on its bodies. */
 bool contact_is_foreseen(const struct scene_values *v, const struct scene_state *q, int contact);
 
 #endif

@@ -6,8 +6,9 @@
 #include "scene/onset.h"
 #include "scene/projection.h"
 #include "scene/rounding.h"
+#include "scene/turning_transition.h"
 
-static void set_regime(struct scene_state *q, int contact, enum contact_regime regime)
+static void note_regime(struct scene_state *q, int contact, enum contact_regime regime)
 {
     struct contact_state *state = &q->contact[contact];
     const bool touched = state->regime != REGIME_APART;
@@ -21,6 +22,19 @@ static void set_regime(struct scene_state *q, int contact, enum contact_regime r
         state->record.last_duration = q->clock - state->record.touch_clock;
     }
     state->regime = (int32_t)regime;
+}
+
+static void set_regime(const struct scene_values *v, struct scene_state *q, int contact,
+                       enum contact_regime regime)
+{
+#if SCENE_ANY_FRICTION
+    const enum contact_regime before = (enum contact_regime)q->contact[contact].regime;
+    note_regime(q, contact, regime);
+    turning_take_regime(v, q, contact, before);
+#else
+    (void)v;
+    note_regime(q, contact, regime);
+#endif
 }
 
 /* Rounding of the gap after contact, besides its rounding bound: that of the distance covered into and out of
@@ -108,12 +122,25 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
     at->geometry[contact].gap = gap_at_change(v, q, at, contact, regime, lasted);
     q->contact[contact].physics.accumulated_gap = at->geometry[contact].gap;
     regime = onset_note(v, q, at, contact, regime);
-    set_regime(q, contact, regime);
+    set_regime(v, q, contact, regime);
     q->dissipated += before - energy_stored(v, q, at);
     counter_add(&q->counters.events, 1);
     begin_phase(v, q, at);
     note_peaks_of_touching(v, q, at);
 }
+
+#if SCENE_ANY_FRICTION
+void transition_change_friction(const struct scene_values *v, struct scene_state *q, int contact,
+                                enum ode_event event, struct scene_instant *at)
+{
+    scene_rebase(v, q);
+    turning_take_event(v, q, contact, event);
+    counter_add(&q->counters.events, 1);
+    scene_kinematics_now(v, q, at);
+    begin_phase(v, q, at);
+    note_peaks_of_touching(v, q, at);
+}
+#endif
 
 void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime)
@@ -123,7 +150,7 @@ void transition_switch_regime(const struct scene_values *v, struct scene_state *
     scene_kinematics_now(v, q, &at);
     const double before = energy_stored(v, q, &at);
     regime = onset_note(v, q, &at, contact, regime);
-    set_regime(q, contact, regime);
+    set_regime(v, q, contact, regime);
     q->dissipated += before - energy_stored(v, q, &at);
     counter_add(&q->counters.events, 1);
 }
@@ -135,7 +162,7 @@ void transition_settle_regimes(const struct scene_values *v, struct scene_state 
     scene_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (starting || fabs(at.geometry[j].gap) > rounding_of_gap(v, &at, j)) {
-            set_regime(q, j, onset_note(v, q, &at, j, scene_regime(v, q, &at, j)));
+            set_regime(v, q, j, onset_note(v, q, &at, j, scene_regime(v, q, &at, j)));
         }
     }
     if (!starting) {
@@ -152,7 +179,7 @@ void transition_take_law(const struct scene_values *v, struct scene_state *q, co
     scene_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (changed[j] && q->contact[j].regime != REGIME_APART) {
-            q->contact[j].regime = (int32_t)scene_regime_of_touching(v, q, &at, j);
+            set_regime(v, q, j, scene_regime_of_touching(v, q, &at, j));
         }
     }
     q->external_work += energy_stored(v, q, &at) - stored_before;

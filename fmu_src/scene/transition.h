@@ -3,6 +3,7 @@
 #ifndef CONTACT_SCENE_TRANSITION_H
 #define CONTACT_SCENE_TRANSITION_H
 
+#include "scene/ode.h"
 #include "scene/present.h"
 
 /*
@@ -13,6 +14,13 @@
  */
 void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime, struct scene_instant *at);
+
+#if SCENE_ANY_FRICTION
+/* Takes over a change of friction alone, after one of its own event functions (scene/ode.h); the rest as
+ * above. */
+void transition_change_friction(const struct scene_values *v, struct scene_state *q, int contact,
+                                enum ode_event event, struct scene_instant *at);
+#endif
 
 /* The same for bodies that an integrator outside moves: they stay where they are, and peaks are not noted. */
 void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,

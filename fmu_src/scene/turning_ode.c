@@ -219,16 +219,14 @@ void turning_events(const struct scene_ode *ode, double clock, const double *y,
     for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
         out[i] = 1.0;
     }
-    if (contact_is_foreseen(ode->values, ode->state, contact)) {
-        return;
+    if (!contact_is_foreseen(ode->values, ode->state, contact)) {
+        const double way = way_to_contact(ode, at, contact);
+        const bool apart = laws.regime == REGIME_APART;
+        out[ODE_EVENT_GAP] = ode->gap_offset[contact] + (apart ? way : -way);
+        out[ODE_EVENT_LAW] = apart ? 1.0
+                                   : ode->margin_offset[contact] +
+                                         contact_event(&laws.normal, laws.regime, g->gap, g->gap_rate);
     }
-    const double way = way_to_contact(ode, at, contact);
-    out[ODE_EVENT_GAP] = ode->gap_offset[contact] + (laws.regime == REGIME_APART ? way : -way);
-    if (laws.regime == REGIME_APART) {
-        return;
-    }
-    out[ODE_EVENT_LAW] =
-        ode->margin_offset[contact] + contact_event(&laws.normal, laws.regime, g->gap, g->gap_rate);
     if (contact_transmits(ode->state, contact) && contact_rubs(ode->values, contact)) {
         struct turning_state turning = ode->state->turning;
         turning_unpack(ode->values, y, &turning);
