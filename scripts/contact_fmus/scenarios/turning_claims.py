@@ -1,4 +1,6 @@
-"""Checks of bodies that turn: as in claims.py, the expected values come from closed forms (turning_forms.py)."""
+"""Checks of bodies that turn: as in claims.py, the expected values come from closed forms
+(turning_forms.py).
+"""
 
 from __future__ import annotations
 
@@ -54,8 +56,9 @@ def rolls_on_a_turntable(run: Recording) -> Outcome:
 
 @check
 def tumbles(run: Recording) -> Outcome:
-    """Speeds along y of ball and cylinder and the cylinder's angular velocity about x, at the end: the ball came
-    along y, the cylinder lay along z"""
+    """Speeds along y of ball and cylinder and the cylinder's angular velocity about x, at the end: the ball
+    came along y, the cylinder lay along z
+    """
     inertia = _moment(run)
     lever = run.value("source.position")[2] - run.value("destination.position")[2]
     speed = run.value("source.velocity")[1]
@@ -68,8 +71,9 @@ def tumbles(run: Recording) -> Outcome:
 
 @check
 def angular_momentum(run: Recording) -> Outcome:
-    """Largest change of the angular momentum about the origin of a ball that does not turn and a free cylinder,
-    gravity off, against the bodies' own"""
+    """Largest change of the angular momentum about the origin of a ball that does not turn and a free
+    cylinder, gravity off, against the bodies' own
+    """
     parts = [
         _mass(run, body) * np.cross(run.series[f"{body}.position"], run.series[f"{body}.velocity"])
         for body in ("source", "destination")

@@ -1,4 +1,6 @@
-"""Bodies that turn and rub against closed forms: sliding, rolling, back-spin, tubes, bowls, turntables, rotors."""
+"""Bodies that turn and rub against closed forms: sliding, rolling, back-spin, tubes, bowls, turntables,
+rotors.
+"""
 
 import math
 
@@ -65,7 +67,9 @@ def test_the_way_approaches_that_of_coulomb_in_second_order(opened):
 @pytest.mark.parametrize("method, v_0", METHOD_AND_SMALL)
 @pytest.mark.parametrize("slope", [0.1, 0.4, 0.8, 0.9, 1.2])
 def test_a_ball_rolls_down_an_incline_or_slides(opened, method, v_0, slope):
-    """It rolls where tan <= 7 mu/2 = 1.05, with 5/7 g sin and a creep of order v_0; beyond, it slides as well."""
+    """It rolls where tan <= 7 mu/2 = 1.05, with 5/7 g sin and a creep of order v_0; beyond, it slides as
+    well.
+    """
     case = cases.incline(v_0, slope)
     agrees(ended(opened, case, method), case, ALLOWED[method])
 

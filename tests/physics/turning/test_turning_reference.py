@@ -1,5 +1,5 @@
-"""The reference for bodies that turn and rub (support/reference/turning_run.py) against closed forms, before anything
-else is compared with it. No FMU is run here.
+"""The reference for bodies that turn and rub (support/reference/turning_run.py) against closed forms,
+before anything else is compared with it. No FMU is run here.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Rates of the state of turning.py: Newton and Euler, the two laws of friction, and what is summed up.
 
-`touching` and `sticking` say which side of its events the contact is on; they are remembered by who integrates,
-not recomputed from a rounded gap.
+`touching` and `sticking` say which side of its events the contact is on; they are remembered by who
+integrates, not recomputed from a rounded gap.
 """
 
 import math
@@ -21,8 +21,9 @@ def along_spring(spring, slip):
 
 
 def friction_of(pair, place, force, slip, spring, sticking):
-    """Friction force on the source, and the rate of the spring before it is turned with the normal; None where
-    the spring is at its limit and its rate follows from the limit's."""
+    """Friction force on the source, and the rate of the spring before it is turned with the normal; None
+    where the spring is at its limit and its rate follows from the limit's.
+    """
     if pair.friction == "none":
         return list(ZERO), list(ZERO)
     if pair.friction == "regularized":

@@ -1,8 +1,8 @@
 """Integrates turning.py: Dormand and Prince's method of order 8 (scipy) at 1e-13, stopped and begun anew at
 every event: touch, release, end of a cylinder, corner of a law, stick and slip.
 
-An event is looked for on the dense output of every step, between samples and at their extremes, and then placed
-by steps of the method itself, which are more accurate than its dense output.
+An event is looked for on the dense output of every step, between samples and at their extremes, and then
+placed by steps of the method itself, which are more accurate than its dense output.
 """
 
 import math
@@ -137,7 +137,7 @@ class TurningRun:
     def _rub_again(self, y):
         """A normal force that ends leaves no spring; one that begins again finds none."""
         place = self.pair.geometry(y)
-        if self.pair.dashpot == "approach_only" or self.pair.hertz and place.gap >= 0:
+        if self.pair.dashpot == "approach_only" or (self.pair.hertz and place.gap >= 0):
             return
         self.given += 0.5 * self.pair.k_t * dot(y[SPRING:SUMS], y[SPRING:SUMS])
         self.y[SPRING:SUMS] = 0.0

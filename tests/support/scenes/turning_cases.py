@@ -1,7 +1,8 @@
 """Scenes with friction and rotation whose end has a closed form: values, end, and what is then true.
 
-A solid ball has I = 2/5 m a^2, so its surface answers a tangential force with 7/2 of its mass. Where a form is
-exact for the regularized law at any v_0 it is given so; where it is a limit its order in v_0 or 1/p_n is said.
+A solid ball has I = 2/5 m a^2, so its surface answers a tangential force with 7/2 of its mass. Where a form
+is exact for the regularized law at any v_0 it is given so; where it is a limit its order in v_0 or 1/p_n is
+said.
 """
 
 import math
@@ -56,8 +57,8 @@ def excess(u):
 
 def slide_to_roll(v_0, speed=2.0, spin=0.0, mu=0.2, end=None, stiffness=1e6):
     """Set down on a plane with `speed` along x and `spin` about y, in balance with its weight: slip s obeys
-    s' = -(7/2) mu g (1 - exp(-s/v_0)), v = v(0) - 2/7 (s(0) - s). In the limit v_0 = 0 it rolls from
-    t = 2 s(0)/(7 mu g) on; the way is longer than then by (2/7) (pi^2/6) v_0^2/((7/2) mu g).
+    s' = -(7/2) mu g (1 - exp(-s/v_0)), v = v(0) - 2/7 (s(0) - s). In the limit v_0 = 0 it rolls from t = 2
+    s(0)/(7 mu g) on; the way is longer than then by (2/7) (pi^2/6) v_0^2/((7/2) mu g).
     """
     slip, rate = speed - RADIUS * spin, 3.5 * mu * G
     end = end or 1.5 * slip / rate
@@ -89,8 +90,9 @@ def slide_to_roll(v_0, speed=2.0, spin=0.0, mu=0.2, end=None, stiffness=1e6):
 
 
 def incline(v_0, slope, mu=0.3, end=1.0, stiffness=1e6):
-    """From rest down a plane that slopes along x. s' = g sin - (7/2) mu g cos (1 - exp(-s/v_0)) has a closed form,
-    and v = 5/7 g sin t + 2/7 s. It rolls, up to order v_0, where tan <= 7 mu/2."""
+    """From rest down a plane that slopes along x. s' = g sin - (7/2) mu g cos (1 - exp(-s/v_0)) has a
+    closed form, and v = 5/7 g sin t + 2/7 s. It rolls, up to order v_0, where tan <= 7 mu/2.
+    """
     sine, cosine = math.sin(slope), math.cos(slope)
     a, b = G * sine, 3.5 * mu * G * cosine
     power = (a - b) * end / v_0
@@ -117,8 +119,10 @@ def incline(v_0, slope, mu=0.3, end=1.0, stiffness=1e6):
 
 
 def golfers_tube(v_0, mu=1.0, tube=0.5, rate=8.0, stiffness=1e5, turns=2.0, **more):
-    """A ball rolls round a vertical tube, falls and comes up again; exact in the limit v_0 = 0 (first order),
-    at any penetration. `rate` is that of the orbit, z = -(5 g/(2 rate^2)) (1 - cos sqrt(2/7) rate t)."""
+    """A ball rolls round a vertical tube, falls and comes up again; exact in the limit v_0 = 0 (first
+    order), at any penetration. `rate` is that of the orbit, z = -(5 g/(2 rate^2)) (1 - cos sqrt(2/7) rate
+    t).
+    """
     # p_n delta = m rate^2 rho with rho = tube - a + delta
     rho = stiffness * (tube - RADIUS) / (stiffness - rate**2)
     values = ball(
@@ -150,8 +154,9 @@ def golfers_tube(v_0, mu=1.0, tube=0.5, rate=8.0, stiffness=1e5, turns=2.0, **mo
 
 
 def turntable(v_0, mu=0.5, rate=3.0, way=(0.4, 0.1), velocity=(0.1, -0.2), stiffness=1e6, end=5.0):
-    """A ball rolls on a plane that turns about z: it goes round at 2/7 of its rate, about a point that follows
-    from the start. First order in v_0."""
+    """A ball rolls on a plane that turns about z: it goes round at 2/7 of its rate, about a point that
+    follows from the start. First order in v_0.
+    """
     at, v, orbit = np.array(way), np.array(velocity), 2 / 7 * rate
     # No slip: v + omega x (-a e_z) = rate e_z x at
     wanted = rate * np.array([-at[1], at[0]]) - v
@@ -180,8 +185,9 @@ def turntable(v_0, mu=0.5, rate=3.0, way=(0.4, 0.1), velocity=(0.1, -0.2), stiff
 
 
 def oblique_impact(velocity=(1.0, 0.3, -2.0), spin=(2.0, 5.0, 3.0), stiffness=7e5, mu=1.0):
-    """Elastic springs with k_t = 2/7 k_n on a plane: both half periods are the same, the contact point comes back
-    with the opposite velocity while it sticks throughout, where v_c <= 7/2 mu v_n. Exact."""
+    """Elastic springs with k_t = 2/7 k_n on a plane: both half periods are the same, the contact point
+    comes back with the opposite velocity while it sticks throughout, where v_c <= 7/2 mu v_n. Exact.
+    """
     v, omega = np.array(velocity), np.array(spin)
     arm = np.array([0.0, 0.0, -RADIUS])
     slip = v + np.cross(omega, arm)
@@ -211,8 +217,10 @@ def oblique_impact(velocity=(1.0, 0.3, -2.0), spin=(2.0, 5.0, 3.0), stiffness=7e
 
 
 def bowl(v_0, stiffness, shape="sphere", angle=1.0, wide=0.5, mu=2.0, quarters=1):
-    """A ball rolls in a bowl, or across a lying tube, from rest at `angle`: in the limits v_0 = 0 and p_n infinite
-    (first order in both) it passes the lowest point after each odd quarter of 4 sqrt(7 rho/(5 g)) K(sin angle/2)."""
+    """A ball rolls in a bowl, or across a lying tube, from rest at `angle`: in the limits v_0 = 0 and p_n
+    infinite (first order in both) it passes the lowest point after each odd quarter of 4 sqrt(7 rho/(5 g))
+    K(sin angle/2).
+    """
     rho = wide - RADIUS
     quarter = math.sqrt(7 * rho / (5 * G)) * float(ellipk(math.sin(angle / 2) ** 2))
     speed = math.sqrt(10 / 7 * G * rho * (1 - math.cos(angle)))
@@ -237,7 +245,9 @@ def bowl(v_0, stiffness, shape="sphere", angle=1.0, wide=0.5, mu=2.0, quarters=1
 
 
 def opposite_spin(mu=0.4, speed=0.2, spin=25.0):
-    """Chung and Ooi 7: two equal balls meet head-on with opposite spins, their surfaces move alike: nothing rubs."""
+    """Chung and Ooi 7: two equal balls meet head-on with opposite spins, their surfaces move alike: nothing
+    rubs.
+    """
     values = ball(
         1e7,
         **{
@@ -265,7 +275,9 @@ def opposite_spin(mu=0.4, speed=0.2, spin=25.0):
 
 
 def rotor(end, spin=(3.0, -4.0, 12.0), axis=(0.6, 0.0, 0.8), length=0.7, radius=0.2, mass=2.0):
-    """A cylinder that flies and tumbles: R(t) = Rot(L, |L| t/I_1) R_0 Rot(e_3, (1 - I_3/I_1) omega_3 t). Exact."""
+    """A cylinder that flies and tumbles: R(t) = Rot(L, |L| t/I_1) R_0 Rot(e_3, (1 - I_3/I_1) omega_3 t).
+    Exact.
+    """
     along, across = 0.5 * mass * radius**2, mass * (3 * radius**2 + length**2) / 12
     e, omega = np.array(axis), np.array(spin)
     momentum = across * omega + (along - across) * (omega @ e) * e
@@ -311,8 +323,9 @@ def rotated(q, v):
 
 
 def leaving(stiffness, mu, v_0=1e-6, angle=0.3, wide=0.5):
-    """A ball set on a sphere at `angle` from the top leaves it at cos = 10/17 cos(angle) where it rolls to the end,
-    at 2/3 cos(angle) where mu = 0; limits of p_n infinite and mu infinite."""
+    """A ball set on a sphere at `angle` from the top leaves it at cos = 10/17 cos(angle) where it rolls to
+    the end, at 2/3 cos(angle) where mu = 0; limits of p_n infinite and mu infinite.
+    """
     deep = wide + RADIUS - G * math.cos(angle) / stiffness
     friction = rubbing(v_0, mu) if mu else {"contact.friction": "none"}
     values = ball(

@@ -49,7 +49,9 @@ class TurningFmuRun:
 
 
 def failures(fmu, values, end, steps, method, expected):
-    """A line for each figure that is off, or for the refusal of the run; `expected` are the reference's figures."""
+    """A line for each figure that is off, or for the refusal of the run; `expected` are the reference's
+    figures.
+    """
     try:
         run = TurningFmuRun(fmu, values, end, steps, method)
     except FmuError as error:

@@ -1,4 +1,6 @@
-"""Seeded random scenes of bodies that turn and rub: shapes, laws, friction, rotation, fixed, prescribed or free."""
+"""Seeded random scenes of bodies that turn and rub: shapes, laws, friction, rotation, fixed, prescribed or
+free.
+"""
 
 import math
 from typing import NamedTuple
