@@ -11,8 +11,8 @@ from rich.console import Console
 
 from contact_fmus.errors import UserError
 
-from .page import page
-from .trying import AGREE, IMPORTERS, Given, installed, prepared_java, tried
+from .page import page, table
+from .trying import AGREE, IMPORTERS, Given, Trial, installed, prepared_java, tried, version_of
 
 
 def setting(text: str) -> tuple[str, int]:
@@ -46,16 +46,28 @@ def main(arguments: list[str] | None = None) -> int:
     java = prepared_java(Path(platformdirs.user_cache_path("contact-fmus")) / "importers")
     present = [importer for importer in IMPORTERS if installed(importer, options.python, java)]
     given = Given(options.step, options.steps, options.python, java, dict(options.set))
-    console, trials = Console(stderr=True), []
-    for fmu in options.fmus:
-        with console.status(fmu.stem):
-            trials += [tried(importer, fmu, given) for importer in present]
+    console, good, tables = Console(stderr=True), True, {}
+    for version in (2, 3):
+        fmus = [fmu for fmu in options.fmus if version_of(fmu) == version]
+        taking = [importer for importer in IMPORTERS if version == 2 or importer.script3]
+        trials = []
+        for fmu in fmus:
+            with console.status(fmu.stem):
+                trials += [tried(importer, fmu, given) for importer in taking if importer in present]
+        good = told(trials) and good
+        if fmus:
+            tables[version] = table(trials, present, taking)
+    if options.output:
+        options.output.write_text(page(tables, options.step, options.steps), encoding="utf-8")
+    return 0 if good else 1
+
+
+def told(trials: list[Trial]) -> bool:
+    """Prints a line each; whether all agree"""
     references = {trial.fmu: trial for trial in trials if trial.importer.name == "fmpy"}
     good = True
     for trial in trials:
         off = None if trial.problem else trial.difference(references[trial.fmu])
         good = good and off is not None and off <= AGREE
         print(f"{trial.fmu}: {trial.importer.name}: {trial.problem or f'differs by {off:.1e}'}")
-    if options.output:
-        options.output.write_text(page(trials, present, options.step, options.steps), encoding="utf-8")
-    return 0 if good else 1
+    return good

@@ -36,14 +36,15 @@ class Importer:
     package: str  # as the registry knows it
     module: str  # of Python; empty for Java, see prepared_java
     script: str
+    script3: str = ""  # for FMI 3.0; empty where nobody has tried
 
 
 IMPORTERS = (
-    Importer("fmpy", "PyPI", "fmpy", "fmpy", "with_fmpy.py"),
-    Importer("libcosim", "PyPI", "libcosimpy", "libcosimpy", "with_libcosim.py"),
-    Importer("fmuloader", "PyPI", "fmuloader", "fmuloader", "with_fmuloader.py"),
-    Importer("ecos", "PyPI", "ecospy", "ecospy", "with_ecos.py"),
-    Importer("FMI4j", "Maven", "info.laht.fmi4j:fmi-import", "", "WithFmi4j.java"),
+    Importer("fmpy", "PyPI", "fmpy", "fmpy", "with_fmpy.py", "with_fmpy3.py"),
+    Importer("libcosim", "PyPI", "libcosimpy", "libcosimpy", "with_libcosim.py", "with_libcosim.py"),
+    Importer("fmuloader", "PyPI", "fmuloader", "fmuloader", "with_fmuloader.py", "with_fmuloader3.py"),
+    Importer("ecos", "PyPI", "ecospy", "ecospy", "with_ecos.py", "with_ecos.py"),
+    Importer("FMI4j", "Maven", "info.laht.fmi4j:fmi-import", "", "WithFmi4j.java", "WithFmi4j.java"),
     Importer("Maestro", "Maven", "org.into-cps.maestro:maestro", "", "with_maestro.py"),
 )
 
@@ -113,27 +114,37 @@ def _done(command: list[str]) -> bool:
         return False
 
 
-def outputs(fmu: Path) -> dict[str, int]:
-    """Real outputs by name"""
+def described(fmu: Path) -> fmpy.model_description.ModelDescription:
     try:
-        variables = fmpy.read_model_description(str(fmu)).modelVariables
+        return fmpy.read_model_description(str(fmu))
     except Exception as error:  # fmpy raises what its parts raise, of a dozen kinds
         raise UserError(f"{fmu}: no FMU that fmpy can read: {str(error).splitlines()[0]}") from None
-    return {v.name: v.valueReference for v in variables if v.causality == "output" and v.type == "Real"}
+
+
+def version_of(fmu: Path) -> int:
+    return int(described(fmu).fmiVersion[0])
+
+
+def outputs(fmu: Path) -> dict[str, int]:
+    """Outputs of one number each, by name. In FMI 3.0 vectors are arrays, which few importers read."""
+    variables = described(fmu).modelVariables
+    numbers = [v for v in variables if v.type in ("Real", "Float64") and not v.dimensions]
+    return {v.name: v.valueReference for v in numbers if v.causality == "output"}
 
 
 def chosen(fmu: Path, settings: dict[str, int]) -> list[str]:
-    """Settings as the runners read them. FMI 2.0 sets enumerations as it sets Integers."""
-    variables = {v.name: v for v in fmpy.read_model_description(str(fmu)).modelVariables}
+    """Settings as the runners read them. FMI sets enumerations as it sets integers."""
+    variables = {v.name: v for v in described(fmu).modelVariables}
     for name in settings:
-        if name not in variables or variables[name].type not in ("Integer", "Enumeration"):
+        if name not in variables or variables[name].type not in ("Integer", "Enumeration", "Int64"):
             raise UserError(f"{fmu}: there is no Integer or Enumeration {name!r}")
     return [f"{name}={variables[name].valueReference}:={value}" for name, value in settings.items()]
 
 
 def tried(importer: Importer, fmu: Path, given: Given) -> Trial:
     """In a folder of its own, for importers that write logs"""
-    program = given.java.get(importer.name) or [str(given.python), str(RUNNERS / importer.script)]
+    script = importer.script3 if version_of(fmu) == 3 else importer.script
+    program = given.java.get(importer.name) or [str(given.python), str(RUNNERS / script)]
     names = [f"{name}={reference}" for name, reference in outputs(fmu).items()]
     settings = chosen(fmu, given.settings)
     command = [*program, str(fmu.resolve()), repr(given.step), str(given.count), *settings, *names]
@@ -147,7 +158,12 @@ def tried(importer: Importer, fmu: Path, given: Given) -> Trial:
             return trial
     lines = [line for line in run.stdout.splitlines() if line.startswith('{"version"')]
     if run.returncode or not lines:
-        said = (run.stderr.strip() or run.stdout.strip() or f"status {run.returncode}").splitlines()[-1]
+        killed = f"ended by signal {-run.returncode}"
+        status = killed if run.returncode < 0 else f"status {run.returncode}"
+        lines = (run.stderr.strip() or run.stdout.strip() or status).splitlines()
+        of_java = r"Exception in thread \"main\" [\w.]+: "
+        said = next((line for line in lines if re.match(of_java, line)), lines[-1])
+        said = re.sub(of_java, "", said)
         trial.problem = re.sub(r"/\S*/", "", said)[-160:]  # whose folders differ from run to run
         return trial
     found = json.loads(lines[-1])
