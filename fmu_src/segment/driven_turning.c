@@ -67,7 +67,8 @@ static struct driven_margin margin_at(const struct driven_span *s, double clock,
 }
 
 /* The regime after an event at an instant. */
-static void take_event(const struct driven_span *s, double clock, struct vec3 spring, enum driven_event event)
+static void take_driven_event(const struct driven_span *s, double clock, struct vec3 spring,
+                              enum driven_event event)
 {
     const int j = s->c.contact;
     int32_t *regime = &s->c.q->contact[j].friction_regime;
@@ -91,7 +92,8 @@ static void take_event(const struct driven_span *s, double clock, struct vec3 sp
 /* The part of what an event function is a difference of that is rounding. */
 static const double MARGIN_ROUNDING = 1e-13;
 
-static void begin_friction(const struct scene_values *v, struct scene_state *q, double clock, int contact)
+static void begin_driven_friction(const struct scene_values *v, struct scene_state *q, double clock,
+                                  int contact)
 {
     struct scene_instant at;
     const struct driven_contact c = {v, q, contact};
@@ -109,7 +111,7 @@ static void begin_friction(const struct scene_values *v, struct scene_state *q, 
     }
 }
 
-static void end_friction(struct scene_state *q, int contact)
+static void end_driven_friction(struct scene_state *q, int contact)
 {
     q->turning.spring[contact] = vec3_make(0.0, 0.0, 0.0);
     q->contact[contact].friction_regime = (int32_t)FRICTION_STICKING;
@@ -132,18 +134,19 @@ static void settle_spring(const struct scene_values *v, struct scene_state *q, i
     q->turning.spring[contact] = vec3_axpy(spring, -vec3_dot(spring, n), n);
     const struct driven_margin margin = margin_at(&s, q->clock, q->turning.spring[contact]);
     if (margin.value < -MARGIN_ROUNDING * margin.scale) {
-        take_event(&s, q->clock, q->turning.spring[contact], margin.event);
+        take_driven_event(&s, q->clock, q->turning.spring[contact], margin.event);
     }
 }
 
 #else
 
-static void begin_friction(const struct scene_values *v, struct scene_state *q, double clock, int contact)
+static void begin_driven_friction(const struct scene_values *v, struct scene_state *q, double clock,
+                                  int contact)
 {
     (void)v, (void)q, (void)clock, (void)contact;
 }
 
-static void end_friction(struct scene_state *q, int contact)
+static void end_driven_friction(struct scene_state *q, int contact)
 {
     (void)q, (void)contact;
 }
@@ -283,7 +286,7 @@ static bool passes_event(struct driven_span *s, const struct driven_panel *left,
     }
     add_driven_panel(s, &panel);
     const struct driven_margin margin = margin_at(s, panel.to, s->total.spring);
-    take_event(s, panel.to, s->total.spring, margin.event);
+    take_driven_event(s, panel.to, s->total.spring, margin.event);
     counter_add(&s->c.q->counters.events, 1);
     *clock = panel.to;
     return true;
@@ -388,7 +391,7 @@ static void begin_contact(struct driven_span *s, double clock)
     scene_kinematics(s->c.v, q, clock, free_bodies_now(q), &at);
     (void)onset_note(s->c.v, q, &at, j, scene_regime_of_touching(s->c.v, q, &at, j));
     q->contact[j].regime = (int32_t)scene_regime_of_touching(s->c.v, q, &at, j);
-    begin_friction(s->c.v, q, clock, j);
+    begin_driven_friction(s->c.v, q, clock, j);
     s->total.spring = spring_now(q, j);
 #if SCENE_ANY_FREE
     counter_add(&q->contact[j].record.onsets, 1);
@@ -403,7 +406,7 @@ static void end_contact(struct driven_span *s, double clock)
     struct scene_state *q = s->c.q;
     const int j = s->c.contact;
     q->contact[j].regime = (int32_t)REGIME_APART;
-    end_friction(q, j);
+    end_driven_friction(q, j);
 #if SCENE_ANY_FREE
     q->contact[j].record.last_duration = clock - q->contact[j].record.touch_clock;
 #else
@@ -500,9 +503,9 @@ void driven_turning_settle(const struct scene_values *v, struct scene_state *q, 
     const enum contact_regime next = onset_note(v, q, &at, contact, regime);
     q->contact[contact].regime = (int32_t)next;
     if (next == REGIME_APART) {
-        end_friction(q, contact);
+        end_driven_friction(q, contact);
     } else if (!touched) {
-        begin_friction(v, q, q->clock, contact);
+        begin_driven_friction(v, q, q->clock, contact);
     } else {
 #if SCENE_ANY_FRICTION
         if (contact_rubs_elastically(v, contact)) {
