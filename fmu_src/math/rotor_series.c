@@ -1,7 +1,12 @@
 #include "math/rotor_series.h"
 
-/* So many terms of the series of a rotation of at most a radian leave less than rounding: 1/21! is 2e-20. */
+/*
+ * Coefficient n of the series in t/step is at most exp(a)/8^n, where a is the angle that the sizes of lambda's
+ * terms would turn by in 8 steps (Cauchy's bound). With a <= 8, of a constant lambda a step of one radian, what
+ * follows 21 terms is below exp(8)/8^22 = 4e-17 of a rotation.
+ */
 enum { ROTOR_TERMS = 21 };
+static const double ROTOR_REACH = 8.0;
 
 void rotor_rates_shift(struct vec3 *coefficient, int count, double time)
 {
@@ -31,7 +36,7 @@ void rotor_rates_under_torque(const struct rotor_state *start, double transverse
     }
 }
 
-/* A step in which lambda turns by a radian at most; to be halved from `left`. */
+/* The longest such step, from `left` down. */
 static double step_of(const struct vec3 lambda[ROTOR_RATES], double left)
 {
     double size[ROTOR_RATES];
@@ -42,12 +47,12 @@ static double step_of(const struct vec3 lambda[ROTOR_RATES], double left)
     for (;;) {
         double angle = 0.0;
         for (int i = ROTOR_RATES - 1; i >= 0; --i) {
-            angle = step * (size[i] + angle);
+            angle = ROTOR_REACH * step * (size[i] / (i + 1) + angle);
         }
-        if (!(angle > 1.0)) {
+        if (!(angle > ROTOR_REACH)) {
             return step;
         }
-        step *= angle < 4.0 ? 0.5 : 2.0 / angle;
+        step *= fmax(0.999 * ROTOR_REACH / angle, 0.5); /* the angle grows no slower than the step */
     }
 }
 

@@ -67,9 +67,11 @@ struct quaternion turning_start_orientation(const struct scene_values *v, int bo
                           : quaternion_identity();
 }
 
-/* So many terms of the Taylor series of a rotation of at most one radian leave less than rounding:
- * (1/2)^20 / 20! is 4e-25. */
+/* Coefficient n of the series in t/step is at most exp(a/2)/8^n, where a is the angle that the sizes of omega's
+ * terms would turn by in 8 steps (Cauchy's bound). With a <= 8, for a constant omega a step of one radian, what
+ * follows 20 terms is below exp(4)/8^21 = 6e-18. */
 enum { SERIES_TERMS = 20 };
+static const double SERIES_REACH = 8.0;
 
 /*
  * The rotation by the angular velocity omega(t) = sum omega_i t^i from 0 to `clock`, from q' = (0, omega) q/2:
@@ -83,8 +85,10 @@ static struct quaternion rotation_over(const struct vec3 omega[3], double clock,
     while (left > 0.0) {
         const double w[3] = {vec3_norm(rest[0]), vec3_norm(rest[1]), vec3_norm(rest[2])};
         double step = left;
-        while (step * (w[0] + step * (w[1] + step * w[2])) > 1.0) {
+        double far = SERIES_REACH * step;
+        while (far * (w[0] + far * (w[1] / 2.0 + far * w[2] / 3.0)) > SERIES_REACH) {
             step *= 0.5;
+            far = SERIES_REACH * step;
         }
         struct quaternion term[SERIES_TERMS + 1] = {q};
         for (int n = 0; n < SERIES_TERMS; ++n) {
