@@ -8,7 +8,7 @@ import pytest
 from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
 from support.scenes.tumbling_checks import failures
 
-SEEDS = {"cvode_bdf": range(20)}
+SEEDS = {"event_driven": range(60), "cvode_bdf": range(60, 70)}
 AT_ONCE = 10
 
 
