@@ -146,11 +146,26 @@ struct friction_slopes friction_force_slopes(const struct friction_law *law, enu
     return slopes;
 }
 
-/* How fast the slip turns a spring of sliding friction without a dashpot, which it does not lengthen:
- * k_t / L times the spring's nominal length |xi|; 0 under no force. */
-static double turning_factor(const struct friction_law *law, double limit, double length)
+/* Part of its typical length below which a spring turns no faster the shorter it is. At the typical length
+ * it changes the rate by 1e-10 of it. */
+static const double SHORTEST = 1e-5;
+
+/* How fast the slip turns a spring of sliding friction without a dashpot, which it does not lengthen: a
+ * factor of the slip across it, and its derivatives with respect to L and to |xi|. */
+struct turning_factor {
+    double value, by_limit, by_length;
+};
+
+static struct turning_factor turning_factor_of(const struct friction_law *law, double limit, double length)
 {
-    return limit > 0.0 ? law->stiffness * length / limit : 0.0;
+    const double k = law->stiffness;
+    const double floor = SHORTEST * k * length;
+    const double square = limit * limit + floor * floor;
+    if (!(square > 0.0)) {
+        return (struct turning_factor){0.0, 0.0, 0.0};
+    }
+    const double excess = (limit * limit - floor * floor) / (square * square);
+    return (struct turning_factor){k * length * limit / square, -k * length * excess, k * limit * excess};
 }
 
 struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_regime regime,
@@ -169,7 +184,7 @@ struct vec3 friction_spring_rate(const struct friction_law *law, enum friction_r
         return vec3_scale(1.0 / law->damping, excess);
     }
     const struct vec3 across = vec3_axpy(at.slip, -vec3_dot(at.slip, f.unit), f.unit);
-    return vec3_scale(turning_factor(law, limit, vec3_norm(at.spring)), across);
+    return vec3_scale(turning_factor_of(law, limit, vec3_norm(at.spring)).value, across);
 }
 
 static struct friction_slopes damped_spring_slopes(const struct friction_law *law,
@@ -188,23 +203,23 @@ static struct friction_slopes damped_spring_slopes(const struct friction_law *la
     return slopes;
 }
 
-/* With u = xi / |xi|, P = I - u u^T: xi' = (k_t / L) |xi| P v_t, whose derivative with respect to xi is
- * (k_t / L) (P v_t u^T - (u . v_t) P - u (P v_t)^T). */
+/* With u = xi / |xi|, P = I - u u^T and a factor f(L, |xi|): xi' = f P v_t, whose derivative with respect to
+ * xi is f_|xi| P v_t u^T - f / |xi| ((u . v_t) P + u (P v_t)^T). */
 static struct friction_slopes direction_slopes(const struct friction_law *law, enum friction_regime regime,
                                                struct friction_state at)
 {
     struct friction_slopes slopes;
-    const double limit = friction_limit(law, regime, at.normal_force);
     const struct direction xi = direction_of(at.spring);
     const double along = vec3_dot(at.slip, xi.unit);
     const struct vec3 across = vec3_axpy(at.slip, -along, xi.unit);
-    const double factor = turning_factor(law, limit, 1.0);
-    const double falling = limit > 0.0 ? limit_slope(law, regime) / limit : 0.0;
-    slopes.by_normal_force = vec3_scale(-falling * factor * xi.length, across);
-    set_axial(slopes.by_slip, xi.unit, 0.0, factor * xi.length);
-    set_axial(slopes.by_spring, xi.unit, 0.0, -factor * along);
-    matrix3_add_outer(slopes.by_spring, factor, across, xi.unit);
-    matrix3_add_outer(slopes.by_spring, -factor, xi.unit, across);
+    const double limit = friction_limit(law, regime, at.normal_force);
+    const struct turning_factor factor = turning_factor_of(law, limit, xi.length);
+    const double per_length = xi.length > 0.0 ? factor.value / xi.length : 0.0;
+    slopes.by_normal_force = vec3_scale(factor.by_limit * limit_slope(law, regime), across);
+    set_axial(slopes.by_slip, xi.unit, 0.0, factor.value);
+    set_axial(slopes.by_spring, xi.unit, 0.0, -per_length * along);
+    matrix3_add_outer(slopes.by_spring, factor.by_length, across, xi.unit);
+    matrix3_add_outer(slopes.by_spring, -per_length, xi.unit, across);
     return slopes;
 }
 

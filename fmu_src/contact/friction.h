@@ -11,7 +11,10 @@
  * destination the opposite.
  *
  * Without a dashpot (c_t = 0) the spring of a sliding contact has the length L / k_t at every instant. There
- * the state xi tells only its direction and keeps its own length: friction_spring gives the spring itself.
+ * the state xi tells only its direction and keeps its own length, a typical one of the contact:
+ * friction_spring gives the spring itself. The slip turns a spring of no length infinitely fast, where its
+ * direction counts for nothing; so L is taken as L + (1e-5 k_t |xi|)^2 / L there:
+ *     xi' = k_t |xi| / (L + (1e-5 k_t |xi|)^2 / L) (v_t - (v_t.xi) xi / |xi|^2)
  *
  * In each regime all functions are smooth; the regimes change where an event function falls through zero.
  * Source: P. A. Cundall, O. D. L. Strack, Geotechnique 29 (1979) 47.

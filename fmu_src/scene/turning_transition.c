@@ -16,12 +16,43 @@ static void end_friction(struct scene_state *q, int contact)
     q->turning.spring[contact] = vec3_make(0.0, 0.0, 0.0);
 }
 
-/* Of sliding without a dashpot the state is the spring's direction, of any length: against the slip that
- * begins, 1 m. */
-static struct vec3 first_direction(const struct friction_law *law, struct vec3 slip)
+/*
+ * What the normal force comes to in an impact [N]: the spring's where it has stored the energy of the
+ * approach. An energy goes with the power 2 of the depth, under Hertz's law 5/2. Zero where nothing tells.
+ */
+static double impact_force(const struct scene_values *v, const struct scene_state *q,
+                           const struct scene_instant *at, int contact)
 {
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const double per_mass = scene_inverse_mass(v, contact);
+    const double at_one_metre = contact_stored_energy(&law, REGIME_COMPRESSION, -1.0);
+    const double rate = at->geometry[contact].gap_rate;
+    if (!(per_mass > 0.0) || !(at_one_metre > 0.0)) {
+        return 0.0;
+    }
+    const double part = 0.5 * rate * rate / (per_mass * at_one_metre);
+    const double depth = pow(part, contact_is_hertz(&law) ? 0.4 : 0.5);
+    return -contact_stored_slope(&law, REGIME_COMPRESSION, -depth);
+}
+
+/* A spring's length where no force tells: of the source's radius. */
+static const double TYPICAL_LENGTH = 1e-4;
+
+/* Of sliding without a dashpot the state is the spring's direction, that of the slip as it begins, with a
+ * typical length. */
+static struct vec3 first_direction(const struct scene_values *v, const struct scene_state *q,
+                                   const struct scene_instant *at, const struct friction_law *law,
+                                   int contact)
+{
+    const struct vec3 slip = at->turning.slip[contact];
     const double speed = vec3_norm(slip);
-    return law->damping > 0.0 || !(speed > 0.0) ? vec3_make(0.0, 0.0, 0.0) : vec3_scale(1.0 / speed, slip);
+    if (law->damping > 0.0 || !(speed > 0.0)) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    const double force = fmax(at->normal_force[contact], impact_force(v, q, at, contact));
+    const double length = fmin(law->coefficient * force, law->largest) / law->stiffness;
+    const double typical = length > 0.0 ? length : TYPICAL_LENGTH * body_radius(v, contact_source(contact));
+    return vec3_scale(typical / speed, slip);
 }
 
 static void begin_friction(const struct scene_values *v, struct scene_state *q, int contact)
@@ -39,7 +70,7 @@ static void begin_friction(const struct scene_values *v, struct scene_state *q, 
     const enum friction_regime next = friction_onset_regime(&law, force, force_rate, slip);
     set_friction_regime(q, contact, next);
     if (law.kind == FRICTION_ELASTIC && next != FRICTION_STICKING) {
-        q->turning.spring[contact] = first_direction(&law, slip);
+        q->turning.spring[contact] = first_direction(v, q, &at, &law, contact);
     }
 }
 
