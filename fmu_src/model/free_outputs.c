@@ -1,6 +1,7 @@
 /* The outputs that only integrated motion has, and their derivatives. */
 #include "model/motion.h"
 #include "scene/energy.h"
+#include "scene/turning_jet.h"
 
 /* Divided, not scaled by 1/window, which is infinite for steps of less than 1e-308 s. */
 static struct vec3 mean_of(struct vec3 impulse, double window)
@@ -113,6 +114,17 @@ double motion_energy(const struct scene_values *v, const struct scene_state *q,
                : energy_kinetic_of(v, at) + energy_potential_of(v, at) + energy_stored(v, q, at);
 }
 
+/* What turns and rubs has of the balance. */
+static double turning_balance_term(const struct scene_values *v, const struct scene_jet *along, int order)
+{
+#if SCENE_ANY_TURNING
+    return turning_jet_of_rotational(v, along, order) + along->friction[order];
+#else
+    (void)v, (void)along, (void)order;
+    return 0.0;
+#endif
+}
+
 static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
 {
     const struct scene_values *v = &m->state.values;
@@ -126,12 +138,21 @@ static double energy_term(const struct model *m, const struct scene_jet *along, 
         return potential;
     case ROW_energy_contact:
         return stored;
+#if SCENE_ANY_TURNING
+    case ROW_energy_rotational:
+        return turning_jet_of_rotational(v, along, order);
+    case ROW_energy_tangential:
+        return turning_jet_of_tangential(v, &m->state.motion, along, order);
+    case ROW_energy_friction:
+        return along->friction[order] - turning_jet_of_tangential(v, &m->state.motion, along, order);
+#endif
     case ROW_energy_dissipated:
         return along->dissipated[order];
     case ROW_energy_external_work:
         return along->external_work[order];
     case ROW_energy_total:
-        return kinetic + potential + stored + along->dissipated[order] - along->external_work[order];
+        return kinetic + potential + stored + along->dissipated[order] - along->external_work[order] +
+               turning_balance_term(v, along, order);
     default:
         return 0.0;
     }
@@ -149,6 +170,9 @@ bool motion_jet(const struct model *m, const struct scene_instant *at, const str
     case ROW_energy_dissipated:
     case ROW_energy_external_work:
     case ROW_energy_total:
+    case ROW_energy_rotational:
+    case ROW_energy_tangential:
+    case ROW_energy_friction:
         *term = energy_term(m, along, variable->row, order);
         return true;
     case ROW_contact_last_duration: /* grows with the time while the bodies touch */

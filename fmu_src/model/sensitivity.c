@@ -7,6 +7,35 @@
 #include "model/motion.h"
 #include "scene/onset.h"
 #include "scene/scene_jet.h"
+#include "scene/turning_jet.h"
+
+#if SCENE_ANY_TURNING
+/* Of the vectors that only contacts which turn or rub have. */
+static struct vec3 turning_term(const struct scene_jet *along, const struct variable *variable, int order)
+{
+    const int j = variable->element;
+    const struct turning_jet *turning = &along->turning[j];
+    switch (variable->row) {
+    case ROW_contact_friction_force:
+        return turning->friction_force[order];
+    case ROW_contact_slip_velocity:
+        return turning->slip[order];
+    case ROW_contact_source_point:
+        return vec3_add(along->displacement[contact_source(j)][order], turning->source_arm[order]);
+    case ROW_contact_source_torque:
+        return turning->source_torque[order];
+    case ROW_contact_destination_torque:
+        return turning->destination_torque[order];
+    default:
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+}
+
+static double quaternion_component(struct quaternion a, int index)
+{
+    return index == 0 ? a.w : vec3_get(quaternion_vector(a), index - 1);
+}
+#endif
 
 static double contact_term(const struct model *m, const struct scene_instant *at,
                            const struct scene_jet *along, const struct variable *variable, int order)
@@ -45,6 +74,9 @@ static double contact_term(const struct model *m, const struct scene_instant *at
         break;
     }
     default:
+#if SCENE_ANY_TURNING
+        vector = turning_term(along, variable, order);
+#endif
         break;
     }
     return vec3_get(vector, variable->component);
@@ -60,12 +92,32 @@ static double term_of(const struct model *m, const struct scene_instant *at, con
         return vec3_get(along->displacement[variable->element][order], variable->component);
     case ROW_body_velocity:
         return vec3_get(along->velocity[variable->element][order], variable->component);
+#if SCENE_ANY_TURNING
+    case ROW_body_angular_velocity:
+        return vec3_get(along->angular_velocity[variable->element][order], variable->component);
+    case ROW_body_current_axis:
+        return vec3_get(along->axis[variable->element][order], variable->component);
+    case ROW_body_orientation:
+        return quaternion_component(along->orientation[variable->element][order], variable->component);
+#endif
     default:
         break;
     }
     double term = 0.0;
     return motion_jet(m, at, along, variable, order, &term) ? term
                                                             : contact_term(m, at, along, variable, order);
+}
+
+/* Torques and slip where nothing turns or rubs. */
+static void complete(const struct model *m, struct scene_instant *at)
+{
+#if SCENE_ANY_TURNING
+    if (!scene_turns(&m->state.values)) {
+        turning_complete(&m->state.values, &m->state.motion, at);
+    }
+#else
+    (void)m, (void)at;
+#endif
 }
 
 static enum model_status check_finite(const struct model *m, const struct variable *variable, double value)
@@ -87,6 +139,7 @@ enum model_status model_get_output_derivatives(struct model *m, const uint32_t *
         return model_refuse_inputs(m);
     }
     scene_now(&m->state.values, &m->state.motion, &at);
+    complete(m, &at);
     jet_in_time(&m->state.values, &m->state.motion, &at, &along);
     for (size_t i = 0; i < count && status == MODEL_OK; ++i) {
         const struct variable *variable = scene_variable(references[i]);
@@ -97,8 +150,8 @@ enum model_status model_get_output_derivatives(struct model *m, const uint32_t *
 }
 
 /* Of a prescribed body its motion has an effect at once; of a free one the force, on its acceleration. */
-static void move_inputs(const struct scene_values *v, const struct variable *known, double change,
-                        struct scene_jet *along)
+static void move_inputs(const struct scene_values *v, const struct scene_instant *at,
+                        const struct variable *known, double change, struct scene_jet *along)
 {
     if (known->causality == VARIABLE_STATE) {
         motion_move_state(v, known, change, along);
@@ -107,6 +160,20 @@ static void move_inputs(const struct scene_values *v, const struct variable *kno
     if (known->row == ROW_body_external_force && body_is_free(v, known->element)) {
         vec3_add_to(&along->force[known->element], known->component, change);
     }
+#if SCENE_ANY_ROTATION
+    if (body_turn_is_prescribed(v, known->element)) {
+        if (known->row == ROW_body_prescribed_angular_velocity) {
+            vec3_add_to(&along->angular_velocity[known->element][1], known->component, change);
+        } else if (known->row == ROW_body_prescribed_axis) {
+            turning_jet_move_axis(v, at, known->element, known->component, change, along);
+        }
+    }
+    if (known->row == ROW_body_external_torque && body_turns_freely(v, known->element)) {
+        vec3_add_to(&along->torque[known->element], known->component, change);
+    }
+#else
+    (void)at;
+#endif
     if (!body_is_prescribed(v, known->element)) {
         return;
     }
@@ -140,6 +207,11 @@ static void vary_factors(const struct model *m, struct scene_jet *along)
         if (!factors_are_given(&m->state.values, j)) {
             along->law_slope[j] = model_law_slope(m, j, diagonal_slope(m, along, j));
         }
+#if SCENE_ANY_FRICTION
+        if (contact_slip_velocity_control(&m->state.values, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
+            along->slip_velocity_slope[j] = 1e-3 * diagonal_slope(m, along, j); /* as prepare.c has it */
+        }
+#endif
     }
 }
 
@@ -170,6 +242,10 @@ static double input_derivative(const struct model *m, const struct scene_instant
         return motion_local_slope(&m->state.values, &m->state.motion, along, variable);
     }
     switch (variable->row) {
+#if SCENE_ANY_TURNING
+    case ROW_contact_effective_slip_velocity:
+        return along->slip_velocity_slope[j];
+#endif
     case ROW_contact_effective_penalty_factor:
         return contact_coefficients_of(&along->law_slope[j], REGIME_COMPRESSION).k;
     case ROW_contact_effective_viscous_penalty_factor:
@@ -200,11 +276,16 @@ enum model_status model_get_directional_derivative(struct model *m, const uint32
     }
     scene_now(&m->state.values, &m->state.motion, &at);
     memset(&along, 0, sizeof along);
+    complete(m, &at);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         along.velocity[i][0] = at.velocity[i];
+#if SCENE_ANY_TURNING
+        along.angular_velocity[i][0] = at.turning.body[i].angular_velocity;
+        along.axis[i][0] = quaternion_third_axis(at.turning.body[i].orientation);
+#endif
     }
     for (size_t i = 0; i < known_count; ++i) {
-        move_inputs(&m->state.values, scene_variable(knowns[i]), direction[i], &along);
+        move_inputs(&m->state.values, &at, scene_variable(knowns[i]), direction[i], &along);
     }
     vary_factors(m, &along);
     vary_onsets(m, &at, &along);

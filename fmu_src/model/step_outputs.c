@@ -3,7 +3,8 @@
 
 bool model_has_derivatives(const struct variable *variable)
 {
-    return variable->row != ROW_contact_mean_force && variable->row != ROW_contact_peak_force &&
+    return variable->row != ROW_contact_mean_force && variable->row != ROW_contact_mean_source_torque &&
+           variable->row != ROW_contact_mean_destination_torque && variable->row != ROW_contact_peak_force &&
            variable->row != ROW_contact_peak_penetration;
 }
 
@@ -21,6 +22,8 @@ bool motion_jet_of_step(const struct model *m, const struct scene_instant *at, c
         *term = !m->state.initialized && touches ? -along->contact[j].gap[order] : 0.0;
         return true;
     case ROW_contact_mean_force:
+    case ROW_contact_mean_source_torque:
+    case ROW_contact_mean_destination_torque:
         *term = 0.0;
         return true;
     default:

@@ -1,5 +1,6 @@
 /* The jet of free bodies in time, and of what depends on it. */
 #include "scene/free_bodies.h"
+#include "scene/turning_jet.h"
 
 /* d/dt of a path of three coefficients. */
 static struct vec3 path_slope(const struct vec3 *path, double clock)
@@ -37,6 +38,9 @@ double free_bodies_external_power(const struct scene_values *v, const struct sce
             power += jet_dot(force, along->velocity[contact_destination(j)], order);
         }
     }
+#if SCENE_ANY_TURNING
+    power += scene_turns(v) ? turning_jet_external_power(v, q, along, order) : 0.0;
+#endif
     return power;
 }
 
@@ -70,5 +74,8 @@ void free_bodies_put_work(const struct scene_values *v, const struct scene_state
     for (int i = 1; i < JET_TERMS; ++i) {
         along->dissipated[i] = free_bodies_dissipated_power(v, q, along, i - 1) / i;
         along->external_work[i] = free_bodies_external_power(v, q, along, i - 1) / i;
+#if SCENE_ANY_TURNING
+        along->friction[i] = turning_jet_friction_power(v, along, i - 1) / i;
+#endif
     }
 }

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "scene/free_bodies.h"
+#include "scene/turning_jet.h"
 
 void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at, struct scene_jet *along)
@@ -21,11 +22,15 @@ void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
         }
         contact_jet_make(&shape, &at->geometry[j], c, w, &law, &along->law_slope[j], regime,
                          &along->contact[j]);
+#if SCENE_ANY_TURNING
+        turning_jet_of_contact(v, q, at, j, along);
+#endif
     }
 }
 
 /* Bodies by their velocities and accelerations. */
-static void put_bodies(const struct scene_state *q, const struct scene_instant *at, struct scene_jet *along)
+static void put_bodies(const struct scene_values *v, const struct scene_state *q,
+                       const struct scene_instant *at, struct scene_jet *along)
 {
     memset(along, 0, sizeof *along);
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -36,6 +41,13 @@ static void put_bodies(const struct scene_state *q, const struct scene_instant *
         along->velocity[i][1] = at->acceleration[i];
         along->velocity[i][2] = q->path[i].velocity[2];
     }
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        turning_jet_put_bodies(v, q, at, along);
+    }
+#else
+    (void)v;
+#endif
 }
 
 /* Contacts; then once more, as free bodies go by the forces of the first time. */
@@ -43,7 +55,12 @@ static void put_contacts(const struct scene_values *v, const struct scene_state 
                          const struct scene_instant *at, struct scene_jet *along)
 {
     jet_of_contacts(v, q, at, along);
-    if (free_bodies_put_jerk(v, q, along)) {
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        turning_jet_put_changes(v, q, at, along);
+    }
+#endif
+    if (free_bodies_put_jerk(v, q, along) || (SCENE_ANY_TURNING && scene_turns(v))) {
         jet_of_contacts(v, q, at, along);
     }
 }
@@ -51,7 +68,7 @@ static void put_contacts(const struct scene_values *v, const struct scene_state 
 void jet_in_time(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                  struct scene_jet *along)
 {
-    put_bodies(q, at, along);
+    put_bodies(v, q, at, along);
     put_contacts(v, q, at, along);
     free_bodies_put_work(v, q, along);
 }
@@ -59,7 +76,7 @@ void jet_in_time(const struct scene_values *v, const struct scene_state *q, cons
 void jet_of_motion(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                    struct scene_jet *along)
 {
-    put_bodies(q, at, along);
+    put_bodies(v, q, at, along);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_prescribed(v, i)) {
             struct vec3 displacement[4];

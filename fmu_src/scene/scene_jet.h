@@ -10,6 +10,15 @@
 #include "math/compiler.h"
 #include "scene/evaluate.h"
 
+#if SCENE_ANY_TURNING
+/* Of a contact, as struct turning_instant has them; and what its spring stores. */
+struct turning_jet {
+    struct vec3 source_arm[JET_TERMS], destination_arm[JET_TERMS], slip[JET_TERMS];
+    struct vec3 friction_force[JET_TERMS], source_torque[JET_TERMS], destination_torque[JET_TERMS];
+    double stored[JET_TERMS];
+};
+#endif
+
 struct scene_jet {
     struct vec3 displacement[SCENE_BODIES][JET_TERMS];
     struct vec3 velocity[SCENE_BODIES][JET_TERMS];
@@ -17,6 +26,16 @@ struct scene_jet {
     /* d/ds of the factors, where they are automatic */
     struct contact_law law_slope[SCENE_CONTACTS];
     struct contact_jet contact[SCENE_CONTACTS];
+#if SCENE_ANY_TURNING
+    struct vec3 angular_velocity[SCENE_BODIES][JET_TERMS];
+    struct vec3 axis[SCENE_BODIES][JET_TERMS]; /* the third axis of the body's frame */
+    struct quaternion orientation[SCENE_BODIES][JET_TERMS];
+    struct vec3 torque[SCENE_BODIES]; /* d/ds of the external torques on bodies that turn freely */
+    struct vec3 spring[SCENE_CONTACTS][JET_TERMS];
+    double slip_velocity_slope[SCENE_CONTACTS]; /* d/ds of v_0 */
+    struct turning_jet turning[SCENE_CONTACTS];
+    double friction[JET_TERMS]; /* energy that friction and its springs take, without the first term */
+#endif
     /* of what only scenes with free bodies have, without the first term */
     double time[JET_TERMS], dissipated[JET_TERMS], external_work[JET_TERMS];
 };
