@@ -3,9 +3,9 @@
 #
 #   configure   modelDescription/generate.py writes <build>/scenes/<Scene>/: modelDescription.xml (FMI 2.0),
 #               modelDescription3.xml (FMI 3.0), scene.h, scene_variables.c, documentation/, resources/scene.json and
-#               scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE, SCENE_HAS_CYLINDER, SCENE_HAS_PLANE,
-#               SCENE_HAS_HERTZ, SCENE_HAS_RESTITUTION, SCENE_HAS_ROTATION, SCENE_HAS_FRICTION); units.txt there lists
-#               the sources that the scene has
+#               scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE, SCENE_HAS_CYLINDER, SCENE_HAS_CAPS,
+#               SCENE_HAS_PLANE, SCENE_HAS_HERTZ, SCENE_HAS_RESTITUTION, SCENE_HAS_ROTATION, SCENE_HAS_FRICTION);
+#               units.txt there lists the sources that the scene has
 #   compile     all of fmu_src as one unit against that scene.h -> <build>/libraries/<Scene>.so, libraries/fmi3/<Scene>.so
 #   sources     the same code as one file -> <Scene folder>/sources/, sources3/ (cmake/amalgamate.py)
 #   pack        the library, stripped, with description, documentation and sources into a ZIP
@@ -89,7 +89,7 @@ endfunction()
 
 # What the scene whose scene.cmake has been read does not need; the contact folder, which knows no scene, hears of it here.
 function(contact_leave_out_parts target)
-    foreach(what CYLINDER PLANE HERTZ RESTITUTION ROTATION FRICTION)
+    foreach(what CYLINDER CAPS PLANE HERTZ RESTITUTION ROTATION FRICTION)
         if(NOT SCENE_HAS_${what})
             target_compile_definitions(${target} PRIVATE CONTACT_NO_${what})
         endif()
@@ -119,6 +119,9 @@ function(contact_scene_sources folder result)
         if(SCENE_HAS_HERTZ)
             list(APPEND sources ${CONTACT_HERTZ_SOURCES})
         endif()
+        if(SCENE_HAS_CAPS)
+            list(APPEND sources ${CONTACT_FREE_CAPS_SOURCES})
+        endif()
         if(SCENE_HAS_CVODE)
             list(APPEND sources ${CONTACT_CVODE_SOURCES})
         else()
@@ -126,6 +129,9 @@ function(contact_scene_sources folder result)
         endif()
     else()
         list(APPEND sources ${CONTACT_GIVEN_SOURCES})
+    endif()
+    if(SCENE_HAS_CAPS)
+        list(APPEND sources ${CONTACT_CAPS_SOURCES})
     endif()
     set(${result} ${sources} PARENT_SCOPE)
 endfunction()

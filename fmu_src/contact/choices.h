@@ -2,7 +2,12 @@
 #ifndef CONTACT_CONTACT_CHOICES_H
 #define CONTACT_CONTACT_CHOICES_H
 
-enum shape { SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE };
+/* A rim is no body's shape: it is what a capped cylinder looks like from beyond its side and cap (zone.h). */
+enum shape { SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE, SHAPE_RIM };
+
+enum ends { ENDS_OPEN = 1, ENDS_CAPPED };
+
+enum zone { ZONE_NONE = 1, ZONE_SIDE, ZONE_CAP, ZONE_RIM };
 
 enum motion_kind { MOTION_FIXED = 1, MOTION_PRESCRIBED, MOTION_FREE };
 

@@ -1,5 +1,7 @@
 #include "contact/geometry.h"
 
+#include "contact/zone.h"
+
 double contact_reach(const struct contact_shape *shape)
 {
     return shape->side > 0 ? shape->source_radius + shape->other_radius
@@ -35,8 +37,8 @@ struct vec3 contact_across_again(const struct contact_shape *shape, struct vec3 
     return vec3_norm(twice) > 0.1 * size ? twice : vec3_make(0.0, 0.0, 0.0);
 }
 
-struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
-                                            struct vec3 fallback)
+static struct contact_geometry geometry_in(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
+                                           struct vec3 fallback)
 {
     struct contact_geometry at = {.offset = c, .normal = fallback};
     if (contact_is_cylinder(shape)) {
@@ -61,6 +63,57 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     return at;
 }
 
+#ifdef CONTACT_NO_CAPS
+struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
+                                            struct vec3 fallback)
+{
+    return geometry_in(shape, c, w, fallback);
+}
+#else
+
+/* Towards the nearest point of the circle: with the unit vector a from the centre to the axis, across it, c
+ * less that circle's centre is rho a - beyond e, and its nearest point r_d a. */
+static struct contact_geometry geometry_of_rim(const struct contact_shape *shape, struct vec3 c,
+                                               struct vec3 w, struct vec3 fallback)
+{
+    struct contact_geometry at = {.normal = fallback};
+    const double axial = vec3_dot(c, shape->axis);
+    const struct vec3 across = vec3_axpy(c, -axial, shape->axis);
+    const double rho = vec3_norm(across); /* above r_d in the zone */
+    const double radial = rho - shape->solid.radius;
+    const double beyond = -axial - shape->solid.half_height;
+    at.offset = vec3_axpy(vec3_scale(radial / rho, across), -beyond, shape->axis);
+    at.distance = hypot(radial, beyond);
+    at.degenerate = !(at.distance > 0.0);
+    if (!at.degenerate) {
+        at.normal = vec3_scale(1.0 / at.distance, at.offset);
+    }
+    at.hoop = vec3_cross(shape->axis, vec3_scale(1.0 / rho, across));
+    at.hoop_part = shape->solid.radius / rho;
+    at.gap = gap_at(shape, at.distance);
+    at.gap_terms = shape->source_radius + shape->solid.radius + shape->solid.half_height;
+    at.gap_rate = vec3_dot(at.normal, w);
+    return at;
+}
+
+struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
+                                            struct vec3 fallback)
+{
+    if (!contact_is_capped(shape)) {
+        return geometry_in(shape, c, w, fallback);
+    }
+    struct contact_shape in = *shape;
+    if (in.solid.zone == 0) {
+        const struct solid_place place = contact_place_at(&shape->solid, c);
+        in = contact_shape_in(shape, contact_zone_by(&place));
+    }
+    struct contact_geometry at =
+        contact_is_rim(&in) ? geometry_of_rim(&in, c, w, fallback) : geometry_in(&in, c, w, fallback);
+    at.zone = in.solid.zone;
+    return at;
+}
+#endif
+
 bool contact_within_extents(const struct contact_shape *shape, double axial)
 {
     return fabs(axial) <= shape->half_length;
@@ -82,6 +135,25 @@ struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 no
         across = vec3_axpy(across, -vec3_dot(shape->axis, w), shape->axis);
     }
     return across;
+}
+
+struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
+                                 struct vec3 w)
+{
+#ifndef CONTACT_NO_CAPS
+    if (contact_is_rim(shape)) {
+        const struct vec3 across = vec3_axpy(w, -vec3_dot(at->normal, w), at->normal);
+        return vec3_axpy(across, -at->hoop_part * vec3_dot(at->hoop, w), at->hoop);
+    }
+#endif
+    return contact_tangential(shape, at->normal, w);
+}
+
+double contact_turning_rate(const struct contact_shape *shape, const struct contact_geometry *at,
+                            struct vec3 w, struct vec3 moved)
+{
+    const struct vec3 turned = contact_turning_part(shape, at, moved);
+    return vec3_dot(contact_is_rim(shape) ? w : contact_tangential(shape, at->normal, w), turned);
 }
 
 struct vec3 contact_escape_direction(const struct contact_shape *shape, struct vec3 w, struct vec3 fallback)

@@ -8,8 +8,11 @@
  *   plane:     d = -c.e_d, n = -e_d; the half-space behind it is solid, and d is negative there
  *   outside:   g = d - (r_s + r_d)        inside a hollow destination:   g = (r_d - r_s) - d
  *
+ *   capped:    side, cap or rim of the solid cylinder, whichever is nearest (zone.h); of the rim, a circle,
+ *              n is the unit vector to its nearest point, d how far that is
+ *
  * All are g = side (d - reach) with side +1 outside, -1 inside, and reach r_s + r_d or r_d - r_s, so that g'
- * = side n.w; a plane has r_d = 0 and no inside. The gradient of d with respect to c is n for all shapes; n
+ * = side n.w; a plane has r_d = 0 and no inside, a rim too. The gradient of d with respect to c is n for all shapes; n
  * is perpendicular to e_d for a cylinder and constant for a plane.
  */
 #ifndef CONTACT_CONTACT_GEOMETRY_H
@@ -21,14 +24,24 @@
 #include "contact/choices.h"
 #include "math/vec3.h"
 
-/* What does not change while a contact exists. */
+/* A capped cylinder, of which the shape below is the part that is met. */
+struct contact_solid {
+    struct vec3 axis;           /* e_d, unit length */
+    double radius, half_height; /* r_d, L / 2; half_height 0: it is no capped cylinder */
+    int zone; /* enum zone, negative at the end that -e_d points to; 0: whichever is nearest */
+};
+
+/* What does not change while a contact exists, or stays in a zone. */
 struct contact_shape {
     struct vec3 axis;     /* e_d, unit length; cylinder and plane only */
     double source_radius; /* r_s > 0 */
-    double other_radius;  /* r_d > 0, of the destination; 0 of a plane */
+    double other_radius;  /* r_d > 0, of the destination; 0 of a plane and a rim, L / 2 of a cap */
     double half_length;   /* L / 2 of a finite cylinder; INFINITY otherwise */
     int side;             /* +1: the source is outside the destination, -1: inside */
     enum shape destination;
+#ifndef CONTACT_NO_CAPS
+    struct contact_solid solid;
+#endif
 };
 
 struct contact_geometry {
@@ -42,6 +55,11 @@ struct contact_geometry {
     double gap_rate; /* g' [m/s] */
     double axial;    /* c.e_d of a cylinder [m]; 0 for the other shapes */
     bool degenerate; /* d = 0: n is the fallback; never with a plane */
+#ifndef CONTACT_NO_CAPS
+    int zone;         /* of a capped cylinder, as in struct contact_solid; 0 of any other shape */
+    struct vec3 hoop; /* of a rim: the direction along the circle, and r_d / rho, see contact_turning_part */
+    double hoop_part;
+#endif
 };
 
 /* Whether the destination is a cylinder, a plane; never, at compile time, where the build has none
@@ -66,10 +84,32 @@ static inline bool contact_is_plane(const struct contact_shape *shape)
 #endif
 }
 
-/* Whether penetration may come to a centre or axis, where n has no direction: outside, but for a plane. */
+/* Whether it is the rim of a capped cylinder; whether it is a capped cylinder, or a part of one. */
+static inline bool contact_is_rim(const struct contact_shape *shape)
+{
+#ifdef CONTACT_NO_CAPS
+    (void)shape;
+    return false;
+#else
+    return shape->destination == SHAPE_RIM;
+#endif
+}
+
+static inline bool contact_is_capped(const struct contact_shape *shape)
+{
+#ifdef CONTACT_NO_CAPS
+    (void)shape;
+    return false;
+#else
+    return shape->solid.half_height > 0.0;
+#endif
+}
+
+/* Whether penetration may come to a centre or axis, where n has no direction: outside, but for a plane. The
+ * zone of a rim ends before. */
 static inline bool contact_may_reach_centre(const struct contact_shape *shape)
 {
-    return shape->side > 0 && !contact_is_plane(shape);
+    return shape->side > 0 && !contact_is_plane(shape) && !contact_is_rim(shape);
 }
 
 /* Whether n turns as the source moves across it, by 1/d. A plane's normal never does. */
@@ -129,6 +169,18 @@ struct vec3 contact_direction_of(const struct contact_shape *shape, const struct
 /* The part of w that rotates n: without its components along n and along a cylinder's axis; none of a plane
  * [m/s]. */
 struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w);
+
+/*
+ * d times the change of n as the source moves across it by w: T w with the projection T of contact_tangential,
+ * but for a rim, which is curved in two ways: by 1/d across the circle and by (rho - r_d)/(rho d) along it, with
+ * rho the distance from the axis, so that T = I - n n^T - (r_d / rho) b b^T, b the hoop.
+ */
+struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
+                                 struct vec3 w);
+
+/* d times the rate of n.w by the turning of n, for a rate w and a motion `moved`: w.T moved. */
+double contact_turning_rate(const struct contact_shape *shape, const struct contact_geometry *at,
+                            struct vec3 w, struct vec3 moved);
 
 /* The escape direction at d = 0, where the distance can only grow: the unit vector along w, perpendicular to
  * a cylinder's axis; `fallback` where w has no such part. */

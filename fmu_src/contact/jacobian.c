@@ -3,8 +3,10 @@
 #include "math/matrix3.h"
 
 /* Adds factor T. */
-static void add_projector(double m[3][3], double factor, const struct contact_shape *shape, struct vec3 n)
+static void add_projector(double m[3][3], double factor, const struct contact_shape *shape,
+                          const struct contact_geometry *at)
 {
+    const struct vec3 n = at->normal;
     for (int i = 0; i < 3; ++i) {
         m[i][i] += factor;
     }
@@ -12,6 +14,11 @@ static void add_projector(double m[3][3], double factor, const struct contact_sh
     if (contact_is_cylinder(shape)) {
         matrix3_add_outer(m, -factor, shape->axis, shape->axis);
     }
+#ifndef CONTACT_NO_CAPS
+    if (contact_is_rim(shape)) {
+        matrix3_add_outer(m, -factor * at->hoop_part, at->hoop, at->hoop);
+    }
+#endif
 }
 
 struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
@@ -21,7 +28,7 @@ struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
     const struct vec3 n = at->normal;
     const double side = shape->side;
     const double inverse_distance = contact_turns(shape, at) ? 1.0 / at->distance : 0.0;
-    const struct vec3 rate_by_c = vec3_scale(side * inverse_distance, contact_tangential(shape, n, w));
+    const struct vec3 rate_by_c = vec3_scale(side * inverse_distance, contact_turning_part(shape, at, w));
     const double force = contact_force(law, regime, at->gap, at->gap_rate);
     const struct contact_slopes slopes = contact_force_slopes(law, regime, at->gap, at->gap_rate);
     /* dF_n/dc and dF_n/dw */
@@ -30,7 +37,7 @@ struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
 
     struct contact_jacobian gradient = {.by_separation = {{0.0}}, .by_rate = {{0.0}}};
     matrix3_add_outer(gradient.by_separation, -side, n, force_by_c);
-    add_projector(gradient.by_separation, -side * force * inverse_distance, shape, n);
+    add_projector(gradient.by_separation, -side * force * inverse_distance, shape, at);
     matrix3_add_outer(gradient.by_rate, -side, n, force_by_w);
 
     /* P = -(F_n + dE_c/dg) g' */

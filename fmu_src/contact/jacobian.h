@@ -1,7 +1,8 @@
 /*
  * Derivatives of the contact force, for implicit integration.
  *
- * With F_n by the law, T = P - n n^T (P the identity for a sphere, I - e_d e_d^T for a cylinder):
+ * With F_n by the law, T = P - n n^T (P the identity for a sphere, I - e_d e_d^T for a cylinder;
+ * of a rim contact_turning_part):
  *   dg/dc = side n,   dn/dc = T / d,   dg'/dc = side T w / d,   dg'/dw = side n
  * and the force on the source is F_src = -side F_n n.
  */

@@ -5,6 +5,7 @@
 #include "integrator/prescribed.h"
 #include "segment/flight.h"
 #include "segment/segment.h"
+#include "segment/zone_end.h"
 
 /* The error allowed in a segment [m]: a thousandth of the tolerances, because impacts amplify errors. Near
  * the centre it is cut in proportion to d, because an error e across n turns n by e / d. It is never below
@@ -39,6 +40,7 @@ struct synchronized_step {
     double longest, time; /* at most, and as it is [s] */
     int terminal;         /* the contact whose regime ends then or begins anew; -1: none */
     enum contact_regime next;
+    bool changes; /* whether the regime or the zone of that contact is another then */
 };
 
 static bool has_segment(const struct scene_values *v, const struct scene_state *q, int contact)
@@ -66,6 +68,8 @@ static bool add_pair(struct synchronized_step *all, const struct scene_values *v
         all->time = terminal;
         all->terminal = contact;
         all->next = p->terminal.regime;
+        all->changes =
+            all->next != (enum contact_regime)q->contact[contact].regime || zone_end_is_terminal(p);
     } else if (end < all->time && end < longest * ALL_OF_IT) {
         all->time = end;
         all->terminal = -1;
@@ -180,7 +184,7 @@ enum advance_result event_driven_advance(const struct scene_values *v, struct sc
         if (!whole) {
             return ADVANCE_STEP_LIMIT;
         }
-        if (all.terminal >= 0 && all.next != (enum contact_regime)q->contact[all.terminal].regime) {
+        if (all.terminal >= 0 && all.changes) {
             step->contact = all.terminal;
             step->regime = all.next;
             return ADVANCE_EVENT;

@@ -140,7 +140,7 @@ static bool change_regime(const struct scene_values *v, struct scene_state *q, s
 static bool take_event(const struct scene_values *v, struct scene_state *q, struct advance *step)
 {
 #if SCENE_ANY_FRICTION
-    if (step->event > ODE_EVENT_LAW) {
+    if (step->event > ODE_EVENT_LAW && step->event != ODE_EVENT_ZONE) {
         transition_change_friction(v, q, step->contact, (enum ode_event)step->event, &step->now);
         step->is_now = true;
         return false;

@@ -90,6 +90,31 @@ static enum model_status check_friction(struct model *m, int contact)
     return MODEL_OK;
 }
 
+/* A capped cylinder is a solid of finite length. */
+static enum model_status check_ends(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const int body = contact_destination(contact);
+    const char *name = scene_contact_name(contact);
+    const char *destination = scene_body_name(body);
+    if (!SCENE_ANY_CAPS || body_ends(v, body) != ENDS_CAPPED) {
+        return check_law(m, contact);
+    }
+    if (!body_finite_length(v, body)) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.ends = capped contradicts %s.finite_length = false: an infinite cylinder has "
+                            "no ends (allowed: capped with finite_length = true).",
+                            destination, destination);
+    }
+    if (contact_location(v, contact) == LOCATION_INSIDE) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.location = inside contradicts %s.ends = capped: a capped cylinder is a solid "
+                            "(allowed: automatic, outside; inside with ends = open).",
+                            name, destination);
+    }
+    return check_law(m, contact);
+}
+
 static enum model_status check_contact(struct model *m, int contact)
 {
     const struct scene_values *v = &m->state.values;
@@ -118,7 +143,7 @@ static enum model_status check_contact(struct model *m, int contact)
                             "(allowed: at least one component other than zero).",
                             destination, destination, destination);
     }
-    const enum model_status status = check_law(m, contact);
+    const enum model_status status = check_ends(m, contact);
     return status == MODEL_OK ? check_friction(m, contact) : status;
 }
 
@@ -217,7 +242,7 @@ static const double DEEP_START = 0.1;
 static void warn_of_deep_start(const struct model *m, const struct scene_instant *at, int contact)
 {
     const struct scene_values *v = &m->state.values;
-    const struct contact_shape shape = scene_contact_shape(v, &m->state.motion, contact);
+    const struct contact_shape shape = scene_whole_shape(v, &m->state.motion, contact);
     const struct contact_law law = scene_contact_law(v, &m->state.motion, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const double radius = shape.other_radius > 0.0 ? fmin(shape.source_radius, shape.other_radius)

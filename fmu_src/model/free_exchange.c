@@ -72,6 +72,8 @@ double motion_local(const struct scene_values *v, const struct scene_state *q, c
         return regime_touch_margin(v, q, at, variable->element);
     case ROW_contact_dashpot_indicator:
         return regime_dashpot_margin(v, q, at, variable->element);
+    case ROW_contact_zone_indicator:
+        return regime_zone_margin(v, q, at, variable->element);
     default:
         return body_local(v, q, at, variable);
     }
@@ -105,7 +107,8 @@ bool motion_change_regimes(const struct scene_values *v, struct scene_state *q)
         struct scene_instant at;
         scene_now(v, q, &at);
         const enum contact_regime next = regime_by_margins(v, q, &at, j);
-        if (next != (enum contact_regime)q->contact[j].regime) {
+        const bool passes = SCENE_ANY_CAPS && regime_zone_margin(v, q, &at, j) < 0.0;
+        if (passes || next != (enum contact_regime)q->contact[j].regime) {
             transition_switch_regime(v, q, j, next);
             changed = true;
         }

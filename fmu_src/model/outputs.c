@@ -1,20 +1,39 @@
 /* The outputs of the present instant: what the model shows, computed from the motion and nothing else. */
 #include <math.h>
 
+#include "contact/zone.h"
 #include "model/motion.h"
 #include "model/shortest.h"
 #include "scene/onset.h"
 #include "segment/driven_turning.h"
+#include "scene/zones.h"
 
 /* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d
- * n. */
-static struct vec3 contact_point_of(const struct scene_values *v, const struct scene_instant *at, int contact)
+ * n, also where it is capped. */
+static struct vec3 contact_point_of(const struct scene_values *v, const struct contact_shape *shape,
+                                    const struct scene_instant *at, int contact)
 {
     const int source = contact_source(contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const struct vec3 centre = vec3_add(body_center(v, source), at->displacement[source]);
-    const double reach = g->distance - body_radius(v, contact_destination(contact));
+    const double reach = g->distance - shape->other_radius;
     return vec3_axpy(centre, reach, g->normal);
+}
+
+/* d as users see it: of a capped cylinder from its axis, whichever zone is met. */
+static double distance_of(const struct contact_shape *shape, const struct scene_instant *at, int contact)
+{
+#if SCENE_ANY_CAPS
+    if (contact_is_capped(shape)) {
+        const struct vec3 none = {0.0, 0.0, 0.0};
+        const struct vec3 c[3] = {at->separation[contact], none, none};
+        double rho[3];
+        contact_axis_distance(&shape->solid, c, rho);
+        return rho[0];
+    }
+#endif
+    (void)shape;
+    return at->geometry[contact].distance;
 }
 
 static void put_force(struct scene_values *v, int contact, double normal_force, struct vec3 source_force)
@@ -41,10 +60,11 @@ static double put_hertz(struct scene_values *v, int contact, const struct contac
 static double put_contact(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                           int contact)
 {
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const double distance = distance_of(&shape, at, contact);
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_state *state = &q->contact[contact];
-    const struct contact_geometry *g = &at->geometry[contact];
     const enum contact_regime regime = (enum contact_regime)state->regime;
     const bool within = scene_within_extents(&shape, g);
     const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
@@ -54,13 +74,14 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     put_contact_diagonal(v, contact, state->parameters.diagonal);
     put_contact_gap(v, contact, within ? g->gap : contact_gap_beyond_ends(v, contact));
     put_contact_gap_rate(v, contact, within ? g->gap_rate : 0.0);
-    put_contact_distance(v, contact, g->distance);
+    put_contact_distance(v, contact, distance);
     put_contact_direction(v, contact, contact_direction_of(&shape, g));
-    put_contact_point(v, contact, contact_point_of(v, at, contact));
+    put_contact_point(v, contact, contact_point_of(v, &shape, at, contact));
     put_contact_active(v, contact, regime != REGIME_APART);
     put_contact_within_extents(v, contact, within);
+    put_contact_zone(v, contact, zones_shown(v, q, at, contact));
     put_force(v, contact, force, vec3_scale(-shape.side * force, g->normal));
-    return force + g->distance + g->gap_rate + factors.k + factors.c + put_hertz(v, contact, &law);
+    return force + distance + g->gap_rate + factors.k + factors.c + put_hertz(v, contact, &law);
 }
 
 static void warn_of_missing_direction(struct model *m, const struct scene_instant *at)

@@ -88,7 +88,7 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
     state->normal = contact_default_normal(&shape);
     struct scene_instant at;
     scene_now(v, q, &at);
-    if (contact_location(v, contact) == LOCATION_AUTOMATIC) {
+    if (contact_location(v, contact) == LOCATION_AUTOMATIC && !contact_is_capped(&shape)) {
         state->side = automatic_side(&shape, &at.geometry[contact]);
     } else {
         state->side = shape.side;

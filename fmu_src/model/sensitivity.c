@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "contact/factors.h"
+#include "contact/zone.h"
 #include "model/motion.h"
 #include "scene/onset.h"
 #include "scene/scene_jet.h"
@@ -37,12 +38,32 @@ static double quaternion_component(struct quaternion a, int index)
 }
 #endif
 
+/* d as users see it: of a capped cylinder from its axis, whichever zone is met. */
+static double distance_term(const struct contact_shape *shape, const struct scene_instant *at,
+                            const struct scene_jet *along, int contact, int order)
+{
+#if SCENE_ANY_CAPS
+    if (contact_is_capped(shape)) {
+        struct vec3 c[JET_TERMS] = {at->separation[contact]};
+        double rho[JET_TERMS];
+        for (int i = 1; i < JET_TERMS; ++i) {
+            c[i] = vec3_sub(along->displacement[contact_destination(contact)][i],
+                            along->displacement[contact_source(contact)][i]);
+        }
+        contact_axis_distance(&shape->solid, c, rho);
+        return rho[order];
+    }
+#endif
+    (void)shape, (void)at;
+    return along->contact[contact].distance[order];
+}
+
 static double contact_term(const struct model *m, const struct scene_instant *at,
                            const struct scene_jet *along, const struct variable *variable, int order)
 {
     const struct scene_values *v = &m->state.values;
     const int j = variable->element;
-    const struct contact_shape shape = scene_contact_shape(v, &m->state.motion, j);
+    const struct contact_shape shape = scene_shape_met(v, &m->state.motion, at, j);
     const struct contact_jet *contact = &along->contact[j];
     const struct contact_geometry *g = &at->geometry[j];
     struct vec3 vector = {0.0, 0.0, 0.0};
@@ -52,7 +73,7 @@ static double contact_term(const struct model *m, const struct scene_instant *at
     case ROW_contact_gap_rate:
         return scene_within_extents(&shape, g) ? contact->gap_rate[order] : 0.0;
     case ROW_contact_distance:
-        return contact->distance[order];
+        return distance_term(&shape, at, along, j, order);
     case ROW_contact_normal_force:
         return contact->normal_force[order];
     case ROW_contact_direction: {
@@ -67,7 +88,7 @@ static double contact_term(const struct model *m, const struct scene_instant *at
         vector = vec3_scale(-1.0, contact->source_force[order]);
         break;
     case ROW_contact_point: { /* x_src + (d - r_d) n */
-        const double radius = body_radius(v, contact_destination(j));
+        const double radius = shape.other_radius;
         vector = vec3_add(along->displacement[contact_source(j)][order],
                           jet_scale(contact->distance, contact->normal, order));
         vector = vec3_axpy(vector, -radius, contact->normal[order]);

@@ -4,11 +4,11 @@
 #include <stddef.h>
 
 #include "contact/factors.h"
+#include "contact/zone.h"
 #include "scene/free_bodies.h"
 #include "scene/turning.h"
 
-struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
-                                         int contact)
+struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     const int destination = contact_destination(contact);
     struct contact_shape shape = {.source_radius = body_radius(v, contact_source(contact)),
@@ -32,8 +32,45 @@ struct contact_shape scene_contact_shape(const struct scene_values *v, const str
         shape.axis = q->contact[contact].parameters.axis;
     }
 #endif
+#if SCENE_ANY_CAPS
+    if (isfinite(shape.half_length) && body_ends(v, destination) == ENDS_CAPPED) {
+        shape.solid = (struct contact_solid){shape.axis, shape.other_radius, shape.half_length, 0};
+        shape.half_length = (double)INFINITY; /* the gap goes on beyond the ends */
+        shape.side = 1;
+    }
+#endif
     return shape;
 }
+
+#if SCENE_ANY_CAPS
+struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
+                                         int contact)
+{
+    const struct contact_shape shape = scene_whole_shape(v, q, contact);
+    const int zone = q->contact[contact].zone;
+    return zone != 0 ? contact_shape_in(&shape, zone) : shape;
+}
+
+struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,
+                                     const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    const int zone = at->geometry[contact].zone;
+    return zone != 0 ? contact_shape_in(&shape, zone) : shape;
+}
+#else
+struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
+                                         int contact)
+{
+    return scene_whole_shape(v, q, contact);
+}
+
+struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,
+                                     const struct scene_instant *at, int contact)
+{
+    return scene_contact_shape_at(v, q, at, contact);
+}
+#endif
 
 struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact)
 {
@@ -77,6 +114,12 @@ struct contact_shape scene_contact_shape_at(const struct scene_values *v, const 
 #if SCENE_ANY_ROTATION
     if (body_turns(v, contact_destination(contact)) && shape.destination != SHAPE_SPHERE) {
         shape.axis = at->turning.axis[contact];
+#if SCENE_ANY_CAPS
+        if (contact_is_capped(&shape)) {
+            shape.solid.axis = at->turning.axis[contact];
+            shape = shape.solid.zone != 0 ? contact_shape_in(&shape, shape.solid.zone) : shape;
+        }
+#endif
     }
 #else
     (void)at;

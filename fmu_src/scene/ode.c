@@ -7,6 +7,7 @@
 #include "scene/rounding.h"
 #include "scene/singularity.h"
 #include "scene/turning_ode.h"
+#include "scene/zones.h"
 
 enum { BODY_STATES = 6 };
 
@@ -115,6 +116,7 @@ void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double rel
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double tolerated = relative * vec3_norm(at->rate[j]) + absolute;
         ode->gap_offset[j] = 2.0 * rounding_of_gap(v, at, j);
+        ode->zone_offset[j] = ode->gap_offset[j] + 2.0 * fmax(-zones_margin(v, ode->state, at, j), 0.0);
         ode->margin_offset[j] = rounding_margin_offset(v, ode->state, at, j, tolerated);
 #if SCENE_ANY_TURNING
         if (scene_turns(v)) {

@@ -27,6 +27,8 @@
  *   2   friction_stick_event   sticking and sliding change
  *   3   friction_cap_event     mu F_n passes F_max
  *   4   friction_lift_event    F_n passes zero while the bodies overlap
+ * and last where cylinders may be capped
+ *       zones_margin           the contact leaves its zone
  * An offset is added, so that they start above zero in spite of rounding. Without contact both are the
  * constant 1, unless another contact loads one of the bodies: then 0 is also the first touch and the passage
  * of a cylinder's end. Where neither body is free closed forms foresee both, which are then constant.
@@ -39,7 +41,8 @@
 enum ode_event { ODE_EVENT_GAP, ODE_EVENT_LAW, ODE_EVENT_STICK, ODE_EVENT_CAP, ODE_EVENT_LIFT };
 
 enum {
-    ODE_EVENTS_EACH = SCENE_ANY_TURNING ? 5 : 2,
+    ODE_EVENT_ZONE = SCENE_ANY_TURNING ? 5 : 2,
+    ODE_EVENTS_EACH = ODE_EVENT_ZONE + SCENE_ANY_CAPS,
     ODE_EVENTS = ODE_EVENTS_EACH * SCENE_CONTACTS,
     /* states at most: 6 of motion and 7 of rotation for each body, 3 of the spring and 9 impulses for each
      * contact, 3 energies; without rotation 6, 3 and 2 */
@@ -56,6 +59,7 @@ struct scene_ode {
     /* added to events 2, 3 and 4 */
     double stick_offset[SCENE_CONTACTS], cap_offset[SCENE_CONTACTS], lift_offset[SCENE_CONTACTS];
 #endif
+    double zone_offset[SCENE_CONTACTS];  /* added to events ODE_EVENT_ZONE [m] */
     double energy_scale, momentum_scale; /* of the motion as the phase begins [J], [N s] */
 };
 
@@ -93,7 +97,7 @@ void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const doubl
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
 
-/* The regime after event 0 or 1 of a contact, at the present of q. */
+/* The regime after an event of a contact, at the present of q. */
 enum contact_regime ode_regime_after(const struct scene_values *v, const struct scene_state *q, int contact,
                                      int event);
 

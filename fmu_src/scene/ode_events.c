@@ -3,6 +3,7 @@
 
 #include "scene/present.h"
 #include "scene/turning_ode.h"
+#include "scene/zones.h"
 
 /* Zero is returned as a tiny negative number: a contact that starts at g = 0 does not end at once, a root is
  * not found twice, and CVODE, which rejects functions that stay at zero, never sees one. 1e-100 is far below
@@ -29,6 +30,14 @@ static void coupled_events(const struct scene_ode *ode, const struct contact_sha
     }
 }
 
+static void put_zone(const struct scene_ode *ode, const struct scene_instant *at, int contact, double *out)
+{
+    if (SCENE_ANY_CAPS) {
+        out[ODE_EVENTS_EACH - 1] =
+            not_zero(ode->zone_offset[contact] + zones_margin(ode->values, ode->state, at, contact));
+    }
+}
+
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS])
 {
     const struct scene_values *v = ode->values;
@@ -42,6 +51,7 @@ void ode_events(const struct scene_ode *ode, double clock, const double *y, doub
 #if SCENE_ANY_TURNING
         if (scene_turns(v)) {
             turning_events(ode, clock, y, &at, j, out);
+            put_zone(ode, &at, j, out);
             for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
                 out[i] = not_zero(out[i]);
             }
@@ -58,6 +68,7 @@ void ode_events(const struct scene_ode *ode, double clock, const double *y, doub
             const struct contact_shape shape = scene_contact_shape(v, ode->state, j);
             coupled_events(ode, &shape, &law, g, j, out);
         }
+        put_zone(ode, &at, j, out);
     }
 }
 
@@ -66,6 +77,9 @@ enum contact_regime ode_regime_after(const struct scene_values *v, const struct 
 {
     const struct contact_law law = scene_contact_law(v, q, contact);
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    if (event == ODE_EVENT_ZONE) {
+        return regime; /* in the next zone */
+    }
     if (event == 1) {
         return contact_regime_after(&law, regime);
     }

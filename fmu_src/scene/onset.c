@@ -10,12 +10,13 @@ static double pressing_acceleration(const struct scene_values *v, const struct s
 {
     struct scene_instant at = *kinematics;
     scene_forces(v, q, q->clock, &at); /* the contact is apart */
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_shape shape = scene_shape_met(v, q, &at, contact);
     const struct contact_geometry *g = &at.geometry[contact];
     const struct vec3 relative =
         vec3_sub(at.acceleration[contact_destination(contact)], at.acceleration[contact_source(contact)]);
-    const struct vec3 across = contact_tangential(&shape, g->normal, at.rate[contact]);
-    const double turning = contact_turns(&shape, g) ? vec3_dot(across, across) / g->distance : 0.0;
+    const struct vec3 w = at.rate[contact];
+    const double turning =
+        contact_turns(&shape, g) ? contact_turning_rate(&shape, g, w, w) / g->distance : 0.0;
     return fmax(-shape.side * (vec3_dot(g->normal, relative) + turning), 0.0);
 }
 

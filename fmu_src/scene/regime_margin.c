@@ -4,6 +4,7 @@
 
 #include "scene/present.h"
 #include "scene/rounding.h"
+#include "scene/zones.h"
 
 /* In bounds of the rounding error: the margin itself may be off by one of them on either side of
  * a change. */
@@ -39,6 +40,12 @@ double regime_dashpot_margin(const struct scene_values *v, const struct scene_st
     const double margin = contact_event_force(&law, contact_event(&law, regime, g->gap, g->gap_rate) +
                                                         MARGIN_ROUNDINGS * rounding);
     return regime == REGIME_COMPRESSION ? margin : -margin;
+}
+
+double regime_zone_margin(const struct scene_values *v, const struct scene_state *q,
+                          const struct scene_instant *at, int contact)
+{
+    return zones_margin(v, q, at, contact) + MARGIN_ROUNDINGS * rounding_of_gap(v, at, contact);
 }
 
 enum contact_regime regime_by_margins(const struct scene_values *v, const struct scene_state *q,

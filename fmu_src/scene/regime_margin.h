@@ -19,7 +19,12 @@ double regime_touch_margin(const struct scene_values *v, const struct scene_stat
 double regime_dashpot_margin(const struct scene_values *v, const struct scene_state *q,
                              const struct scene_instant *at, int contact);
 
-/* The regime that follows from both: the present one unless a margin has passed zero. */
+/* How far the source's centre is within the edges of the zone of a capped cylinder that the contact is in [m];
+ * 1 m where there is none. */
+double regime_zone_margin(const struct scene_values *v, const struct scene_state *q,
+                          const struct scene_instant *at, int contact);
+
+/* The regime that follows from touch and dashpot: the present one unless a margin has passed zero. */
 enum contact_regime regime_by_margins(const struct scene_values *v, const struct scene_state *q,
                                       const struct scene_instant *at, int contact);
 

@@ -9,7 +9,7 @@ void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at, struct scene_jet *along)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_shape shape = scene_contact_shape(v, q, j);
+        const struct contact_shape shape = scene_shape_met(v, q, at, j);
         const struct contact_law law = scene_contact_law(v, q, j);
         const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
         struct vec3 c[JET_TERMS];

@@ -165,7 +165,13 @@ struct contact_state {
     int32_t side;   /* +1 outside, -1 inside: the location in force */
 #if SCENE_ANY_FRICTION
     int32_t friction_regime; /* enum friction_regime; of no meaning while the bodies are apart */
-    int32_t unused;          /* in place of padding */
+#endif
+#if SCENE_ANY_CAPS
+    /* of a capped cylinder in contact, as in struct contact_solid; 0: whichever is nearest */
+    int32_t zone;
+#endif
+#if SCENE_ANY_FRICTION != SCENE_ANY_CAPS
+    int32_t unused; /* in place of padding */
 #endif
 };
 

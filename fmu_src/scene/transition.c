@@ -7,6 +7,7 @@
 #include "scene/projection.h"
 #include "scene/rounding.h"
 #include "scene/turning_transition.h"
+#include "scene/zones.h"
 
 static void note_regime(struct scene_state *q, int contact, enum contact_regime regime)
 {
@@ -108,6 +109,16 @@ static void note_peaks_of_touching(const struct scene_values *v, struct scene_st
     }
 }
 
+/* Into the next zone of a capped cylinder, with the gap as it is known. */
+static void pass_zone(const struct scene_values *v, struct scene_state *q, struct scene_instant *at,
+                      int contact)
+{
+    zones_pass(v, q, at, contact);
+    if (SCENE_ANY_CAPS) {
+        scene_kinematics_now(v, q, at);
+    }
+}
+
 void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime, struct scene_instant *at)
 {
@@ -121,8 +132,12 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
     const double before = energy_stored(v, q, at);
     at->geometry[contact].gap = gap_at_change(v, q, at, contact, regime, lasted);
     q->contact[contact].physics.accumulated_gap = at->geometry[contact].gap;
+    if (regime == (enum contact_regime)q->contact[contact].regime) {
+        pass_zone(v, q, at, contact);
+    }
     regime = onset_note(v, q, at, contact, regime);
     set_regime(v, q, contact, regime);
+    zones_follow(q, at, contact);
     q->dissipated += before - energy_stored(v, q, at);
     counter_add(&q->counters.events, 1);
     begin_phase(v, q, at);
@@ -149,8 +164,13 @@ void transition_switch_regime(const struct scene_values *v, struct scene_state *
     scene_rebase(v, q);
     scene_kinematics_now(v, q, &at);
     const double before = energy_stored(v, q, &at);
+    if (regime == (enum contact_regime)q->contact[contact].regime) {
+        zones_settle(v, q, &at, contact);
+        scene_kinematics_now(v, q, &at);
+    }
     regime = onset_note(v, q, &at, contact, regime);
     set_regime(v, q, contact, regime);
+    zones_follow(q, &at, contact);
     q->dissipated += before - energy_stored(v, q, &at);
     counter_add(&q->counters.events, 1);
 }
@@ -160,9 +180,14 @@ void transition_settle_regimes(const struct scene_values *v, struct scene_state 
 {
     struct scene_instant at;
     scene_now(v, q, &at);
+    for (int j = 0; SCENE_ANY_CAPS && j < SCENE_CONTACTS; ++j) {
+        zones_settle(v, q, &at, j);
+        scene_now(v, q, &at);
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (starting || fabs(at.geometry[j].gap) > rounding_of_gap(v, &at, j)) {
             set_regime(v, q, j, onset_note(v, q, &at, j, scene_regime(v, q, &at, j)));
+            zones_follow(q, &at, j);
         }
     }
     if (!starting) {

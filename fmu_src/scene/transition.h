@@ -10,7 +10,8 @@
  * Puts a contact into a new regime at the present instant: counts an onset when bodies begin to overlap,
  * closes the duration when they cease to, and books a jump of the stored energy (a finite cylinder's end
  * switched the force) as dissipated. Counts an event. The clock is rebased. `at` becomes the instant as
- * scene_kinematics_now sees it from then on.
+ * scene_kinematics_now sees it from then on. The regime that the contact has already: it passes into the next
+ * zone of a capped cylinder.
  */
 void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime, struct scene_instant *at);
@@ -22,7 +23,8 @@ void transition_change_friction(const struct scene_values *v, struct scene_state
                                 enum ode_event event, struct scene_instant *at);
 #endif
 
-/* The same for bodies that an integrator outside moves: they stay where they are, and peaks are not noted. */
+/* The same for bodies that an integrator outside moves: they stay where they are, and peaks are not noted. The
+ * zone is then the nearest. */
 void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime);
 

@@ -114,7 +114,7 @@ struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene
     if (!contact_turns(&shape, g)) {
         return turned;
     }
-    const struct vec3 across = contact_tangential(&shape, g->normal, seen_rate(at, contact));
+    const struct vec3 across = contact_turning_part(&shape, g, seen_rate(at, contact));
     return vec3_axpy(turned, 1.0 / g->distance, across);
 }
 

@@ -152,12 +152,23 @@ double pair_gap_derivative(const struct contact_pair *p)
     return p->carried_rate - p->shape.side * vec3_dot(p->normal, pair_across(p, mismatch));
 }
 
+double pair_turning(const struct contact_pair *p, double distance)
+{
+#if SCENE_ANY_CAPS
+    if (contact_is_rim(&p->shape)) {
+        const struct contact_geometry at =
+            contact_geometry_at(&p->shape, p->flight.c[0], p->flight.c[1], p->normal);
+        return contact_turning_rate(&p->shape, &at, p->flight.c[1], p->flight.c[1]) / distance;
+    }
+#endif
+    const struct vec3 across = pair_tangential(p, pair_across(p, p->flight.c[1]));
+    return vec3_dot(across, across) / distance;
+}
+
 double pair_load(const struct contact_pair *p)
 {
-    const struct vec3 across = pair_tangential(p, pair_across(p, p->flight.c[1]));
     const double distance = fmax(p->distance, 0.5 * contact_reach(&p->shape));
-    return p->reduced_mass *
-           fabs(vec3_dot(across, across) / distance + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
+    return p->reduced_mass * fabs(pair_turning(p, distance) + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
 }
 
 static double speed_of(const struct scene_values *v, const struct scene_state *q, int body)

@@ -52,10 +52,20 @@ struct contact_pair {
 
 /* The quantities whose zeros are events, each with its first two derivatives with respect to the segment's
  * variable s. */
-enum pair_quantity { PAIR_GAP, PAIR_GAP_RATE, PAIR_FORCE, PAIR_QUANTITIES };
+enum pair_quantity {
+    PAIR_GAP,
+    PAIR_GAP_RATE,
+    PAIR_FORCE,
+#if SCENE_ANY_CAPS
+    PAIR_RADIAL,
+    PAIR_AXIAL,
+#endif
+    PAIR_QUANTITIES
+};
 
 struct pair_sample {
-    double of[PAIR_QUANTITIES][3]; /* g [m], g' as the law sees it [m/s], F_n [N] */
+    /* g [m], g' as the law sees it [m/s], F_n [N]; at a rim how far beyond side and cap the centre is [m] */
+    double of[PAIR_QUANTITIES][3];
 };
 
 /* What has happened since the instant. */
@@ -74,6 +84,9 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
 /* dg/dt at the start [m/s]. It differs from g' where a prescribed velocity is not the derivative of its
  * displacement. */
 double pair_gap_derivative(const struct contact_pair *p);
+
+/* g'' by the turning of n alone, at such a distance: |w_t|^2 / d, of a rim less [m/s^2]. */
+double pair_turning(const struct contact_pair *p, double distance);
 
 /* The force that would keep the bodies at their present distance, |m_red (|w_t|^2 / d + n.A)| [N]. Near the
  * centre half the reach stands for d, since the bodies only pass there. */

@@ -38,9 +38,8 @@ static struct coasting coasting_to(const struct contact_pair *from, double time)
 /* L: the acceleration that presses the bodies together [m/s^2]. */
 static double pressing_load(const struct contact_pair *from)
 {
-    const struct vec3 across = pair_tangential(from, pair_across(from, from->flight.c[1]));
-    const double along = vec3_dot(across, across) / from->distance;
-    return -from->shape.side * (along + 2.0 * vec3_dot(from->normal, from->flight.c[2]));
+    return -from->shape.side *
+           (pair_turning(from, from->distance) + 2.0 * vec3_dot(from->normal, from->flight.c[2]));
 }
 
 /* Whether bodies that part at this speed come back before it has brought them apart by the depth at which the
@@ -56,7 +55,7 @@ static bool hardly_parts(const struct contact_pair *from, double speed)
  * contact's force stays nothing beside the load [s]; 0 where it is not, or where the bodies move on their
  * own.
  */
-static double coasting_time(const struct segment *p)
+double hertz_coasting_time(const struct segment *p)
 {
     const struct contact_pair *from = &p->pair;
     const double load = pair_load(from) / from->reduced_mass;
@@ -83,8 +82,13 @@ bool hertz_applies(const struct segment *p)
     return contact_is_hertz(&p->pair.law);
 }
 
-static void find_terminal_event(struct segment *p, double parting)
+void hertz_find_terminal_event(struct segment *p, double parting)
 {
+    const int last = p->output.count - 1;
+    if (parting > 0.0 && parting <= p->end &&
+        hardly_parts(&p->pair, p->output.at[last].of[PAIR_GAP_RATE][0])) {
+        parting = (double)INFINITY;
+    }
     const struct terminal_event parts = {parting, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
     p->terminal = parts;
     if (terminal_event_by_law(p)) {
@@ -99,7 +103,7 @@ static void find_terminal_event(struct segment *p, double parting)
 bool hertz_make(struct segment *p)
 {
     struct pair_hertz *made = &p->as.hertz;
-    const double coasting = coasting_time(p);
+    const double coasting = hertz_coasting_time(p);
     if (coasting > 0.0) {
         p->longest = coasting;
         return false;
@@ -107,7 +111,7 @@ bool hertz_make(struct segment *p)
     const double asked = p->tolerance / fmax(p->pair.distance, contact_reach(&p->pair.shape));
     pair_hertz_make(made, &p->pair, fmin(fmax(asked, FINEST), COARSEST));
     p->unit = made->unit;
-    double parting = pair_hertz_parting(made, made->step);
+    double parting = pair_hertz_parting(made->root, made->step);
     p->end = fmin(made->step, parting > 0.0 ? parting : made->step);
     if (parting > 0.0 && pair_hertz_time(made, p->end) > p->longest) {
         p->end = pair_hertz_place(made, p->longest, p->end);
@@ -116,11 +120,7 @@ bool hertz_make(struct segment *p)
     for (int i = 0; i < PLACES; ++i) {
         dense_output_add(&p->output, p->end * i / (PLACES - 1));
     }
-    if (parting > 0.0 && parting <= p->end &&
-        hardly_parts(&p->pair, p->output.at[PLACES - 1].of[PAIR_GAP_RATE][0])) {
-        parting = (double)INFINITY;
-    }
-    find_terminal_event(p, parting);
+    hertz_find_terminal_event(p, parting);
     return true;
 }
 
@@ -212,7 +212,7 @@ bool hertz_slow_make(struct segment *p)
             for (int k = 0; k < RADAU_POINTS; ++k) {
                 dense_output_add(&p->output, 1.0 + radau.node[k]);
             }
-            find_terminal_event(p, (double)INFINITY);
+            hertz_find_terminal_event(p, (double)INFINITY);
             return true;
         }
         step *= 0.5;

@@ -30,6 +30,17 @@ bool hertz_make(struct segment *p);
 bool hertz_slow_applies(const struct segment *p);
 bool hertz_slow_make(struct segment *p);
 
+/* For how long the force of a contact at rest at the touch stays nothing beside the load [s], 0 where it is
+ * not; and the terminal event of a segment that has been sampled, whose bodies part at s = `parting`. */
+double hertz_coasting_time(const struct segment *p);
+void hertz_find_terminal_event(struct segment *p, double parting);
+
+#if SCENE_ANY_CAPS
+/* At the rim of a capped cylinder, under either law; under Hertz's p->terminal is known then. */
+bool rim_applies(const struct segment *p);
+bool rim_make(struct segment *p);
+#endif
+
 /* Smallest length of a collocated segment [radians of the oscillator]. Below it one Taylor step is exact, and
  * oscillator_particular loses digits. */
 static const double COLLOCATED_SHORTEST = 3.0;

@@ -41,46 +41,44 @@ double pair_hertz_place(const struct pair_hertz *p, double time, double end)
     return high.value > 0.0 ? root_between(hertz_time_left_at, &left, low, high) : end;
 }
 
-static void hertz_root_at(const void *pair_hertz, double s, double *value, double *slope)
+static void hertz_root_at(const void *root, double s, double *value, double *slope)
 {
-    const struct pair_hertz *p = pair_hertz;
     double u[3];
-    hertz_series_at(p->root, s, u);
+    hertz_series_at(root, s, u);
     *value = u[0];
     *slope = u[1];
 }
 
-static void hertz_root_slope_at(const void *pair_hertz, double s, double *value, double *slope)
+static void hertz_root_slope_at(const void *root, double s, double *value, double *slope)
 {
-    const struct pair_hertz *p = pair_hertz;
     double u[3];
-    hertz_series_at(p->root, s, u);
+    hertz_series_at(root, s, u);
     *value = u[1];
     *slope = u[2];
 }
 
 /* A step is a third of the radius of convergence at most, so that u has one extremum in it. */
-double pair_hertz_parting(const struct pair_hertz *p, double end)
+double pair_hertz_parting(const double root[TAYLOR_TERMS], double end)
 {
-    const struct root_bracket_end low = {0.0, p->root[0], p->root[1]};
+    const struct root_bracket_end low = {0.0, root[0], root[1]};
     struct root_bracket_end high = {.s = end};
     if (low.value == 0.0 && !(low.slope > 0.0)) {
         return 0.0;
     }
-    hertz_root_at(p, end, &high.value, &high.slope);
+    hertz_root_at(root, end, &high.value, &high.slope);
     if (high.value > 0.0 && low.value > 0.0 && low.slope < 0.0 && high.slope > 0.0) {
-        struct root_bracket_end dip = {.s = root_in_bracket(hertz_root_slope_at, p, low.s, high.s)};
-        hertz_root_at(p, dip.s, &dip.value, &dip.slope);
+        struct root_bracket_end dip = {.s = root_in_bracket(hertz_root_slope_at, root, low.s, high.s)};
+        hertz_root_at(root, dip.s, &dip.value, &dip.slope);
         high = dip.value <= 0.0 ? dip : high;
     }
     if (high.value > 0.0) {
         return (double)INFINITY;
     }
     if (low.value > 0.0) {
-        return root_between(hertz_root_at, p, low, high);
+        return root_between(hertz_root_at, root, low, high);
     }
     /* it rises from zero: its root is beyond its top */
-    return root_in_bracket(hertz_root_at, p, root_in_bracket(hertz_root_slope_at, p, 0.0, end), end);
+    return root_in_bracket(hertz_root_at, root, root_in_bracket(hertz_root_slope_at, root, 0.0, end), end);
 }
 
 /* Value, slope and half the bend of a series: one step of Horner's scheme. */

@@ -54,8 +54,9 @@ void pair_hertz_make(struct pair_hertz *p, const struct contact_pair *from, doub
 double pair_hertz_time(const struct pair_hertz *p, double s);
 double pair_hertz_place(const struct pair_hertz *p, double time, double end);
 
-/* The first s up to `end` at which the bodies part, as u passes through zero; INFINITY: none. */
-double pair_hertz_parting(const struct pair_hertz *p, double end);
+/* The first s up to `end` at which the bodies part, as u, of which these are the coefficients, passes through
+ * zero; INFINITY: none. */
+double pair_hertz_parting(const double root[TAYLOR_TERMS], double end);
 
 void pair_hertz_sample(const void *pair_hertz, double s, struct pair_sample *sample);
 

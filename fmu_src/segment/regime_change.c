@@ -9,7 +9,9 @@
 #include "segment/driven_change.h"
 #include "segment/flight_candidates.h"
 #include "segment/flight_head_on.h"
+#include "segment/rim_change.h"
 #include "segment/settling.h"
+#include "segment/zone_change.h"
 
 static enum contact_regime regime_at(const struct relative_path *path, const struct contact_law *law,
                                      double s)
@@ -210,9 +212,10 @@ static struct regime_change flight_regime_change(const struct relative_path *pat
     return next;
 }
 
-struct regime_change next_regime_change(const struct scene_values *v, const struct scene_state *q,
-                                        const struct scene_instant *at, double clock, int contact,
-                                        double horizon)
+/* With a shape that is smooth, as all are but a capped cylinder. */
+static struct regime_change smooth_regime_change(const struct scene_values *v, const struct scene_state *q,
+                                                 const struct scene_instant *at, double clock, int contact,
+                                                 double horizon)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
     const struct contact_law law = scene_contact_law(v, q, contact);
@@ -262,11 +265,73 @@ struct regime_change next_regime_change(const struct scene_values *v, const stru
     return flight_regime_change(&path, &shape, &law, present, settle, by_positions);
 }
 
+#if SCENE_ANY_CAPS
+static struct regime_change change_at_rim(const struct scene_values *v, const struct scene_state *q,
+                                          const struct scene_instant *at, double clock, int contact,
+                                          double horizon)
+{
+    const struct rim_change change = zone_change_at_rim(v, q, at, clock, contact, horizon);
+    const double gap = change.regime == REGIME_APART ? 0.0 : (double)INFINITY; /* as positions give it */
+    return (struct regime_change){change.time, change.regime, gap, false};
+}
+
+static struct regime_change capped_regime_change(const struct scene_values *v, const struct scene_state *q,
+                                                 const struct scene_instant *at, double clock, int contact,
+                                                 double horizon)
+{
+    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
+    const struct regime_change none = {(double)INFINITY, present, 0.0, true};
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    if (contact_is_coupled(v, q, contact) ||
+        (contact_transmits(q, contact) && !contact_is_driven(v, contact))) {
+        return none;
+    }
+    if (present == REGIME_APART) {
+        return first_touch_at(zone_change_touch(v, q, at, clock, contact, horizon));
+    }
+    const double end = zone_change_after(v, q, at, clock, contact, horizon);
+    const double until = fmin(end, horizon);
+    struct regime_change next = none;
+    if (until > 0.0) {
+        next = contact_is_rim(&shape) ? change_at_rim(v, q, at, clock, contact, until)
+                                      : smooth_regime_change(v, q, at, clock, contact, until);
+    }
+    if (!(next.after < end) && end < (double)INFINITY) {
+        /* the gap goes on as positions give it */
+        return (struct regime_change){end, present, (double)INFINITY, next.passes_centre};
+    }
+    return next;
+}
+#endif
+
+struct regime_change next_regime_change(const struct scene_values *v, const struct scene_state *q,
+                                        const struct scene_instant *at, double clock, int contact,
+                                        double horizon)
+{
+#if SCENE_ANY_CAPS
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    if (contact_is_capped(&shape)) {
+        return capped_regime_change(v, q, at, clock, contact, horizon);
+    }
+#endif
+    return smooth_regime_change(v, q, at, clock, contact, horizon);
+}
+
 void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,
                               const struct scene_instant *at, int contact, double until)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
     const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
+#if SCENE_ANY_CAPS
+    if (contact_is_rim(&shape)) {
+        contact_peaks_note(&q->contact[contact].peaks, 0.0,
+                           -rim_least_gap(&shape, &separation, 0.0, until - q->clock));
+        return;
+    }
+    if (contact_is_capped(&shape) && shape.solid.zone == 0) {
+        return; /* it is apart */
+    }
+#endif
     const struct relative_path path =
         relative_path_make(&shape, &separation, at->geometry[contact].gap, until - q->clock);
     contact_peaks_note(&q->contact[contact].peaks, 0.0, -candidates_least_gap(&path));

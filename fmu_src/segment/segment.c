@@ -7,6 +7,7 @@
 #include "segment/kinds.h"
 #include "segment/peaks.h"
 #include "segment/terminal_event.h"
+#include "segment/zone_end.h"
 
 static bool taylor_applies(const struct segment *p)
 {
@@ -52,6 +53,10 @@ static const struct {
     [SEGMENT_HERTZ_SLOW] = {hertz_slow_applies, hertz_slow_make, slow_hertz_sample, slow_hertz_change},
     /* Hertz's law: a third of the radius of convergence in a variable of its own. */
     [SEGMENT_HERTZ] = {hertz_applies, hertz_make, pair_hertz_sample, pair_hertz_change},
+#endif
+#if SCENE_ANY_CAPS
+    /* At a rim, whatever the law: two radians of the contact, or a fifth of the rim. */
+    [SEGMENT_RIM] = {rim_applies, rim_make, rim_series_sample, rim_series_change},
 #endif
 };
 
@@ -107,10 +112,25 @@ static double longest_over_plane(const struct segment *p)
     return longest;
 }
 
+#if SCENE_ANY_CAPS
+static bool make_at_rim(struct segment *p)
+{
+    return contact_is_rim(&p->pair.shape) && make_kind(p, SEGMENT_RIM);
+}
+#else
+static bool make_at_rim(struct segment *p)
+{
+    (void)p;
+    return false;
+}
+#endif
+
 static void make_up_to(struct segment *p, double longest)
 {
     p->longest = contact_is_plane(&p->pair.shape) ? fmin(longest, longest_over_plane(p)) : longest;
-    if (contact_is_hertz(&p->pair.law)) {
+    if (make_at_rim(p)) {
+        /* there is but one kind */
+    } else if (contact_is_hertz(&p->pair.law)) {
         make_hertz(p);
     } else if (!make_kind(p, SEGMENT_CLOSED_FORM)) {
         enum segment_kind kind = SEGMENT_AVERAGED;
@@ -145,6 +165,7 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
         make_up_to(p, 2.0 * p->terminal.s * p->unit);
     }
     terminal_event_at_centre(p);
+    zone_end_note(p);
     return p->end > 0.0;
 }
 

@@ -11,6 +11,7 @@
 #include "segment/pair_collocation.h"
 #include "segment/pair_oscillation.h"
 #include "segment/pair_taylor.h"
+#include "segment/rim_series.h"
 
 /* Of the linear law in order of preference; the table in segment.c says why. */
 enum segment_kind {
@@ -20,7 +21,8 @@ enum segment_kind {
     SEGMENT_OVERDAMPED,
     SEGMENT_TAYLOR,
     SEGMENT_HERTZ_SLOW,
-    SEGMENT_HERTZ
+    SEGMENT_HERTZ,
+    SEGMENT_RIM
 };
 
 /* The event that ends the regime: at s (INFINITY: not within the segment), where `function` falls through
@@ -41,6 +43,9 @@ struct segment {
     double unit, end;    /* time per s [s], see segment_time; the segment covers s from 0 to `end` */
     struct dense_output output;
     struct terminal_event terminal;
+#if SCENE_ANY_CAPS
+    bool leaves_zone; /* the terminal event: the zone of a capped cylinder ends, and the regime goes on */
+#endif
     /* Below: for the kinds and the search for peaks. */
     enum segment_kind kind;
     union {
@@ -50,6 +55,9 @@ struct segment {
 #if SCENE_ANY_HERTZ
         struct pair_hertz hertz;
         struct hertz_slow hertz_slow;
+#endif
+#if SCENE_ANY_CAPS
+        struct rim_series rim;
 #endif
     } as;
     struct pair_timescales scales;    /* of all kinds but the closed form */
@@ -71,6 +79,11 @@ static inline double segment_time(const struct segment *p, double s)
         return pair_hertz_time(&p->as.hertz, s);
     }
 #endif
+#if SCENE_ANY_CAPS
+    if (p->kind == SEGMENT_RIM) {
+        return rim_series_time(&p->as.rim, s);
+    }
+#endif
     return s * p->unit;
 }
 
@@ -80,6 +93,12 @@ static inline double segment_place(const struct segment *p, double time)
     if (p->kind == SEGMENT_HERTZ) {
         const double end = fmin(p->end, p->terminal.s);
         return !(time < segment_time(p, end)) ? end : pair_hertz_place(&p->as.hertz, time, end);
+    }
+#endif
+#if SCENE_ANY_CAPS
+    if (p->kind == SEGMENT_RIM) {
+        const double end = fmin(p->end, p->terminal.s);
+        return !(time < segment_time(p, end)) ? end : rim_series_place(&p->as.rim, time, end);
     }
 #endif
     return time / p->unit;

@@ -18,9 +18,10 @@ static double leaving_time(double value, double noise, double speed, double bend
 static double margin_slope(const struct contact_shape *shape, const struct contact_law *law,
                            const struct contact_geometry *now, const struct separation_path *separation)
 {
-    const struct vec3 across = contact_tangential(shape, now->normal, separation->w[0]);
-    const struct vec3 moving = contact_tangential(shape, now->normal, separation->c[1]);
-    const double turning = contact_turns(shape, now) ? vec3_dot(across, moving) / now->distance : 0.0;
+    const double turning =
+        contact_turns(shape, now)
+            ? contact_turning_rate(shape, now, separation->w[0], separation->c[1]) / now->distance
+            : 0.0;
     const double bend = shape->side * (vec3_dot(now->normal, separation->w[1]) + turning);
     const double opening = shape->side * vec3_dot(now->normal, separation->c[1]);
     const struct contact_slopes slopes =

@@ -177,6 +177,7 @@ def _context(resolved: Resolved) -> dict:
         ),
         "any_elastic_friction": resolved.may("contact.friction", "elastic"),
         "any_turning": rotation or friction,
+        "any_caps": resolved.may("body.ends", "capped"),
         "any_plane": any(body.shape == "plane" for body in resolved.scene.bodies),
         "has_cvode": resolved.may_need_cvode,
         "rows": list(rows),

@@ -56,7 +56,8 @@
 #define SCENE_ANY_LINEAR {{ any_linear | int }} /* may the law of any contact be linear? */
 #define SCENE_ANY_HERTZ {{ any_hertz | int }}  /* may it be Hertz's? */
 #define SCENE_ANY_RESTITUTION {{ any_restitution | int }} /* may damping be given by a coefficient of restitution? */
-#define SCENE_ANY_PLANE {{ any_plane | int }}
+#define SCENE_ANY_CAPS {{ any_caps | int }} /* may the ends of any cylinder be capped? */
+#define SCENE_ANY_PLANE {{ (any_plane or any_caps) | int }} /* caps are planes to who touches them */
 #define SCENE_ANY_ROTATION {{ any_rotation | int }}   /* may any body turn? */
 #define SCENE_ANY_FREE_ROTATION {{ any_free_rotation | int }} /* by Euler's equations? */
 #define SCENE_ANY_FRICTION {{ any_friction | int }}   /* may there be friction? */

@@ -1,0 +1,224 @@
+#include "segment/rim_series.h"
+
+#include <float.h>
+
+#include "math/root.h"
+
+/* Everything that the recurrence needs besides the results. */
+struct rim_recurrence {
+    double speed[TAYLOR_TERMS];                        /* dt/ds over the unit: u or one */
+    double power[SEPARATION_DEGREE + 1][TAYLOR_TERMS]; /* t^k */
+    struct taylor_vec3 across;                         /* c across the axis [m] */
+    struct taylor_vec3 w, c_rate;                      /* rate as the law sees it; that of c [m/s] */
+    struct taylor_vec3 a, n;
+    double along[TAYLOR_TERMS]; /* c.e [m] */
+    double rho_squared[TAYLOR_TERMS], rho[TAYLOR_TERMS];
+    double d_squared[TAYLOR_TERMS], d[TAYLOR_TERMS];
+    double cosine[TAYLOR_TERMS], sine[TAYLOR_TERMS]; /* dr / d, dz / d */
+    double opening[TAYLOR_TERMS];                    /* dg/dt [m/s] */
+    double square[TAYLOR_TERMS];                     /* u^2 */
+    double damped[TAYLOR_TERMS];                     /* 1 + chi delta' */
+    double impulse[TAYLOR_TERMS];                    /* F_n dt/ds over the unit */
+    int degree;                                      /* of C */
+};
+
+static struct vec3 rim_product(const double *a, const struct taylor_vec3 *b, int order)
+{
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    for (int i = 0; i <= order; ++i) {
+        sum = vec3_axpy(sum, a[i], b->at[order - i]);
+    }
+    return sum;
+}
+
+/* Coefficient i of a polynomial of time of `terms` coefficients. */
+static struct vec3 rim_along_time(const struct rim_recurrence *z, const struct vec3 *coefficients, int terms,
+                                  int i)
+{
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    for (int k = 0; k < terms; ++k) {
+        sum = vec3_axpy(sum, z->power[k][i], coefficients[k]);
+    }
+    return sum;
+}
+
+static int rim_degree_of(const struct separation_path *flight)
+{
+    int degree = 1;
+    for (int i = 2; i <= SEPARATION_DEGREE; ++i) {
+        const bool counts = !vec3_is_zero(flight->c[i]) || !vec3_is_zero(flight->w[i - 1]);
+        degree = counts ? i : degree;
+    }
+    return degree;
+}
+
+/* Coefficient i of c, w and of where that is. */
+static void rim_place(struct rim_series *p, struct rim_recurrence *z, int i)
+{
+    const struct contact_pair *from = p->from;
+    const struct vec3 e = from->shape.axis;
+    z->power[0][i] = i == 0 ? 1.0 : 0.0;
+    z->power[1][i] = p->time[i];
+    for (int k = 2; k <= z->degree; ++k) {
+        z->power[k][i] = taylor_multiply(z->power[k - 1], p->time, i);
+    }
+    const struct vec3 c = vec3_add(rim_along_time(z, from->flight.c, z->degree + 1, i), p->r.at[i]);
+    z->w.at[i] = vec3_add(rim_along_time(z, from->flight.w, z->degree, i), p->r_rate.at[i]);
+    z->c_rate.at[i] = z->w.at[i];
+    if (from->has_mismatch) {
+        struct vec3 slope[SEPARATION_DEGREE];
+        for (int k = 0; k < z->degree; ++k) {
+            slope[k] = vec3_scale(k + 1, from->flight.c[k + 1]);
+        }
+        z->c_rate.at[i] = vec3_add(rim_along_time(z, slope, z->degree, i), p->r_rate.at[i]);
+    }
+    z->along[i] = vec3_dot(c, e);
+    z->across.at[i] = vec3_axpy(c, -z->along[i], e);
+}
+
+/* Coefficient i of n and of both rates of the gap. */
+static void rim_geometry(struct rim_series *p, struct rim_recurrence *z, int i)
+{
+    const struct contact_pair *from = p->from;
+    const struct contact_solid *solid = &from->shape.solid;
+    z->rho_squared[i] = taylor_dot(&z->across, &z->across, i);
+    z->rho[i] = taylor_root(z->rho_squared, z->rho, i);
+    z->a.at[i] = taylor_divide_vec3(&z->across, z->rho, &z->a, i);
+    p->radial[i] = z->rho[i] - (i == 0 ? solid->radius : 0.0);
+    p->axial[i] = -z->along[i] - (i == 0 ? solid->half_height : 0.0);
+    z->d_squared[i] = taylor_multiply(p->radial, p->radial, i) + taylor_multiply(p->axial, p->axial, i);
+    z->d[i] = taylor_root(z->d_squared, z->d, i);
+    z->cosine[i] = taylor_divide(p->radial, z->d, z->cosine, i);
+    z->sine[i] = taylor_divide(p->axial, z->d, z->sine, i);
+    z->n.at[i] = vec3_axpy(rim_product(z->cosine, &z->a, i), -z->sine[i], from->shape.axis);
+    const bool is_carried = i == 0 && !isnan(from->carried_rate);
+    p->rate[i] = is_carried ? from->carried_rate : taylor_dot(&z->n, &z->w, i);
+    z->opening[i] = !from->has_mismatch ? p->rate[i]
+                    : is_carried        ? pair_gap_derivative(from)
+                                        : taylor_dot(&z->n, &z->c_rate, i);
+}
+
+/* Coefficient i of the gap and the force. */
+static void rim_force(struct rim_series *p, struct rim_recurrence *z, int i)
+{
+    const struct contact_pair *from = p->from;
+    if (!p->by_root) {
+        p->gap[i] = i == 0 ? from->gap : z->d[i];
+        if (i == 1 && !isnan(from->carried_rate)) { /* d from c moves by the rounding of velocities */
+            p->gap[1] = p->unit * pair_gap_derivative(from);
+        }
+        p->force[i] = contact_linear_force(from->coefficients, p->gap[i], p->rate[i]);
+        return;
+    }
+    z->square[i] = taylor_multiply(p->root, p->root, i);
+    p->gap[i] = -z->square[i];
+    p->cube[i] = taylor_multiply(z->square, p->root, i);
+    z->damped[i] = (i == 0 ? 1.0 : 0.0) - from->chi * p->rate[i];
+    p->force[i] = from->hertz_stiffness * taylor_multiply(p->cube, z->damped, i);
+}
+
+/* Coefficient i of everything, then i + 1 of what is integrated. */
+static void rim_coefficient(struct rim_series *p, struct rim_recurrence *z, int i)
+{
+    z->speed[i] = p->by_root ? p->root[i] : i == 0 ? 1.0 : 0.0;
+    rim_place(p, z, i);
+    rim_geometry(p, z, i);
+    rim_force(p, z, i);
+    if (i + 1 == TAYLOR_TERMS) {
+        return;
+    }
+    z->impulse[i] = p->by_root ? taylor_multiply(z->speed, p->force, i) : p->force[i];
+    const double unit = p->unit / (i + 1);
+    p->time[i + 1] = unit * z->speed[i];
+    p->root[i + 1] = -0.5 * unit * z->opening[i];
+    p->r.at[i + 1] = vec3_scale(unit, rim_product(z->speed, &p->r_rate, i));
+    p->r_rate.at[i + 1] = vec3_scale(unit / p->from->reduced_mass, rim_product(z->impulse, &z->n, i));
+}
+
+/* The time in which the pair passes the rim, at its speed, or under load and force from rest [s]. */
+static double passage_of_rim(const struct contact_pair *from)
+{
+    const double size = from->distance; /* less than rho in the zone, or the circle is small beside both */
+    const double force = fabs(from->coefficients.k * from->gap) / from->reduced_mass;
+    const double acceleration = force + 2.0 * vec3_norm(from->flight.c[2]);
+    return fmin(size / vec3_norm(from->flight.w[0]), sqrt(size / acceleration));
+}
+
+/* One radian of the spring, one decay time of the dashpot, or the passage, whichever is shortest; under
+ * Hertz's law at the deepest that speed, load and penetration lead to (as in hertz_series.c). The order of
+ * magnitude is enough. */
+static double rim_unit_of(const struct contact_pair *from, bool by_root)
+{
+    double unit = passage_of_rim(from);
+    double root = 1.0;
+    if (by_root) {
+        const double k = from->hertz_stiffness / from->reduced_mass;
+        const double opening = pair_gap_derivative(from);
+        const double by_speed = pow(1.25 * opening * opening / k, 0.4);
+        const double by_load = cbrt(pow(pair_load(from) / from->hertz_stiffness, 2.0));
+        const double depth = fmax(fmax(by_speed, by_load), -from->gap);
+        root = sqrt(depth);
+        unit = fmin(unit, 1.0 / fmax(sqrt(1.5 * k * root), k * from->chi * depth * root));
+    } else if (from->coefficients.k > 0.0 || from->coefficients.c > 0.0) {
+        unit = fmin(unit, fmin(sqrt(from->reduced_mass / from->coefficients.k),
+                               from->reduced_mass / from->coefficients.c));
+    }
+    unit /= root;
+    return isfinite(unit) && unit > 0.0 ? unit : 1.0;
+}
+
+/* The largest of the first coefficients, the size of a quantity within the step. */
+static double size_of_series(const double *a, int first, int count)
+{
+    double size = 0.0;
+    for (int i = first; i < count; ++i) {
+        size = fmax(size, fabs(a[i]));
+    }
+    return size;
+}
+
+static double size_of_vectors(const struct taylor_vec3 *a, int first)
+{
+    double size = 0.0;
+    for (int i = first; i < TAYLOR_TERMS; ++i) {
+        size = fmax(size, vec3_norm(a->at[i]));
+    }
+    return size;
+}
+
+/* So many of the last coefficients are looked at: from the touch on every fifth one is other than zero. */
+enum { RIM_LAST = 5 };
+
+/* Longest step [units]: terms that are left out may have vanished below the range of numbers. */
+static const double LONGEST_RIM = 16.0;
+
+/* Jorba and Zou: the step at which the last terms are a rounding of the whole. */
+static double rim_reliable_step(const struct rim_series *p, const struct rim_recurrence *z)
+{
+    const double speed = fmax(fabs(p->rate[0]), size_of_vectors(&p->r_rate, 1));
+    const double root = size_of_series(p->root, 0, 3);
+    double radius = (double)INFINITY;
+    for (int i = TAYLOR_TERMS - RIM_LAST; i < TAYLOR_TERMS; ++i) {
+        double part = fmax(vec3_norm(z->n.at[i]), fabs(z->d[i]) / p->from->distance);
+        part = speed > 0.0 ? fmax(part, vec3_norm(p->r_rate.at[i]) / speed) : part;
+        part = p->by_root && root > 0.0 ? fmax(part, fabs(p->root[i]) / root) : part;
+        radius = fmin(radius, pow(part, -1.0 / i));
+    }
+    return fmin(LONGEST_RIM, radius * pow(0.5 * DBL_EPSILON, 1.0 / TAYLOR_TERMS));
+}
+
+void rim_series_make(struct rim_series *p, const struct contact_pair *from, bool by_root)
+{
+    struct rim_recurrence z;
+    p->from = from;
+    p->by_root = by_root;
+    p->unit = rim_unit_of(from, by_root);
+    p->time[0] = 0.0;
+    p->root[0] = sqrt(fmax(-from->gap, 0.0));
+    p->r.at[0] = p->r_rate.at[0] = vec3_make(0.0, 0.0, 0.0);
+    z.degree = rim_degree_of(&from->flight);
+    for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        rim_coefficient(p, &z, i);
+    }
+    p->step = rim_reliable_step(p, &z);
+}

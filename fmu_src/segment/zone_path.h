@@ -1,0 +1,40 @@
+/*
+ * A capped cylinder along a path that is given: flight, or two bodies whose motion is prescribed.
+ *
+ * The first touch needs no zones. The solid is convex, so that its distance from a point is at least that from
+ * the plane through the point nearest to it, n.(c(t + s) - c(t)) + g(t): a polynomial of s, whose first root
+ * comes no later than the touch. From there the next one is taken; the steps converge as Newton's do, and no
+ * touch is missed however long the path is.
+ *
+ * In contact the path is followed from zone to zone. Edges of a zone are roots of polynomials, all isolated;
+ * between them one point tells the zone.
+ */
+#ifndef CONTACT_SEGMENT_ZONE_PATH_H
+#define CONTACT_SEGMENT_ZONE_PATH_H
+
+#include "segment/relative_path.h"
+
+#if SCENE_ANY_CAPS
+
+/* Roundings of the gap [m]. */
+double zone_path_rounding(const struct contact_solid *solid, const struct separation_path *path);
+
+/* The first touch after `settled` seconds, INFINITY if there is none within the horizon [s]. */
+double zone_path_first_touch(const struct contact_shape *shape, const struct separation_path *path,
+                             double settled, double horizon);
+
+/* When the path leaves the zone solid->zone [s]; INFINITY: not within the horizon. */
+double zone_path_end(const struct contact_solid *solid, const struct separation_path *path, double horizon);
+
+/* The same of the outer edges only, those to the rim, of side and cap. */
+double zone_path_leaves_face(const struct contact_solid *solid, const struct separation_path *path,
+                             double horizon);
+
+/* All instants at which a path passes from any zone to another, and more: parts of the horizon, sorted; at most
+ * ZONE_EDGES of them. Returns how many. */
+enum { ZONE_EDGES = 4 * POLYNOMIAL_MAX_DEGREE };
+int zone_path_edges(const struct contact_solid *solid, const struct separation_path *path, double horizon,
+                    double edges[ZONE_EDGES]);
+
+#endif
+#endif
