@@ -61,10 +61,15 @@ static void look_ahead(const struct scene_values *v, struct scene_state *q, doub
     const struct scene_instant *at = advance_now(step, v, q);
     double horizon = horizon_from(v, q, at, remaining);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct outlook outlook = outlook_of(v, q, at, j, horizon, step->budget);
-        const struct regime_change next = outlook.next;
-        horizon = outlook.searched;
-        step->budget -= outlook.evaluations;
+        struct regime_change next;
+        if (scene_turns(v)) {
+            const struct outlook outlook = outlook_of(v, q, at, j, horizon, step->budget);
+            next = outlook.next;
+            horizon = outlook.searched;
+            step->budget -= outlook.evaluations;
+        } else {
+            next = next_regime_change(v, q, at, q->clock, j, horizon);
+        }
         q->contact[j].schedule.change_clock = q->clock + next.after;
         q->contact[j].schedule.change_regime = (int32_t)next.regime;
         q->contact[j].schedule.change_gap = next.gap;
