@@ -50,8 +50,9 @@ void tumbling_at(const struct tumbling_path *path, enum tumbling_change change, 
 void tumbling_bend(const struct tumbling_path *path, enum tumbling_change change, double time, double length,
                    struct tumbling_instant *at);
 
-/* How far the centres are beyond the farthest at which the bodies can touch, over `length` seconds, whatever
- * the axis does; for outside contact with a finite cylinder. */
+/* Whether bodies touch only where their centres are near; and how far these are beyond the farthest such
+ * place, over `length` seconds, whatever the axis does. */
+bool tumbling_has_reach(const struct tumbling_path *path);
 struct falling tumbling_beyond_reach(const struct tumbling_path *path, const struct tumbling_instant *at,
                                      double length);
 

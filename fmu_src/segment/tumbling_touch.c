@@ -60,18 +60,12 @@ static double unchanged_for(const struct tumbling_search *search, const struct t
     return fmax(time, quarter / (fabs(gap->slope) + sqrt(gap->bend * quarter)));
 }
 
-/* Whether bodies can only touch while their centres are near. */
-static bool has_reach(const struct tumbling_search *search)
-{
-    return search->change == TUMBLING_TOUCH && search->path->shape.side > 0 && search->count > 1;
-}
-
 /* How far to go from an instant on; `*length` is how far the bends are made to hold, and adapts. */
 static double step_from(const struct tumbling_search *search, struct tumbling_instant *at, double time,
                         double horizon, double *length)
 {
     const double rest = horizon - time;
-    if (has_reach(search)) {
+    if (search->change == TUMBLING_TOUCH && tumbling_has_reach(search->path)) {
         const struct falling beyond = tumbling_beyond_reach(search->path, at, rest);
         const double away = falling_stays_above(&beyond, 0.0);
         if (away >= rest) {

@@ -31,6 +31,7 @@ class TumblingPair:
     def __init__(self, values):
         self.r_s, self.r_d = values["source.radius"], values["destination.radius"]
         self.half_length = 0.5 * values["destination.length"]
+        self.capped = values.get("destination.ends") == "capped"
         self.stiffness = values["contact.penalty_factor"]
         held = values["destination.motion"] == "fixed"
         mass, other = values["source.mass"], values["destination.mass"]
@@ -65,8 +66,12 @@ class TumblingPair:
         """How far from contact: the larger of gap and way beyond the ends."""
         c, e = self.separations_at(times), self.axes_at(times)
         along = np.einsum("ij,ij->i", c, e)
-        across = np.linalg.norm(c - along[:, None] * e, axis=1)
-        return np.maximum(across - self.r_s - self.r_d, np.abs(along) - self.half_length)
+        radial = np.linalg.norm(c - along[:, None] * e, axis=1) - self.r_d
+        axial = np.abs(along) - self.half_length
+        if not self.capped:
+            return np.maximum(radial - self.r_s, axial)
+        beyond_both = (radial > 0) & (axial > 0)
+        return np.where(beyond_both, np.hypot(radial, axial), np.maximum(radial, axial)) - self.r_s
 
     def fastest(self, lows, width):
         """Bounds of the speed of the separation in the axis' frame, over intervals."""
@@ -101,24 +106,33 @@ class TumblingPair:
         self.w = self.w + time * self.pull
         self.time += time
 
-    def _rates(self, _, y):
-        c, w, e, momentum = y.reshape(4, 3)
+    def _nearest(self, c, e):
+        """Distance of the ball's centre from the surface, and the direction there."""
         along = c @ e
         across = c - along * e
         distance = np.linalg.norm(across)
-        normal = across / distance  # from the ball to the axis
-        force = max(0.0, self.stiffness * (self.r_s + self.r_d - distance))
-        on_cylinder = force * normal
+        radial, axial = distance - self.r_d, abs(along) - self.half_length
+        outward, end = across / distance, math.copysign(1, along) * e
+        if not self.capped or axial <= min(radial, 0):
+            return radial, outward
+        if radial <= 0:
+            return axial, end
+        far = math.hypot(radial, axial)
+        return far, (radial * outward + axial * end) / far
+
+    def _rates(self, _, y):
+        c, w, e, momentum = y.reshape(4, 3)
+        distance, normal = self._nearest(c, e)
+        on_cylinder = max(0.0, self.stiffness * (self.r_s - distance)) * normal
         arm = self.r_s * normal - c
         rate = self.inverse_mass * on_cylinder + self.pull
         return np.concatenate([w, rate, np.cross(momentum, e), np.cross(arm, on_cylinder) / self.inertia])
 
     def _gap(self, _, y):
-        c, e = y[:3], y[6:9]
-        return np.linalg.norm(c - (c @ e) * e) - self.r_s - self.r_d
+        return self._nearest(y[:3], y[6:9])[0] - self.r_s
 
     def _beyond(self, _, y):
-        return abs(y[:3] @ y[6:9]) - self.half_length
+        return -1.0 if self.capped else abs(y[:3] @ y[6:9]) - self.half_length
 
     def impact(self, horizon):
         """From the touch to where contact ends."""

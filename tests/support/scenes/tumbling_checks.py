@@ -19,9 +19,9 @@ def first_onset(fmu, values, expected, method):
     return fmu["contact.last_onset_time"] if fmu["contact.onsets"] else math.inf
 
 
-def failures(fmu, seed, method="event_driven"):
+def failures(fmu, seed, method="event_driven", ends="open"):
     """Lines on what is wrong, and how far off the first touch was [s]."""
-    values = random_tumbling_scene(seed)
+    values = random_tumbling_scene(seed, ends)
     onsets = TumblingPair(values).run(END)
     try:
         start(fmu, values, TOLERANCE, method)
@@ -29,10 +29,10 @@ def failures(fmu, seed, method="event_driven"):
         count = fmu["contact.onsets"]
         off = abs(first_onset(fmu, values, onsets[0], method) - onsets[0]) if onsets else 0.0
     except FmuError as error:
-        return [f"seed {seed}: {error}"], 0.0
+        return [f"seed {seed}, {ends}: {error}"], 0.0
     lines = []
     if count != len(onsets):
-        lines.append(f"seed {seed}: {count} onsets, expected {len(onsets)}, at {onsets[:4]}")
+        lines.append(f"seed {seed}, {ends}: {count} onsets, expected {len(onsets)}, at {onsets[:4]}")
     if not off <= FIRST_TOUCH:
-        lines.append(f"seed {seed}: first touch off by {off} s, at {onsets[0]}")
+        lines.append(f"seed {seed}, {ends}: first touch off by {off} s, at {onsets[0]}")
     return lines, off

@@ -7,7 +7,7 @@ from support.scenes.random_scenes import unit_vector
 END = 10.0  # s, one communication step
 
 
-def random_tumbling_scene(seed):
+def random_tumbling_scene(seed, ends="open"):
     """The ball comes near the cylinder after some seconds and up to hundreds of turns; most touch."""
     random = np.random.default_rng([154, seed])
     radius, length = random.uniform(0.05, 0.4), random.uniform(0.4, 3.0)
@@ -36,6 +36,7 @@ def random_tumbling_scene(seed):
         "destination.initial_velocity": velocity.tolist(),
         "destination.axis": (unit_vector(random) * random.uniform(0.5, 2)).tolist(),
         "destination.finite_length": True,
+        "destination.ends": ends,
         "destination.length": length,
         "destination.initial_angular_velocity": (
             10 ** random.uniform(-0.5, 2.3) * unit_vector(random)
