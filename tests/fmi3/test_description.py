@@ -14,7 +14,8 @@ from support.fmi3.prototypes import ARGUMENTS
 
 # and what is settled at each onset
 SUMS_UP = {
-    "mean_force", "peak_force", "peak_penetration", "last_onset_time", "last_duration",
+    "mean_force", "mean_source_torque", "mean_destination_torque", "peak_force", "peak_penetration",
+    "last_onset_time", "last_duration",
     "effective_hunt_crossley_factor",
 }  # fmt: skip
 TYPES = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean", "Enumeration": "Enumeration"}

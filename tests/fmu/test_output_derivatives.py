@@ -13,7 +13,8 @@ from support.fmi2 import raw
 from support.fmi2.raw import DISCARD, OK, array
 from support.fmi2.runs import RUNS, SIZES, begin, go_on, time_after
 
-SUMMED_UP = ("contact.mean_force", "contact.peak_force", "contact.peak_penetration")
+SUMMED_UP = ("contact.mean_force", "contact.mean_source_torque", "contact.mean_destination_torque",
+             "contact.peak_force", "contact.peak_penetration")  # fmt: skip
 STEP = 1e-4
 # Differences of values whose rounding and integration errors are some 1e-14 of their size.
 NOISE = 1e-14 / STEP
