@@ -7,12 +7,37 @@
 #include "scene/free_bodies.h"
 #include "scene/regime_margin.h"
 #include "scene/transition.h"
+#include "scene/turning_motion.h"
 #include "segment/outlook.h"
+
+#if SCENE_ANY_ROTATION
+static double *orientation_part(struct quaternion *q, int component)
+{
+    double *const parts[] = {&q->w, &q->x, &q->y, &q->z};
+    return parts[component];
+}
+#endif
 
 void motion_set_state(struct scene_state *q, const struct variable *state, double value)
 {
     const int body = state->element;
     switch (state->row) {
+#if SCENE_ANY_ROTATION
+    case ROW_body_orientation_state:
+        *orientation_part(&q->turning.body[body].orientation, state->component) = value;
+        break;
+    case ROW_body_angular_velocity_state:
+        vec3_set(&q->turning.body[body].angular_velocity, state->component, value);
+        break;
+#endif
+#if SCENE_ANY_FRICTION
+    case ROW_contact_spring_state:
+        vec3_set(&q->turning.spring[body], state->component, value);
+        break;
+    case ROW_energy_friction_state:
+        q->friction_energy = value;
+        break;
+#endif
     case ROW_body_displacement_state: {
         const double origin = vec3_get(q->origin[body].displacement, state->component);
         vec3_set(&q->body[body].moved, state->component, value - origin);
@@ -56,10 +81,76 @@ static double body_local(const struct scene_values *v, const struct scene_state 
     return vec3_get(value, variable->component);
 }
 
+#if SCENE_ANY_ROTATION
+static double turn_local(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, const struct variable *variable)
+{
+    const int body = variable->element;
+    const struct body_turn *turn = &q->turning.body[body];
+    const bool free = body_turns_freely(v, body);
+    struct quaternion rate = {0.0, 0.0, 0.0, 0.0};
+    struct quaternion orientation = turn->orientation;
+    switch (variable->row) {
+    case ROW_body_orientation_state:
+        return *orientation_part(&orientation, variable->component);
+    case ROW_body_angular_velocity_state:
+        return vec3_get(turn->angular_velocity, variable->component);
+    case ROW_body_orientation_rate:
+        rate = free ? quaternion_rate(orientation, turn->angular_velocity) : rate;
+        return *orientation_part(&rate, variable->component);
+    default: /* ROW_body_angular_acceleration */
+        return free ? vec3_get(turning_acceleration(v, q, q->clock, at, body), variable->component) : 0.0;
+    }
+}
+#endif
+
+#if SCENE_ANY_FRICTION
+static double friction_local(const struct scene_values *v, const struct scene_state *q,
+                             const struct scene_instant *at, const struct variable *variable)
+{
+    const int contact = variable->element;
+    switch (variable->row) {
+    case ROW_contact_spring_state:
+        return vec3_get(q->turning.spring[contact], variable->component);
+    case ROW_contact_spring_rate:
+        return contact_rubs_elastically(v, contact)
+                   ? vec3_get(turning_spring_rate(v, q, &q->turning, at, contact), variable->component)
+                   : 0.0;
+    case ROW_contact_stick_indicator:
+        return regime_friction_margin(v, q, at, contact, ODE_EVENT_STICK);
+    case ROW_contact_cap_indicator:
+        return regime_friction_margin(v, q, at, contact, ODE_EVENT_CAP);
+    case ROW_contact_lift_indicator:
+        return regime_friction_margin(v, q, at, contact, ODE_EVENT_LIFT);
+    case ROW_energy_friction_state:
+        return q->friction_energy;
+    default: /* ROW_energy_friction_power */
+        return scene_turns(v) ? turning_friction_power(v, at) : 0.0;
+    }
+}
+#endif
+
 double motion_local(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                     const struct variable *variable)
 {
     switch (variable->row) {
+#if SCENE_ANY_ROTATION
+    case ROW_body_orientation_state:
+    case ROW_body_angular_velocity_state:
+    case ROW_body_orientation_rate:
+    case ROW_body_angular_acceleration:
+        return turn_local(v, q, at, variable);
+#endif
+#if SCENE_ANY_FRICTION
+    case ROW_contact_spring_state:
+    case ROW_contact_spring_rate:
+    case ROW_contact_stick_indicator:
+    case ROW_contact_cap_indicator:
+    case ROW_contact_lift_indicator:
+    case ROW_energy_friction_state:
+    case ROW_energy_friction_power:
+        return friction_local(v, q, at, variable);
+#endif
     case ROW_energy_dissipated_state:
         return q->dissipated;
     case ROW_energy_external_work_state:
@@ -81,7 +172,14 @@ double motion_local(const struct scene_values *v, const struct scene_state *q, c
 
 double motion_booked(const struct scene_state *q)
 {
-    return q->dissipated - q->external_work;
+    double sum = q->dissipated - q->external_work;
+#if SCENE_ANY_FRICTION
+    for (int j = 0; j < SCENE_CONTACTS; ++j) { /* springs jump where sliding begins or ends */
+        const struct vec3 spring = q->turning.spring[j];
+        sum += spring.x + 2.0 * spring.y + 3.0 * spring.z;
+    }
+#endif
+    return sum;
 }
 
 /* What only integration within the model knows. */
@@ -111,7 +209,15 @@ bool motion_change_regimes(const struct scene_values *v, struct scene_state *q)
         if (passes || next != (enum contact_regime)q->contact[j].regime) {
             transition_switch_regime(v, q, j, next);
             changed = true;
+            continue;
         }
+#if SCENE_ANY_FRICTION
+        const enum ode_event event = regime_friction_event(v, q, &at, j);
+        if (event != ODE_EVENT_GAP) {
+            transition_switch_friction(v, q, j, event);
+            changed = true;
+        }
+#endif
     }
     forget_integration(q);
     return changed;

@@ -4,6 +4,7 @@
 
 #include "scene/present.h"
 #include "scene/rounding.h"
+#include "scene/turning_ode.h"
 #include "scene/zones.h"
 
 /* In bounds of the rounding error: the margin itself may be off by one of them on either side of
@@ -64,3 +65,51 @@ enum contact_regime regime_by_margins(const struct scene_values *v, const struct
     const bool within = regime == REGIME_COMPRESSION ? margin > 0.0 : margin < 0.0;
     return within || !contact_has_events(&law) ? regime : contact_regime_after(&law, regime);
 }
+
+#if SCENE_ANY_FRICTION
+static bool is_beyond(enum friction_regime regime, enum ode_event event)
+{
+    switch (event) {
+    case ODE_EVENT_STICK:
+        return regime != FRICTION_STICKING;
+    case ODE_EVENT_CAP:
+        return regime == FRICTION_CAPPED;
+    default:
+        return regime == FRICTION_LIFTED;
+    }
+}
+
+/* Its event function, raised by what rounding and the tolerance of speeds may make of it. */
+static double raised_friction_event(const struct scene_values *v, const struct scene_state *q,
+                                    const struct scene_instant *at, int contact, enum ode_event event)
+{
+    struct scene_ode ode = {.values = v, .state = q};
+    double events[ODE_EVENTS_EACH];
+    const double tolerated =
+        solver_relative_tolerance(v) * vec3_norm(at->turning.slip[contact]) + solver_absolute_tolerance(v);
+    turning_friction_events(&ode, at, contact, tolerated, events);
+    return events[event];
+}
+
+double regime_friction_margin(const struct scene_values *v, const struct scene_state *q,
+                              const struct scene_instant *at, int contact, enum ode_event event)
+{
+    if (!contact_rubs(v, contact) || !contact_transmits(q, contact)) {
+        return 1.0;
+    }
+    const double margin = raised_friction_event(v, q, at, contact, event);
+    return is_beyond((enum friction_regime)q->contact[contact].friction_regime, event) ? -margin : margin;
+}
+
+enum ode_event regime_friction_event(const struct scene_values *v, const struct scene_state *q,
+                                     const struct scene_instant *at, int contact)
+{
+    static const enum ode_event EVENTS[] = {ODE_EVENT_STICK, ODE_EVENT_CAP, ODE_EVENT_LIFT};
+    for (int i = 0; i < 3 && contact_rubs(v, contact) && contact_transmits(q, contact); ++i) {
+        if (raised_friction_event(v, q, at, contact, EVENTS[i]) < 0.0) {
+            return EVENTS[i];
+        }
+    }
+    return ODE_EVENT_GAP;
+}
+#endif

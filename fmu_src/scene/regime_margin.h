@@ -6,7 +6,7 @@
 #ifndef CONTACT_SCENE_REGIME_MARGIN_H
 #define CONTACT_SCENE_REGIME_MARGIN_H
 
-#include "scene/evaluate.h"
+#include "scene/ode.h"
 
 /* The gap, or how far the source is beyond the ends of its cylinder where that is more [m]: positive without
  * contact, negative in contact. */
@@ -23,6 +23,18 @@ double regime_dashpot_margin(const struct scene_values *v, const struct scene_st
  * 1 m where there is none. */
 double regime_zone_margin(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, int contact);
+
+#if SCENE_ANY_FRICTION
+/* The event functions of friction (contact/friction.h), each negative on the other side of its change: that of
+ * a contact that slides, that of friction at its largest force, that of a dashpot that pulls; 1 where nothing
+ * changes. */
+double regime_friction_margin(const struct scene_values *v, const struct scene_state *q,
+                              const struct scene_instant *at, int contact, enum ode_event event);
+
+/* The event of friction whose margin has passed zero; ODE_EVENT_GAP: none has. */
+enum ode_event regime_friction_event(const struct scene_values *v, const struct scene_state *q,
+                                     const struct scene_instant *at, int contact);
+#endif
 
 /* The regime that follows from touch and dashpot: the present one unless a margin has passed zero. */
 enum contact_regime regime_by_margins(const struct scene_values *v, const struct scene_state *q,

@@ -175,6 +175,16 @@ void transition_switch_regime(const struct scene_values *v, struct scene_state *
     counter_add(&q->counters.events, 1);
 }
 
+#if SCENE_ANY_FRICTION
+void transition_switch_friction(const struct scene_values *v, struct scene_state *q, int contact,
+                                enum ode_event event)
+{
+    scene_rebase(v, q);
+    turning_take_event(v, q, contact, event);
+    counter_add(&q->counters.events, 1);
+}
+#endif
+
 void transition_settle_regimes(const struct scene_values *v, struct scene_state *q, double stored_before,
                                bool starting)
 {

@@ -27,6 +27,10 @@ void transition_change_friction(const struct scene_values *v, struct scene_state
  * zone is then the nearest. */
 void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime);
+#if SCENE_ANY_FRICTION
+void transition_switch_friction(const struct scene_values *v, struct scene_state *q, int contact,
+                                enum ode_event event);
+#endif
 
 /*
  * Sets the regimes by the geometry of the present: at the start, and after inputs have jumped.

@@ -181,7 +181,12 @@ static void place_body(const struct scene_values *v, struct scene_state *q, int 
 static struct body_turn turn_at(const struct scene_values *v, const struct scene_state *q, double clock,
                                 const struct turning_state *turning, int body)
 {
-    return body_turn_is_prescribed(v, body) ? turning_prescribed_at(v, q, clock, body) : turning->body[body];
+    if (body_turn_is_prescribed(v, body)) {
+        return turning_prescribed_at(v, q, clock, body);
+    }
+    struct body_turn turn = turning->body[body];
+    turn.orientation = quaternion_unit(turn.orientation); /* an integrator outside lets its length drift */
+    return turn;
 }
 
 #else /* nothing turns, but contacts may rub */

@@ -50,6 +50,11 @@ void turning_jacobian(const struct scene_ode *ode, double clock, const double *y
  * ode->state, of speeds that are right to `tolerated` [m/s]. */
 void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int contact, double tolerated);
 
+/* The event functions of friction at the present of ode->state, the instant `at`, each raised by twice what
+ * rounding and an error of the speeds by `tolerated` [m/s] make of it. */
+void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,
+                             double tolerated, double events[ODE_EVENTS_EACH]);
+
 /* Sizes to compare errors with, as ode_nominal has them. */
 void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes);
 

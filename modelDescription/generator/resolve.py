@@ -55,7 +55,11 @@ class Resolved:
             (index, cell.row.depends[other.cell.row.key])
             for index, other in enumerate(self.variables, 1)
             if other.cell.row.key in cell.row.depends
-            and other.cell.element in bodies
+            and (
+                other.cell.element in bodies
+                if other.cell.row.owner != "contact"
+                else cell.row.owner != "contact" or other.cell.element == cell.element
+            )
             and (
                 cell.row.owner != "body"
                 or cell.row.depends[other.cell.row.key] == "dependent"

@@ -1,0 +1,103 @@
+/* The event functions of contacts in a scene that turns or rubs. */
+#include <float.h>
+
+#include "scene/turning_ode.h"
+
+#if SCENE_ANY_TURNING
+
+/* Whether F_n of a contact may pass zero while the bodies overlap. */
+static bool may_lift(const struct contact_law *law)
+{
+    return law->dashpot == DASHPOT_UNCLAMPED && law->damping > 0.0;
+}
+
+/* The gap, or how far the source is beyond the ends of its cylinder where that is more [m]. */
+static double way_to_contact(const struct scene_ode *ode, const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
+    return fmax(at->geometry[contact].gap, scene_beyond_ends(&shape, &at->geometry[contact]));
+}
+
+static void friction_events(const struct scene_ode *ode, double clock, const struct turning_state *turning,
+                            const struct scene_instant *at, int contact, double *out)
+{
+    const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
+    const struct friction_state rubbing = turning_rubbing(turning, at, contact);
+    const double force_rate = turning_normal_force_rate(ode->values, ode->state, clock, at, contact);
+    out[ODE_EVENT_STICK] = ode->stick_offset[contact] +
+                           friction_stick_event(&laws.friction, laws.friction_regime, rubbing, force_rate);
+    out[ODE_EVENT_CAP] = ode->cap_offset[contact] +
+                         friction_cap_event(&laws.friction, laws.friction_regime, rubbing.normal_force);
+    if (may_lift(&laws.normal)) {
+        out[ODE_EVENT_LIFT] = ode->lift_offset[contact] +
+                              friction_lift_event(&laws.friction, laws.friction_regime, rubbing.normal_force);
+    }
+}
+
+void turning_events(const struct scene_ode *ode, double clock, const double *y,
+                    const struct scene_instant *at, int contact, double out[ODE_EVENTS_EACH])
+{
+    const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+        out[i] = 1.0;
+    }
+    if (!contact_is_foreseen(ode->values, ode->state, contact)) {
+        const double way = way_to_contact(ode, at, contact);
+        const bool apart = laws.regime == REGIME_APART;
+        out[ODE_EVENT_GAP] = ode->gap_offset[contact] + (apart ? way : -way);
+        out[ODE_EVENT_LAW] = apart ? 1.0
+                                   : ode->margin_offset[contact] +
+                                         contact_event(&laws.normal, laws.regime, g->gap, g->gap_rate);
+    }
+    if (contact_transmits(ode->state, contact) && contact_rubs(ode->values, contact)) {
+        struct turning_state turning = ode->state->turning;
+        turning_unpack(ode->values, y, &turning);
+        friction_events(ode, clock, &turning, at, contact, out);
+    }
+}
+
+/* What an event function of friction may be off by where speeds are right to `tolerated` [m/s]. */
+static double stick_rounding(const struct turning_laws *laws, double normal_force, double tolerated)
+{
+    const double limit = fabs(friction_limit(&laws->friction, laws->friction_regime, normal_force));
+    const bool is_force = laws->friction_regime == FRICTION_STICKING || laws->friction.damping > 0.0;
+    return is_force ? laws->friction.damping * tolerated + 8.0 * DBL_EPSILON * limit : tolerated;
+}
+
+/* Offsets by rounding alone. */
+static void put_friction_offsets(struct scene_ode *ode, const struct scene_instant *at, int contact,
+                                 double tolerated)
+{
+    const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
+    const double force = at->normal_force[contact];
+    const double rounding = 8.0 * DBL_EPSILON * fabs(force) + laws.normal.damping * tolerated;
+    ode->stick_offset[contact] = 2.0 * stick_rounding(&laws, force, tolerated);
+    ode->cap_offset[contact] = 2.0 * laws.friction.coefficient * rounding;
+    ode->lift_offset[contact] = 2.0 * rounding;
+}
+
+void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,
+                             double tolerated, double events[ODE_EVENTS_EACH])
+{
+    for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+        events[i] = 1.0;
+    }
+    put_friction_offsets(ode, at, contact, tolerated);
+    friction_events(ode, ode->state->clock, &ode->state->turning, at, contact, events);
+}
+
+void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int contact, double tolerated)
+{
+    double events[ODE_EVENTS_EACH];
+    ode->stick_offset[contact] = ode->cap_offset[contact] = ode->lift_offset[contact] = 0.0;
+    if (!contact_transmits(ode->state, contact) || !contact_rubs(ode->values, contact)) {
+        return;
+    }
+    turning_friction_events(ode, at, contact, tolerated, events);
+    ode->stick_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_STICK], 0.0);
+    ode->cap_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_CAP], 0.0);
+    ode->lift_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_LIFT], 0.0);
+}
+
+#endif
