@@ -124,6 +124,30 @@ bool hertz_make(struct segment *p)
     return true;
 }
 
+bool hertz_elastic_applies(const struct segment *p)
+{
+    return contact_is_hertz(&p->pair.law) && p->pair.chi == 0.0;
+}
+
+bool hertz_elastic_segment_make(struct segment *p)
+{
+    struct hertz_elastic *made = &p->as.hertz_elastic;
+    if (!hertz_elastic_make(made, &p->pair)) {
+        return false;
+    }
+    const bool parts = made->end_time <= p->longest;
+    p->clear_of_centre = true;
+    p->end = parts ? made->end : hertz_elastic_place(made, p->longest);
+    p->unit = hertz_elastic_time(made, p->end) / p->end;
+    dense_output_add(&p->output, 0.0);
+    if (made->start < 0.0 && -made->start < p->end) { /* the deepest place, where each has one extremum */
+        dense_output_add(&p->output, -made->start);
+    }
+    dense_output_add(&p->output, p->end);
+    find_terminal_event(p, parts ? p->end : (double)INFINITY);
+    return p->end > 0.0;
+}
+
 /* Length of a slow segment [radians of the tangential motion]; an event may end it, so that it is accurate in
  * between too. */
 static const double SLOW_STEP = 0.7;

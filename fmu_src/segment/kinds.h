@@ -20,6 +20,10 @@ bool resolved_make(struct segment *p);
 bool overdamped_applies(const struct segment *p);
 bool overdamped_make(struct segment *p);
 
+/* Under Hertz's law without damping, head-on: up to the release. */
+bool hertz_elastic_applies(const struct segment *p);
+bool hertz_elastic_segment_make(struct segment *p);
+
 /* Under Hertz's law; false where its force is nothing beside the load, as at rest at the touch, and the
  * motion is a Taylor series over p->longest, which is then as long as that lasts. p->terminal is known. */
 bool hertz_applies(const struct segment *p);

@@ -51,6 +51,9 @@ static const struct {
 #if SCENE_ANY_HERTZ
     /* Hertz's law, the oscillation died away: a radian of the tangential motion. */
     [SEGMENT_HERTZ_SLOW] = {hertz_slow_applies, hertz_slow_make, slow_hertz_sample, slow_hertz_change},
+    /* Hertz's law without damping, head-on under constant acceleration: all the rest of an impact. */
+    [SEGMENT_HERTZ_ELASTIC] = {hertz_elastic_applies, hertz_elastic_segment_make, hertz_elastic_sample,
+                               hertz_elastic_change},
     /* Hertz's law: a third of the radius of convergence in a variable of its own. */
     [SEGMENT_HERTZ] = {hertz_applies, hertz_make, pair_hertz_sample, pair_hertz_change},
 #endif
@@ -82,9 +85,12 @@ static bool is_collocated(const struct segment *p)
 }
 
 #if SCENE_ANY_HERTZ
-/* The series first, for it tells whether anything is fast; where that was wrong it is made again. */
+/* What is in closed form first; then the series, for it tells whether anything is fast; where that was wrong it is made again. */
 static void make_hertz(struct segment *p)
 {
+    if (make_kind(p, SEGMENT_HERTZ_ELASTIC)) {
+        return;
+    }
     if (!make_kind(p, SEGMENT_HERTZ)) {
         (void)make_kind(p, SEGMENT_TAYLOR);
     } else if (hertz_slow_applies(p) && !make_kind(p, SEGMENT_HERTZ_SLOW)) {

@@ -7,6 +7,7 @@
 #define CONTACT_SEGMENT_SEGMENT_H
 
 #include "segment/dense_output.h"
+#include "segment/hertz_elastic.h"
 #include "segment/hertz_slow.h"
 #include "segment/pair_collocation.h"
 #include "segment/pair_oscillation.h"
@@ -21,6 +22,7 @@ enum segment_kind {
     SEGMENT_OVERDAMPED,
     SEGMENT_TAYLOR,
     SEGMENT_HERTZ_SLOW,
+    SEGMENT_HERTZ_ELASTIC,
     SEGMENT_HERTZ,
     SEGMENT_RIM
 };
@@ -54,6 +56,7 @@ struct segment {
         struct pair_collocation collocation;
 #if SCENE_ANY_HERTZ
         struct pair_hertz hertz;
+        struct hertz_elastic hertz_elastic;
         struct hertz_slow hertz_slow;
 #endif
 #if SCENE_ANY_CAPS
@@ -78,6 +81,9 @@ static inline double segment_time(const struct segment *p, double s)
     if (p->kind == SEGMENT_HERTZ) {
         return pair_hertz_time(&p->as.hertz, s);
     }
+    if (p->kind == SEGMENT_HERTZ_ELASTIC) {
+        return hertz_elastic_time(&p->as.hertz_elastic, s);
+    }
 #endif
 #if SCENE_ANY_CAPS
     if (p->kind == SEGMENT_RIM) {
@@ -93,6 +99,9 @@ static inline double segment_place(const struct segment *p, double time)
     if (p->kind == SEGMENT_HERTZ) {
         const double end = fmin(p->end, p->terminal.s);
         return !(time < segment_time(p, end)) ? end : pair_hertz_place(&p->as.hertz, time, end);
+    }
+    if (p->kind == SEGMENT_HERTZ_ELASTIC) {
+        return hertz_elastic_place(&p->as.hertz_elastic, time);
     }
 #endif
 #if SCENE_ANY_CAPS

@@ -1,5 +1,6 @@
 /* A contact by Hertz's law: its series against closed forms and against what they must keep, and the slow
  * motion against the series. */
+#include "segment/hertz_elastic.h"
 #include "segment/hertz_slow.h"
 
 #include <float.h>
@@ -147,10 +148,62 @@ static void a_slow_step_agrees_with_series(void)
     }
 }
 
+/* Head-on under gravity, from a place within the impact: motion, force and its slopes are those of the series,
+ * and so is the release. */
+static void the_closed_form_is_the_series(void)
+{
+    struct random r = {14};
+    int found = 0;
+    for (int k = 0; k < 200; ++k) {
+        struct model m = touching(pow(10.0, random_between(&r, 5.0, 9.0)), 0.0);
+        struct scene_values *v = &m.state.values;
+        const double reach = v->body[SOURCE].radius + v->body[DESTINATION].radius;
+        v->world.gravity[0] = random_between(&r, -20.0, 20.0);
+        scene_start_free(&m, SOURCE, vec3_make(reach - (k % 3) * 1e-5, 0.0, 0.0),
+                         vec3_make(k % 2 == 0 ? -2.0 : random_between(&r, -3.0, 3.0), 0.0, 0.0));
+        compressed_begin(&m);
+        m.state.motion.contact[0].physics.accumulated_gap = -(k % 3) * 1e-5;
+        const struct contact_pair from = pair_of(&m);
+        struct hertz_elastic made;
+        struct pair_hertz series;
+        if (!(from.gap < 0.0 || k % 2 == 0) || !hertz_elastic_make(&made, &from)) {
+            continue; /* no contact that begins, or hardly an impact */
+        }
+        found += 1;
+        pair_hertz_make(&series, &from, FINE);
+        const double s = 0.7 * fmin(series.step, pair_hertz_parting(&series, series.step));
+        const double time = pair_hertz_time(&series, s);
+        const double place = hertz_elastic_place(&made, time);
+        const struct pair_change change = hertz_elastic_change(&made, place);
+        const struct pair_change by_series = pair_hertz_change(&series, s);
+        struct pair_sample ours, theirs;
+        hertz_elastic_sample(&made, place, &ours);
+        pair_hertz_sample(&series, s, &theirs);
+        CHECK_CLOSE("time", hertz_elastic_time(&made, place), time, 1e-14L * made.end_time);
+        CHECK_CLOSE("gap", change.gap, by_series.gap, 1e-13L * made.deepest);
+        CHECK_CLOSE("r", change.r.x, by_series.r.x, 1e-13L * made.deepest);
+        CHECK_CLOSE("r'", change.r_rate.x, by_series.r_rate.x, 1e-12L);
+        const double force = fabs(theirs.of[PAIR_FORCE][0]) + 1e-3;
+        CHECK_CLOSE("force", ours.of[PAIR_FORCE][0], theirs.of[PAIR_FORCE][0], 1e-11L * force);
+        for (int i = 0; i < PAIR_QUANTITIES; ++i) { /* slopes, as slopes in time */
+            struct pair_sample later;
+            const double h = 1e-5;
+            hertz_elastic_sample(&made, place + h, &later);
+            const double mean = 0.5 * (ours.of[i][1] + later.of[i][1]);
+            const double curved = fabs(ours.of[i][2]) + fabs(ours.of[i][1]) + fabs(ours.of[i][0]);
+            CHECK_CLOSE("slope", (later.of[i][0] - ours.of[i][0]) / h, mean, 1e-8L * curved);
+            CHECK_CLOSE("bend", (later.of[i][1] - ours.of[i][1]) / h, 0.5 * (ours.of[i][2] + later.of[i][2]),
+                        1e-6L * curved);
+        }
+    }
+    CHECK(found > 120);
+}
+
 int main(void)
 {
     CHECK_TEST(an_impact_lasts_as_hertz_says);
     CHECK_TEST(a_series_keeps_momentum_and_energy);
+    CHECK_TEST(the_closed_form_is_the_series);
     CHECK_TEST(a_slow_step_agrees_with_series);
     return check_summary("pair_hertz");
 }
