@@ -25,7 +25,7 @@ static const struct {
 enum { GAUSS_HALF = sizeof gauss / sizeof gauss[0] };
 
 /* Newton's method for delta_max from a place near it. */
-enum { NEWTON_STEPS = 50 };
+enum { DEEPEST_STEPS = 50 };
 
 /* P and its first two derivatives: e (1 + u + u^2 + u^3 + u^4) + 2 L delta_max u^2 (1 + u + u^2). */
 static inline double elastic_polynomial(const struct hertz_elastic *p, double u)
@@ -77,7 +77,7 @@ static double elastic_stored(double k, double depth)
 static double elastic_deepest(double k, double load, double touch)
 {
     double depth = pow(1.25 * touch / k, 0.4);
-    for (int i = 0; i < NEWTON_STEPS; ++i) {
+    for (int i = 0; i < DEEPEST_STEPS; ++i) {
         const double stored = elastic_stored(k, depth);
         const double missing = touch + 2.0 * load * depth - stored;
         const double step = missing / (2.5 * stored / depth - 2.0 * load);

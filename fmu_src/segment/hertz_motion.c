@@ -144,7 +144,7 @@ bool hertz_elastic_segment_make(struct segment *p)
         dense_output_add(&p->output, -made->start);
     }
     dense_output_add(&p->output, p->end);
-    find_terminal_event(p, parts ? p->end : (double)INFINITY);
+    hertz_find_terminal_event(p, parts ? p->end : (double)INFINITY);
     return p->end > 0.0;
 }
 

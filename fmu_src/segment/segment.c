@@ -85,7 +85,7 @@ static bool is_collocated(const struct segment *p)
 }
 
 #if SCENE_ANY_HERTZ
-/* What is in closed form first; then the series, for it tells whether anything is fast; where that was wrong it is made again. */
+XX
 static void make_hertz(struct segment *p)
 {
     if (make_kind(p, SEGMENT_HERTZ_ELASTIC)) {

@@ -33,7 +33,7 @@ static bool advance(struct model *m)
     const struct contact_pair from = pair_of(m);
     struct pair_hertz p;
     pair_hertz_make(&p, &from, FINE);
-    const double parting = pair_hertz_parting(&p, p.step);
+    const double parting = pair_hertz_parting(p.root, p.step);
     const struct pair_change change = pair_hertz_change(&p, fmin(parting, p.step));
     pair_apply(&from, &change, &m->state.values, &m->state.motion, 0);
     m->state.motion.clock += change.time;
@@ -171,7 +171,7 @@ static void the_closed_form_is_the_series(void)
         }
         found += 1;
         pair_hertz_make(&series, &from, FINE);
-        const double s = 0.7 * fmin(series.step, pair_hertz_parting(&series, series.step));
+        const double s = 0.7 * fmin(series.step, pair_hertz_parting(series.root, series.step));
         const double time = pair_hertz_time(&series, s);
         const double place = hertz_elastic_place(&made, time);
         const struct pair_change change = hertz_elastic_change(&made, place);
