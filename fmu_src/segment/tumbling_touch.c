@@ -46,7 +46,7 @@ static void decision(const void *data, double time, double *value, double *slope
 }
 
 /* The longest time from an instant on in which nothing changes by more than rounding, as far as the bends of
- * that instant tell. Never zero: where all is within rounding it is so short that no more than a quarter of
+ * that instant tell. Never zero: where all is within rounding it is so short that no more than three eighths of
  * it can be missed. */
 static double unchanged_for(const struct tumbling_search *search, const struct tumbling_instant *at)
 {

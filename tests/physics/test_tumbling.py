@@ -8,16 +8,19 @@ import pytest
 from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
 from support.scenes.tumbling_checks import failures
 
-SEEDS = {"event_driven": range(60), "cvode_bdf": range(60, 70)}
+CASES = [
+    ("event_driven", "open", range(60)),
+    ("event_driven", "capped", range(20)),
+    ("cvode_bdf", "open", range(60, 70)),
+]
 AT_ONCE = 10
+RUNS = [(method, ends, i) for method, ends, seeds in CASES for i in seeds[::AT_ONCE]]
 
 
-@pytest.mark.parametrize(
-    "method,first", [(name, i) for name, seeds in SEEDS.items() for i in seeds[::AT_ONCE]]
-)
-def test_onsets_are_those_of_an_independent_reference(method, first):
+@pytest.mark.parametrize("method,ends,first", RUNS)
+def test_onsets_are_those_of_an_independent_reference(method, ends, first):
     lines = []
     with ContactFmu(fmu_file("SphereCylinder")) as fmu:
         for seed in range(first, first + AT_ONCE):
-            lines += failures(fmu, seed, method)[0]
+            lines += failures(fmu, seed, method, ends)[0]
     assert not lines, "\n".join(lines)
