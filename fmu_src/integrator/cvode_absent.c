@@ -1,5 +1,4 @@
-/* In place of CVODE in scenes that can do without it: pinned to event_driven, no free body in two
- * contacts. */
+/* In place of CVODE in scenes that can do without it: pinned to event_driven. */
 #include "integrator/cvode.h"
 
 #include <stdio.h>

@@ -6,7 +6,7 @@
 
 /*
  * Advances the contact pairs, and the kinematically driven contacts with them. ADVANCE_FAILED where contacts
- * share a free body; phases.c then lets CVODE take over and counts it.
+ * share a free body; phases.c then lets the general segment take over and counts it.
  */
 enum advance_result event_driven_advance(const struct scene_values *v, struct scene_state *q,
                                          struct advance *step);

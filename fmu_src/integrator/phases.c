@@ -5,6 +5,7 @@
 
 #include "integrator/cvode.h"
 #include "integrator/event_driven.h"
+#include "integrator/general.h"
 #include "integrator/prescribed.h"
 #include "scene/rounding.h"
 #include "segment/flight.h"
@@ -14,12 +15,17 @@ bool integrator_open(struct integrator *s, const struct scene_values *v,
                      const struct integrator_memory *memory)
 {
     s->message[0] = '\0';
-    return scene_is_force_element(v) || !scene_uses_ode(v) || cvode_open(&s->cvode, v, memory, s->message);
+    if (!scene_uses_ode(v) || (scene_is_force_element(v) && !scene_turns(v))) {
+        return true;
+    }
+    return solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN ? general_open(&s->general, v, memory, s->message)
+                                                          : cvode_open(&s->cvode, v, memory, s->message);
 }
 
 void integrator_close(struct integrator *s)
 {
     cvode_close(&s->cvode);
+    general_close(&s->general);
 }
 
 /* Horizon of a separating contact, as a multiple of the time in which it opens at its present rate. */
@@ -116,8 +122,8 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
         flight_advance(v, q, step->clock_end);
         return ADVANCE_REACHED;
     }
-    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_turns(v)) {
-        const enum advance_result result = event_driven_advance(v, q, step);
+    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN) {
+        const enum advance_result result = scene_turns(v) ? ADVANCE_FAILED : event_driven_advance(v, q, step);
         if (result != ADVANCE_FAILED) {
             return result;
         }
@@ -126,7 +132,7 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
             return ADVANCE_FAILED;
         }
         counter_add(&q->counters.fallbacks, 1);
-        q->integrator_fresh = 1;
+        return general_advance(s->general, v, q, step);
     }
     return cvode_advance(s->cvode, v, q, step);
 }

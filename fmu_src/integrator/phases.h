@@ -6,6 +6,7 @@
  *   flight.c         no contact transmits a force: closed form (in segment/), whatever the method
  *   event_driven.c   contact pairs that share no free body: closed form, collocation and Taylor series
  *                    (segment.h)
+ *   general.c        what the segments do not take, event_driven too: Radau IIA
  *   cvode.c          SUNDIALS CVODE, BDF with an analytic Jacobian or Adams
  *   prescribed.c     neither body of a contact is free: only quadratures along the given motion
  */
@@ -35,6 +36,7 @@ struct integrator_memory {
  * motion. */
 struct integrator {
     struct cvode *cvode;
+    struct general *general;
     char message[INTEGRATOR_MESSAGE_SIZE];
 };
 

@@ -33,7 +33,8 @@ bool scene_is_force_element(const struct scene_values *v);
 /* Whether any free body is in more than one contact, so that contacts may act on each other through it. */
 bool scene_shares_free_body(const struct scene_values *v);
 
-/* Whether CVODE may integrate the motion: event_driven leaves only bodies in several contacts to it. */
+/* Whether the motion may be integrated as differential equations (scene/ode.h): by CVODE, or by the general segment of
+ * event_driven, for bodies in several contacts and where something turns or rubs. */
 bool scene_uses_ode(const struct scene_values *v);
 
 /* Whether no bodies overlap. */

@@ -1,6 +1,7 @@
-"""What `when` in variables.toml asks of a scene: may a choice have a value, may CVODE be needed?"""
+"""What `when` in variables.toml asks of a scene: may a choice have a value, what may integrate it?"""
 
 SCENE_CVODE = "scene.cvode"  # in `when`: whether the scene may come to integrate with CVODE
+SCENE_GENERAL = "scene.general"  # and by the general segment (fmu_src/integrator/general.h)
 
 
 def number_of(row, value):
@@ -20,6 +21,8 @@ def possible(choice: str, items: list, cell, cells: list, constants: dict, scene
     """May a choice that the row depends on have one of these items, given what is pinned?"""
     if choice == SCENE_CVODE:
         return may_need_cvode(cells, constants, scene) in items
+    if choice == SCENE_GENERAL:
+        return may_need_general(cells, constants, scene) in items
     for other in _choices(choice, cell, cells, scene):
         if other.row.type.items:  # of these a scene may leave a choice some only
             items = [item for item in items if other.row.type.item(item)]
@@ -68,22 +71,42 @@ def _item(row, number) -> str:
 
 
 def may_need_cvode(cells: list, constants: dict, scene) -> bool:
-    """The CVODE methods ask for it, and event_driven where contacts share a body that may be free.
+    """The CVODE methods ask for it. Free is a body too that turns freely."""
+    methods = any(
+        _may_be(cells, constants, "solver.method", method, 0) for method in ("cvode_bdf", "cvode_adams")
+    )
+    return methods and bool(_free(cells, constants, scene))
 
-    Free is a body too that turns freely."""
 
-    def may_be(key: str, item: str, element: int) -> bool:
-        return any(
-            cell.name not in constants or constants[cell.name] == number_of(cell.row, item)
-            for cell in cells
-            if cell.row.key == key and cell.element == element and cell.row.type.item(item)
-        )
+def may_need_general(cells: list, constants: dict, scene) -> bool:
+    """event_driven asks for it where contacts share a body that may be free, where bodies may turn or rub."""
+    free = _free(cells, constants, scene)
+    if not free or not _may_be(cells, constants, "solver.method", "event_driven", 0):
+        return False
+    ends = [body for contact in scene.contacts for body in (contact.source, contact.destination)]
+    turns = [("body.rotation", how, i) for i in range(len(scene.bodies)) for how in ("prescribed", "free")]
+    rubs = [
+        ("contact.friction", law, i) for i in range(len(scene.contacts)) for law in ("regularized", "elastic")
+    ]
+    return any(ends.count(body) > 1 for body in free) or any(
+        _may_be(cells, constants, *choice) for choice in turns + rubs
+    )
 
-    free = [
+
+def _free(cells: list, constants: dict, scene) -> list[int]:
+    """The bodies that may be free, or turn freely."""
+    kinds = ("body.motion", "body.rotation")
+    return [
         body
         for body in range(len(scene.bodies))
-        if may_be("body.motion", "free", body) or may_be("body.rotation", "free", body)
+        if any(_may_be(cells, constants, kind, "free", body) for kind in kinds)
     ]
-    methods = any(may_be("solver.method", method, 0) for method in ("cvode_bdf", "cvode_adams"))
-    ends = [body for contact in scene.contacts for body in (contact.source, contact.destination)]
-    return bool(free) and (methods or any(ends.count(body) > 1 for body in free))
+
+
+def _may_be(cells: list, constants: dict, key: str, item: str, element: int) -> bool:
+    """May a choice have this item?"""
+    return any(
+        cell.name not in constants or constants[cell.name] == number_of(cell.row, item)
+        for cell in cells
+        if cell.row.key == key and cell.element == element and cell.row.type.item(item)
+    )

@@ -180,6 +180,7 @@ def _context(resolved: Resolved) -> dict:
         "any_caps": resolved.may("body.ends", "capped"),
         "any_plane": any(body.shape == "plane" for body in resolved.scene.bodies),
         "has_cvode": resolved.may_need_cvode,
+        "has_general": resolved.may_need_general,
         "rows": list(rows),
         "present": c_code.rows_present(resolved),
         "structs": c_code.structs(resolved),

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from . import advice
 from .catalogue import Catalogue, Row
 from .cell import COMPONENTS, Cell, Variable
-from .conditions import may_need_cvode, number_of, possible, why_not
+from .conditions import may_need_cvode, may_need_general, number_of, possible, why_not
 from .errors import allowed
 from .scene import Scene
 
@@ -18,6 +18,7 @@ class Resolved:
     cells: tuple[Cell, ...]  # every row of every element, present or not, in the order of the catalogue
     variables: tuple[Variable, ...]  # what the FMU has, in the order of modelDescription.xml
     may_need_cvode: bool
+    may_need_general: bool
 
     def of(self, key: str) -> list[Cell]:
         return [cell for cell in self.cells if cell.row.key == key]
@@ -84,7 +85,8 @@ def resolve(scene: Scene, catalogue: Catalogue) -> Resolved:
     }
     cells = [_with_start(cell, starts, left_out) for cell in cells]
     cvode = may_need_cvode(cells, constants, scene)
-    return Resolved(scene, catalogue, tuple(cells), tuple(_variables(cells, scene)), cvode)
+    general = may_need_general(cells, constants, scene)
+    return Resolved(scene, catalogue, tuple(cells), tuple(_variables(cells, scene)), cvode, general)
 
 
 def _cells_of(row: Row, scene: Scene):

@@ -64,6 +64,7 @@
 #define SCENE_ANY_ELASTIC_FRICTION {{ any_elastic_friction | int }} /* with tangential springs? */
 #define SCENE_ANY_TURNING {{ any_turning | int }}    /* either: contacts have torques and a slip velocity */
 #define SCENE_HAS_CVODE {{ has_cvode | int }} /* may CVODE be needed? else SUNDIALS is not linked */
+#define SCENE_HAS_GENERAL {{ has_general | int }} /* may event_driven need the general segment? */
 
 /* Every row of variables.toml, whether this scene has it or not. */
 enum variable_row {

@@ -1,0 +1,210 @@
+#include "integrator/general.h"
+
+#include <float.h>
+#include <stdio.h>
+
+#include "integrator/general_memory.h"
+#include "scene/projection.h"
+#include "segment/flight.h"
+
+/* What a step may take of the tolerances: as much as the other segments (integrator/event_driven.c), because
+ * impacts multiply errors; not less than what rounding leaves of a step and its events. */
+static const double TOLERANCE_SHARE = 1e-3;
+static const double LEAST_TOLERANCE = 1024.0 * DBL_EPSILON;
+
+static void rates_at_stage(const void *context, double clock, const double *y, double *rates)
+{
+    ode_rates(context, clock, y, rates);
+}
+
+static void jacobian_of(const void *context, double clock, const double *y, double *columns)
+{
+    ode_coupled_jacobian(context, clock, y, columns);
+}
+
+static struct radau_problem problem_of(struct general *g, const struct scene_values *v)
+{
+    struct radau_problem problem = {.context = &g->ode,
+                                    .size = ode_size(v),
+                                    .coupled = ode_coupled(v),
+                                    .integrals = ode_integrals(v),
+                                    .place = g->place,
+                                    .speed = g->speed,
+                                    .rates = rates_at_stage,
+                                    .jacobian = jacobian_of};
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        for (int k = 0; k < 3 && body_is_free(v, i); ++k) {
+            g->place[problem.paired] = ode_body(v, i) + k;
+            g->speed[problem.paired] = ode_body(v, i) + 3 + k;
+            problem.paired += 1;
+        }
+    }
+    return problem;
+}
+
+bool general_open(struct general **slot, const struct scene_values *v, const struct integrator_memory *memory,
+                  char *message)
+{
+    const int size = ode_size(v);
+    if (*slot == NULL || (*slot)->size != size) {
+        const size_t own = (sizeof(struct general) + 15) / 16 * 16;
+        const size_t rows = 3 * (size_t)size * sizeof(double);
+        struct general *g = memory->allocate(1, own + rows + radau_step_memory(size));
+        if (g == NULL) {
+            snprintf(message, INTEGRATOR_MESSAGE_SIZE, "the integrator's memory could not be had");
+            return false;
+        }
+        general_close(slot);
+        *slot = g;
+        g->size = size;
+        g->release = memory->release;
+        g->y = (double *)(void *)((char *)g + own);
+        g->size_of = g->y + size;
+        g->end_size = g->size_of + size;
+    }
+    const struct radau_problem problem = problem_of(*slot, v);
+    radau_step_place(&(*slot)->step, &problem, (*slot)->end_size + size);
+    (*slot)->message = message;
+    return true;
+}
+
+void general_close(struct general **slot)
+{
+    if (*slot) {
+        (*slot)->release(*slot);
+        *slot = NULL;
+    }
+}
+
+/* The motion at a clock within the last step; a scene_output's `move`. */
+static void move_along_step(void *memory, double clock, struct scene_state *q)
+{
+    struct general *g = memory;
+    const struct radau_step *p = &g->step;
+    radau_step_at(p, fmin((clock - p->start) / p->length, 1.0), g->y);
+    ode_unpack(g->ode.values, q, g->y);
+}
+
+/* Starts from the motion. */
+static void start_general(struct general *g, const struct scene_values *v, struct scene_state *q)
+{
+    struct scene_instant at;
+    g->ode.values = v;
+    g->ode.state = q;
+    ode_leave_centres(v, q);
+    scene_now(v, q, &at);
+    g->relative = fmax(TOLERANCE_SHARE * solver_relative_tolerance(v), LEAST_TOLERANCE);
+    g->absolute = TOLERANCE_SHARE * solver_absolute_tolerance(v);
+    ode_begin(&g->ode, &at, g->relative, g->absolute);
+    ode_pack(&g->ode, g->y);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        g->output[j] = (struct scene_output){.contact = j, .move = move_along_step, .mover = g};
+    }
+    g->step.evaluations = 0;
+    g->rejected = 0;
+    general_begin(g, q->clock, g->y);
+}
+
+/* The error allowed in a step is that of a speed, too. */
+static void tidy_end(struct general *g, const struct scene_values *v, struct scene_state *q,
+                     const struct advance *step)
+{
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    const bool at_gap = fabs(at.geometry[step->contact].gap) <= 4.0 * g->ode.gap_offset[step->contact];
+    if (step->regime == REGIME_APART && at_gap) {
+        const double speed = vec3_norm(at.rate[step->contact]);
+        projection_close_gap(v, q, step->contact);
+        projection_restore_energy(v, q, step->contact, g->relative * speed + g->absolute);
+    }
+    q->contact[step->contact].schedule.settled_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
+}
+
+/* Contacts that end, or begin, at almost the same time: when the first has ended the phase, the second may already
+ * be past its root by more than the offset. */
+static bool has_passed_event(struct general *g, const struct scene_values *v, struct scene_state *q,
+                             struct advance *step)
+{
+    double events[ODE_EVENTS];
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    ode_events(&g->ode, q->clock, g->step.y, events);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const bool leaves = (q->contact[j].regime == REGIME_APART) == (at.geometry[j].gap_rate < 0.0);
+        if (events[ODE_EVENTS_EACH * j] < 0.0 && leaves) {
+            step->contact = j;
+            step->event = ODE_EVENT_GAP;
+            step->regime = ode_regime_after(v, q, j, 0);
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A step of twelve stages is five radians of an oscillation at most: parts of less than half a turn. */
+static void note_peaks_of_step(struct general *g, struct scene_state *q, double to)
+{
+    const int parts = g->step.stages->stages / 3;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].regime != REGIME_APART && to > q->clock) {
+            struct scene_output *output = &g->output[j];
+            output->values = g->ode.values;
+            output->state = q;
+            scene_output_note_peaks(output, q->clock, to, parts, &q->contact[j].peaks);
+        }
+    }
+}
+
+/* The scene at the end of a step. */
+static void move_scene(struct general *g, struct scene_state *q, double clock, const double *y)
+{
+    ode_unpack(g->ode.values, q, y);
+    q->clock = clock;
+    flight_restore(g->ode.values, q);
+}
+
+enum advance_result general_advance(struct general *g, const struct scene_values *v, struct scene_state *q,
+                                    struct advance *step)
+{
+    enum advance_result result = ADVANCE_REACHED;
+    double *y = g->size_of; /* free between steps */
+    start_general(g, v, q);
+    if (SCENE_CONTACTS > 1 && has_passed_event(g, v, q, step)) {
+        return ADVANCE_EVENT;
+    }
+    while (result == ADVANCE_REACHED && q->clock < step->clock_end) {
+        const double left = step->clock_end - q->clock;
+        if (!general_step_make(g, left, &step->budget)) {
+            result = step->budget > 0 ? ADVANCE_FAILED : ADVANCE_STEP_LIMIT;
+            break;
+        }
+        struct general_event found = general_first_event(g);
+        double clock = g->step.length < left ? q->clock + g->step.length : step->clock_end;
+        if (found.event >= 0) {
+            if (!general_end_at(g, &found, &clock, y)) {
+                snprintf(g->message, INTEGRATOR_MESSAGE_SIZE,
+                         "an event is not found again in a shorter step");
+                result = ADVANCE_FAILED;
+                break;
+            }
+        } else {
+            radau_step_at(&g->step, 1.0, y);
+        }
+        note_peaks_of_step(g, q, clock);
+        move_scene(g, q, clock, y);
+        counter_add(&q->counters.steps, 1);
+        if (found.event >= 0) {
+            step->contact = found.event / ODE_EVENTS_EACH;
+            step->event = found.event % ODE_EVENTS_EACH;
+            step->regime = step->event > ODE_EVENT_LAW ? (enum contact_regime)q->contact[step->contact].regime
+                                                       : ode_regime_after(v, q, step->contact, step->event);
+            tidy_end(g, v, q, step);
+            result = ADVANCE_EVENT;
+        } else if (q->clock < step->clock_end) {
+            general_begin(g, q->clock, y);
+        }
+    }
+    counter_add(&q->counters.force_evaluations, g->step.evaluations);
+    counter_add(&q->counters.rejected_steps, g->rejected);
+    return result;
+}

@@ -1,0 +1,180 @@
+/* Terminal events of the general segment. */
+#include <float.h>
+#include <string.h>
+
+#include "integrator/general_memory.h"
+
+/* An event is put where a step of its own length has it; closer than this part of it, by its rate. */
+static const double CLOSE = 1e-6;
+
+/* A dip below zero by so many roundings of the largest value, or by the error of the polynomial, is none. */
+static const double NOISE = 64.0 * DBL_EPSILON;
+
+/* Each halves the length at least, or comes closer by its square. */
+enum { MOST_TRIALS = 40 };
+
+/* Event functions at the start and at all stages. */
+static void sample_events(struct general *g)
+{
+    const struct radau_step *p = &g->step;
+    memcpy(g->y, p->y, (size_t)g->size * sizeof *g->y);
+    ode_events(&g->ode, p->start, g->y, g->events[0]);
+    for (int i = 0; i < p->stages->stages; ++i) {
+        radau_step_stage(p, i, g->y);
+        ode_events(&g->ode, p->start + p->stages->node[i] * p->length, g->y, g->events[i + 1]);
+    }
+}
+
+/* Bernstein coefficients of one event function; false where it is above zero everywhere. */
+static bool may_fall(const struct general *g, int event, double of[BERNSTEIN_MOST], double *largest)
+{
+    const struct radau_stages *stages = g->step.stages;
+    const int count = stages->stages + 1;
+    bool falls = false;
+    *largest = 0.0;
+    for (int k = 0; k < count; ++k) {
+        of[k] = 0.0;
+    }
+    for (int i = 0; i < count; ++i) {
+        const double value = g->events[i][event];
+        *largest = fmax(*largest, fabs(value));
+        for (int k = 0; k < count; ++k) {
+            of[k] += stages->bernstein[i * count + k] * value;
+        }
+    }
+    of[0] = g->events[0][event];
+    of[count - 1] = g->events[count - 1][event];
+    for (int k = 0; k < count; ++k) {
+        falls = falls || !(of[k] > 0.0);
+    }
+    return falls;
+}
+
+static bool event_is_constant(const struct general *g, int event)
+{
+    for (int i = 0; i <= g->step.stages->stages; ++i) {
+        if (g->events[i][event] != g->events[0][event]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+struct general_event general_first_event(struct general *g)
+{
+    struct general_event first = {(double)INFINITY, -1};
+    const int count = g->step.stages->stages + 1;
+    const double noise = NOISE + g->relative * fmax(g->error_within, 1.0);
+    sample_events(g);
+    for (int e = 0; e < ODE_EVENTS; ++e) {
+        double of[BERNSTEIN_MOST];
+        double largest;
+        if (event_is_constant(g, e) || !may_fall(g, e, of, &largest)) {
+            continue;
+        }
+        const struct bernstein_fall fall = bernstein_first_fall(of, count, noise * largest);
+        if (fall.low < first.part) {
+            const double part = bernstein_root(of, count, fall);
+            first = part < first.part ? (struct general_event){part, e} : first;
+        }
+    }
+    return first;
+}
+
+static double event_at(struct general *g, int event, double clock, const double *y)
+{
+    double all[ODE_EVENTS];
+    ode_events(&g->ode, clock, y, all);
+    return all[event];
+}
+
+/* Rate of the event function along the polynomial [1/s], from its values about a place. */
+static double rate_at(struct general *g, int event, double part)
+{
+    const struct radau_step *p = &g->step;
+    const double apart = 0.02 * part;
+    radau_step_at(p, part - apart, g->y);
+    const double before = event_at(g, event, p->start + (part - apart) * p->length, g->y);
+    radau_step_at(p, part, g->y);
+    return (event_at(g, event, p->start + part * p->length, g->y) - before) / (apart * p->length);
+}
+
+/* How far the event is from a state, by its rate [s]. */
+static double missing_to(struct general *g, int event, double rate, double clock, const double *y)
+{
+    return rate < 0.0 ? -event_at(g, event, clock, y) / rate : 0.0;
+}
+
+/* Solves the step again for another length, from the polynomial as guess. */
+static bool solve_again(struct general *g, double length)
+{
+    struct radau_step *p = &g->step;
+    if (!radau_step_guess_again(p, p->stages, length) || !radau_step_solve(p, GENERAL_NEWTON_SHARE)) {
+        return false;
+    }
+    radau_step_finish(p);
+    g->error_within = radau_step_error(p).within;
+    return true;
+}
+
+/* The state at the event, which a state close to it misses by so much. */
+static void move_to_event(struct general *g, double missing, double *clock, double *y)
+{
+    const struct radau_problem *problem = &g->step.problem;
+    problem->rates(problem->context, *clock, y, g->step.start_rates);
+    g->step.evaluations += 1;
+    for (int i = 0; i < g->size; ++i) {
+        y[i] += missing * g->step.start_rates[i];
+    }
+    *clock += missing;
+}
+
+/* A shorter step, on whose polynomial the event is looked for again; its end as `clock` and `y`. */
+static bool look_again(struct general *g, double length, struct general_event *found, double *clock,
+                       double *y)
+{
+    if (!solve_again(g, length)) {
+        return false;
+    }
+    *found = general_first_event(g);
+    radau_step_at(&g->step, 1.0, y);
+    *clock = g->step.start + length;
+    return true;
+}
+
+/* Where the polynomial is not as accurate within as at its end, a step of that length is made; the event is where the
+ * end of that has it. Until both agree it is looked for again, on the polynomial of the shorter step. Where there is no
+ * such step, as friction has no direction where the normal force ends, one of half the length comes first. */
+bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)
+{
+    struct radau_step *p = &g->step;
+    for (int i = 0; i < MOST_TRIALS && found->event >= 0; ++i) {
+        const double rate = rate_at(g, found->event, found->part);
+        const int event = found->event;
+        double length = p->length * found->part;
+        if (!(g->error_within > 1.0)) {
+            radau_step_at(p, found->part, y);
+            *clock = p->start + length;
+            const double missing = missing_to(g, event, rate, *clock, y);
+            move_to_event(g, fmin(fmax(missing, -CLOSE * length), CLOSE * length), clock, y);
+            return true;
+        }
+        if (!look_again(g, length, found, clock, y)) {
+            if (!look_again(g, 0.5 * length, found, clock, y)) {
+                return false;
+            }
+            continue;
+        }
+        const double missing = missing_to(g, event, rate, *clock, y);
+        if (fabs(missing) <= CLOSE * length) {
+            *found = (struct general_event){1.0, event};
+            move_to_event(g, missing, clock, y);
+            return true;
+        }
+        if (found->event < 0 && missing > 0.0 && missing < 0.1 * length &&
+            !look_again(g, length + missing, found, clock, y)) {
+            return false;
+        }
+    }
+    return found->event < 0;
+}

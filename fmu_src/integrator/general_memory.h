@@ -1,0 +1,47 @@
+/* What the general segment consists of; for general*.c only. */
+#ifndef CONTACT_INTEGRATOR_GENERAL_MEMORY_H
+#define CONTACT_INTEGRATOR_GENERAL_MEMORY_H
+
+#include "integrator/general.h"
+#include "math/bernstein.h"
+#include "math/radau_step.h"
+#include "scene/ode.h"
+#include "segment/scene_output.h"
+
+/* What remains of Newton's corrections, as part of the error allowed. */
+#define GENERAL_NEWTON_SHARE 0.05
+
+struct general {
+    struct scene_ode ode;
+    struct radau_step step;
+    int size;
+    int place[3 * SCENE_BODIES], speed[3 * SCENE_BODIES]; /* pairs of states for math/radau_step.h */
+    double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
+    double error_within;                                  /* of the last step anywhere, by what is allowed */
+    double longest; /* length of a step of most stages that is accurate enough, as far as known [s] */
+    double *y, *size_of, *end_size;                   /* [size]: a state, and what errors are compared with */
+    double at_start[ODE_EVENTS];                      /* event functions */
+    double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* at the start of the step and its stages */
+    struct scene_output output[SCENE_CONTACTS];
+    long rejected;
+    void (*release)(void *memory); /* of this struct */
+    char *message;                 /* INTEGRATOR_MESSAGE_SIZE bytes */
+};
+
+/* general_step.c: begins steps at y; makes one of at most `limit` [s], accurate enough, as general->step; false with
+ * a message where there is none, or where `budget` trials are used up. */
+void general_begin(struct general *g, double clock, const double *y);
+bool general_step_make(struct general *g, double limit, long *budget);
+
+/* general_events.c: the first terminal event within general->step. */
+struct general_event {
+    double part; /* of the step; INFINITY: none */
+    int event;   /* which function */
+};
+struct general_event general_first_event(struct general *g);
+
+/* Makes the step end there, and `y` the state at the event, `clock` its clock. Where a shorter step shows that the event
+ * is not as early, the step ends before it: `found` is then none. False where no step is accurate enough. */
+bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y);
+
+#endif

@@ -1,0 +1,122 @@
+#include "math/bernstein.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+/* Halvings, after which two places are not told apart. */
+enum { DEPTH = 40 };
+
+/* The polynomial on one part of [0, 1]. */
+struct part {
+    double low, width;
+    double of[BERNSTEIN_MOST];
+};
+
+/* By de Casteljau's scheme: `left` becomes the first half of it, what it returns is the second. */
+static struct part split(struct part *left, int count)
+{
+    struct part right = {left->low + 0.5 * left->width, 0.5 * left->width, {0.0}};
+    double row[BERNSTEIN_MOST];
+    memcpy(row, left->of, (size_t)count * sizeof *row);
+    left->width *= 0.5;
+    for (int k = 0; k < count; ++k) {
+        left->of[k] = row[0];
+        right.of[count - 1 - k] = row[count - 1 - k];
+        for (int i = 0; i + 1 < count - k; ++i) {
+            row[i] = 0.5 * (row[i] + row[i + 1]);
+        }
+    }
+    return right;
+}
+
+/* Changes of sign among the coefficients: as many as there are roots, or more by an even number (Descartes). */
+static int changes_of_sign(const double *of, int count)
+{
+    int changes = 0;
+    for (int i = 1; i < count; ++i) {
+        changes += (of[i - 1] > 0.0) != (of[i] > 0.0);
+    }
+    return changes;
+}
+
+static double least(const double *of, int count)
+{
+    double value = of[0];
+    for (int i = 1; i < count; ++i) {
+        value = fmin(value, of[i]);
+    }
+    return value;
+}
+
+struct bernstein_fall bernstein_first_fall(const double *coefficients, int count, double noise)
+{
+    struct part open[DEPTH + 1]; /* still to be looked at, the first part last */
+    int last = 0;
+    open[0].low = 0.0;
+    open[0].width = 1.0;
+    memcpy(open[0].of, coefficients, (size_t)count * sizeof *coefficients);
+    while (last >= 0) {
+        struct part *now = &open[last];
+        const int changes = changes_of_sign(now->of, count);
+        const bool falls = now->of[0] > 0.0 && !(now->of[count - 1] > 0.0);
+        const bool dips = now->of[0] > 0.0 && now->of[count - 1] > 0.0;
+        if (changes == 0 || (changes == 1 && !falls) || (dips && !(least(now->of, count) < -noise))) {
+            last -= 1;
+        } else if (changes == 1 || (last == DEPTH && falls)) {
+            return (struct bernstein_fall){now->low, now->low + now->width};
+        } else if (last == DEPTH) {
+            last -= 1;
+        } else {
+            const struct part right = split(now, count);
+            open[last + 1] = *now;
+            open[last] = right;
+            last += 1;
+        }
+    }
+    return (struct bernstein_fall){(double)INFINITY, (double)INFINITY};
+}
+
+double bernstein_at(const double *coefficients, int count, double place)
+{
+    double row[BERNSTEIN_MOST];
+    memcpy(row, coefficients, (size_t)count * sizeof *row);
+    for (int k = count - 1; k > 0; --k) {
+        for (int i = 0; i < k; ++i) {
+            row[i] += place * (row[i + 1] - row[i]);
+        }
+    }
+    return row[0];
+}
+
+/* The Illinois method: a false position that stays on one side is halved. */
+double bernstein_root(const double *coefficients, int count, struct bernstein_fall fall)
+{
+    double low = fall.low;
+    double high = fall.high;
+    double above = bernstein_at(coefficients, count, low);
+    double below = bernstein_at(coefficients, count, high);
+    int side = 0;
+    for (int i = 0; i < 100 && above > 0.0 && below < 0.0; ++i) {
+        const double middle = low + (high - low) * (above / (above - below));
+        if (!(middle > low && middle < high)) {
+            break;
+        }
+        const double value = bernstein_at(coefficients, count, middle);
+        if (value > 0.0) {
+            low = middle;
+            above = value;
+            below *= side > 0 ? 0.5 : 1.0;
+            side = 1;
+        } else {
+            high = middle;
+            below = value;
+            above *= side < 0 ? 0.5 : 1.0;
+            side = -1;
+        }
+        if (high - low <= 1e-15 * high) {
+            break;
+        }
+    }
+    return high;
+}

@@ -1,0 +1,21 @@
+/* Where a polynomial, given by its Bernstein coefficients on [0, 1], first falls through zero. */
+#ifndef CONTACT_MATH_BERNSTEIN_H
+#define CONTACT_MATH_BERNSTEIN_H
+
+enum { BERNSTEIN_MOST = 13 }; /* coefficients */
+
+/* A bracket of that place, in which there is no other change of sign; low = INFINITY: it falls nowhere. */
+struct bernstein_fall {
+    double low, high;
+};
+
+/* What is known of the polynomial is known to `noise`: a dip below zero that is not deeper is
+ * none. */
+struct bernstein_fall bernstein_first_fall(const double *coefficients, int count, double noise);
+
+/* The place itself, to rounding. */
+double bernstein_root(const double *coefficients, int count, struct bernstein_fall fall);
+
+double bernstein_at(const double *coefficients, int count, double place);
+
+#endif
