@@ -85,7 +85,8 @@ static bool is_collocated(const struct segment *p)
 }
 
 #if SCENE_ANY_HERTZ
-XX
+/* What is in closed form first; then the series, for it tells whether anything is fast; where that was wrong
+ * it is made again. */
 static void make_hertz(struct segment *p)
 {
     if (make_kind(p, SEGMENT_HERTZ_ELASTIC)) {

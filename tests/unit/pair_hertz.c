@@ -185,7 +185,7 @@ static void the_closed_form_is_the_series(void)
         CHECK_CLOSE("r'", change.r_rate.x, by_series.r_rate.x, 1e-12L);
         const double force = fabs(theirs.of[PAIR_FORCE][0]) + 1e-3;
         CHECK_CLOSE("force", ours.of[PAIR_FORCE][0], theirs.of[PAIR_FORCE][0], 1e-11L * force);
-        for (int i = 0; i < PAIR_QUANTITIES; ++i) { /* slopes, as slopes in time */
+        for (int i = 0; i <= PAIR_FORCE; ++i) { /* slopes, as slopes in time */
             struct pair_sample later;
             const double h = 1e-5;
             hertz_elastic_sample(&made, place + h, &later);
