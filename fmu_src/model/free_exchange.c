@@ -3,41 +3,20 @@
 #include <math.h>
 
 #include "model/motion.h"
+#include "model/turning_exchange.h"
 #include "scene/energy.h"
 #include "scene/free_bodies.h"
 #include "scene/regime_margin.h"
 #include "scene/transition.h"
-#include "scene/turning_motion.h"
 #include "segment/outlook.h"
-
-#if SCENE_ANY_ROTATION
-static double *orientation_part(struct quaternion *q, int component)
-{
-    double *const parts[] = {&q->w, &q->x, &q->y, &q->z};
-    return parts[component];
-}
-#endif
 
 void motion_set_state(struct scene_state *q, const struct variable *state, double value)
 {
     const int body = state->element;
+    if (turning_exchange_set(q, state, value)) {
+        return;
+    }
     switch (state->row) {
-#if SCENE_ANY_ROTATION
-    case ROW_body_orientation_state:
-        *orientation_part(&q->turning.body[body].orientation, state->component) = value;
-        break;
-    case ROW_body_angular_velocity_state:
-        vec3_set(&q->turning.body[body].angular_velocity, state->component, value);
-        break;
-#endif
-#if SCENE_ANY_FRICTION
-    case ROW_contact_spring_state:
-        vec3_set(&q->turning.spring[body], state->component, value);
-        break;
-    case ROW_energy_friction_state:
-        q->friction_energy = value;
-        break;
-#endif
     case ROW_body_displacement_state: {
         const double origin = vec3_get(q->origin[body].displacement, state->component);
         vec3_set(&q->body[body].moved, state->component, value - origin);
@@ -81,76 +60,14 @@ static double body_local(const struct scene_values *v, const struct scene_state 
     return vec3_get(value, variable->component);
 }
 
-#if SCENE_ANY_ROTATION
-static double turn_local(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, const struct variable *variable)
-{
-    const int body = variable->element;
-    const struct body_turn *turn = &q->turning.body[body];
-    const bool free = body_turns_freely(v, body);
-    struct quaternion rate = {0.0, 0.0, 0.0, 0.0};
-    struct quaternion orientation = turn->orientation;
-    switch (variable->row) {
-    case ROW_body_orientation_state:
-        return *orientation_part(&orientation, variable->component);
-    case ROW_body_angular_velocity_state:
-        return vec3_get(turn->angular_velocity, variable->component);
-    case ROW_body_orientation_rate:
-        rate = free ? quaternion_rate(orientation, turn->angular_velocity) : rate;
-        return *orientation_part(&rate, variable->component);
-    default: /* ROW_body_angular_acceleration */
-        return free ? vec3_get(turning_acceleration(v, q, q->clock, at, body), variable->component) : 0.0;
-    }
-}
-#endif
-
-#if SCENE_ANY_FRICTION
-static double friction_local(const struct scene_values *v, const struct scene_state *q,
-                             const struct scene_instant *at, const struct variable *variable)
-{
-    const int contact = variable->element;
-    switch (variable->row) {
-    case ROW_contact_spring_state:
-        return vec3_get(q->turning.spring[contact], variable->component);
-    case ROW_contact_spring_rate:
-        return contact_rubs_elastically(v, contact)
-                   ? vec3_get(turning_spring_rate(v, q, &q->turning, at, contact), variable->component)
-                   : 0.0;
-    case ROW_contact_stick_indicator:
-        return regime_friction_margin(v, q, at, contact, ODE_EVENT_STICK);
-    case ROW_contact_cap_indicator:
-        return regime_friction_margin(v, q, at, contact, ODE_EVENT_CAP);
-    case ROW_contact_lift_indicator:
-        return regime_friction_margin(v, q, at, contact, ODE_EVENT_LIFT);
-    case ROW_energy_friction_state:
-        return q->friction_energy;
-    default: /* ROW_energy_friction_power */
-        return scene_turns(v) ? turning_friction_power(v, at) : 0.0;
-    }
-}
-#endif
-
 double motion_local(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                     const struct variable *variable)
 {
+    double value = 0.0;
+    if (turning_exchange_get(v, q, at, variable, &value)) {
+        return value;
+    }
     switch (variable->row) {
-#if SCENE_ANY_ROTATION
-    case ROW_body_orientation_state:
-    case ROW_body_angular_velocity_state:
-    case ROW_body_orientation_rate:
-    case ROW_body_angular_acceleration:
-        return turn_local(v, q, at, variable);
-#endif
-#if SCENE_ANY_FRICTION
-    case ROW_contact_spring_state:
-    case ROW_contact_spring_rate:
-    case ROW_contact_stick_indicator:
-    case ROW_contact_cap_indicator:
-    case ROW_contact_lift_indicator:
-    case ROW_energy_friction_state:
-    case ROW_energy_friction_power:
-        return friction_local(v, q, at, variable);
-#endif
     case ROW_energy_dissipated_state:
         return q->dissipated;
     case ROW_energy_external_work_state:
@@ -172,14 +89,7 @@ double motion_local(const struct scene_values *v, const struct scene_state *q, c
 
 double motion_booked(const struct scene_state *q)
 {
-    double sum = q->dissipated - q->external_work;
-#if SCENE_ANY_FRICTION
-    for (int j = 0; j < SCENE_CONTACTS; ++j) { /* springs jump where sliding begins or ends */
-        const struct vec3 spring = q->turning.spring[j];
-        sum += spring.x + 2.0 * spring.y + 3.0 * spring.z;
-    }
-#endif
-    return sum;
+    return q->dissipated - q->external_work + turning_exchange_booked(q);
 }
 
 /* What only integration within the model knows. */
@@ -261,10 +171,13 @@ double motion_touch_after(const struct scene_values *v, const struct scene_state
 }
 
 /* Of a body that is not free the states have no effect. */
-void motion_move_state(const struct scene_values *v, const struct variable *state, double change,
-                       struct scene_jet *along)
+void motion_move_state(const struct scene_values *v, const struct scene_state *q,
+                       const struct variable *state, double change, struct scene_jet *along)
 {
     const int body = state->element;
+    if (turning_exchange_move(v, q, state, change, along)) {
+        return;
+    }
     switch (state->row) {
     case ROW_energy_dissipated_state:
         along->dissipated[1] += change;
@@ -290,6 +203,10 @@ double motion_local_slope(const struct scene_values *v, const struct scene_state
                           const struct scene_jet *along, const struct variable *variable)
 {
     const int body = variable->element;
+    double slope = 0.0;
+    if (turning_exchange_slope(v, q, along, variable, &slope)) {
+        return slope;
+    }
     switch (variable->row) {
     case ROW_body_displacement_rate:
         return body_is_free(v, body) ? vec3_get(along->velocity[body][1], variable->component) : 0.0;

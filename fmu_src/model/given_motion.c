@@ -167,10 +167,10 @@ double motion_local(const struct scene_values *v, const struct scene_state *q, c
     return 0.0;
 }
 
-void motion_move_state(const struct scene_values *v, const struct variable *state, double change,
-                       struct scene_jet *along)
+void motion_move_state(const struct scene_values *v, const struct scene_state *q,
+                       const struct variable *state, double change, struct scene_jet *along)
 {
-    (void)v, (void)state, (void)change, (void)along;
+    (void)v, (void)q, (void)state, (void)change, (void)along;
 }
 
 double motion_local_slope(const struct scene_values *v, const struct scene_state *q,

@@ -73,8 +73,8 @@ void motion_set_state(struct scene_state *q, const struct variable *state, doubl
 double motion_local(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                     const struct variable *variable);
 /* Along a path: a change of a state; what a local variable changes by. */
-void motion_move_state(const struct scene_values *v, const struct variable *state, double change,
-                       struct scene_jet *along);
+void motion_move_state(const struct scene_values *v, const struct scene_state *q,
+                       const struct variable *state, double change, struct scene_jet *along);
 double motion_local_slope(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_jet *along, const struct variable *variable);
 bool motion_change_regimes(const struct scene_values *v, struct scene_state *q);

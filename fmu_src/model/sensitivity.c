@@ -171,11 +171,12 @@ enum model_status model_get_output_derivatives(struct model *m, const uint32_t *
 }
 
 /* Of a prescribed body its motion has an effect at once; of a free one the force, on its acceleration. */
-static void move_inputs(const struct scene_values *v, const struct scene_instant *at,
-                        const struct variable *known, double change, struct scene_jet *along)
+static void move_inputs(const struct scene_values *v, const struct scene_state *q,
+                        const struct scene_instant *at, const struct variable *known, double change,
+                        struct scene_jet *along)
 {
     if (known->causality == VARIABLE_STATE) {
-        motion_move_state(v, known, change, along);
+        motion_move_state(v, q, known, change, along);
         return;
     }
     if (known->row == ROW_body_external_force && body_is_free(v, known->element)) {
@@ -306,7 +307,7 @@ enum model_status model_get_directional_derivative(struct model *m, const uint32
 #endif
     }
     for (size_t i = 0; i < known_count; ++i) {
-        move_inputs(&m->state.values, &at, scene_variable(knowns[i]), direction[i], &along);
+        move_inputs(&m->state.values, &m->state.motion, &at, scene_variable(knowns[i]), direction[i], &along);
     }
     vary_factors(m, &along);
     vary_onsets(m, &at, &along);

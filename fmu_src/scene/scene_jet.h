@@ -30,6 +30,8 @@ struct scene_jet {
     struct vec3 angular_velocity[SCENE_BODIES][JET_TERMS];
     struct vec3 axis[SCENE_BODIES][JET_TERMS]; /* the third axis of the body's frame */
     struct quaternion orientation[SCENE_BODIES][JET_TERMS];
+    /* d/ds of the orientation as an integrator outside gives it, of any length */
+    struct quaternion given_orientation[SCENE_BODIES];
     struct vec3 torque[SCENE_BODIES]; /* d/ds of the external torques on bodies that turn freely */
     struct vec3 spring[SCENE_CONTACTS][JET_TERMS];
     double slip_velocity_slope[SCENE_CONTACTS]; /* d/ds of v_0 */

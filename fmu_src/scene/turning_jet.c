@@ -178,6 +178,21 @@ void turning_jet_put_changes(const struct scene_values *v, const struct scene_st
     (void)v, (void)q, (void)at, (void)along;
 }
 
+#if SCENE_ANY_FREE_ROTATION
+struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
+                                    const struct scene_instant *at, const struct scene_jet *along, int body)
+{
+    return vec3_scale(2.0, half_spin_jerk(v, q, at, along, body));
+}
+#else
+struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
+                                    const struct scene_instant *at, const struct scene_jet *along, int body)
+{
+    (void)v, (void)q, (void)at, (void)along, (void)body;
+    return vec3_make(0.0, 0.0, 0.0);
+}
+#endif
+
 void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at, int body,
                            int component, double change, struct scene_jet *along)
 {

@@ -19,6 +19,11 @@ CONTACT_COLD void turning_jet_put_bodies(const struct scene_values *v, const str
 CONTACT_COLD void turning_jet_put_changes(const struct scene_values *v, const struct scene_state *q,
                                           const struct scene_instant *at, struct scene_jet *along);
 
+/* The change of the angular acceleration of a body that turns freely. */
+CONTACT_COLD struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
+                                                 const struct scene_instant *at,
+                                                 const struct scene_jet *along, int body);
+
 /* A change of the axis of a body of prescribed rotation, component by component, of the input as given. */
 CONTACT_COLD void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at,
                                         int body, int component, double change, struct scene_jet *along);

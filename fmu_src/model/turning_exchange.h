@@ -1,0 +1,24 @@
+/*
+ * What free_exchange.c has of bodies that turn and contacts that rub: orientations, which may have any length,
+ * angular velocities, springs of elastic friction and the work of friction as states; their rates; event
+ * indicators of friction. All are false, or zero, for what is none of these.
+ */
+#ifndef CONTACT_MODEL_TURNING_EXCHANGE_H
+#define CONTACT_MODEL_TURNING_EXCHANGE_H
+
+#include "model/motion.h"
+
+bool turning_exchange_set(struct scene_state *q, const struct variable *state, double value);
+bool turning_exchange_get(const struct scene_values *v, const struct scene_state *q,
+                          const struct scene_instant *at, const struct variable *variable, double *value);
+
+/* Changes when a state jumps by an event; its value means nothing. */
+double turning_exchange_booked(const struct scene_state *q);
+
+/* Along a path: a change of a state; what a rate changes by. */
+bool turning_exchange_move(const struct scene_values *v, const struct scene_state *q,
+                           const struct variable *state, double change, struct scene_jet *along);
+bool turning_exchange_slope(const struct scene_values *v, const struct scene_state *q,
+                            const struct scene_jet *along, const struct variable *variable, double *slope);
+
+#endif
