@@ -164,7 +164,7 @@ void transition_switch_regime(const struct scene_values *v, struct scene_state *
     scene_rebase(v, q);
     scene_kinematics_now(v, q, &at);
     const double before = energy_stored(v, q, &at);
-    if (regime == (enum contact_regime)q->contact[contact].regime) {
+    if (SCENE_ANY_CAPS) {
         zones_settle(v, q, &at, contact);
         scene_kinematics_now(v, q, &at);
     }

@@ -7,7 +7,9 @@
 #include "scene/rounding.h"
 #include "segment/driven_turning.h"
 #include "segment/flight_candidates.h"
+#include "segment/rim_change.h"
 #include "segment/scene_output.h"
+#include "segment/zone_path.h"
 
 /* How closely a panel and its two halves must agree, relative to the size of what is integrated. The rule is
  * of degree nine, so the halves are a thousand times better than the panel: rounding is all that is left. */
@@ -174,20 +176,21 @@ static bool takes_damping(struct given_step *step, double from, double to)
     return next != REGIME_APART;
 }
 
-static void integrate(struct given_step *step, const struct relative_path *path)
+/* A part of the step, within which the shape is smooth and has this path. */
+static void integrate(struct given_step *step, const struct contact_shape *shape,
+                      const struct relative_path *path, double from, double end)
 {
-    const struct contact_shape shape = scene_contact_shape(step->v, step->q, step->contact);
     const struct extremes extremes = extremes_of(path);
     double events[MAX_CANDIDATES];
     int count = -1; /* the law's are not known */
-    double from = 0.0;
-    while (from < 1.0) {
+    while (from < end) {
         if (count < 0) {
             const struct contact_law law = scene_contact_law(step->v, step->q, step->contact);
-            count = candidates_of_all(path, &extremes, &shape, &law, events);
+            count = candidates_of_all(path, &extremes, shape, &law, events);
         }
-        const double to =
+        const double next =
             fmin(first_after(events, count, from), first_after(extremes.at, extremes.count, from));
+        const double to = fmin(next, end);
         if (takes_damping(step, from, to)) {
             count = -1;
         } else {
@@ -196,6 +199,60 @@ static void integrate(struct given_step *step, const struct relative_path *path)
         }
     }
 }
+
+#if SCENE_ANY_CAPS
+
+/* A part of the step at a rim, from change to change of the regime. */
+static void integrate_at_rim(struct given_step *step, const struct contact_shape *shape,
+                             const struct separation_path *path, double from, double end)
+{
+    const double soon = 1e-9; /* of the part: a place right after its start */
+    while (from < end) {
+        struct scene_instant at;
+        const struct contact_law law = scene_contact_law(step->v, step->q, step->contact);
+        instant_at(step, from + soon * (end - from), &at);
+        const enum contact_regime present = scene_regime(step->v, step->q, &at, step->contact);
+        const struct rim_change change =
+            rim_first_change(shape, &law, path, 0.0, present, from * step->length, end * step->length);
+        const double to = fmin(change.time / step->length, end);
+        if (!(to > from)) {
+            from += soon * (end - from);
+        } else if (!takes_damping(step, from, to)) {
+            integrate_between(step, from, to);
+            from = to;
+        }
+    }
+}
+
+/* From zone to zone of a capped cylinder. */
+static void integrate_capped(struct given_step *step, const struct contact_shape *whole,
+                             const struct separation_path *path)
+{
+    double edges[ZONE_EDGES];
+    const int count = zone_path_edges(&whole->solid, path, step->length, edges);
+    for (double from = 0.0; from < 1.0;) {
+        const double to = first_after(edges, count, from);
+        struct scene_instant at;
+        instant_at(step, 0.5 * (from + to), &at);
+        const struct contact_shape shape = scene_shape_met(step->v, step->q, &at, step->contact);
+        if (contact_is_rim(&shape)) {
+            integrate_at_rim(step, &shape, path, from, to);
+        } else {
+            const struct contact_geometry now =
+                contact_geometry_at(&shape, path->c[0], path->w[0], vec3_make(0.0, 0.0, 0.0));
+            const struct relative_path along = relative_path_make(&shape, path, now.gap, step->length);
+            integrate(step, &shape, &along, from, to);
+        }
+        from = to;
+    }
+}
+#else /* then it is not called */
+static void integrate_capped(struct given_step *step, const struct contact_shape *whole,
+                             const struct separation_path *path)
+{
+    (void)step, (void)whole, (void)path;
+}
+#endif
 
 static bool is_steady(const struct separation_path *path)
 {
@@ -265,11 +322,16 @@ void given_force_over(const struct scene_values *v, struct scene_state *q, doubl
             continue;
         }
         const struct contact_shape shape = scene_contact_shape(v, q, j);
+        struct given_step step = {v, q, j, length, HALVINGS};
+        if (contact_is_capped(&shape)) {
+            q->contact[j].peaks = (struct contact_peaks){0.0, 0.0};
+            integrate_capped(&step, &shape, &separation);
+            continue;
+        }
         const struct relative_path path = relative_path_make(&shape, &separation, at.geometry[j].gap, length);
         if (candidates_least_gap(&path) < 0.0) {
-            struct given_step step = {v, q, j, length, HALVINGS};
             q->contact[j].peaks = (struct contact_peaks){0.0, 0.0};
-            integrate(&step, &path);
+            integrate(&step, &shape, &path, 0.0, 1.0);
         }
     }
 }
