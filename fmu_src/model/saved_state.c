@@ -107,6 +107,15 @@ static bool known_regime(int32_t regime)
     return regime >= REGIME_APART && regime <= REGIME_SEPARATING;
 }
 
+#if SCENE_ANY_CAPS
+/* As in struct contact_solid: a side has no end that could be the other one. */
+static bool known_zone(int32_t zone)
+{
+    const int32_t part = zone < 0 ? -zone : zone;
+    return zone == 0 || zone == ZONE_SIDE || part == ZONE_CAP || part == ZONE_RIM;
+}
+#endif
+
 /* A unit vector, to rounding. */
 static bool is_direction(struct vec3 a)
 {
@@ -124,6 +133,11 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
 #if SCENE_ANY_FRICTION
     if (contact->friction_regime < (int32_t)FRICTION_STICKING ||
         contact->friction_regime > (int32_t)FRICTION_LIFTED) {
+        return false;
+    }
+#endif
+#if SCENE_ANY_CAPS
+    if (!known_zone(contact->zone)) {
         return false;
     }
 #endif

@@ -271,7 +271,7 @@ static struct regime_change change_at_rim(const struct scene_values *v, const st
                                           double horizon)
 {
     const struct rim_change change = zone_change_at_rim(v, q, at, clock, contact, horizon);
-    const double gap = change.regime == REGIME_APART ? 0.0 : (double)INFINITY; /* as positions give it */
+    const double gap = change.regime == REGIME_APART ? 0.0 : DBL_MAX; /* as positions give it */
     return (struct regime_change){change.time, change.regime, gap, false};
 }
 
@@ -298,7 +298,7 @@ static struct regime_change capped_regime_change(const struct scene_values *v, c
     }
     if (!(next.after < end) && end < (double)INFINITY) {
         /* the gap goes on as positions give it */
-        return (struct regime_change){end, present, (double)INFINITY, next.passes_centre};
+        return (struct regime_change){end, present, DBL_MAX, next.passes_centre};
     }
     return next;
 }

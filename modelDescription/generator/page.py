@@ -57,6 +57,7 @@ CHOICES = (
     "contact.dashpot=non_adhesive", "contact.dashpot=unclamped", "contact.dashpot=approach_only",
     "body.motion=fixed", "body.motion=prescribed", "body.motion=free",
     "body.finite_length=true", "body.finite_length=false",
+    "body.ends=open", "body.ends=capped",
 )  # fmt: skip
 
 

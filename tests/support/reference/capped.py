@@ -2,9 +2,9 @@
 sections 1 and 6 write them, by Dormand and Prince's method of order 8 (scipy), which stops at every touch,
 release, change of the dashpot and edge between side, cap and rim.
 
-The gap is the distance of the ball's centre from the solid, less its radius: of a box [0, r_d] x [-L/2, L/2] in
-the half-plane of rho and z, turned about the axis. Zones matter to it only in that the integrator starts anew
-at their edges.
+The gap is the distance of the ball's centre from the solid, less its radius: of a box [0, r_d] x [-L/2, L/2]
+in the half-plane of rho and z, turned about the axis. Zones matter to it only in that the integrator starts
+anew at their edges.
 """
 
 from typing import NamedTuple
@@ -31,7 +31,7 @@ class CappedPair(NamedTuple):
     dashpot: str = "non_adhesive"
 
     def place(self, y):
-        """dr and dz, the unit vectors along which they grow, and the rate of the ball as the cylinder sees it."""
+        """dr and dz, the unit vectors along which they grow, and the rate as the cylinder sees it."""
         p, w = y[0:3] - y[3:6], y[6:9] - y[9:12]
         e = np.array(self.axis)
         z = p @ e
