@@ -3,6 +3,7 @@ rim over the edge, edge-on impacts, starts within the solid, refusals.
 """
 
 import random
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -230,7 +231,7 @@ def test_given_motion_over_the_rim(opened):
     places = np.linspace(0.0, 0.4, 4001)
     assert {pair.zone(place(t)) for t in places} == {"side", "rim", "cap"}
     edges = [0.08 / 0.7, 0.09 / 0.5]  # beyond the cap's plane, within the side's
-    between = zip(places, places[1:], strict=False)
+    between = pairwise(places)
     kinks = [brentq(gap, a, b) for a, b in between if gap(a) * gap(b) < 0]
     expected = [
         quad(
