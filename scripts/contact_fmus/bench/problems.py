@@ -1,4 +1,6 @@
-"""What is solved: the problems P1 to P3b, as their scenario files state them, and the stiffness sweep."""
+"""What is solved: the problems P1 to P3b, as their scenario files state them, those with friction and rotation,
+and the stiffness sweep.
+"""
 
 from __future__ import annotations
 
@@ -23,6 +25,7 @@ SCENARIOS = {
 REFERENCES = Path(__file__).with_name(
     "stiff_references.json"
 )  # tests/support/reference/make_stiff_references.py
+TURNING = Path(__file__).with_name("turning_references.json")  # make_turning_references.py, there too
 SHAPES = {"cylinder": "SphereCylinder", "sphere": "SphereSphere"}
 
 
@@ -60,6 +63,17 @@ def _benchmark(name: str, file: str) -> Problem:
     title = scenario["title"].partition(": ")[2]
     stop = scenario["experiment"]["stop_time"]
     return Problem(name, title, scenario["fmu"], stop, scenario["start"], tuple(claim["expected"]))
+
+
+@cache
+def turning_problems() -> dict[str, Problem]:
+    """F1 to F4, with friction and rotation"""
+    rows = json.loads(TURNING.read_text(encoding="utf-8"))
+    taken = ("name", "title", "fmu", "stop", "start", "uncertainty", "method")
+    return {
+        row["name"]: Problem(**{key: row[key] for key in taken}, position=tuple(row["position"]))
+        for row in rows
+    }
 
 
 def family_name(shape: str, damping: float) -> str:

@@ -12,6 +12,7 @@ import json
 import time
 from pathlib import Path
 
+from contact_fmus.bench.problems import benchmarks, turning_problems
 from contact_fmus.fmu.files import results_folder
 from contact_fmus.pages import machine
 
@@ -46,15 +47,19 @@ def _measure(options: argparse.Namespace) -> int:
     def say(text: str) -> None:
         print(f"{time.monotonic() - begin:6.1f} s  {text}", flush=True)
 
-    rows = solvers.work_precision(plan, say)
-    ratios = solvers.compare_best(rows, plan, say)
+    rows, ratios = [], []
+    for problems in (benchmarks().values(), turning_problems().values()):
+        found = solvers.work_precision(problems, plan, say)
+        ratios.append(solvers.compare_best(problems, found, plan, say))
+        rows += found
     rows += solvers.stiffness(plan, say)
     write_rows(options.output / "results.csv", rows)
     summary = {
         "made": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "plan": _describe(plan, options.quick),
         "versions": machine.versions(),
-        "ratios": ratios,
+        "ratios": ratios[0],
+        "turning_ratios": ratios[1],
     }
     text = json.dumps(summary, indent=1, ensure_ascii=False)
     (options.output / "summary.json").write_text(text + "\n", encoding="utf-8")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -50,11 +50,11 @@ def _panels(rows: int, columns: int, height: float) -> tuple[Figure, list[Axes]]
     return figure, list(axes.flat)
 
 
-def work_precision(rows: Sequence[Row], folder: Path) -> None:
-    """Our solvers: filled marks with one communication step, open ones with many"""
+def work_precision(rows: Sequence[Row], problems: Iterable[Problem], folder: Path, name: str) -> None:
+    """Our solvers on four problems: filled marks with one communication step, open ones with many"""
     with mpl.rc_context(STYLE):
         figure, axes = _panels(2, 2, 7.2)
-        for panel, problem in zip(axes, benchmarks().values(), strict=True):
+        for panel, problem in zip(axes, problems, strict=True):
             found = tables.curves(rows, problem.name)
             least = min((steps for _, steps in found), default=1)
             for (solver, steps), points in found.items():
@@ -63,7 +63,7 @@ def work_precision(rows: Sequence[Row], folder: Path) -> None:
             _label(panel, "error of the position at the end, m", "time, s")
         steps = sorted({row.communication_steps for row in rows})
         _legend(figure, [*(_solver_mark(method) for method in METHODS), *_step_marks(steps)])
-        save(figure, folder, "work_precision")
+        save(figure, folder, name)
 
 
 def _draw(panel: Axes, points: Sequence[Row], color: str, marker: str, filled: bool) -> None:

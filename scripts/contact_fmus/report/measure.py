@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from contact_fmus.bench import best
-from contact_fmus.bench.problems import benchmarks, stiff_families
+from contact_fmus.bench.problems import Problem, stiff_families
 from contact_fmus.bench.ratios import Effort
 from contact_fmus.bench.settings import (
     EVENT_DRIVEN,
@@ -102,10 +102,10 @@ def stiff_setting(tolerance: float) -> str:
     return f"p_n in N/m at relative tolerance {tolerance:g}"
 
 
-def work_precision(plan: Plan, say: Say) -> list[Row]:
-    """P1 to P3b: methods x tolerances x communication steps; those of one problem and step take turns"""
+def work_precision(problems: Iterable[Problem], plan: Plan, say: Say) -> list[Row]:
+    """Methods x tolerances x communication steps; those of one problem and step take turns"""
     rows = []
-    for problem in benchmarks().values():
+    for problem in problems:
         for steps in plan.communication_steps:
             say(f"{problem.name}, {steps} communication steps")
             ladders = [
@@ -116,11 +116,13 @@ def work_precision(plan: Plan, say: Say) -> list[Row]:
     return rows
 
 
-def compare_best(rows: Sequence[Row], plan: Plan, say: Say) -> list[dict]:
+def compare_best(
+    problems: Iterable[Problem], rows: Sequence[Row], plan: Plan, say: Say
+) -> list[dict]:
     """The best of CVODE against the best of event_driven, in one run each"""
     effort = Effort(plan.ratio_repeat, 0, plan.tolerances, 8 * plan.budget, 20 * plan.limit)
     found = []
-    for problem in benchmarks().values():
+    for problem in problems:
         for steps in plan.communication_steps:
             say(f"{problem.name}, {steps} communication steps: the best of each")
             tried = [

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from contact_fmus.bench.problems import benchmarks, stiff_families
+from contact_fmus.bench.problems import benchmarks, stiff_families, turning_problems
 from contact_fmus.pages import write_pages
 from contact_fmus.pages.table import Table
 
@@ -39,6 +39,7 @@ def draw_page(folder: Path) -> list[Path]:
     sections = [
         _summary(measured["ratios"], others),
         _work_precision(own, others, measured["ratios"], "sections" in parts[0], folder),
+        *_turning(own, measured.get("turning_ratios", ()), folder),
         _stiffness(own, folder),
         *given,
     ]
@@ -59,7 +60,7 @@ def _work_precision(
 ) -> Section:
     """`given`: the peers tell by themselves what could not be measured"""
     rows = tables.own_work_precision(own)
-    figures.work_precision(rows, folder)
+    figures.work_precision(rows, benchmarks().values(), folder, "work_precision")
     caption = "Error against time of the three solvers of the FMU, over relative tolerances."
     shown = [{"name": "work_precision", "caption": caption}]
     if figures.has_peers(others):
@@ -81,6 +82,24 @@ def _work_precision(
     if unable and not given:
         paragraphs.append("Not measured: " + "; ".join(dict.fromkeys(unable)) + ".")
     return Section("Error against time", paragraphs, [*listed, tables.ratios(ratios)], shown)
+
+
+def _turning(own: list[Row], ratios: Sequence[dict], folder: Path) -> list[Section]:
+    """Friction and rotation, where they have been measured"""
+    problems = turning_problems()
+    rows = [row for row in tables.own_work_precision(own) if row.problem in problems]
+    if not rows:
+        return []
+    figures.work_precision(rows, problems.values(), folder, "turning")
+    listed = [tables.least_times(problem, rows) for problem in problems]
+    paragraphs = [
+        "Bodies that turn and rub, with regularized friction of $v_0$ = 1 mm/s: a ball with back-spin that "
+        "bounces, one that rolls in a bowl for 10 s, one in a golfer's tube, and a tumbling cylinder hit by a "
+        "ball. The references are computed by independent code.",
+    ]
+    caption = "Error against time with friction and rotation."
+    figure = {"name": "turning", "caption": caption}
+    return [Section("Friction and rotation", paragraphs, [*listed, tables.ratios(ratios)], [figure])]
 
 
 def _stiffness(own: list[Row], folder: Path) -> Section:
