@@ -94,7 +94,9 @@ def view(motion: Motion) -> tuple[np.ndarray, float]:
 
 
 def _plane_place(motion: Motion, body: str) -> np.ndarray:
-    """Where a plane is drawn: its point moved to below the middle of the way of what meets it, unless it turns"""
+    """Where a plane is drawn: its point moved to below the middle of the way of what meets it, unless it
+    turns
+    """
     point, normal = motion.position(body), motion.axis(body)
     if motion.orientation(body) is not None:
         return point  # it turns about that

@@ -1,5 +1,5 @@
-"""What is solved: the problems P1 to P3b, as their scenario files state them, those with friction and rotation,
-and the stiffness sweep.
+"""What is solved: the problems P1 to P3b, as their scenario files state them, those with friction and
+rotation, and the stiffness sweep.
 """
 
 from __future__ import annotations

@@ -116,9 +116,7 @@ def work_precision(problems: Iterable[Problem], plan: Plan, say: Say) -> list[Ro
     return rows
 
 
-def compare_best(
-    problems: Iterable[Problem], rows: Sequence[Row], plan: Plan, say: Say
-) -> list[dict]:
+def compare_best(problems: Iterable[Problem], rows: Sequence[Row], plan: Plan, say: Say) -> list[dict]:
     """The best of CVODE against the best of event_driven, in one run each"""
     effort = Effort(plan.ratio_repeat, 0, plan.tolerances, 8 * plan.budget, 20 * plan.limit)
     found = []

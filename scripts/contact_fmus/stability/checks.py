@@ -10,15 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from mpmath import mp, mpf
 
-from .drive import Outcome, Sample
+from .drive import ENERGIES, Outcome, Sample
 from .expected import Expected
-from .head_on import HeadOn
-from .impact import Impact
 from .line_motion import DIGITS
-from .similar import Similar
+from .motions import Motion
 
 TOLERANCE = 1e-9  # solver.relative_tolerance of all runs
-ENERGIES = ("kinetic", "potential", "contact", "dissipated", "external_work", "total")
 
 # A figure beyond its limit is wrong. An error may be as much as rounding leaves open besides. CVODE holds
 # its tolerance by the step, and its steps add up.
@@ -62,7 +59,7 @@ class Figures:
         return found + (["onsets"] if self.missed else [])
 
 
-def figures(motion: HeadOn | Impact | Similar, expected: Expected, outcome: Outcome) -> Figures:
+def figures(motion: Motion, expected: Expected, outcome: Outcome) -> Figures:
     if not outcome.counts:
         return Figures()
     values = np.array([sample.values for sample in outcome.samples])
@@ -85,7 +82,7 @@ def speed(sample: Sample) -> float:
     return float(max(np.linalg.norm(sample.vector(f"{body}.velocity")) for body in ("source", "destination")))
 
 
-def energy(motion: HeadOn | Impact | Similar, outcome: Outcome, fastest: float) -> tuple[float, float]:
+def energy(motion: Motion, outcome: Outcome, fastest: float) -> tuple[float, float]:
     """How far energy.total strays, and mechanical energy rises, over the largest energy in play"""
     rows = {name: np.array([one[f"energy.{name}"] for one in outcome.samples]) for name in ENERGIES}
     depth = max(sample["contact.peak_penetration"] for sample in outcome.samples)
@@ -98,12 +95,14 @@ def energy(motion: HeadOn | Impact | Similar, outcome: Outcome, fastest: float) 
     balance = float(np.max(np.abs(rows["total"] - rows["total"][0]))) / in_play
     if not motion.passive():
         return balance, math.nan
-    mechanical = rows["kinetic"] + rows["potential"] + rows["contact"]
+    mechanical = sum(rows[name] for name in ("kinetic", "rotational", "potential", "contact", "tangential"))
     return balance, max(0.0, float(np.max(mechanical - mechanical[0]))) / in_play
 
 
-def momentum(motion: HeadOn | Impact | Similar, outcome: Outcome, fastest: float) -> float:
+def momentum(motion: Motion, outcome: Outcome, fastest: float) -> float:
     """m dv of the source against the impulses of contact, gravity and force; of both bodies together"""
+    if getattr(motion, "held", False):
+        return math.nan
     first, last = outcome.samples[0], outcome.last
     times = np.array([sample.time for sample in outcome.samples])
     contact = np.array([sample.vector("contact.mean_force") for sample in outcome.samples[1:]])

@@ -12,7 +12,8 @@ import numpy as np
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError, Status, fmu_file
 
 BODIES = ("source", "destination")
-ENERGIES = ("kinetic", "potential", "contact", "dissipated", "external_work", "total")
+ENERGIES = ("kinetic", "rotational", "potential", "contact", "tangential", "dissipated", "friction")
+ENERGIES += ("external_work", "total")
 REALS = [
     *(f"{body}.{row}[{i}]" for body in BODIES for row in ("displacement", "velocity") for i in (1, 2, 3)),
     *(f"energy.{name}" for name in ENERGIES),

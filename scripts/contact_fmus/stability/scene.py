@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from .expected import Expected, of_head_on
 from .head_on import HeadOn
-from .impact import Impact
+from .motions import Motion
 from .similar import Similar
 
 STEPS = (1, 7)  # communication steps of a run, where a family does not say
@@ -27,7 +27,7 @@ class Scene:
 
     family: str
     value: float  # on the family's axis
-    motion: HeadOn | Impact | Similar
+    motion: Motion
     steps: Sequence[int] = STEPS
     jumps: Sequence[Jump] = ()
     note: str = ""  # what sets it apart from others at the same value

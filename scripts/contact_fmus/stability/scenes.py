@@ -10,6 +10,7 @@ from . import together
 from .head_on import GEOMETRIES, LAWS, PLANE, HeadOn
 from .impact import GEOMETRIES as ALL_GEOMETRIES
 from .impact import Impact
+from .rolling import Rolling, Tumbling
 from .scene import Family, Jump, Scene
 from .similar import Similar, bases, unit_systems
 
@@ -272,6 +273,41 @@ def exponent() -> Iterator[Scene]:
                 yield Scene("exponent", 1.5, hertz, note=f"{speed:g} m/s")
 
 
+def slip_velocity() -> Iterator[Scene]:
+    """From Coulomb's friction to one that creeps"""
+    for value in decades(-12, 1):
+        for speed, spin in ((2.0, 0.0), (0.5, -40.0)):
+            one = Rolling(speed=speed, spin=spin, slip_velocity=value)
+            yield Scene("slip velocity", value, one, note=f"spin {spin:g} rad/s")
+
+
+def friction() -> Iterator[Scene]:
+    for value in decades(-9, 6):
+        yield Scene("friction", value, Rolling(friction=value))
+        yield Scene("friction", value, Rolling(friction=value, spin=-40.0), note="back-spin")
+
+
+def spin() -> Iterator[Scene]:
+    for value in [0.0, *decades(-6, 6)]:
+        for speed in (0.0, 1.0, 100.0):
+            if speed or value:
+                one = Rolling(speed=speed, spin=-value, slip_velocity=1e-3)
+                yield Scene("spin", value, one, note=f"{speed:g} m/s")
+
+
+def inertia_ratio() -> Iterator[Scene]:
+    """A solid ball has 2/5, a hollow one 2/3"""
+    for value in [*decades(-9, 9), 0.4, 2.0 / 3.0]:
+        yield Scene("inertia ratio", value, Rolling(inertia=value))
+
+
+def tumbling_rate() -> Iterator[Scene]:
+    for value in decades(-6, 6):
+        one = Tumbling(rate=value)
+        yield Scene("tumbling rate", value, one)
+        yield Scene("tumbling rate", value, replace(one, end=1.01 * one.touch), note="up to the impact")
+
+
 def at_once() -> Iterator[Scene]:
     for group, number, motion in together.scenes():
         yield Scene("all at once", group, motion, note=f"number {number}")
@@ -298,6 +334,11 @@ FAMILIES = (
     Family("modulus", "Young's modulus of both bodies, Pa", modulus),
     Family("restitution", "coefficient of restitution", restitution),
     Family("exponent", "exponent of the force law", exponent),
+    Family("slip velocity", "characteristic slip velocity, m/s", slip_velocity),
+    Family("friction", "coefficient of friction", friction),
+    Family("spin", "back-spin at the start, rad/s", spin),
+    Family("inertia ratio", "moment of inertia over m a^2", inertia_ratio),
+    Family("tumbling rate", "angular velocity across the axis, rad/s", tumbling_rate),
     Family("all at once", "group of random scenes", at_once),
     Family("unit of length", "length unit, power of two", partial(units, "length")),
     Family("unit of mass", "mass unit, power of two", partial(units, "mass")),

@@ -119,7 +119,7 @@ def test_an_impact_on_springs_with_two_sevenths_turns_the_slip_round(opened, met
 
 @pytest.mark.parametrize("factor", [1.0, 100.0])
 def test_balls_with_opposite_spins_do_not_rub(opened, factor):
-    """Chung and Ooi 7. They yield by delta, and omega delta is slip: the change falls with the root of p_n."""
+    """Chung and Ooi 7. They yield by delta, and omega delta is slip: the change falls with p_n's root."""
     case = cases.opposite_spin()
     values = {**case.values, "contact.penalty_factor": factor * 1e7}
     fmu = ended(opened, case._replace(values=values))

@@ -1,9 +1,9 @@
-"""Writes scripts/contact_fmus/bench/turning_references.json, the report's problems with friction and rotation:
+"""Writes scripts/contact_fmus/bench/turning_references.json, the problems with friction and rotation:
 
     PYTHONPATH=tests:scripts .venv/bin/python -m support.reference.make_turning_references    # some minutes
 
-The positions come from turning_run.py at a tolerance of 1e-13; their uncertainty is what a run at 1e-12 differs
-by, and rounding.
+The positions come from turning_run.py at a tolerance of 1e-13; their uncertainty is what a run at 1e-12
+differs by, and rounding.
 """
 
 import json
@@ -44,7 +44,7 @@ PROBLEMS = {  # name -> title, shape, values, end
                 "destination.radius": 0.5,
                 "source.center": [0.3, 0.1, -0.2449],
                 "source.initial_angular_velocity": [3.0, 5.0, -8.0],
-                **rubbing(1e-3, 0.5),
+                **rubbing(1e-2, 0.5),
                 "contact.location": "inside",
                 "contact.method": "penalty_dynamic",
                 "contact.viscous_penalty_factor": 100.0,
