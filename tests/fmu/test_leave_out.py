@@ -28,6 +28,8 @@ UNIVERSAL = {
     "PinnedEvent": "SphereCylinder",
     "ForceElement": "SphereCylinder",
     "HertzImpact": "SphereSphere",
+    "Bowling": "SpherePlane",
+    "TippingRoller": "SphereCylinder",
 }
 LINEAR = [scene for scene in UNIVERSAL if scene != "HertzImpact"]
 pinned_scenes = pytest.mark.parametrize("scene", UNIVERSAL)

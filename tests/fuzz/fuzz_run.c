@@ -69,10 +69,14 @@ static struct balance weigh(fmi2Component c, const struct plan *plan)
     const double contact = host_real(c, ROW_energy_contact, 0, 0);
     const double dissipated = host_real(c, ROW_energy_dissipated, 0, 0);
     const double work = host_real(c, ROW_energy_external_work, 0, 0);
+    const double turning =
+        host_real(c, ROW_energy_rotational, 0, 0) + host_real(c, ROW_energy_tangential, 0, 0);
+    const double rubbed = host_real(c, ROW_energy_friction, 0, 0);
     return (struct balance){.total = host_real(c, ROW_energy_total, 0, 0),
-                            .mechanical = kinetic + potential + contact,
+                            .mechanical = kinetic + potential + contact + turning,
                             .size = fabs(kinetic) + fabs(potential) + fabs(contact) + fabs(dissipated) +
-                                    fabs(work) + stored_between(c) + negligible(c, plan)};
+                                    fabs(work) + fabs(turning) + fabs(rubbed) + stored_between(c) +
+                                    negligible(c, plan)};
 }
 
 static void check_balance(fmi2Component c, const struct plan *plan, const struct balance *start,

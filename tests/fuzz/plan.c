@@ -122,6 +122,52 @@ static void choose_law(fmi2Component c, struct bytes *b, int contact)
     }
 }
 
+/* How a body turns; an infinite cylinder needs an inertia of its own. */
+static void choose_rotation(fmi2Component c, struct bytes *b, struct plan *plan, int body)
+{
+    const int rotation = 1 + (int)bytes_choice(b, 3);
+    double vector[3];
+    if (rotation == 1 || host_variable(ROW_body_rotation, body, 0) == NULL) {
+        return;
+    }
+    (void)host_set_integer(c, ROW_body_rotation, body, rotation);
+    any_vector(b, -2.0, 2.0, vector);
+    set_vector(c, rotation == 2 ? ROW_body_prescribed_angular_velocity : ROW_body_initial_angular_velocity,
+               body, vector);
+    const double axial = bytes_power(b, -5.0, 3.0);
+    (void)host_set_integer(c, ROW_body_inertia_control, body, 1 + (int)bytes_choice(b, 2));
+    (void)host_set_real(c, ROW_body_axial_inertia, body, 0, axial);
+    (void)host_set_real(c, ROW_body_transverse_inertia, body, 0, axial * bytes_power(b, -0.3, 2.0));
+    plan->pushed = plan->pushed || rotation == 2;
+    plan->free = plan->free || rotation == 3;
+    if (bytes_choice(b, 4) == 3) {
+        any_vector(b, -3.0, 2.0, vector);
+        set_vector(c, ROW_body_external_torque, body, vector);
+        plan->pushed = true;
+    }
+}
+
+static void choose_friction(fmi2Component c, struct bytes *b, int contact)
+{
+    const int friction = 1 + (int)bytes_choice(b, 3);
+    const double coefficient = bytes_between(b, 0.0, 1.5);
+    if (friction == 1) {
+        return;
+    }
+    (void)host_set_integer(c, ROW_contact_friction, contact, friction);
+    (void)host_set_real(c, ROW_contact_friction_coefficient, contact, 0, coefficient);
+    (void)host_set_real(c, ROW_contact_static_friction_coefficient, contact, 0,
+                        coefficient * (1.0 + (bytes_choice(b, 2) ? bytes_part(b) : 0.0)));
+    (void)host_set_integer(c, ROW_contact_slip_velocity_control, contact, 1 + (int)bytes_choice(b, 2));
+    (void)host_set_real(c, ROW_contact_characteristic_slip_velocity, contact, 0, bytes_power(b, -6.0, 1.0));
+    (void)host_set_real(c, ROW_contact_tangential_stiffness, contact, 0, bytes_power(b, 1.0, 9.0));
+    (void)host_set_real(c, ROW_contact_tangential_damping, contact, 0,
+                        bytes_choice(b, 2) ? bytes_power(b, -2.0, 4.0) : 0.0);
+    if (bytes_choice(b, 4) == 3) {
+        (void)host_set_real(c, ROW_contact_maximum_friction_force, contact, 0, bytes_power(b, -3.0, 5.0));
+    }
+}
+
 struct plan plan_choose(fmi2Component c, struct bytes *b)
 {
     struct plan plan = {.method = 1 + (int)bytes_choice(b, 3)};
@@ -142,6 +188,13 @@ struct plan plan_choose(fmi2Component c, struct bytes *b)
     set_vector(c, ROW_gravity, 0, gravity);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         choose_law(c, b, j);
+    }
+    /* These came last: inputs without them have bodies that do not turn, and no friction. */
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        choose_rotation(c, b, &plan, i);
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        choose_friction(c, b, j);
     }
     return plan;
 }
