@@ -93,7 +93,7 @@ def _turning(own: list[Row], ratios: Sequence[dict], folder: Path) -> list[Secti
     figures.work_precision(rows, problems.values(), folder, "turning")
     listed = [tables.least_times(problem, rows) for problem in problems]
     paragraphs = [
-        "With regularized friction ($v_0$ = 1 mm/s, in the bowl 10 mm/s): a ball with "
+        "With regularized friction ($v_0$ = 1 mm/s, in bowl and tube 10 mm/s): a ball with "
         "back-spin that bounces, one that rolls in a bowl for 10 s, one in a golfer's tube, and a tumbling "
         "cylinder hit by a ball. The references are computed by independent code.",
     ]

@@ -53,7 +53,7 @@ PROBLEMS = {  # name -> title, shape, values, end
         ),
         10.0,
     ),
-    "F3": ("golfer's tube", "cylinder", golfers_tube(1e-3).values, 1.5),
+    "F3": ("golfer's tube", "cylinder", golfers_tube(1e-2).values, 1.5),
     "F4": (
         "tumbling cylinder hit by a ball",
         "cylinder",

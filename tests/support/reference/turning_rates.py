@@ -10,11 +10,13 @@ from types import SimpleNamespace
 from support.reference.turning import DISSIPATED, EACH, FRICTION, SIZE, SPRING, SUMS, TINY, WORK, ZERO
 from support.reference.turning_vectors import add, cross, dot, minus, norm, quaternion_rate, times
 
+SHORT = 1e-9  # m; below, its direction follows that of the slip within a thousandth of a degree
+
 
 def along_spring(spring, slip):
-    """Unit vector of the spring; that of the slip while there is no spring yet."""
+    """Unit vector of the spring; that of the slip while the spring is too short to have one of its own."""
     size = norm(spring)
-    if size > 0.0:
+    if size > SHORT:
         return times(1 / size, spring)
     size = norm(slip)
     return times(1 / size, slip) if size > 0.0 else list(ZERO)
