@@ -126,7 +126,7 @@ def test_the_problems_are_those_of_the_tests(opened):
 
 
 def test_figures_exist_and_are_pictures(report):
-    for name in ("work_precision", "stiffness"):
+    for name in ("work_precision", "turning", "stiffness"):
         assert (report / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         root = etree.fromstring((report / f"{name}.svg").read_bytes())
         assert len(root.findall(".//{*}path")) > 50
@@ -135,7 +135,7 @@ def test_figures_exist_and_are_pictures(report):
 def test_the_page_stands_alone(report):
     page = etree.HTML((report / "index.html").read_text(encoding="utf-8"))
     images = page.xpath("//img/@src")
-    assert len(images) == 2
+    assert len(images) == 3
     assert all(source.startswith("data:image/svg+xml;base64,") for source in images)
     assert page.xpath("//link | //script | //iframe") == []
     for table in page.xpath("//table[tr/th]"):
@@ -146,7 +146,7 @@ def test_the_page_stands_alone(report):
 def test_the_readme_shows_the_figures_and_the_same_tables(report):
     text = (report / "README.md").read_text(encoding="utf-8")
     shown = re.findall(r"!\[[^\]]+\]\((\w+\.png)\)", text)
-    assert shown == ["work_precision.png", "stiffness.png"]
+    assert shown == ["work_precision.png", "turning.png", "stiffness.png"]
     tables = re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE)
     for table in tables:
         assert len({line.count("|") for line in table.splitlines()}) == 1, table
