@@ -9,6 +9,7 @@ import os
 import numpy as np
 import pytest
 
+from contact_fmus.bench.problems import law_benchmarks, law_starts
 from support.checks import METHODS, differences, run
 from support.reference import hertz
 from support.scenes.law_scenes import law_pair, law_scene
@@ -75,3 +76,12 @@ def test_the_scenes_are_what_they_are_about():
     motions = {(values["source.motion"], values["destination.motion"]) for _, values, _ in scenes}
     dampings = {(values["contact.dashpot"], values["contact.viscous_control"]) for _, values, _ in scenes}
     assert (len(kinds), len(motions), len(dampings)) == (10, 4, 6)
+
+
+@pytest.mark.parametrize("steps", [1, 997])
+@pytest.mark.parametrize("name", law_starts())
+def test_the_benchmarks_by_hertz_and_on_a_plane_end_at_their_references(opened, name, steps):
+    problem = law_benchmarks()[name]
+    fmu = run(opened(problem.fmu), problem.start, problem.stop, steps, 1e-9)
+    assert problem.error(fmu["source.position"]) <= 1e-9
+    assert fmu["solver.fallbacks"] == 0

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from contact_fmus.fmu.host import run_host
 
-from .problems import Problem, benchmarks
+from .problems import Problem, benchmarks, law_benchmarks
 from .ratios import Comparison, Effort, compare
 from .settings import CVODE, CVODE_ERROR, EVENT_DRIVEN, EVENT_DRIVEN_ERROR, Setting
 
@@ -60,4 +60,5 @@ def race(name: str, tried: Sequence[Tried], effort: Effort) -> tuple[Comparison,
 
 def against_cvode(effort: Effort, names: Sequence[str] | None = None) -> list[Comparison]:
     """Time of CVODE / time of event_driven"""
-    return [race(name, try_all(benchmarks()[name], effort), effort)[0] for name in names or benchmarks()]
+    problems = benchmarks() | law_benchmarks()
+    return [race(name, try_all(problems[name], effort), effort)[0] for name in names or problems]

@@ -5,6 +5,7 @@ rotation, and the stiffness sweep.
 from __future__ import annotations
 
 import json
+import math
 import tomllib
 from dataclasses import dataclass, field
 from functools import cache
@@ -26,6 +27,12 @@ REFERENCES = Path(__file__).with_name(
     "stiff_references.json"
 )  # tests/support/reference/make_stiff_references.py
 TURNING = Path(__file__).with_name("turning_references.json")  # make_turning_references.py, there too
+# tests/support/reference/make_law_references.py
+LAW_REFERENCES = Path(__file__).with_name("law_references.json")
+# k_h in N/m^1.5 and chi in s/m: P1 and P2 are as deep at their first impact as with the penalty and lose as
+# much; P3, at rest under its weight, is as stiff (1.5 k_h sqrt(depth)) and as damped (chi times the weight).
+HERTZ = {"P1": (2.24e7, 0.0), "P2": (2.24e7, 0.07), "P3": (1.74e10, 51.0)}
+ON_A_PLANE = ("P1", "P2")
 SHAPES = {"cylinder": "SphereCylinder", "sphere": "SphereSphere"}
 
 
@@ -44,7 +51,7 @@ class Problem:
 
     @property
     def penalty_factor(self) -> float:
-        return self.start["contact.penalty_factor"]
+        return self.start.get("contact.penalty_factor", math.nan)
 
     def error(self, position: Any) -> float:
         return float(np.linalg.norm(np.asarray(position) - self.position))
@@ -73,6 +80,37 @@ def turning_problems() -> dict[str, Problem]:
     return {
         row["name"]: Problem(**{key: row[key] for key in taken}, position=tuple(row["position"]))
         for row in rows
+    }
+
+
+def law_starts() -> dict[str, tuple[str, str, float, dict[str, Any]]]:
+    """P1 to P3 by Hertz's law, P1 and P2 on a plane: title, FMU, end and start values"""
+    found = {}
+    for name, (stiffness, chi) in HERTZ.items():
+        base = benchmarks()[name]
+        linear = ("contact.penalty_factor", "contact.viscous_penalty_factor")
+        start = {key: value for key, value in base.start.items() if key not in linear}
+        start |= {"contact.law": "hertz", "contact.hertz_stiffness": stiffness}
+        if chi:
+            start |= {"contact.hunt_crossley_factor": chi}
+        found[f"{name} Hertz"] = (f"{base.title}, by Hertz's law", base.fmu, base.stop, start)
+    for name in ON_A_PLANE:
+        base = benchmarks()[name]
+        start = {key: value for key, value in base.start.items() if not key.startswith("destination.")}
+        start |= {"destination.center": [0.0, 0.0, 0.5], "destination.axis": [0.0, 0.0, 1.0]}
+        start["source.initial_velocity"] = [0.3, 0.4, 0.0] if name == "P2" else [0.0, 0.0, 0.0]
+        found[f"{name} plane"] = (f"{base.title}, on a plane", "SpherePlane", base.stop, start)
+    return found
+
+
+@cache
+def law_benchmarks() -> dict[str, Problem]:
+    """The problems of law_starts with their references"""
+    ends = json.loads(LAW_REFERENCES.read_text(encoding="utf-8"))
+    method = "extrapolation in extended precision"
+    return {
+        name: Problem(name, title, fmu, stop, start, tuple(ends[name]), method=method)
+        for name, (title, fmu, stop, start) in law_starts().items()
     }
 
 

@@ -99,7 +99,8 @@ def law_scene(seed):
             values[f"{body}.prescribed_velocity.derivatives"] = [bend.tolist()]
     turns = speed / deepest  # rad/s of an impact, about
     end = min(0.3, draw.choice(TURNS) / turns + 2 * max(gap, 0.0) / speed)
-    return FMU[shape], values, 0.06 if grazes else end
+    past = 0.03 + min(0.03, 1000.0 / turns)  # a contact that stays would be followed turn by turn
+    return FMU[shape], values, past if grazes else end
 
 
 def hunt_crossley(values):
