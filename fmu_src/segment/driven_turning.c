@@ -66,7 +66,46 @@ static struct driven_margin margin_at(const struct driven_span *s, double clock,
     return least;
 }
 
-/* The regime after an event at an instant. */
+/* Where no force tells how long the spring is: of the source's radius. */
+static const double FIRST_LENGTH = 1e-4;
+
+/* Of sliding without a dashpot the state is the spring's direction; it begins with that of the slip. */
+static struct vec3 first_spring(const struct driven_contact *c, const struct friction_law *law,
+                                const struct scene_instant *at)
+{
+    const struct vec3 slip = at->turning.slip[c->contact];
+    const double speed = vec3_norm(slip);
+    if (law->damping > 0.0 || !(speed > 0.0)) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    const double limit = friction_limit(law, FRICTION_SLIDING, at->normal_force[c->contact]);
+    const double length = fmin(limit, law->largest) / law->stiffness;
+    const double least = FIRST_LENGTH * body_radius(c->v, contact_source(c->contact));
+    return vec3_scale(fmax(length, least) / speed, slip);
+}
+
+/* Friction begins at an instant, its spring at rest. */
+static void start_friction(const struct driven_contact *c, double clock)
+{
+    const int j = c->contact;
+    struct scene_instant at;
+    const struct friction_law law = scene_friction_law(c->v, c->q, j);
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    c->q->contact[j].friction_regime = (int32_t)FRICTION_STICKING;
+    driven_instant(c, clock, none, &at);
+    if (!contact_rubs_elastically(c->v, j)) {
+        return;
+    }
+    const double rate = turning_normal_force_rate(c->v, c->q, clock, &at, j);
+    const enum friction_regime next =
+        friction_onset_regime(&law, at.normal_force[j], rate, at.turning.slip[j]);
+    const bool slides = next == FRICTION_SLIDING || next == FRICTION_CAPPED;
+    c->q->contact[j].friction_regime = (int32_t)next;
+    c->q->turning.spring[j] = slides ? first_spring(c, &law, &at) : none;
+}
+
+/* The regime and the spring after an event at an instant; what sticks again keeps the spring that sliding
+ * had. */
 static void take_driven_event(const struct driven_span *s, double clock, struct vec3 spring,
                               enum driven_event event)
 {
@@ -75,17 +114,17 @@ static void take_driven_event(const struct driven_span *s, double clock, struct 
     struct scene_instant at;
     driven_instant(&s->c, clock, spring, &at);
     const struct friction_law law = scene_friction_law(s->c.v, s->c.q, j);
-    const double force = at.normal_force[j];
-    if (event == DRIVEN_LIFT) {
-        *regime = *regime == (int32_t)FRICTION_LIFTED
-                      ? (int32_t)friction_onset_regime(
-                            &law, force, turning_normal_force_rate(s->c.v, s->c.q, clock, &at, j),
-                            at.turning.slip[j])
-                      : (int32_t)FRICTION_LIFTED;
-    } else if (event == DRIVEN_STICK && *regime != (int32_t)FRICTION_STICKING) {
+    const enum friction_regime before = (enum friction_regime) * regime;
+    if (event == DRIVEN_LIFT && before == FRICTION_LIFTED) {
+        start_friction(&s->c, clock);
+    } else if (event == DRIVEN_LIFT) {
+        *regime = (int32_t)FRICTION_LIFTED;
+        s->c.q->turning.spring[j] = vec3_make(0.0, 0.0, 0.0);
+    } else if (event == DRIVEN_STICK && before != FRICTION_STICKING) {
+        s->c.q->turning.spring[j] = friction_spring(&law, before, turning_rubbing(&s->c.q->turning, &at, j));
         *regime = (int32_t)FRICTION_STICKING;
     } else {
-        *regime = (int32_t)friction_sliding_regime(&law, force);
+        *regime = (int32_t)friction_sliding_regime(&law, at.normal_force[j]);
     }
 }
 
@@ -95,19 +134,10 @@ static const double MARGIN_ROUNDING = 1e-13;
 static void begin_driven_friction(const struct scene_values *v, struct scene_state *q, double clock,
                                   int contact)
 {
-    struct scene_instant at;
     const struct driven_contact c = {v, q, contact};
     q->turning.spring[contact] = vec3_make(0.0, 0.0, 0.0);
-    if (!contact_rubs(v, contact)) {
-        return;
-    }
-    const struct friction_law law = scene_friction_law(v, q, contact);
-    q->contact[contact].friction_regime = (int32_t)FRICTION_STICKING;
-    driven_instant(&c, clock, q->turning.spring[contact], &at);
-    if (contact_rubs_elastically(v, contact)) {
-        q->contact[contact].friction_regime = (int32_t)friction_onset_regime(
-            &law, at.normal_force[contact], turning_normal_force_rate(v, q, clock, &at, contact),
-            at.turning.slip[contact]);
+    if (contact_rubs(v, contact)) {
+        start_friction(&c, clock);
     }
 }
 
@@ -192,6 +222,41 @@ static double rounding_part(const struct driven_span *s, const struct driven_pan
     const double noise = rounding_of_force(s->c.v, s->c.q, &at, s->c.contact) * (panel->to - panel->from);
     return panel->size[DRIVEN_FORCE] > 0.0 ? fmin(noise / panel->size[DRIVEN_FORCE], 1.0) : 1.0;
 }
+
+/* A contact's law at an instant: its regime, and whether friction is capped or lifted; forces within `floor` of
+ * zero are none [N]. */
+static int law_at(const struct driven_span *s, double clock, struct vec3 spring, double floor)
+{
+    struct scene_instant at;
+    driven_instant(&s->c, clock, spring, &at);
+    int key = 4 * s->c.q->contact[s->c.contact].regime;
+#if SCENE_ANY_FRICTION
+    if (!s->elastic && at.normal_force[s->c.contact] < -floor) {
+        key += 1;
+    } else if (s->c.q->contact[s->c.contact].friction_regime == (int32_t)FRICTION_CAPPED) {
+        key += 2;
+    }
+#else
+    (void)floor;
+#endif
+    return key;
+}
+
+/* Whether one law holds over a panel: a corner of it near an end would hide between the nodes. */
+static bool is_of_one_law(const struct driven_span *s, const struct driven_panel *panel)
+{
+    const double floor = 1e-9 * panel->size[DRIVEN_FORCE] / (panel->to - panel->from);
+    const int first = law_at(s, panel->from, panel->node[0].spring, floor);
+    for (int i = 0; i < GAUSS_NODES; ++i) {
+        if (law_at(s, panel->node[i].clock, panel->node[i].spring, floor) != first) {
+            return false;
+        }
+    }
+    return law_at(s, panel->to, panel->spring, floor) == first;
+}
+
+/* A panel with a corner may be that part of the whole: its error is the square of it. */
+static const double CORNER_PART = 1e-7;
 
 static bool panels_agree(const struct driven_span *s, const struct driven_panel *whole,
                          const struct driven_panel *left, const struct driven_panel *right)
@@ -287,6 +352,7 @@ static bool passes_event(struct driven_span *s, const struct driven_panel *left,
     add_driven_panel(s, &panel);
     const struct driven_margin margin = margin_at(s, panel.to, s->total.spring);
     take_driven_event(s, panel.to, s->total.spring, margin.event);
+    s->total.spring = spring_now(s->c.q, s->c.contact);
     counter_add(&s->c.q->counters.events, 1);
     *clock = panel.to;
     return true;
@@ -322,7 +388,9 @@ static bool integrate_contact(struct driven_span *s, double from, double end)
         const bool made = make_panel(s, clock, to, start, &whole) &&
                           make_panel(s, clock, middle, start, &left) &&
                           make_panel(s, middle, to, left.spring, &right);
-        if (divides && (!made || !panels_agree(s, &whole, &left, &right))) {
+        const bool small = made && whole.size[DRIVEN_FORCE] <= CORNER_PART * s->total.size[DRIVEN_FORCE];
+        if (divides &&
+            (!made || !panels_agree(s, &whole, &left, &right) || !(small || is_of_one_law(s, &whole)))) {
             width = 0.5 * (to - clock);
             continue;
         }
