@@ -120,8 +120,8 @@ static void tidy_end(struct general *g, const struct scene_values *v, struct sce
     q->contact[step->contact].schedule.settled_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
 }
 
-/* Contacts that end, or begin, at almost the same time: when the first has ended the phase, the second may already
- * be past its root by more than the offset. */
+/* Contacts that end, or begin, at almost the same time: when the first has ended the phase, the second may
+ * already be past its root by more than the offset. */
 static bool has_passed_event(struct general *g, const struct scene_values *v, struct scene_state *q,
                              struct advance *step)
 {

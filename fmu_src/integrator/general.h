@@ -1,7 +1,8 @@
 /*
- * The general segment: integration of the whole scene (scene/ode.h) by Radau IIA (math/radau_step.h), for whatever no
- * other segment takes: bodies in several contacts. Terminal events are found on the polynomials of the event
- * functions through the stages, so that none is missed within a step, and steps are made to end there.
+ * The general segment: integration of the whole scene (scene/ode.h) by Radau IIA (math/radau_step.h), for
+ * whatever no other segment takes: bodies in several contacts. Terminal events are found on the polynomials
+ * of the event functions through the stages, so that none is missed within a step, and steps are made to end
+ * there.
  */
 #ifndef CONTACT_INTEGRATOR_GENERAL_H
 #define CONTACT_INTEGRATOR_GENERAL_H
@@ -10,15 +11,16 @@
 
 struct general;
 
-/* Makes, or makes anew when the number of states differs, the integrator's memory. On failure returns false with a
- * message (INTEGRATOR_MESSAGE_SIZE bytes) and leaves *slot as it was. */
+/* Makes, or makes anew when the number of states differs, the integrator's memory. On failure returns false
+ * with a message (INTEGRATOR_MESSAGE_SIZE bytes) and leaves *slot as it was. */
 bool general_open(struct general **slot, const struct scene_values *v, const struct integrator_memory *memory,
                   char *message);
 
 void general_close(struct general **slot);
 
-/* Integrates within fixed regimes up to the first terminal event, or step->clock_end. Keeps nothing from one call to
- * the next but what is in the motion. ADVANCE_FAILED where no step is accurate enough, with a message. */
+/* Integrates within fixed regimes up to the first terminal event, or step->clock_end. Keeps nothing from one
+ * call to the next but what is in the motion. ADVANCE_FAILED where no step is accurate enough, with a
+ * message. */
 enum advance_result general_advance(struct general *g, const struct scene_values *v, struct scene_state *q,
                                     struct advance *step);
 

@@ -1,5 +1,5 @@
-/* In place of the general segment in scenes that can do without: no method event_driven, or no free body in two
- * contacts and nothing that turns or rubs. */
+/* In place of the general segment in scenes that can do without: no method event_driven, or no free body in
+ * two contacts and nothing that turns or rubs. */
 #include "integrator/general.h"
 
 bool general_open(struct general **slot, const struct scene_values *v, const struct integrator_memory *memory,

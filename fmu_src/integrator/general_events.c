@@ -142,9 +142,10 @@ static bool look_again(struct general *g, double length, struct general_event *f
     return true;
 }
 
-/* Where the polynomial is not as accurate within as at its end, a step of that length is made; the event is where the
- * end of that has it. Until both agree it is looked for again, on the polynomial of the shorter step. Where there is no
- * such step, as friction has no direction where the normal force ends, one of half the length comes first. */
+/* Where the polynomial is not as accurate within as at its end, a step of that length is made; the event is
+ * where the end of that has it. Until both agree it is looked for again, on the polynomial of the shorter
+ * step. Where there is no such step, as friction has no direction where the normal force ends, one of half
+ * the length comes first. */
 bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)
 {
     struct radau_step *p = &g->step;

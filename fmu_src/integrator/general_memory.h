@@ -28,8 +28,8 @@ struct general {
     char *message;                 /* INTEGRATOR_MESSAGE_SIZE bytes */
 };
 
-/* general_step.c: begins steps at y; makes one of at most `limit` [s], accurate enough, as general->step; false with
- * a message where there is none, or where `budget` trials are used up. */
+/* general_step.c: begins steps at y; makes one of at most `limit` [s], accurate enough, as general->step;
+ * false with a message where there is none, or where `budget` trials are used up. */
 void general_begin(struct general *g, double clock, const double *y);
 bool general_step_make(struct general *g, double limit, long *budget);
 
@@ -40,8 +40,9 @@ struct general_event {
 };
 struct general_event general_first_event(struct general *g);
 
-/* Makes the step end there, and `y` the state at the event, `clock` its clock. Where a shorter step shows that the event
- * is not as early, the step ends before it: `found` is then none. False where no step is accurate enough. */
+/* Makes the step end there, and `y` the state at the event, `clock` its clock. Where a shorter step shows
+ * that the event is not as early, the step ends before it: `found` is then none. False where no step is
+ * accurate enough. */
 bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y);
 
 #endif

@@ -5,11 +5,12 @@
 
 #include "integrator/general_memory.h"
 
-/* At its end the error of a step is a thousandth of the tolerance (integrator/general.c), anywhere else all of it. */
+/* At its end the error of a step is a thousandth of the tolerance (integrator/general.c), anywhere else all
+ * of it. */
 static const double WITHIN_SHARE = 1e-3;
 
-/* A step of so few stages is as accurate as one of twelve that is longer by this. Of an oscillation at an error of
- * 1e-12 these are 0.18, 2 and 5 radians (scratch measurement of y'' = -y). */
+/* A step of so few stages is as accurate as one of twelve that is longer by this. Of an oscillation at an
+ * error of 1e-12 these are 0.18, 2 and 5 radians (scratch measurement of y'' = -y). */
 static const double REACH_OF_FOUR = 0.035;
 static const double REACH_OF_EIGHT = 0.4;
 
@@ -59,7 +60,8 @@ void general_begin(struct general *g, double clock, const double *y)
     }
 }
 
-/* Weights of errors: by the sizes of the states at the start, or at the end of the guess if those are larger. */
+/* Weights of errors: by the sizes of the states at the start, or at the end of the guess if those are
+ * larger. */
 static void set_weights(struct general *g)
 {
     struct radau_step *p = &g->step;

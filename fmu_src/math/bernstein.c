@@ -30,7 +30,8 @@ static struct part split(struct part *left, int count)
     return right;
 }
 
-/* Changes of sign among the coefficients: as many as there are roots, or more by an even number (Descartes). */
+/* Changes of sign among the coefficients: as many as there are roots, or more by an even number
+ * (Descartes). */
 static int changes_of_sign(const double *of, int count)
 {
     int changes = 0;
@@ -40,31 +41,24 @@ static int changes_of_sign(const double *of, int count)
     return changes;
 }
 
-static double least(const double *of, int count)
-{
-    double value = of[0];
-    for (int i = 1; i < count; ++i) {
-        value = fmin(value, of[i]);
-    }
-    return value;
-}
-
-struct bernstein_fall bernstein_first_fall(const double *coefficients, int count, double noise)
+/* The first fall through zero of the polynomial and an offset. */
+static struct bernstein_fall first_fall_of_sum(const double *coefficients, int count, double offset)
 {
     struct part open[DEPTH + 1]; /* still to be looked at, the first part last */
     int last = 0;
     open[0].low = 0.0;
     open[0].width = 1.0;
-    memcpy(open[0].of, coefficients, (size_t)count * sizeof *coefficients);
+    for (int i = 0; i < count; ++i) {
+        open[0].of[i] = coefficients[i] + offset;
+    }
     while (last >= 0) {
         struct part *now = &open[last];
         const int changes = changes_of_sign(now->of, count);
         const bool falls = now->of[0] > 0.0 && !(now->of[count - 1] > 0.0);
-        const bool dips = now->of[0] > 0.0 && now->of[count - 1] > 0.0;
-        if (changes == 0 || (changes == 1 && !falls) || (dips && !(least(now->of, count) < -noise))) {
+        if (changes == 0 || (changes == 1 && !falls)) {
             last -= 1;
         } else if (changes == 1 || (last == DEPTH && falls)) {
-            return (struct bernstein_fall){now->low, now->low + now->width};
+            return (struct bernstein_fall){now->low, now->low + now->width, offset};
         } else if (last == DEPTH) {
             last -= 1;
         } else {
@@ -74,7 +68,14 @@ struct bernstein_fall bernstein_first_fall(const double *coefficients, int count
             last += 1;
         }
     }
-    return (struct bernstein_fall){(double)INFINITY, (double)INFINITY};
+    return (struct bernstein_fall){(double)INFINITY, (double)INFINITY, offset};
+}
+
+struct bernstein_fall bernstein_first_fall(const double *coefficients, int count, double noise)
+{
+    const struct bernstein_fall deep = first_fall_of_sum(coefficients, count, noise);
+    const bool stays = coefficients[0] > 0.0 && !(coefficients[count - 1] > 0.0);
+    return stays && !(deep.low < (double)INFINITY) ? first_fall_of_sum(coefficients, count, 0.0) : deep;
 }
 
 double bernstein_at(const double *coefficients, int count, double place)
@@ -94,15 +95,15 @@ double bernstein_root(const double *coefficients, int count, struct bernstein_fa
 {
     double low = fall.low;
     double high = fall.high;
-    double above = bernstein_at(coefficients, count, low);
-    double below = bernstein_at(coefficients, count, high);
+    double above = bernstein_at(coefficients, count, low) + fall.offset;
+    double below = bernstein_at(coefficients, count, high) + fall.offset;
     int side = 0;
     for (int i = 0; i < 100 && above > 0.0 && below < 0.0; ++i) {
         const double middle = low + (high - low) * (above / (above - below));
         if (!(middle > low && middle < high)) {
             break;
         }
-        const double value = bernstein_at(coefficients, count, middle);
+        const double value = bernstein_at(coefficients, count, middle) + fall.offset;
         if (value > 0.0) {
             low = middle;
             above = value;

@@ -4,13 +4,14 @@
 
 enum { BERNSTEIN_MOST = 13 }; /* coefficients */
 
-/* A bracket of that place, in which there is no other change of sign; low = INFINITY: it falls nowhere. */
+/* A bracket of that place, in which the polynomial and `offset` have no other change of sign; low =
+ * INFINITY: it falls nowhere. */
 struct bernstein_fall {
-    double low, high;
+    double low, high, offset;
 };
 
-/* What is known of the polynomial is known to `noise`: a dip below zero that is not deeper is
- * none. */
+/* What is known of the polynomial is known to `noise`: a dip below zero that is not deeper is none, a deeper
+ * one begins where it passes that; unless the end is not above zero. */
 struct bernstein_fall bernstein_first_fall(const double *coefficients, int count, double noise);
 
 /* The place itself, to rounding. */

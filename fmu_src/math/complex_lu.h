@@ -1,6 +1,6 @@
-/* Factors of a dense complex matrix and the solution of its systems, by Gaussian elimination with row pivots.
- * Real and imaginary parts stand in arrays of their own, column by column; a column, and a right side, has a zero
- * at least behind its last element. */
+/* Factors of a dense complex matrix and the solution of its systems, by Gaussian elimination with row
+ * pivots. Real and imaginary parts stand in arrays of their own, column by column; a column, and a right
+ * side, has a zero at least behind its last element. */
 #ifndef CONTACT_MATH_COMPLEX_LU_H
 #define CONTACT_MATH_COMPLEX_LU_H
 

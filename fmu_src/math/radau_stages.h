@@ -1,5 +1,5 @@
-/* Constants of Radau IIA with simplified Newton iterations; source: scripts/tools/make_radau.py, which says what
- * each array holds. */
+/* Constants of Radau IIA with simplified Newton iterations; source: scripts/tools/make_radau.py, which says
+ * what each array holds. */
 #ifndef CONTACT_MATH_RADAU_STAGES_H
 #define CONTACT_MATH_RADAU_STAGES_H
 

@@ -260,5 +260,12 @@ static const double radau_bernstein_12[169] = {
 
 const struct radau_stages radau_stages_12 = {
     12,
-    radau_node_12, radau_integral_12, radau_inverse_12, radau_eigenvalue_12, radau_into_12, radau_back_12, radau_chebyshev_12, radau_bernstein_12};
+    radau_node_12,
+    radau_integral_12,
+    radau_inverse_12,
+    radau_eigenvalue_12,
+    radau_into_12,
+    radau_back_12,
+    radau_chebyshev_12,
+    radau_bernstein_12};
 /* clang-format on */

@@ -58,7 +58,14 @@ static const double radau_bernstein_4[25] = {
 
 const struct radau_stages radau_stages_4 = {
     4,
-    radau_node_4, radau_integral_4, radau_inverse_4, radau_eigenvalue_4, radau_into_4, radau_back_4, radau_chebyshev_4, radau_bernstein_4};
+    radau_node_4,
+    radau_integral_4,
+    radau_inverse_4,
+    radau_eigenvalue_4,
+    radau_into_4,
+    radau_back_4,
+    radau_chebyshev_4,
+    radau_bernstein_4};
 
 static const double radau_node_8[8] = {
     0.022479386438712497, 0.11467905316090424, 0.26578982278458946, 0.45284637366944464,
@@ -193,5 +200,12 @@ static const double radau_bernstein_8[81] = {
 
 const struct radau_stages radau_stages_8 = {
     8,
-    radau_node_8, radau_integral_8, radau_inverse_8, radau_eigenvalue_8, radau_into_8, radau_back_8, radau_chebyshev_8, radau_bernstein_8};
+    radau_node_8,
+    radau_integral_8,
+    radau_inverse_8,
+    radau_eigenvalue_8,
+    radau_into_8,
+    radau_back_8,
+    radau_chebyshev_8,
+    radau_bernstein_8};
 /* clang-format on */

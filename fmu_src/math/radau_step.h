@@ -1,12 +1,14 @@
 /*
- * One step of Radau IIA for y' = f(t, y): the polynomial through the start that has the right rate at all stages.
- * Of s stages, order 2 s - 1 at its end and s within; what is too fast for the step is damped away (Hairer and
- * Wanner, Solving Ordinary Differential Equations II, chapter IV.8). Simplified Newton iterations with the Jacobian
- * at the start, split by the eigenvalues of A^-1 into s/2 complex systems of the problem's size.
+ * One step of Radau IIA for y' = f(t, y): the polynomial through the start that has the right rate at all
+ * stages. Of s stages, order 2 s - 1 at its end and s within; what is too fast for the step is damped away
+ * (Hairer and Wanner, Solving Ordinary Differential Equations II, chapter IV.8). Simplified Newton
+ * iterations with the Jacobian at the start, split by the eigenvalues of A^-1 into s/2 complex systems of
+ * the problem's size.
  *
- * Of the states the first `coupled` depend on each other. From `integrals` on they are integrals of what depends on
- * those. Those between are quaternions q' = w q, w a quaternion that depends on the coupled states: each feels but
- * itself. Neither are a part of the systems; nor are states whose rate is another state: these are eliminated.
+ * Of the states the first `coupled` depend on each other. From `integrals` on they are integrals of what
+ * depends on those. Those between are quaternions q' = w q, w a quaternion that depends on the coupled
+ * states: each feels but itself. Neither are a part of the systems; nor are states whose rate is another
+ * state: these are eliminated.
  */
 #ifndef CONTACT_MATH_RADAU_STEP_H
 #define CONTACT_MATH_RADAU_STEP_H
@@ -61,16 +63,17 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
 /* Begins at a state; evaluates rates and Jacobian there. */
 void radau_step_begin(struct radau_step *p, double clock, const double *y);
 
-/* Starts the iterations from the solution of the linear problem; from the last polynomial, for a step of another
- * length. To be followed by radau_step_solve with the same arguments. False where the systems have no solution. */
+/* Starts the iterations from the solution of the linear problem; from the last polynomial, for a step of
+ * another length. To be followed by radau_step_solve with the same arguments. False where the systems have
+ * no solution. */
 bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, double length);
 bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *stages, double length);
 
 /* Writes the coupled states at a stage, as far as they are known; the others are left as they are. */
 void radau_step_stage(const struct radau_step *p, int stage, double *y);
 
-/* Iterates until what is left of the correction is below `tolerance`, by the weights, or rounding. False where that
- * does not happen. */
+/* Iterates until what is left of the correction is below `tolerance`, by the weights, or rounding. False
+ * where that does not happen. */
 bool radau_step_solve(struct radau_step *p, double tolerance);
 
 /* The polynomial of all states, once solved; the state at a part of the step, 0 to 1. */

@@ -33,8 +33,8 @@ bool scene_is_force_element(const struct scene_values *v);
 /* Whether any free body is in more than one contact, so that contacts may act on each other through it. */
 bool scene_shares_free_body(const struct scene_values *v);
 
-/* Whether the motion may be integrated as differential equations (scene/ode.h): by CVODE, or by the general segment of
- * event_driven, for bodies in several contacts and where something turns or rubs. */
+/* Whether the motion may be integrated as differential equations (scene/ode.h): by CVODE, or by the general
+ * segment of event_driven, for bodies in several contacts and where something turns or rubs. */
 bool scene_uses_ode(const struct scene_values *v);
 
 /* Whether no bodies overlap. */
@@ -49,9 +49,9 @@ bool body_is_loaded(const struct scene_state *q, int body, int except);
  * even while this one is apart. Constant false in scenes of one contact. */
 bool contact_is_coupled(const struct scene_values *v, const struct scene_state *q, int contact);
 
-/* Whether it is known when the contact changes its regime before that is integrated (segment/outlook.h): always
- * where nothing turns or rubs, as far as closed forms tell; else while it transmits no force or its motion is
- * given, and no other contact acts on its bodies. */
+/* Whether it is known when the contact changes its regime before that is integrated (segment/outlook.h):
+ * always where nothing turns or rubs, as far as closed forms tell; else while it transmits no force or its
+ * motion is given, and no other contact acts on its bodies. */
 bool contact_is_foreseen(const struct scene_values *v, const struct scene_state *q, int contact);
 
 #endif

@@ -10,8 +10,8 @@ Of s stages at the right Radau nodes c of [0, 1] (make_lobatto.py), A_ij the int
     eigenvalue   those of A^-1 with positive imaginary part: all are complex where s is even; (re, im) each
     into         the rows of T^-1 that belong to them, A^-1 = T diag T^-1; all re of a row, then all im
     back         twice the columns of T: a real vector is the real part of their sum; by rows, (re, -im) each
-    chebyshev    from values at the nodes to the s + 1 Chebyshev coefficients of the polynomial through them and
-                 through zero at 0; by coefficients
+    chebyshev    from values at the nodes to the s + 1 Chebyshev coefficients of the polynomial through them
+                 and through zero at 0; by coefficients
     bernstein    from values at 0 and at the nodes to the s + 1 Bernstein coefficients; by places
 """
 
@@ -100,8 +100,8 @@ def tables(stages: int) -> str:
         "bernstein": [to_bernstein(b) for b in through_zero],
     }
     arrays = [table(f"radau_{name}_{stages}", rows) for name, rows in named.items()]
-    members = ", ".join(f"radau_{name}_{stages}" for name in named)
-    struct = f"const struct radau_stages radau_stages_{stages} = {{\n    {stages},\n    {members}}};\n"
+    members = ", ".join(f"\n    radau_{name}_{stages}" for name in named).replace(", ", ",")
+    struct = f"const struct radau_stages radau_stages_{stages} = {{\n    {stages},{members}}};\n"
     return "\n".join([*arrays, struct])
 
 

@@ -1,0 +1,43 @@
+/* Rows of numbers as radau_step.c and radau_solve.c keep them. */
+#ifndef CONTACT_MATH_RADAU_ROWS_H
+#define CONTACT_MATH_RADAU_ROWS_H
+
+#include "math/nodal_values.h"
+#include "math/radau_step.h"
+
+/* Rows end with at least one zero and are so many numbers long, for loops that take some at a time. */
+enum { RADAU_ROW_BLOCK = 4 };
+
+static inline int radau_padded(int count)
+{
+    return (count / RADAU_ROW_BLOCK + 1) * RADAU_ROW_BLOCK;
+}
+
+/* A row of a table times the rows of `from`. */
+static inline void radau_combine(double *restrict to, const double *row, int count, const double *from,
+                                 int stride, int width)
+{
+    for (int i = 0; i < width; i += 2 * LANES) {
+        double2 low = {0.0};
+        double2 high = {0.0};
+        for (int j = 0; j < count; ++j) {
+            low += double2_at(from + j * stride, i) * row[j];
+            high += double2_at(from + j * stride, i + LANES) * row[j];
+        }
+        double2_put(to, i, low);
+        double2_put(to, i + LANES, high);
+    }
+}
+
+/* Chebyshev polynomials at a part of the step, by their recurrence. */
+static inline void radau_polynomials_at(int count, double part, double *of)
+{
+    const double x = 2.0 * part - 1.0;
+    of[0] = 1.0;
+    of[1] = x;
+    for (int k = 2; k < count; ++k) {
+        of[k] = 2.0 * x * of[k - 1] - of[k - 2];
+    }
+}
+
+#endif

@@ -1,0 +1,148 @@
+/* One step of Radau IIA against closed forms: an oscillator, a stiff relaxation, a quaternion; where a
+ * polynomial first falls through zero. */
+#include "math/radau_step.h"
+
+#include <stdlib.h>
+
+#include "check.h"
+#include "math/bernstein.h"
+
+/* x'' = -x - damping x' as (x, v), a quaternion turned by the angular velocity v about its first axis, and
+ * the integral of v^2. */
+enum { PLACE, SPEED, TURN, SQUARE = 6, SIZE };
+
+static void oscillator_rates(const void *damping, double clock, const double *y, double *rates)
+{
+    (void)clock;
+    rates[PLACE] = y[SPEED];
+    rates[SPEED] = -y[PLACE] - *(const double *)damping * y[SPEED];
+    rates[TURN] = -0.5 * y[SPEED] * y[TURN + 1];
+    rates[TURN + 1] = 0.5 * y[SPEED] * y[TURN];
+    rates[TURN + 2] = -0.5 * y[SPEED] * y[TURN + 3];
+    rates[TURN + 3] = 0.5 * y[SPEED] * y[TURN + 2];
+    rates[SQUARE] = y[SPEED] * y[SPEED];
+}
+
+static void oscillator_jacobian(const void *damping, double clock, const double *y, double *columns)
+{
+    (void)clock, (void)y;
+    columns[PLACE * 2 + PLACE] = 0.0;
+    columns[PLACE * 2 + SPEED] = -1.0;
+    columns[SPEED * 2 + PLACE] = 1.0;
+    columns[SPEED * 2 + SPEED] = -*(const double *)damping;
+}
+
+static struct radau_problem oscillator(const double *damping)
+{
+    static const int place = PLACE, speed = SPEED;
+    return (struct radau_problem){.context = damping,
+                                  .size = SIZE,
+                                  .coupled = 2,
+                                  .integrals = SQUARE,
+                                  .paired = 1,
+                                  .place = &place,
+                                  .speed = &speed,
+                                  .rates = oscillator_rates,
+                                  .jacobian = oscillator_jacobian};
+}
+
+/* Begins at x = 0, v = 1, unturned. */
+static void *begin(struct radau_step *p, const double *damping)
+{
+    const double y[SIZE] = {[SPEED] = 1.0, [TURN] = 1.0};
+    const struct radau_problem problem = oscillator(damping);
+    void *memory = calloc(1, radau_step_memory(SIZE));
+    radau_step_place(p, &problem, memory);
+    for (int i = 0; i < SIZE; ++i) {
+        p->weight[i] = 1.0;
+    }
+    radau_step_begin(p, 0.0, y);
+    return memory;
+}
+
+static void an_oscillation_is_right_at_the_end_and_within(void)
+{
+    static const struct {
+        const struct radau_stages *stages;
+        double length, at_end, within;
+    } cases[] = {{&radau_stages_4, 0.1, 1e-13, 1e-9},
+                 {&radau_stages_8, 1.5, 1e-13, 1e-8},
+                 {&radau_stages_12, 4.0, 1e-13, 1e-9}};
+    const double damping = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        struct radau_step p;
+        double y[SIZE];
+        const double h = cases[k].length;
+        void *memory = begin(&p, &damping);
+        CHECK(radau_step_guess(&p, cases[k].stages, h));
+        CHECK(radau_step_solve(&p, 1e-14));
+        radau_step_finish(&p);
+        radau_step_at(&p, 1.0, y);
+        CHECK_CLOSE("x at the end", y[PLACE], sin(h), cases[k].at_end);
+        CHECK_CLOSE("v at the end", y[SPEED], cos(h), cases[k].at_end);
+        CHECK_CLOSE("integral of v^2", y[SQUARE], 0.5 * h + 0.25 * sin(2.0 * h), 10.0 * cases[k].at_end);
+        CHECK_CLOSE("turned by x", y[TURN], cos(0.5 * sin(h)), cases[k].within);
+        CHECK_CLOSE("about the first axis", y[TURN + 1], sin(0.5 * sin(h)), cases[k].within);
+        for (double part = 0.0; part <= 1.0; part += 0.01) {
+            radau_step_at(&p, part, y);
+            CHECK_CLOSE("x within", y[PLACE], sin(part * h), cases[k].within);
+        }
+        CHECK(radau_step_guess_again(&p, cases[k].stages, 0.6 * h) && radau_step_solve(&p, 1e-14));
+        radau_step_finish(&p);
+        radau_step_at(&p, 1.0, y);
+        CHECK_CLOSE("x of a shorter step", y[PLACE], sin(0.6 * h), cases[k].at_end);
+        free(memory);
+    }
+}
+
+/* Rates 1e8 and 1e-8: in a step of 100 seconds x follows v = -x / damping, whatever v was. */
+static void what_is_too_fast_is_damped_away(void)
+{
+    const double damping = 1e8;
+    struct radau_step p;
+    double y[SIZE];
+    void *memory = begin(&p, &damping);
+    CHECK(radau_step_guess(&p, &radau_stages_12, 100.0) && radau_step_solve(&p, 1e-14));
+    radau_step_finish(&p);
+    radau_step_at(&p, 1.0, y);
+    CHECK_CLOSE("x has moved by v / damping, and crept", y[PLACE], 1e-8 * (1.0 - 1e-6), 1e-15);
+    CHECK_CLOSE("v is 12 / 1e10 of what it was", y[SPEED], 0.0, 2e-9);
+    free(memory);
+}
+
+/* A cubic by its Bernstein coefficients. */
+static void a_fall_is_the_first_change_from_above_to_below(void)
+{
+    /* (0.2 - s)(0.7 - s)(0.9 - s): falls at 0.2, rises at 0.7, falls at 0.9 */
+    const double monomial[4] = {0.126, -0.95, 1.8, -1.0};
+    double of[4];
+    const double binomial[4] = {1.0, 3.0, 3.0, 1.0};
+    const double pascal[4][4] = {{1, 0, 0, 0}, {1, 1, 0, 0}, {1, 2, 1, 0}, {1, 3, 3, 1}};
+    for (int i = 0; i < 4; ++i) {
+        of[i] = 0.0;
+        for (int k = 0; k <= i; ++k) {
+            of[i] += pascal[i][k] / binomial[k] * monomial[k];
+        }
+    }
+    const struct bernstein_fall fall = bernstein_first_fall(of, 4, 0.0);
+    CHECK_CLOSE("first fall", bernstein_root(of, 4, fall), 0.2, 1e-14);
+    double turned[4];
+    for (int i = 0; i < 4; ++i) {
+        turned[i] = -of[i];
+    }
+    CHECK_CLOSE("of what starts below zero", bernstein_root(turned, 4, bernstein_first_fall(turned, 4, 0.0)),
+                0.7, 1e-13);
+    const double bow[3] = {1.0, -0.999, 1.0}; /* least 0.0005, at a half */
+    CHECK(bernstein_first_fall(bow, 3, 0.0).low == (double)INFINITY);
+    const double dip[3] = {1.0, -1.0000001, 1.0}; /* least -5e-8 */
+    CHECK(bernstein_first_fall(dip, 3, 0.0).low < 0.5);
+    CHECK(bernstein_first_fall(dip, 3, 1e-6).low == (double)INFINITY);
+}
+
+int main(void)
+{
+    CHECK_TEST(an_oscillation_is_right_at_the_end_and_within);
+    CHECK_TEST(what_is_too_fast_is_damped_away);
+    CHECK_TEST(a_fall_is_the_first_change_from_above_to_below);
+    return check_summary("radau_step");
+}
