@@ -271,7 +271,7 @@ function(contact_fmu_sources target folder fmi units output)
         COMMAND "${Python3_EXECUTABLE}" -B "${PROJECT_SOURCE_DIR}/cmake/amalgamate.py" "${folder}/${units}"
             "${folder}" "${CONTACT_SOURCE_FOLDER}" "${headers}" ${fmi} "${folder}/${output}"
         DEPENDS ${ARGN} ${own_headers} "${folder}/scene.h" "${folder}/scene.cmake" "${folder}/${units}"
-            "${PROJECT_SOURCE_DIR}/cmake/amalgamate.py"
+            "${PROJECT_SOURCE_DIR}/cmake/amalgamate.py" "${PROJECT_SOURCE_DIR}/cmake/prune.py"
         COMMENT "Joining the sources of ${target}" VERBATIM)
     add_custom_target(${target}_sources DEPENDS "${made}")
 endfunction()

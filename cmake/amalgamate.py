@@ -8,6 +8,8 @@ import re
 import sys
 from pathlib import Path
 
+from prune import pruned
+
 INCLUDE = re.compile(r'^#include ([<"])([^>"]+)[>"].*\n', re.MULTILINE)
 # A string, which may look like a comment inside, or a comment.
 COMMENT = re.compile(r'"(?:[^"\\\n]|\\.)*"|/\*.*?\*/', re.DOTALL)
@@ -24,7 +26,8 @@ BUILD_DESCRIPTION = """\
 HEAD = """\
 /*
  * {name}: the whole model and its FMI {fmi}.0 functions as one file, which the build joins of
- * all sources, without their comments. Beside it: scene.h, what this scene holds, and the headers of FMI.
+ * all sources, without their comments and what this scene does not need. Beside it: scene.h, what this scene
+ * holds, and the headers of FMI.
  *
  *   cc -std=c11 -O2 -shared -fPIC -o {name}.so contact.c -lm
  *
@@ -41,6 +44,11 @@ HEAD = """\
 #endif
 
 #include "fmi{fmi}Functions.h"
+
+/* Some scenes do not call all functions. */
+#if defined __GNUC__ || defined __clang__
+#pragma GCC diagnostic ignored "-Wunused-function"
+#endif
 
 /* Only the functions of FMI are seen from outside. */
 #if defined __GNUC__ && !defined _WIN32
@@ -122,15 +130,16 @@ def amalgamated(units, source, scene, fmi):
         body += f"\n#ifdef CONTACT_WITH_CVODE\n{with_it}\n#else\n{without}\n#endif\n"
     # What the contact folder, which knows no scene, hears of it.
     parts = ("CYLINDER", "PLANE", "HERTZ", "RESTITUTION")
-    definitions = [f"#define CONTACT_NO_{part}\n" for part in parts if f"set(SCENE_HAS_{part} OFF)" in about]
+    left_out = [f"CONTACT_NO_{part}" for part in parts if f"set(SCENE_HAS_{part} OFF)" in about]
     name = re.search(r'SCENE_NAME "(\w+)"', about)[1]
     head = HEAD.format(
         name=name,
         fmi=fmi,
-        definitions="".join(definitions),
+        definitions="".join(f"#define {macro}\n" for macro in left_out),
         libraries="".join(f"#include <{library}>\n" for library in sorted(one.libraries)),
     )
-    return name, head + without_comments(body) + TAIL
+    header = (scene / "scene.h").read_text(encoding="utf-8")
+    return name, head + pruned(without_comments(body), header, left_out) + TAIL
 
 
 def main(units, scene, source, headers, fmi, output):

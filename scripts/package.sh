@@ -68,8 +68,9 @@ run_checks() {
             apt-get -qq install -y --no-install-recommends "${missing[@]}" </dev/null >/dev/null
     fi
     say "Checks"
+    cd "$root/tests/platforms"
     PYTHONPATH=$root/scripts:$root/tests CONTACT_RELEASE=$release CONTACT_SUNDIALS_SOURCE=$sundials \
-        "$python" -m pytest -q "$root/tests/platforms/check_release.py" </dev/null
+        "$python" -m pytest -q check_release.py check_sources.py </dev/null
 }
 
 use_build "$root/build"

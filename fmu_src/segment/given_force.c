@@ -2,6 +2,7 @@
 
 #include <float.h>
 
+#include "math/compiler.h"
 #include "math/gauss.h"
 #include "scene/onset.h"
 #include "scene/rounding.h"
@@ -34,8 +35,7 @@ static struct contact_state *contact_of(const struct given_step *step)
 }
 
 /* Called from many places: one copy is enough. */
-__attribute__((noinline)) static void instant_at(const struct given_step *step, double s,
-                                                 struct scene_instant *at)
+CONTACT_NOINLINE static void instant_at(const struct given_step *step, double s, struct scene_instant *at)
 {
     scene_evaluate(step->v, step->q, step->q->clock + s * step->length, 0, at);
 }
@@ -75,7 +75,7 @@ static bool wants_grading(const struct given_step *step, double from, double to)
     return fmax(gap[0], gap[2]) > SHALLOW * gap[1];
 }
 
-__attribute__((noinline)) static struct panel panel_of(const struct given_step *step, double from, double to)
+CONTACT_NOINLINE static struct panel panel_of(const struct given_step *step, double from, double to)
 {
     struct panel panel = {{0.0, 0.0, 0.0}, 0.0};
     const double half = 0.5 * (to - from);

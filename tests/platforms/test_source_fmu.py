@@ -92,6 +92,76 @@ def test_the_library_shows_only_the_functions_of_fmi(unpacked, compiled):
     assert needed(library) <= LIBRARIES
 
 
+@pytest.mark.parametrize("name", ["ForceElement", "PinnedEvent"])
+def test_all_that_is_called_is_there_without_an_optimizer_too(unpacked, tmp_path, name):
+    options = [*WARNINGS, "-O0", "-shared", "-fPIC", "-Wl,-z,defs", "-o", tmp_path / "a.so"]
+    compile_c(*options, "contact.c", "-lm", cwd=unpacked(name) / "sources")
+
+
+def test_the_file_has_no_branch_that_the_scene_decides(unpacked):
+    text = (unpacked("PinnedEvent") / "sources" / "contact.c").read_text()
+    assert "#if defined __GNUC__" in text
+    assert "#if SCENE_" not in text
+    assert "#ifdef CONTACT_NO_" not in text
+    assert "plane_gap" not in text
+
+
+LOST = """\
+static const double LOST[] = {
+    1.0,
+};
+"""
+BRANCH = "#if SCENE_A && !SCENE_B\n"
+LAST_BRANCH = "#elif SCENE_C\nint other;\n#endif\n"
+OF_D = "#ifdef CONTACT_NO_D\n"
+NOT_D = "#else\nint gone;\n#endif\n"
+ASKED_BY_NOBODY = """\
+static double near_by(void);
+static double near_by(void)
+{
+    return LOST[0];
+}
+"""
+SOURCES = f"""\
+#define NEAR(x) near_(x)
+static const double FAR = 3.0;
+{LOST}struct pair {{
+    double first, near_by;
+}};
+{BRANCH}double near_(double x);
+{LAST_BRANCH}{OF_D}#ifdef __GNUC__
+int kept;
+#endif
+{NOT_D}static double helper(const double *x,
+                     double y)
+{{
+    const double near_by = x[0];
+    return near_by + y + FAR;
+}}
+{ASKED_BY_NOBODY}double near_(double x)
+{{
+    return apply(helper, x);
+}}
+int fmi2Call(void)
+{{
+    return (int)NEAR(1.0);
+}}
+"""
+
+
+def test_what_nothing_asks_for_is_left_out_of_the_sources():
+    """A function that is handed over is asked for; a variable or a member of its name is not it"""
+    sys.path.insert(0, str(ROOT / "cmake"))
+    from prune import pruned
+
+    header = "#define SCENE_A 1 /* one */\n#define SCENE_B 0\n"
+    wanted = SOURCES
+    for part in (LOST, BRANCH, LAST_BRANCH, OF_D, NOT_D, ASKED_BY_NOBODY):
+        assert part in wanted
+        wanted = wanted.replace(part, "")
+    assert pruned(SOURCES, header, ["CONTACT_NO_D"]) == wanted
+
+
 def test_fmpy_compiles_the_sources(unpacked, tmp_path):
     """The command of fmpy's users; its CMake project links no libm, which Python itself has"""
     folder = unpacked("ForceElement")

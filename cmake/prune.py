@@ -1,0 +1,150 @@
+"""What a scene's joined sources do not need: branches of the preprocessor that the scene decides, functions
+and constants that nobody asks for. Every FMU carries the file.
+
+It goes by how this project is formatted: definitions begin in the first column, and bodies end with a brace
+there.
+"""
+
+import re
+
+DIRECTIVE = re.compile(r"#(if|ifdef|ifndef|elif|else|endif)\b(.*)")
+NAME = re.compile(r"[A-Za-z_]\w*")
+DEFINED = re.compile(r"^#define (SCENE_\w+) (-?\d+)(?: */\*.*\*/)?$", re.MULTILINE)
+CALLED = re.compile(r"(\w+)\(")
+# What is no function: members, tags, attributes.
+OTHER = re.compile(r"(?:->|\.)\w+|\b(?:struct|enum|union) \w+|__attribute__\(\(\w+")
+VARIABLE = re.compile(r"(?:\b(?!sizeof |return )\w+(?: |\*| \*)|, \*?(?=\w+;))(\w+)(?=\[|;|,|\)| =)")
+CONSTANT = re.compile(r"static const [\w ]*?[ *](\w+)(?:\[[^=]*)? =")
+
+
+def pruned(text, scene_header, left_out):
+    """The text of C as the macros of scene.h have it; left_out: all macros CONTACT_NO_... that are defined"""
+    known = {name: int(value) for name, value in DEFINED.findall(scene_header)}
+    lines, rest = _chosen(text.split("\n"), 0, Conditions(known, left_out))
+    assert rest == len(text.split("\n"))
+    return "\n".join(line for piece in _wanted(_pieces(lines)) for line in piece.lines)
+
+
+class Conditions:
+    """What is known of them when a scene's sources are joined"""
+
+    def __init__(self, values, left_out):
+        self.values = values
+        self.left_out = left_out
+
+    def value(self, kind, condition):
+        """True or false, or None where a compiler decides"""
+        condition = condition.strip()
+        if kind in ("ifdef", "ifndef"):
+            if not condition.startswith("CONTACT_NO_"):
+                return None
+            return (condition in self.left_out) == (kind == "ifdef")
+        names = NAME.findall(condition)
+        if not names or not all(name in self.values for name in names):
+            return None
+        condition = NAME.sub(lambda found: str(self.values[found[0]]), condition)
+        condition = condition.replace("&&", " and ").replace("||", " or ")
+        return bool(eval(re.sub(r"!(?!=)", " not ", condition), {"__builtins__": {}}))
+
+
+def _chosen(lines, at, conditions):
+    """Lines up to an #elif, #else or #endif of nobody here, and where that is"""
+    kept = []
+    while at < len(lines):
+        found = DIRECTIVE.match(lines[at])
+        if not found:
+            kept.append(lines[at])
+            at += 1
+        elif found[1] in ("elif", "else", "endif"):
+            break
+        else:
+            group, at = _group(lines, at, conditions)
+            kept += group
+    return kept, at
+
+
+def _group(lines, at, conditions):
+    """An #if with its #endif: one branch of it where all is known, else all of them"""
+    whole, branches = [], []
+    while True:
+        kind, condition = DIRECTIVE.match(lines[at]).groups()
+        head = lines[at]
+        if kind == "endif":
+            break
+        inside, at = _chosen(lines, at + 1, conditions)
+        value = True if kind == "else" else conditions.value(kind, condition)
+        branches.append((value, inside))
+        whole += [head, *inside]
+    for value, inside in branches:
+        if value is None:
+            return [*whole, lines[at]], at + 1
+        if value:
+            return inside, at + 1
+    return [], at + 1
+
+
+class Piece:
+    """A function's definition or declaration, a constant, or a line of anything else, which has no name"""
+
+    def __init__(self, lines, name=None, declares=False):
+        self.lines = lines
+        self.name = name
+        self.declares = declares
+
+    def needs(self):
+        """Names in it, without those of its variables; the declaration of a function needs only its types"""
+        if self.declares:
+            return set()
+        text = OTHER.sub("", "\n".join(self.lines))
+        return set(NAME.findall(text)) - (set(VARIABLE.findall(text)) - set(CALLED.findall(text)))
+
+
+def _pieces(lines):
+    found, at = [], 0
+    while at < len(lines):
+        piece = _piece(lines, at)
+        found.append(piece)
+        at += len(piece.lines)
+    return found
+
+
+def _piece(lines, at):
+    line = lines[at]
+    constant = CONSTANT.match(line)
+    if constant:
+        return Piece(_until(lines, at, ";"), constant[1])
+    if not re.match(r"[A-Za-z_][^=]*\(", line) or line.startswith(("typedef ", "_Static_assert")):
+        return Piece([line])
+    head = _until(lines, at, (";", "{", "}"))
+    called = re.search(r"(\w+)\(", re.sub(r"\b[A-Z]+_[A-Z_]+(?:\([^()]*\))?", "", " ".join(head)))
+    if called is None or any(one.startswith("#") for one in head) or "=" in " ".join(head):
+        return Piece([line])
+    if head[-1].endswith(";"):
+        return Piece(head, called[1], declares=True)
+    if head[-1] == "{":
+        end = lines.index("}", at)
+        return Piece(lines[at : end + 1], called[1])
+    return Piece([line])
+
+
+def _until(lines, at, ends):
+    end = at
+    while not lines[end].endswith(ends):
+        end += 1
+    return lines[at : end + 1]
+
+
+def _wanted(pieces):
+    """Without functions and constants that neither FMI nor anything that is kept has a name of"""
+    of_name = {}
+    for piece in pieces:
+        of_name.setdefault(piece.name, []).append(piece)
+    waiting = [name for piece in of_name.get(None, []) for name in piece.needs()]
+    waiting += [name for name in of_name if name and re.match(r"fmi[23][A-Z]", name)]
+    needed = set()
+    while waiting:
+        name = waiting.pop()
+        if name not in needed:
+            needed.add(name)
+            waiting += [other for piece in of_name.get(name, ()) for other in piece.needs()]
+    return [piece for piece in pieces if piece.name is None or piece.name in needed]

@@ -1,0 +1,117 @@
+"""The sources in the release FMUs, by other compilers and in a bare Debian: `scripts/package.sh --check`"""
+
+import os
+import shutil
+import sys
+import zipfile
+from pathlib import Path
+
+import fmpy
+import pytest
+
+from contact_fmus.building.compiler import find_compiler
+from support.portable_host import HEADERS, SOURCE, difference, motion, numbers, settings, unpacked
+from support.programs import checked
+from support.release import CASES, MINGW, fmu_of
+from support.scenes.benchmarks import BENCHMARKS
+from support.sources import SCENES
+
+BESIDE = Path(__file__).parent
+WARNINGS = ["-Wall", "-Wextra", "-pedantic", "-Werror"]
+
+
+@pytest.mark.parametrize("case", BENCHMARKS)
+def test_mingw_builds_the_sources_and_gives_the_motion_of_linux(case, hosts, release, of_this_build):
+    name, values, end, bound = CASES[case]
+    folder = release(name)
+    library = folder / "mingw.dll"
+    if not library.exists():
+        options = ["-std=c11", *WARNINGS, "-O2", "-shared", "-static-libgcc"]
+        checked([MINGW, *options, "-o", library, "contact.c"], cwd=folder / "sources")
+    program, environment = hosts["win64"]
+    text = motion(program, library, folder, values, end, environment)
+    off = difference(text, of_this_build(case))
+    print(f"\nmingw {case}: {off:.1e}", file=sys.__stderr__)
+    assert off <= bound
+
+
+@pytest.fixture(scope="session")
+def compiled_by_fmpy(work):
+    """The library that `fmpy compile` makes of the sources, without those that were there"""
+
+    def compiled(name):
+        folder = work / f"fmpy-{name}"
+        if not folder.is_dir():
+            fmu = work / f"{name}.fmu"
+            with zipfile.ZipFile(fmu_of(name)) as old, zipfile.ZipFile(fmu, "w") as new:
+                for member in old.namelist():
+                    if not member.startswith("binaries/"):
+                        new.writestr(member, old.read(member))
+            checked([sys.executable, "-m", "fmpy", "compile", fmu])
+            unpacked(fmu, folder)
+        return folder
+
+    return compiled
+
+
+@pytest.mark.parametrize("case", BENCHMARKS)
+def test_fmpy_compiles_the_sources(case, compiled_by_fmpy):
+    """fmpy's project links no libm, which Python itself has: the host is fmpy"""
+    benchmark = BENCHMARKS[case]
+    folder = compiled_by_fmpy(benchmark.fmu)
+    pairs = settings(fmpy.read_model_description(str(folder)), benchmark.configuration)
+    values = {variable.name: value for variable, value in pairs}
+    names = [f"source.position[{axis}]" for axis in (1, 2, 3)]
+    about = {"start_values": values, "output": names, "stop_time": benchmark.end}
+    rows = fmpy.simulate_fmu(str(folder), output_interval=benchmark.end / 37, **about)
+    assert [rows[name][-1] for name in names] == pytest.approx(benchmark.position, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_clang_in_the_mode_of_msvc_has_no_complaint_about_the_sources(name, release):
+    """mingw-w64's headers stand in for Microsoft's: they compile here, but what comes of it does not run"""
+    headers = Path(find_compiler("zig")[0]).parent / "lib" / "libc" / "include"
+    folders = [headers / one for one in ("x86_64-windows-gnu", "generic-mingw", "any-windows-any")]
+    command = [
+        "clang",
+        "--target=x86_64-pc-windows-msvc",
+        "-std=c11",
+        "-O2",
+        "-c",
+        "-o",
+        os.devnull,
+        *WARNINGS,
+    ]
+    command += ["-o", os.devnull, "-nostdlibinc", "-D_UCRT", "-include", BESIDE / "msvc_headers.h"]
+    command += [word for folder in folders for word in ("-isystem", folder)]
+    sources = release(name) / "sources"
+    wrong = sources / "wrong.c"
+    wrong.write_text('#include "contact.c"\nint *wrong = 1.5;\n')
+    assert "wrong.c:2" in checked([*command, "wrong.c"], cwd=sources, status=1)
+    wrong.unlink()
+    assert checked([*command, "contact.c"], cwd=sources) == ""
+
+
+@pytest.fixture(scope="session")
+def bare_root(work):
+    """A Debian 12 that has only a C compiler"""
+    root = work / "root"
+    include = "--include=gcc,libc6-dev"
+    checked(["debootstrap", "--variant=minbase", include, "bookworm", root], timeout=900)
+    yield root
+    shutil.rmtree(root)
+
+
+@pytest.mark.parametrize("case", BENCHMARKS)
+def test_a_bare_debian_with_a_c_compiler_builds_and_runs_the_sources(case, bare_root, release):
+    name, values, end, _ = CASES[case]
+    folder = bare_root / "build" / name
+    if not folder.is_dir():
+        shutil.copytree(release(name) / "sources", folder)
+        shutil.copytree(HEADERS, bare_root / "build" / "headers", dirs_exist_ok=True)
+        shutil.copy(SOURCE, bare_root / "build")
+        inside = ["chroot", bare_root, "cc", "-std=c11", "-O2"]
+        checked([*inside, "-shared", "-fPIC", "-o", f"/build/{name}/a.so", f"/build/{name}/contact.c", "-lm"])
+        checked([*inside, "-I/build/headers", "/build/host.c", "-ldl", "-o", "/build/host"])
+    text = motion(["chroot", bare_root, "/build/host"], f"/build/{name}/a.so", release(name), values, end)
+    assert numbers(text)[-1][1:4] == pytest.approx(BENCHMARKS[case].position, abs=1e-9)
