@@ -12,8 +12,8 @@
  *              n is the unit vector to its nearest point, d how far that is
  *
  * All are g = side (d - reach) with side +1 outside, -1 inside, and reach r_s + r_d or r_d - r_s, so that g'
- * = side n.w; a plane has r_d = 0 and no inside, a rim too. The gradient of d with respect to c is n for all shapes; n
- * is perpendicular to e_d for a cylinder and constant for a plane.
+ * = side n.w; a plane has r_d = 0 and no inside, a rim too. The gradient of d with respect to c is n for all
+ * shapes; n is perpendicular to e_d for a cylinder and constant for a plane.
  */
 #ifndef CONTACT_CONTACT_GEOMETRY_H
 #define CONTACT_CONTACT_GEOMETRY_H
@@ -171,9 +171,10 @@ struct vec3 contact_direction_of(const struct contact_shape *shape, const struct
 struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w);
 
 /*
- * d times the change of n as the source moves across it by w: T w with the projection T of contact_tangential,
- * but for a rim, which is curved in two ways: by 1/d across the circle and by (rho - r_d)/(rho d) along it, with
- * rho the distance from the axis, so that T = I - n n^T - (r_d / rho) b b^T, b the hoop.
+ * d times the change of n as the source moves across it by w: T w with the projection T of
+ * contact_tangential, but for a rim, which is curved in two ways: by 1/d across the circle and by
+ * (rho - r_d)/(rho d) along it, with rho the distance from the axis, so that T = I - n n^T - (r_d / rho) b b^T,
+ * b the hoop.
  */
 struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
                                  struct vec3 w);

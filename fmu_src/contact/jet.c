@@ -20,8 +20,8 @@ struct vec3 jet_scale(const double *a, const struct vec3 *b, int order)
 
 #ifndef CONTACT_NO_CAPS
 
-/* Coefficient `order` of a root from sums of products, r r = a a + b b: i r_i = sum of j (a/r)_(i-j) a_j + the
- * same of b. */
+/* Coefficient `order` of a root from sums of products, r r = a a + b b: i r_i = sum of j (a/r)_(i-j) a_j +
+ * the same of b. */
 static double jet_of_hypotenuse(const double *cosine, const double *a, const double *sine, const double *b,
                                 int order)
 {
@@ -41,8 +41,8 @@ static double jet_of_quotient(const double *a, const double *b, const double *qu
     return rest / b[0];
 }
 
-/* All coefficients of d and n of a rim: n = (dr a + dz e) / d, with a the unit vector to the axis, which turns
- * along the circle, and e the normal of the cap; dz < 0 here is how far the centre is above it. */
+/* All coefficients of d and n of a rim: n = (dr a + dz e) / d, with a the unit vector to the axis, which
+ * turns along the circle, and e the normal of the cap; dz < 0 here is how far the centre is above it. */
 static void jet_of_rim(const struct contact_shape *shape, const struct contact_geometry *at,
                        const struct vec3 *c, struct contact_jet *result)
 {

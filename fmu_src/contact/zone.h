@@ -11,9 +11,9 @@
  *
  * The gap is that distance less r_s. Outside the solid it is continuous with its slope n, which turns at
  * another rate in each zone; a centre inside the solid is pushed out through the nearest face, and n jumps
- * where that changes. In each zone the shape is one of geometry.h, smooth beyond the edges of the zone too: who
- * integrates stays in a zone until its margin falls through zero. A cap is a plane whose height is measured
- * from the cylinder's centre, so that its reach is h + r_s.
+ * where that changes. In each zone the shape is one of geometry.h, smooth beyond the edges of the zone too:
+ * who integrates stays in a zone until its margin falls through zero. A cap is a plane whose height is
+ * measured from the cylinder's centre, so that its reach is h + r_s.
  */
 #ifndef CONTACT_CONTACT_ZONE_H
 #define CONTACT_CONTACT_ZONE_H
@@ -39,7 +39,7 @@ struct contact_shape contact_shape_in(const struct contact_shape *shape, int zon
 /* How far the centre is within the edges of a zone [m]: negative beyond them, where another one is nearer. */
 double contact_zone_margin(const struct contact_solid *solid, int zone, struct vec3 c);
 
-/* The distance from the axis along a path of the separation: value and Taylor coefficients, as of a jet [m]. */
+/* The distance from the axis along a path of the separation: value and Taylor coefficients of it [m]. */
 void contact_axis_distance(const struct contact_solid *solid, const struct vec3 c[3], double rho[3]);
 
 /* The zone beyond the edge that is nearest to c, from within a zone. */

@@ -1,7 +1,7 @@
 /*
  * Changes of regime at the rim of a capped cylinder along a path that is given (flight while separating, or
- * prescribed motion). The gap is a root of polynomials of degree eight, and the law's conditions go beyond what
- * polynomials can tell, so the path is followed in steps that are short against the circle's distance.
+ * prescribed motion). The gap is a root of polynomials of degree eight, and the law's conditions go beyond
+ * what polynomials can tell, so the path is followed in steps that are short against the circle's distance.
  */
 #ifndef CONTACT_SEGMENT_RIM_CHANGE_H
 #define CONTACT_SEGMENT_RIM_CHANGE_H

@@ -2,8 +2,8 @@
 
 #if SCENE_ANY_CAPS
 
-/* A step is a fifth of the radius of convergence at most (TAYLOR_ORDER); within a quarter of it no quantity of
- * the contact has two extrema. */
+/* A step is a fifth of the radius of convergence at most (TAYLOR_ORDER); within a quarter of it no quantity
+ * of the contact has two extrema. */
 enum { PLACES_AT_RIM = 5 };
 
 bool rim_applies(const struct segment *p)

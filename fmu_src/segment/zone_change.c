@@ -16,8 +16,8 @@ static double rounding_now(const struct scene_values *v, const struct scene_stat
                                                     : rounding_of_gap(v, at, contact);
 }
 
-/* How a gap within its rounding goes on: by its rate, and by the acceleration along the normal and the turning
- * of it. */
+/* How a gap within its rounding goes on: by its rate, and by the acceleration along the normal and the
+ * turning of it. */
 struct opening {
     double speed, bend; /* [m/s], half the acceleration [m/s^2] */
 };
@@ -33,7 +33,8 @@ static struct opening opening_at(const struct contact_shape *shape, const struct
     return (struct opening){at.gap_rate, vec3_dot(at.normal, path->c[2]) + 0.5 * turning};
 }
 
-/* Whether bodies whose gap is zero, to rounding, go on to overlap; else for how long they stay within it [s]. */
+/* Whether bodies whose gap is zero, to rounding, go on to overlap; else for how long they stay within it
+ * [s]. */
 static bool closes(struct opening opening, double noise, double rate_noise, double *leaving)
 {
     *leaving = fmin(noise / fabs(opening.speed), sqrt(noise / fabs(opening.bend)));

@@ -1,5 +1,5 @@
-/* The next change of regime of a contact with a capped cylinder, or of its zone, where no contact force acts or
- * all motion is given: regime_change.h for that shape. A change of zone leaves the regime as it is. */
+/* The next change of regime of a contact with a capped cylinder, or of its zone, where no contact force acts
+ * or all motion is given: regime_change.h for that shape. A change of zone leaves the regime as it is. */
 #ifndef CONTACT_SEGMENT_ZONE_CHANGE_H
 #define CONTACT_SEGMENT_ZONE_CHANGE_H
 

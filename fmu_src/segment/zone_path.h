@@ -1,10 +1,10 @@
 /*
  * A capped cylinder along a path that is given: flight, or two bodies whose motion is prescribed.
  *
- * The first touch needs no zones. The solid is convex, so that its distance from a point is at least that from
- * the plane through the point nearest to it, n.(c(t + s) - c(t)) + g(t): a polynomial of s, whose first root
- * comes no later than the touch. From there the next one is taken; the steps converge as Newton's do, and no
- * touch is missed however long the path is.
+ * The first touch needs no zones. The solid is convex, so that its distance from a point is at least that
+ * from the plane through the point nearest to it, n.(c(t + s) - c(t)) + g(t): a polynomial of s, whose first
+ * root comes no later than the touch. From there the next one is taken; the steps converge as Newton's do,
+ * and no touch is missed however long the path is.
  *
  * In contact the path is followed from zone to zone. Edges of a zone are roots of polynomials, all isolated;
  * between them one point tells the zone.
@@ -30,8 +30,8 @@ double zone_path_end(const struct contact_solid *solid, const struct separation_
 double zone_path_leaves_face(const struct contact_solid *solid, const struct separation_path *path,
                              double horizon);
 
-/* All instants at which a path passes from any zone to another, and more: parts of the horizon, sorted; at most
- * ZONE_EDGES of them. Returns how many. */
+/* All instants at which a path passes from any zone to another, and more: parts of the horizon, sorted; at
+ * most ZONE_EDGES of them. Returns how many. */
 enum { ZONE_EDGES = 4 * POLYNOMIAL_MAX_DEGREE };
 int zone_path_edges(const struct contact_solid *solid, const struct separation_path *path, double horizon,
                     double edges[ZONE_EDGES]);
