@@ -173,8 +173,8 @@ struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 no
 /*
  * d times the change of n as the source moves across it by w: T w with the projection T of
  * contact_tangential, but for a rim, which is curved in two ways: by 1/d across the circle and by
- * (rho - r_d)/(rho d) along it, with rho the distance from the axis, so that T = I - n n^T - (r_d / rho) b b^T,
- * b the hoop.
+ * (rho - r_d)/(rho d) along it, with rho the distance from the axis: T = I - n n^T - (r_d / rho) b b^T with
+ * the hoop b.
  */
 struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
                                  struct vec3 w);
