@@ -1,6 +1,6 @@
 /*
- * The jet (scene_jet.h) of what turns and rubs: rotations of the bodies, and contacts whose destination's axis
- * turns, with their torques, slip, friction and springs. Coefficients of order up to two.
+ * The jet (scene_jet.h) of what turns and rubs: rotations of the bodies, and contacts whose axis turns,
+ * with their torques, slip, friction and springs. Coefficients of order up to two.
  */
 #ifndef CONTACT_SCENE_TURNING_JET_H
 #define CONTACT_SCENE_TURNING_JET_H
@@ -10,8 +10,8 @@
 
 #if SCENE_ANY_TURNING
 
-/* The rotations of the bodies in time, as far as the instant tells them: of bodies that turn freely the change
- * of their angular acceleration is missing. And the rates of the springs. */
+/* The rotations of the bodies in time, as far as the instant tells them: of bodies that turn freely the
+ * change of their angular acceleration is missing. And the rates of the springs. */
 CONTACT_COLD void turning_jet_put_bodies(const struct scene_values *v, const struct scene_state *q,
                                          const struct scene_instant *at, struct scene_jet *along);
 

@@ -12,7 +12,7 @@
 #if SCENE_ANY_TURNING
 
 /* Where the integrals are: impulse of the force on the source [N s], of the torques on source and destination
- * [N m s]; energies that the normal law dissipates, that friction and its springs take, that is supplied [J]. */
+ * [N m s]; energies that the normal law dissipates, that friction takes, that is supplied [J]. */
 enum {
     DRIVEN_FORCE = 0,
     DRIVEN_SOURCE_TORQUE = 3,

@@ -223,8 +223,8 @@ static double rounding_part(const struct driven_span *s, const struct driven_pan
     return panel->size[DRIVEN_FORCE] > 0.0 ? fmin(noise / panel->size[DRIVEN_FORCE], 1.0) : 1.0;
 }
 
-/* A contact's law at an instant: its regime, and whether friction is capped or lifted; forces within `floor` of
- * zero are none [N]. */
+/* A contact's law at an instant: its regime, and whether friction is capped or lifted; forces within `floor`
+ * of zero are none [N]. */
 static int law_at(const struct driven_span *s, double clock, struct vec3 spring, double floor)
 {
     struct scene_instant at;
@@ -314,7 +314,7 @@ static bool finds_event(const struct driven_span *s, const struct driven_panel *
     return false;
 }
 
-/* Halves the bracket until the clock is known to rounding; the panel that ends there, just after the event. */
+/* Halves the bracket until the clock is known to rounding; the panel that ends there, just past the event. */
 static bool panel_to_event(const struct driven_span *s, double from, double before, double after,
                            double floor, struct driven_panel *panel)
 {
