@@ -1,9 +1,9 @@
 #include "math/rotor_series.h"
 
 /*
- * Coefficient n of the series in t/step is at most exp(a)/8^n, where a is the angle that the sizes of lambda's
- * terms would turn by in 8 steps (Cauchy's bound). With a <= 8, of a constant lambda a step of one radian, what
- * follows 21 terms is below exp(8)/8^22 = 4e-17 of a rotation.
+ * Coefficient n of the series in t/step is at most exp(a)/8^n, where a is the angle that the sizes of
+ * lambda's terms would turn by in 8 steps (Cauchy's bound). With a <= 8, of a constant lambda a step of one
+ * radian, what follows 21 terms is below exp(8)/8^22 = 4e-17 of a rotation.
  */
 enum { ROTOR_TERMS = 21 };
 static const double ROTOR_REACH = 8.0;

@@ -1,6 +1,7 @@
 /*
- * How bodies turn in flight. Without a torque in closed form, from the origin of the clock, so that the result
- * does not depend on how the flight is cut into communication steps; under one by series from the present.
+ * How bodies turn in flight. Without a torque in closed form, from the origin of the clock, so that the
+ * result does not depend on how the flight is cut into communication steps; under one by series from the
+ * present.
  */
 #ifndef CONTACT_SEGMENT_FLIGHT_TURNING_H
 #define CONTACT_SEGMENT_FLIGHT_TURNING_H

@@ -21,10 +21,10 @@ static bool axis_turns(const struct scene_values *v, int contact)
 /* Whether another contact presses on a body of this one. */
 static bool is_loaded(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    const int bodies[2] = {contact_source(contact), contact_destination(contact)};
     for (int i = 0; SCENE_CONTACTS > 1 && i < 2; ++i) {
-        const bool moves = body_is_free(v, bodies[i]) || body_turns_freely(v, bodies[i]);
-        if (moves && body_is_loaded(q, bodies[i], contact)) {
+        const int body = i == 0 ? contact_source(contact) : contact_destination(contact);
+        const bool moves = body_is_free(v, body) || body_turns_freely(v, body);
+        if (moves && body_is_loaded(q, body, contact)) {
             return true;
         }
     }

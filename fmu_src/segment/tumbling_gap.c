@@ -57,8 +57,8 @@ static bool distance_grows(const struct tumbling_path *path, enum tumbling_chang
     return (change == TUMBLING_TOUCH) == (path->shape.side < 0);
 }
 
-/* The distance whose square is smooth wherever the source is, and its reach: to an axis, or to a capped solid,
- * of which the source's centre is r_s away as they part. */
+/* The distance whose square is smooth wherever the source is, and its reach: to an axis, or to a capped
+ * solid, of which the source's centre is r_s away as they part. */
 static double smooth_reach(const struct contact_shape *shape)
 {
     return contact_is_capped(shape) ? shape->source_radius : contact_reach(shape);

@@ -46,8 +46,8 @@ static void decision(const void *data, double time, double *value, double *slope
 }
 
 /* The longest time from an instant on in which nothing changes by more than rounding, as far as the bends of
- * that instant tell. Never zero: where all is within rounding it is so short that no more than three eighths of
- * it can be missed. */
+ * that instant tell. Never zero: where all is within rounding it is so short that no more than three eighths
+ * of it can be missed. */
 static double unchanged_for(const struct tumbling_search *search, const struct tumbling_instant *at)
 {
     double time = falling_stays_above(&at->of[0], at->noise[0]);
@@ -106,17 +106,17 @@ static double still_rising_for(const struct tumbling_search *search, const struc
     return f->slope > 0.0 ? -2.0 * f->value / f->slope : 0.0;
 }
 
-struct tumbling_result tumbling_first(const struct tumbling_path *from_now, enum tumbling_change change,
+struct tumbling_result tumbling_first(const struct tumbling_path *path, enum tumbling_change change,
                                       double horizon, long budget)
 {
-    struct tumbling_path path = *from_now; /* what it holds of the axis moves on with the search */
-    const struct tumbling_search search = {&path, change, tumbling_functions(&path)};
+    struct tumbling_path moving = *path; /* what it holds of the axis moves on with the search */
+    const struct tumbling_search search = {&moving, change, tumbling_functions(path)};
     double time = 0.0;
     double before = -1.0; /* the last instant at which the deciding function was not negative; none yet */
     double length = horizon;
     for (long evaluations = 1; evaluations <= budget; ++evaluations) {
         struct tumbling_instant at;
-        tumbling_at(&path, change, time, &at);
+        tumbling_at(&moving, change, time, &at);
         double step = 0.0;
         if (surely_changed(&search, &at)) {
             step = before < 0.0 ? still_rising_for(&search, &at) : 0.0;
@@ -126,7 +126,7 @@ struct tumbling_result tumbling_first(const struct tumbling_path *from_now, enum
         } else if (time < horizon) {
             if (!(at.of[deciding(&search, &at)].value < 0.0)) {
                 before = time;
-                axis_motion_move_on(&path.axis, time);
+                axis_motion_move_on(&moving.axis, time);
             }
             step = step_from(&search, &at, time, horizon, &length);
         }
