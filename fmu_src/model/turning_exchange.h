@@ -1,5 +1,5 @@
 /*
- * What free_exchange.c has of bodies that turn and contacts that rub: orientations, which may have any length,
+ * What free_exchange.c has of bodies that turn and contacts that rub: orientations, of any length,
  * angular velocities, springs of elastic friction and the work of friction as states; their rates; event
  * indicators of friction. All are false, or zero, for what is none of these.
  */

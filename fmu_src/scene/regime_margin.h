@@ -19,13 +19,13 @@ double regime_touch_margin(const struct scene_values *v, const struct scene_stat
 double regime_dashpot_margin(const struct scene_values *v, const struct scene_state *q,
                              const struct scene_instant *at, int contact);
 
-/* How far the source's centre is within the edges of the zone of a capped cylinder that the contact is in [m];
- * 1 m where there is none. */
+/* How far the source's centre is within the edges of the zone of a capped cylinder that the contact is in;
+ * 1 m where there is none [m]. */
 double regime_zone_margin(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, int contact);
 
 #if SCENE_ANY_FRICTION
-/* The event functions of friction (contact/friction.h), each negative on the other side of its change: that of
+/* The event functions of friction (contact/friction.h), negative on the other side of their change: that of
  * a contact that slides, that of friction at its largest force, that of a dashpot that pulls; 1 where nothing
  * changes. */
 double regime_friction_margin(const struct scene_values *v, const struct scene_state *q,

@@ -9,8 +9,8 @@
 
 /*
  * After a contact has changed its regime from `before` at the present instant: friction begins with a spring
- * at rest, sticking where that persists; or ends, and what its spring stores is dissipated; or goes on, in the
- * regime that the new force asks for. Nothing is done where the contact does not rub.
+ * at rest, sticking where that persists; or ends, and what its spring stores is dissipated; or goes on, in
+ * the regime that the new force asks for. Nothing is done where the contact does not rub.
  */
 void turning_take_regime(const struct scene_values *v, struct scene_state *q, int contact,
                          enum contact_regime before);
