@@ -72,8 +72,8 @@ static double elastic_stored(double k, double depth)
     return 0.8 * k * depth * depth * sqrt(depth);
 }
 
-/* The root of (4/5) k delta^(5/2) = e + 2 L delta, convex: from the first step on Newton's method comes down to
- * it. */
+/* The root of (4/5) k delta^(5/2) = e + 2 L delta, convex: from the first step on Newton's method comes down
+ * to it. */
 static double elastic_deepest(double k, double load, double touch)
 {
     double depth = pow(1.25 * touch / k, 0.4);

@@ -148,8 +148,8 @@ static void a_slow_step_agrees_with_series(void)
     }
 }
 
-/* Head-on under gravity, from a place within the impact: motion, force and its slopes are those of the series,
- * and so is the release. */
+/* Head-on under gravity, from a place within the impact: motion and force are those of the series, and the
+ * slopes are those of the values. */
 static void the_closed_form_is_the_series(void)
 {
     struct random r = {14};
