@@ -9,6 +9,7 @@ import pytest
 
 from support.checks import METHODS, check_close, check_relative, run, start
 from support.scenes import turning_cases as cases
+from support.scenes import turning_impacts as impacts
 from support.scenes.scene_checks import FMU
 
 CVODE = METHODS[1:]
@@ -113,14 +114,14 @@ def test_rolling_is_approached_in_first_order_of_the_slip_velocity(opened, name)
 @pytest.mark.parametrize("mu", [0.11, 0.5, 5.0])
 def test_an_impact_on_springs_with_two_sevenths_turns_the_slip_round(opened, method, mu):
     """v_c = 0.707 m/s sticks throughout where it is at most 7/2 mu v_n = 7 mu."""
-    case = cases.oblique_impact(mu=mu)
+    case = impacts.oblique_impact(mu=mu)
     agrees(ended(opened, case, method, 1e-12), case, 1e-10 if method == "event_driven" else 1e-8)
 
 
 @pytest.mark.parametrize("factor", [1.0, 100.0])
 def test_balls_with_opposite_spins_do_not_rub(opened, factor):
     """Chung and Ooi 7. They yield by delta, and omega delta is slip: the change falls with p_n's root."""
-    case = cases.opposite_spin()
+    case = impacts.opposite_spin()
     values = {**case.values, "contact.penalty_factor": factor * 1e7}
     fmu = ended(opened, case._replace(values=values))
     agrees(fmu, case, 5e-5 / math.sqrt(factor))
@@ -141,7 +142,7 @@ def test_no_torque_and_no_change_without_a_coefficient(opened, method, friction)
 def test_a_cylinder_tumbles_as_the_closed_form_says(opened):
     """1,000 turns of its angular momentum, in one step and in many."""
     for steps in (1, 13):
-        case = cases.rotor(2000 * math.pi / 6.0)
+        case = impacts.rotor(2000 * math.pi / 6.0)
         fmu = ended(opened, case, steps=steps)
         q, right = fmu["destination.orientation"], case.expected["destination.orientation"]
         check_close("orientation", q * np.sign(q @ right), right, 1e-12)
@@ -162,15 +163,15 @@ def test_a_ball_leaves_a_sphere_at_ten_seventeenths_or_two_thirds(opened, mu):
 
 @pytest.mark.parametrize("friction", ["regularized", "elastic"])
 def test_a_free_pair_keeps_its_momenta_over_a_thousand_impacts(opened, friction):
-    case = cases.shell(friction)
+    case = impacts.shell(friction)
     fmu = opened(FMU["sphere"])
     start(fmu, case.values, 1e-10)
-    before, energy = cases.momenta(fmu, case.values), fmu["energy.total"]
+    before, energy = impacts.momenta(fmu, case.values), fmu["energy.total"]
     while fmu["contact.onsets"] < 1000 and fmu.time < 2000.0:
         fmu.step(case.end)
     assert fmu["contact.onsets"] >= 1000
     for name, old, new in zip(
-        ("momentum", "angular momentum"), before, cases.momenta(fmu, case.values), strict=True
+        ("momentum", "angular momentum"), before, impacts.momenta(fmu, case.values), strict=True
     ):
         check_relative(name, new, old, 1e-12)
     check_relative("energy", fmu["energy.total"], energy, 1e-9)

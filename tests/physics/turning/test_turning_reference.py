@@ -8,6 +8,7 @@ import pytest
 from support.checks import check_close, check_relative
 from support.reference.turning_run import TurningRun
 from support.scenes import turning_cases as cases
+from support.scenes import turning_impacts as impacts
 from support.scenes.turning_scenes import random_turning_scene
 
 EXACT = {
@@ -15,8 +16,8 @@ EXACT = {
     "back-spin": (cases.slide_to_roll(1e-2, 1.0, -60.0, end=0.6), 1e-10),
     "rolls down an incline": (cases.incline(1e-2, 0.4, end=0.5), 1e-9),
     "slides down an incline": (cases.incline(1e-2, 1.2, end=0.5), 1e-9),
-    "oblique impact on springs": (cases.oblique_impact(), 1e-11),
-    "tumbling cylinder": (cases.rotor(3.0), 1e-11),
+    "oblique impact on springs": (impacts.oblique_impact(), 1e-11),
+    "tumbling cylinder": (impacts.rotor(3.0), 1e-11),
 }
 
 
@@ -55,7 +56,7 @@ def test_opposite_spins_change_nothing_where_balls_do_not_yield():
     """They yield by delta, and omega delta is slip: a tenth where p_n is a hundred times as large."""
     changes = []
     for factor in (1.0, 100.0):
-        case = cases.opposite_spin()
+        case = impacts.opposite_spin()
         values = {**case.values, "contact.penalty_factor": factor * 1e7}
         found = TurningRun(values, case.shape).run(case.end).figures()
         changes.append(abs(found["source.angular_velocity"][1] - 25.0))
@@ -77,10 +78,10 @@ def test_momentum_and_energy_of_the_reference_stay(seed):
 
 @pytest.mark.parametrize("friction", ["regularized", "elastic"])
 def test_a_free_pair_keeps_its_momenta_in_the_reference(friction):
-    case = cases.shell(friction)
+    case = impacts.shell(friction)
     run = TurningRun({**case.values, "contact.characteristic_slip_velocity": 0.1}, case.shape)
-    before = cases.momenta(run.figures(), case.values)
-    after = cases.momenta(run.run(0.3).figures(), case.values)
+    before = impacts.momenta(run.figures(), case.values)
+    after = impacts.momenta(run.run(0.3).figures(), case.values)
     assert len(run.onset_times) >= 2
     for name, old, new in zip(("momentum", "angular momentum"), before, after, strict=True):
         check_relative(name, new, old, 1e-12)

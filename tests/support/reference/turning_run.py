@@ -9,7 +9,6 @@ import math
 
 import numpy as np
 from scipy.integrate import DOP853
-from scipy.optimize import brentq, minimize_scalar
 
 from support.reference.turning import (
     BODIES,
@@ -22,12 +21,12 @@ from support.reference.turning import (
     WORK,
     TurningPair,
 )
+from support.reference.turning_events import BOTH, FALLS, RISES, crossing
 from support.reference.turning_rates import forces, growth_of_limit, rates, sliding_rate
 from support.reference.turning_vectors import dot, norm, times
 
 RELATIVE, ABSOLUTE = 1e-13, 1e-15
 SAMPLES = 8  # of a step, between which an event may hide only if its function has two extremes there
-FALLS, RISES, BOTH = -1, 1, 0
 
 
 class TurningRun:
@@ -290,46 +289,6 @@ class TurningRun:
             found["contact.last_onset_time"] = self.onset_times[-1]
             found["contact.last_duration"] = lasting if self.touching else self.durations[-1]
         return found
-
-
-def crossing(function, times_, of, direction):
-    """First time at which the function passes zero in the direction, or None."""
-    if direction == BOTH:
-        found = [crossing(function, times_, of, one) for one in (FALLS, RISES)]
-        return min((t for t in found if t is not None), default=None)
-    for i in range(len(of) - 1):
-        a, b = direction * of[i], direction * of[i + 1]
-        if a < 0 <= b or (a == 0 and i == 0 and b > 0):
-            return place(function, times_[i], times_[i + 1])
-        top = extreme(function, times_, of, i, direction)
-        if top is not None:
-            return place(function, times_[i], top)
-    return None
-
-
-def extreme(function, times_, of, i, direction):
-    """A time between samples i and i + 1 past the crossing, of a function that is back at the next sample."""
-    around = [direction * of[j] for j in range(max(i - 1, 0), min(i + 3, len(of)))]
-    if (
-        max(direction * of[i], direction * of[i + 1]) >= 0
-        or max(around) < max(around[0], around[-1]) + 1e-300
-    ):
-        return None
-    spread = max(around) - min(around)
-    if -max(around) > spread:  # a smooth function does not reach zero from there
-        return None
-    top = minimize_scalar(
-        lambda t: -direction * function(t), bounds=(times_[i], times_[i + 1]), method="bounded",
-        options={"xatol": 1e-9 * (times_[i + 1] - times_[i])},
-    )  # fmt: skip
-    return top.x if -top.fun > 0 else None
-
-
-def place(function, low, high):
-    a, b = function(low), function(high)
-    if a * b >= 0:
-        return low if abs(a) < abs(b) else high
-    return brentq(function, low, high, xtol=1e-300, rtol=1e-15)
 
 
 def follow(values, shape, end, **more):
