@@ -1,8 +1,9 @@
 /*
- * mingw-w64's headers for a compiler in the mode of Microsoft's, where Microsoft's own are not at hand: they take
+ * mingw-w64's headers for a compiler in the mode of Microsoft's, whose own are not at hand: they take
  * every compiler that is not gcc for one without attributes. Included before all else (-include).
  */
 #include <_mingw.h>
+
 /* It would be a __declspec behind a declaration, where none may stand; and one that is nowhere defined. */
 #undef __MINGW_ATTRIB_NORETURN
 #define __MINGW_ATTRIB_NORETURN
