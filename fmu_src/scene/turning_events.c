@@ -1,5 +1,6 @@
 /* The event functions of contacts in a scene that turns or rubs. */
 #include <float.h>
+#include <math.h>
 
 #include "scene/turning_ode.h"
 
@@ -16,6 +17,22 @@ static double way_to_contact(const struct scene_ode *ode, const struct scene_ins
 {
     const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
     return fmax(at->geometry[contact].gap, scene_beyond_ends(&shape, &at->geometry[contact]));
+}
+
+/* Depth until contact ends [m]. Where a cylinder has ends, it is multiplied by how far the source is within
+ * them, (h^2 - z^2)/2 over h^2 with h = L/2. The lesser of both would have a corner, which the polynomial of
+ * a long step does not follow: it would seem to fall near the start of a contact that begins at an end. */
+static double depth_to_parting(const struct scene_ode *ode, const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double depth = ode->gap_offset[contact] - g->gap;
+    if (!contact_is_cylinder(&shape) || !isfinite(shape.half_length)) {
+        return depth;
+    }
+    const double half = shape.half_length;
+    const double within = (half - fabs(g->axial)) * 0.5 * (1.0 + fabs(g->axial) / half);
+    return depth * (ode->gap_offset[contact] + within) / half;
 }
 
 static void friction_events(const struct scene_ode *ode, double clock, const struct turning_state *turning,
@@ -43,9 +60,9 @@ void turning_events(const struct scene_ode *ode, double clock, const double *y,
         out[i] = 1.0;
     }
     if (!contact_is_foreseen(ode->values, ode->state, contact)) {
-        const double way = way_to_contact(ode, at, contact);
         const bool apart = laws.regime == REGIME_APART;
-        out[ODE_EVENT_GAP] = ode->gap_offset[contact] + (apart ? way : -way);
+        out[ODE_EVENT_GAP] = apart ? ode->gap_offset[contact] + way_to_contact(ode, at, contact)
+                                   : depth_to_parting(ode, at, contact);
         out[ODE_EVENT_LAW] = apart ? 1.0
                                    : ode->margin_offset[contact] +
                                          contact_event(&laws.normal, laws.regime, g->gap, g->gap_rate);
