@@ -5,6 +5,7 @@
 
 #include "contact/factors.h"
 #include "contact/zone.h"
+#include "math/compiler.h"
 #include "scene/free_bodies.h"
 #include "scene/turning.h"
 
@@ -169,8 +170,8 @@ static void put_kinematics(const struct scene_values *v, const struct scene_stat
     }
 }
 
-void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
-                      const struct body_state *bodies, struct scene_instant *at)
+CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
+                                      const struct body_state *bodies, struct scene_instant *at)
 {
 #if SCENE_ANY_TURNING
     if (scene_turns(v)) {
@@ -186,9 +187,9 @@ void scene_kinematics(const struct scene_values *v, const struct scene_state *q,
 }
 
 #if SCENE_ANY_TURNING
-void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q, double clock,
-                              const struct body_state *bodies, const struct turning_state *turning,
-                              struct scene_instant *at)
+CONTACT_NOINLINE void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q,
+                                               double clock, const struct body_state *bodies,
+                                               const struct turning_state *turning, struct scene_instant *at)
 {
     put_kinematics(v, q, clock, bodies, at);
     turning_of_bodies(v, q, clock, turning, at);
@@ -255,12 +256,22 @@ static inline void put_forces(const struct scene_values *v, const struct scene_s
     }
 }
 
-void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
-                  struct scene_instant *at)
+#if SCENE_ANY_TURNING
+/* Apart from where nothing turns or rubs, which stays small. */
+CONTACT_NOINLINE static void put_forces_turning(const struct scene_values *v, const struct scene_state *q,
+                                                double clock, const struct turning_state *turning,
+                                                struct scene_instant *at)
+{
+    put_forces(v, q, clock, turning, at);
+}
+#endif
+
+CONTACT_FLATTEN void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
+                                  struct scene_instant *at)
 {
 #if SCENE_ANY_TURNING
     if (scene_turns(v)) {
-        put_forces(v, q, clock, &q->turning, at);
+        put_forces_turning(v, q, clock, &q->turning, at);
         return;
     }
 #endif
@@ -273,7 +284,7 @@ void scene_evaluate_turning(const struct scene_values *v, const struct scene_sta
                             struct scene_instant *at)
 {
     scene_kinematics_turning(v, q, clock, bodies, turning, at);
-    put_forces(v, q, clock, turning, at);
+    put_forces_turning(v, q, clock, turning, at);
 }
 #endif
 

@@ -41,23 +41,24 @@ bool contact_turns_or_rubs(const struct scene_values *v, int contact)
            contact_rubs(v, contact);
 }
 
+/* All choices are none where the bits of all of them together are those of none: asked for so often that no
+ * branch is spent on each. */
 bool scene_turns(const struct scene_values *v)
 {
-#if SCENE_ANY_TURNING
+    _Static_assert((int)ROTATION_NONE == 1 && (int)FRICTION_NONE == 1, "another choice has another bit");
+    int choices = 1;
+#if SCENE_ANY_FRICTION
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_rubs(v, j)) {
-            return true;
-        }
+        choices |= contact_friction(v, j);
     }
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_turns(v, i)) {
-            return true;
-        }
-    }
-#else
-    (void)v;
 #endif
-    return false;
+#if SCENE_ANY_ROTATION
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        choices |= body_rotation(v, i);
+    }
+#endif
+    (void)v;
+    return choices != 1;
 }
 
 bool contact_is_driven(const struct scene_values *v, int contact)
