@@ -5,6 +5,10 @@
 /* Components across the plane of motion by less than this part are rounding. */
 static const double OUT_OF_PLANE = 8.0 * DBL_EPSILON;
 
+/* What rounding leaves of a vector along the normal points anywhere. Of its direction that part is tangential
+ * which a second projection leaves; less than this is none. */
+static const double MOSTLY_NORMAL = 0.5;
+
 /* The first tangential direction that the motion of flight has; none: head-on. */
 static struct vec3 hertz_tangent(const struct contact_pair *from)
 {
@@ -14,7 +18,12 @@ static struct vec3 hertz_tangent(const struct contact_pair *from)
             const struct vec3 across = pair_across(from, rows[k]);
             const struct vec3 along = pair_tangential(from, across);
             if (!vec3_is_zero(along) && !vec3_is_zero(vec3_cross(from->normal, across))) {
-                return vec3_scale(1.0 / vec3_norm(along), along);
+                const struct vec3 direction = vec3_scale(1.0 / vec3_norm(along), along);
+                const struct vec3 tangent = pair_tangential(from, direction);
+                const double left = vec3_norm(tangent);
+                if (left > MOSTLY_NORMAL) {
+                    return vec3_scale(1.0 / left, tangent);
+                }
             }
         }
     }

@@ -85,3 +85,28 @@ def test_the_benchmarks_by_hertz_and_on_a_plane_end_at_their_references(opened, 
     fmu = run(opened(problem.fmu), problem.start, problem.stop, steps, 1e-9)
     assert problem.error(fmu["source.position"]) <= 1e-9
     assert fmu["solver.fallbacks"] == 0
+
+
+@pytest.mark.parametrize("direction", [(0.0, 0.0, 1.0), (0.6, 0.0, 0.8), (0.48, 0.6, 0.64), (0.3, -0.2, 0.7)])
+def test_a_ball_pushed_out_of_another_takes_what_was_stored(opened, direction):
+    """Without gravity, along any line through the centres: what rounding leaves across it is no motion."""
+    along = np.array(direction) / np.linalg.norm(direction)
+    values = {
+        "source.radius": 0.0102,
+        "source.mass": 0.001,
+        "source.motion": "free",
+        "source.center": [0.0, 0.0, 0.0],
+        "destination.radius": 0.01,
+        "destination.motion": "fixed",
+        "destination.center": (1e-3 * along).tolist(),
+        "contact.location": "outside",
+        "contact.law": "hertz",
+        "contact.hertz_stiffness": 3e4,
+        "contact.method": "penalty",
+        "gravity": [0.0, 0.0, 0.0],
+    }
+    for steps in (1, 40):
+        fmu = run(opened("SphereSphere"), values, 2e-3, steps, 1e-10)
+        speed = np.sqrt(2 * 0.4 * 3e4 * 0.0192**2.5 / 0.001)
+        assert np.allclose(fmu["source.velocity"], -speed * along, rtol=0, atol=1e-9 * speed)
+        assert np.isclose(fmu["energy.total"], 0.4 * 3e4 * 0.0192**2.5, rtol=1e-11, atol=0)
