@@ -40,7 +40,11 @@ BAD = [
         "max = 1e301\n",
         ['variable."body.axial_inertia"', "range 1e-150 to 1e+301", "within 1e-300"],
     ),
-    ('unit = "m", display = "mm"', 'unit = "ft", display = "mm"', ["type.Length", "'ft'", "allowed: 1, 1/s, J"]),
+    (
+        'unit = "m", display = "mm"',
+        'unit = "ft", display = "mm"',
+        ["type.Length", "'ft'", "allowed: 1, 1/s, J"],
+    ),
     ('unit = "m", display = "mm"', 'unit = "m", display = "in"', ["type.Length", "'in'", "allowed: mm"]),
     (
         'depends = { "body.prescribed_displacement" = "fixed", ',

@@ -79,13 +79,21 @@ def test_a_ball_rolls_down_an_incline_or_slides(opened, method, v_0, slope):
 def test_a_ball_comes_up_again_in_a_tube_at_any_penetration(opened, stiffness):
     """Trajectory to 1e-9 in the limit of v_0, and the period to 1e-8: sqrt(7/2) orbits."""
     orbits = math.sqrt(7 / 2)
-    case = cases.golfers_tube(1e-12, stiffness=stiffness, turns=orbits)
+    few = {"solver.max_internal_steps": 20_000}  # of what does not grow as v_0 falls
+    case = cases.golfers_tube(5e-10, stiffness=stiffness, turns=orbits, **few)
     fmu = ended(opened, case, steps=7)
     agrees(fmu, case, 1e-9)
     # At the top again it is at rest in height, and falls with 5/7 g.
     check_close("period", fmu["source.velocity"][2] / (5 / 7 * cases.G), 0.0, 1e-8 * case.end)
-    half = cases.golfers_tube(1e-12, stiffness=stiffness, turns=0.5 * orbits)
+    half = cases.golfers_tube(5e-10, stiffness=stiffness, turns=0.5 * orbits, **few)
     check_close("lowest", ended(opened, half)["source.position"][2], -5 * cases.G / 64, 1e-9)
+
+
+@pytest.mark.parametrize("made", [cases.turntable, lambda v_0: cases.incline(v_0, 0.4, end=10.0)])
+def test_rolling_costs_no_more_where_less_slip_is_needed(opened, made):
+    """Internal steps at v_0 = 1e-6 and 1e-9 m/s are at most twice those at 1e-3."""
+    steps = [ended(opened, made(v_0))["solver.steps"] for v_0 in (1e-3, 1e-6, 1e-9)]
+    assert max(steps) <= 2 * steps[0], steps
 
 
 LIMITS = {  # case of v_0, largest v_0
@@ -93,7 +101,7 @@ LIMITS = {  # case of v_0, largest v_0
     "turntable": (cases.turntable, 1e-3),
     "bowl": (lambda v_0: cases.bowl(v_0, 100 / v_0), 1e-3),
     "lying tube": (lambda v_0: cases.bowl(v_0, 100 / v_0, "cylinder"), 1e-3),
-    "bowl, to and fro": (lambda v_0: cases.bowl(v_0, 100 / v_0, quarters=3, angle=2.0), 1e-3),
+    "bowl, to and fro": (lambda v_0: cases.bowl(v_0, 100 / v_0, quarters=3, angle=1.4), 1e-3),
 }
 
 
@@ -170,8 +178,8 @@ def test_a_free_pair_keeps_its_momenta_over_a_thousand_impacts(opened, friction)
     while fmu["contact.onsets"] < 1000 and fmu.time < 2000.0:
         fmu.step(case.end)
     assert fmu["contact.onsets"] >= 1000
-    for name, old, new in zip(
-        ("momentum", "angular momentum"), before, impacts.momenta(fmu, case.values), strict=True
-    ):
-        check_relative(name, new, old, 1e-12)
+    # Of the bodies' own: 1 kg at 7 m/s, half a metre off the middle.
+    after = impacts.momenta(fmu, case.values)
+    check_close("momentum", after[0], before[0], 1e-12 * 7.0)
+    check_close("angular momentum", after[1], before[1], 1e-12 * 3.5)
     check_relative("energy", fmu["energy.total"], energy, 1e-9)

@@ -13,10 +13,12 @@ from support.reference.turning_vectors import add, cross, dot, minus, norm, quat
 SHORT = 1e-9  # m; below, its direction follows that of the slip within a thousandth of a degree
 
 
-def along_spring(spring, slip):
-    """Unit vector of the spring; that of the slip while the spring is too short to have one of its own."""
+def along_spring(spring, slip, rate):
+    """Unit vector of the spring; that of the slip while the bodies approach, at `rate`, and the spring is too
+    short to have one of its own.
+    """
     size = norm(spring)
-    if size > SHORT:
+    if size > (SHORT if rate < 0 else 0.0):
         return times(1 / size, spring)
     size = norm(slip)
     return times(1 / size, slip) if size > 0.0 else list(ZERO)
@@ -39,7 +41,7 @@ def friction_of(pair, place, force, slip, spring, sticking):
     if pair.c_t == 0.0:
         if limit == 0.0:  # no force holds a spring
             return list(ZERO), list(ZERO)
-        return times(-limit, along_spring(spring, slip)), None
+        return times(-limit, along_spring(spring, slip, place.rate)), None
     trial = pair.trial(slip, spring)
     size = norm(trial)
     pull = times(limit / size, trial) if size > 0.0 else list(ZERO)
@@ -139,9 +141,11 @@ def growth_of_limit(pair, y):
 
 def at_limit(pair, y, now, out):
     """Rate of a spring without dashpot that slides at its limit, and how fast the contact slides along it."""
-    unit = along_spring(y[SPRING:SUMS], now.slip)
+    unit = along_spring(y[SPRING:SUMS], now.slip, now.place.rate)
     grows = limit_rate(pair, y, out) / pair.k_t
     along = dot(now.slip, unit)
+    if norm(y[SPRING:SUMS]) < SHORT:  # keeps its direction up to the release, which costs no steps
+        return times(grows, unit), norm(now.slip)
     across = minus(now.slip, times(along, unit))
     return add(across, times(grows, unit)), along - grows
 

@@ -128,7 +128,7 @@ def shell(friction="regularized"):
             "destination.mass": 2.0,
             "source.center": [0.1, 0.05, 0.0],
             "source.initial_velocity": [3.0, -4.0, 5.0],
-            "destination.initial_velocity": [0.2, 0.1, -0.1],
+            "destination.initial_velocity": [-1.5, 2.0, -2.5],  # their middle rests
             "source.initial_angular_velocity": [5.0, -9.0, 2.0],
             "destination.initial_angular_velocity": [-1.0, 2.0, 3.0],
             "gravity": [0.0, 0.0, 0.0],
