@@ -4,74 +4,9 @@
 #include <stddef.h>
 
 #include "contact/factors.h"
-#include "contact/zone.h"
 #include "math/compiler.h"
 #include "scene/free_bodies.h"
 #include "scene/turning.h"
-
-struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q, int contact)
-{
-    const int destination = contact_destination(contact);
-    struct contact_shape shape = {.source_radius = body_radius(v, contact_source(contact)),
-                                  .other_radius = body_radius(v, destination),
-                                  .half_length = (double)INFINITY,
-                                  .side = q->contact[contact].side,
-                                  .destination = body_shape(destination)};
-    if (contact_location(v, contact) != LOCATION_AUTOMATIC) {
-        shape.side = contact_location(v, contact) == LOCATION_INSIDE ? -1 : 1;
-    }
-#if SCENE_ANY_CYLINDER
-    if (shape.destination == SHAPE_CYLINDER) {
-        shape.axis = q->contact[contact].parameters.axis;
-        if (body_finite_length(v, destination)) {
-            shape.half_length = 0.5 * body_length(v, destination);
-        }
-    }
-#endif
-#if SCENE_ANY_PLANE
-    if (shape.destination == SHAPE_PLANE) {
-        shape.axis = q->contact[contact].parameters.axis;
-    }
-#endif
-#if SCENE_ANY_CAPS
-    if (isfinite(shape.half_length) && body_ends(v, destination) == ENDS_CAPPED) {
-        shape.solid = (struct contact_solid){shape.axis, shape.other_radius, shape.half_length, 0};
-        shape.half_length = (double)INFINITY; /* the gap goes on beyond the ends */
-        shape.side = 1;
-    }
-#endif
-    return shape;
-}
-
-#if SCENE_ANY_CAPS
-struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
-                                         int contact)
-{
-    const struct contact_shape shape = scene_whole_shape(v, q, contact);
-    const int zone = q->contact[contact].zone;
-    return zone != 0 ? contact_shape_in(&shape, zone) : shape;
-}
-
-struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,
-                                     const struct scene_instant *at, int contact)
-{
-    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
-    const int zone = at->geometry[contact].zone;
-    return zone != 0 ? contact_shape_in(&shape, zone) : shape;
-}
-#else
-struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
-                                         int contact)
-{
-    return scene_whole_shape(v, q, contact);
-}
-
-struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,
-                                     const struct scene_instant *at, int contact)
-{
-    return scene_contact_shape_at(v, q, at, contact);
-}
-#endif
 
 struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact)
 {
@@ -106,26 +41,6 @@ static struct body_instant body_at(const struct scene_values *v, const struct sc
 struct body_instant scene_body_now(const struct scene_values *v, const struct scene_state *q, int body)
 {
     return body_at(v, q, q->clock, free_bodies_now(q), body);
-}
-
-struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
-                                            const struct scene_instant *at, int contact)
-{
-    struct contact_shape shape = scene_contact_shape(v, q, contact);
-#if SCENE_ANY_ROTATION
-    if (body_turns(v, contact_destination(contact)) && shape.destination != SHAPE_SPHERE) {
-        shape.axis = at->turning.axis[contact];
-#if SCENE_ANY_CAPS
-        if (contact_is_capped(&shape)) {
-            shape.solid.axis = at->turning.axis[contact];
-            shape = shape.solid.zone != 0 ? contact_shape_in(&shape, shape.solid.zone) : shape;
-        }
-#endif
-    }
-#else
-    (void)at;
-#endif
-    return shape;
 }
 
 #if SCENE_ANY_TURNING
@@ -293,16 +208,6 @@ void scene_evaluate(const struct scene_values *v, const struct scene_state *q, d
 {
     scene_kinematics(v, q, clock, bodies, at);
     scene_forces(v, q, clock, at);
-}
-
-bool scene_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry)
-{
-    return !SCENE_ANY_CYLINDER || contact_within_extents(shape, geometry->axial);
-}
-
-double scene_beyond_ends(const struct contact_shape *shape, const struct contact_geometry *geometry)
-{
-    return SCENE_ANY_CYLINDER ? fabs(geometry->axial) - shape->half_length : -(double)INFINITY;
 }
 
 double body_inverse_mass(const struct scene_values *v, int body)

@@ -1,0 +1,97 @@
+/* The shape of a contact: by its parameters, in its zone and as it has turned. */
+#include "contact/zone.h"
+#include "scene/evaluate.h"
+
+struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    const int destination = contact_destination(contact);
+    struct contact_shape shape = {.source_radius = body_radius(v, contact_source(contact)),
+                                  .other_radius = body_radius(v, destination),
+                                  .half_length = (double)INFINITY,
+                                  .side = q->contact[contact].side,
+                                  .destination = body_shape(destination)};
+    if (contact_location(v, contact) != LOCATION_AUTOMATIC) {
+        shape.side = contact_location(v, contact) == LOCATION_INSIDE ? -1 : 1;
+    }
+#if SCENE_ANY_CYLINDER
+    if (shape.destination == SHAPE_CYLINDER) {
+        shape.axis = q->contact[contact].parameters.axis;
+        if (body_finite_length(v, destination)) {
+            shape.half_length = 0.5 * body_length(v, destination);
+        }
+    }
+#endif
+#if SCENE_ANY_PLANE
+    if (shape.destination == SHAPE_PLANE) {
+        shape.axis = q->contact[contact].parameters.axis;
+    }
+#endif
+#if SCENE_ANY_CAPS
+    if (isfinite(shape.half_length) && body_ends(v, destination) == ENDS_CAPPED) {
+        shape.solid = (struct contact_solid){shape.axis, shape.other_radius, shape.half_length, 0};
+        shape.half_length = (double)INFINITY; /* the gap goes on beyond the ends */
+        shape.side = 1;
+    }
+#endif
+    return shape;
+}
+
+#if SCENE_ANY_CAPS
+struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
+                                         int contact)
+{
+    const struct contact_shape shape = scene_whole_shape(v, q, contact);
+    const int zone = q->contact[contact].zone;
+    return zone != 0 ? contact_shape_in(&shape, zone) : shape;
+}
+
+struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,
+                                     const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    const int zone = at->geometry[contact].zone;
+    return zone != 0 ? contact_shape_in(&shape, zone) : shape;
+}
+#else
+struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
+                                         int contact)
+{
+    return scene_whole_shape(v, q, contact);
+}
+
+struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,
+                                     const struct scene_instant *at, int contact)
+{
+    return scene_contact_shape_at(v, q, at, contact);
+}
+#endif
+
+struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
+                                            const struct scene_instant *at, int contact)
+{
+    struct contact_shape shape = scene_contact_shape(v, q, contact);
+#if SCENE_ANY_ROTATION
+    if (body_turns(v, contact_destination(contact)) && shape.destination != SHAPE_SPHERE) {
+        shape.axis = at->turning.axis[contact];
+#if SCENE_ANY_CAPS
+        if (contact_is_capped(&shape)) {
+            shape.solid.axis = at->turning.axis[contact];
+            shape = shape.solid.zone != 0 ? contact_shape_in(&shape, shape.solid.zone) : shape;
+        }
+#endif
+    }
+#else
+    (void)at;
+#endif
+    return shape;
+}
+
+bool scene_within_extents(const struct contact_shape *shape, const struct contact_geometry *geometry)
+{
+    return !SCENE_ANY_CYLINDER || contact_within_extents(shape, geometry->axial);
+}
+
+double scene_beyond_ends(const struct contact_shape *shape, const struct contact_geometry *geometry)
+{
+    return SCENE_ANY_CYLINDER ? fabs(geometry->axial) - shape->half_length : -(double)INFINITY;
+}
