@@ -109,6 +109,10 @@ void model_start_paths(struct model *m);
 
 /* Contradictions between parameters; reports the first. */
 enum model_status model_check_consistency(struct model *m);
+#if SCENE_ANY_ROTATION
+/* Those of one body, of how it turns; a part of it. */
+enum model_status model_check_rotation(struct model *m, int body);
+#endif
 
 /* Takes changed inputs over into the paths of the motion; false, and the motion as before, where an energy
  * would be beyond the range of numbers. They remain to be taken over: others may be set. */
