@@ -163,32 +163,40 @@ static void move_scene(struct general *g, struct scene_state *q, double clock, c
     flight_restore(g->ode.values, q);
 }
 
+/* Where no step can be made to end at an event, one of half the way to it comes first, and so on until the
+ * event is within the rounding of the clock. */
 enum advance_result general_advance(struct general *g, const struct scene_values *v, struct scene_state *q,
                                     struct advance *step)
 {
     enum advance_result result = ADVANCE_REACHED;
     double *y = g->size_of; /* free between steps */
+    double longest = (double)INFINITY;
     start_general(g, v, q);
     if (SCENE_CONTACTS > 1 && has_passed_event(g, v, q, step)) {
         return ADVANCE_EVENT;
     }
     while (result == ADVANCE_REACHED && q->clock < step->clock_end) {
         const double left = step->clock_end - q->clock;
-        if (!general_step_make(g, left, &step->budget)) {
+        if (!general_step_make(g, fmin(left, longest), &step->budget)) {
             result = step->budget > 0 ? ADVANCE_FAILED : ADVANCE_STEP_LIMIT;
             break;
         }
         struct general_event found = general_first_event(g);
+        const struct general_event first = found;
+        const double until = found.part * g->step.length;
         double clock = g->step.length < left ? q->clock + g->step.length : step->clock_end;
-        if (found.event >= 0) {
-            if (!general_end_at(g, &found, &clock, y)) {
-                snprintf(g->message, INTEGRATOR_MESSAGE_SIZE,
-                         "an event is not found again in a shorter step");
-                result = ADVANCE_FAILED;
-                break;
-            }
-        } else {
+        longest = (double)INFINITY;
+        if (found.event < 0) {
             radau_step_at(&g->step, 1.0, y);
+        } else if (!general_end_at(g, &found, &clock, y)) {
+            ode_pack(&g->ode, y);
+            general_begin(g, q->clock, y);
+            if (q->clock + 0.5 * until > q->clock) {
+                longest = 0.5 * until;
+                continue;
+            }
+            found = first;
+            clock = q->clock;
         }
         note_peaks_of_step(g, q, clock);
         move_scene(g, q, clock, y);
