@@ -6,7 +6,7 @@
 
 #if SCENE_ANY_TURNING
 
-static struct vec3 cross_term(const struct vec3 *a, const struct vec3 *b, int order)
+struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b, int order)
 {
     struct vec3 sum = {0.0, 0.0, 0.0};
     for (int i = 0; i <= order; ++i) {
@@ -14,8 +14,6 @@ static struct vec3 cross_term(const struct vec3 *a, const struct vec3 *b, int or
     }
     return sum;
 }
-
-/* ---- Bodies ---- */
 
 /* The orientation from the angular velocity: q' = (0, omega) q / 2. */
 static void put_orientation(const struct vec3 omega[2], struct quaternion q[JET_TERMS])
@@ -29,7 +27,7 @@ static void put_orientation(const struct vec3 omega[2], struct quaternion q[JET_
 static void put_turning_axis(const struct vec3 *omega, struct vec3 e[JET_TERMS])
 {
     e[1] = vec3_cross(omega[0], e[0]);
-    e[2] = vec3_scale(0.5, cross_term(omega, e, 1));
+    e[2] = vec3_scale(0.5, turning_jet_cross(omega, e, 1));
 }
 
 #if SCENE_ANY_ROTATION
@@ -64,7 +62,7 @@ static void put_prescribed(const struct scene_state *q, int body, struct scene_j
         const double spin[2] = {vec3_dot(omega[0], e[0]),
                                 vec3_dot(omega[1], e[0]) + vec3_dot(omega[0], e[1])};
         for (int i = 0; i < 2; ++i) { /* as the axis tells it, and about the axis */
-            seen[i] = vec3_add(cross_term(e, rate, i), jet_scale(spin, e, i));
+            seen[i] = vec3_add(turning_jet_cross(e, rate, i), jet_scale(spin, e, i));
         }
     }
     put_orientation(seen, along->orientation[body]);
@@ -121,7 +119,7 @@ static struct vec3 half_spin_jerk(const struct scene_values *v, const struct sce
     }
     const double tau[2] = {jet_dot(torque, e, 0), jet_dot(torque, e, 1)};
     const double spin[2] = {jet_dot(omega, e, 0), jet_dot(omega, e, 1)};
-    const struct vec3 whirl[2] = {cross_term(omega, e, 0), cross_term(omega, e, 1)};
+    const struct vec3 whirl[2] = {turning_jet_cross(omega, e, 0), turning_jet_cross(omega, e, 1)};
     const struct vec3 axial = vec3_scale(1.0 / inertia.axial, jet_scale(tau, e, 1));
     const struct vec3 gyration = vec3_add(axial, jet_scale(spin, whirl, 1));
     const double more = inertia.axial - inertia.transverse;
@@ -204,219 +202,6 @@ void turning_jet_move_axis(const struct scene_values *v, const struct scene_inst
     along->axis[body][1] = vec3_add(along->axis[body][1], by);
     const struct quaternion turned = quaternion_rate(at->turning.body[body].orientation, vec3_cross(e, by));
     along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, turned);
-}
-
-/* ---- Contacts ---- */
-
-/* The motion of a contact: separation, its rate, rotations, axis. */
-struct contact_path {
-    struct vec3 c[JET_TERMS], w[JET_TERMS], source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
-};
-
-static struct contact_path path_of(const struct scene_values *v, const struct scene_instant *at,
-                                   const struct scene_jet *along, int contact)
-{
-    const int from = contact_source(contact);
-    const int to = contact_destination(contact);
-    struct contact_path path;
-    memset(&path, 0, sizeof path);
-    for (int i = 1; i < JET_TERMS; ++i) {
-        path.c[i] = vec3_sub(along->displacement[to][i], along->displacement[from][i]);
-        path.w[i] = vec3_sub(along->velocity[to][i], along->velocity[from][i]);
-        path.source[i] = along->angular_velocity[from][i];
-        path.destination[i] = along->angular_velocity[to][i];
-        if (body_turns(v, to)) {
-            path.axis[i] = along->axis[to][i];
-        }
-    }
-    path.c[0] = at->separation[contact];
-    path.w[0] = at->rate[contact];
-    path.source[0] = at->turning.body[from].angular_velocity;
-    path.destination[0] = at->turning.body[to].angular_velocity;
-    path.axis[0] = at->turning.axis[contact];
-    return path;
-}
-
-/* d d = offset.d(offset), d n = offset; a plane has n = -e, d = n.c. */
-static void put_distance(const struct contact_shape *shape, const struct contact_geometry *g,
-                         const struct contact_path *path, struct contact_jet *jet)
-{
-    struct vec3 offset[JET_TERMS] = {g->offset, path->c[1], path->c[2]};
-    double length[JET_TERMS];
-    jet->normal[0] = g->normal;
-    jet->distance[0] = g->distance;
-    for (int i = 1; i < JET_TERMS; ++i) {
-        jet->normal[i] = contact_is_plane(shape) ? vec3_scale(-1.0, path->axis[i]) : vec3_make(0.0, 0.0, 0.0);
-        if (contact_is_cylinder(shape)) {
-            double axial[JET_TERMS];
-            for (int k = 0; k <= i; ++k) {
-                axial[k] = jet_dot(path->c, path->axis, k);
-            }
-            offset[i] = vec3_sub(path->c[i], jet_scale(axial, path->axis, i));
-        }
-    }
-    jet_length(offset, length);
-    for (int i = 1; i < JET_TERMS; ++i) {
-        jet->distance[i] = contact_is_plane(shape) ? jet_dot(jet->normal, path->c, i)
-                           : g->degenerate         ? 0.0
-                                                   : length[i];
-        if (contact_turns(shape, g)) {
-            struct vec3 rest = offset[i];
-            for (int k = 1; k <= i; ++k) {
-                rest = vec3_axpy(rest, -jet->distance[k], jet->normal[i - k]);
-            }
-            jet->normal[i] = vec3_scale(1.0 / g->distance, rest);
-        }
-    }
-}
-
-static void put_normal_force(const struct contact_shape *shape, const struct contact_geometry *g,
-                             const struct contact_path *path, const struct contact_law *law,
-                             const struct contact_law *change, enum contact_regime regime,
-                             struct contact_jet *jet)
-{
-    struct vec3 seen[JET_TERMS];
-    for (int i = 0; i < JET_TERMS; ++i) {
-        seen[i] = vec3_sub(path->w[i], cross_term(path->destination, path->c, i));
-        jet->gap[i] = i > 0 ? shape->side * jet->distance[i] : g->gap;
-        jet->gap_rate[i] = i > 0 ? shape->side * jet_dot(jet->normal, seen, i) : g->gap_rate;
-        jet->normal_force[i] = contact_force_term(law, change, regime, jet->gap, jet->gap_rate, i);
-        jet->source_force[i] = vec3_scale(-shape->side, jet_scale(jet->normal_force, jet->normal, i));
-    }
-}
-
-/* Arms and slip, of a contact whose normal is known. */
-static void put_slip(const struct contact_shape *shape, const struct contact_path *path,
-                     const struct contact_jet *jet, struct turning_jet *turning)
-{
-    struct vec3 far[JET_TERMS];
-    struct vec3 all[JET_TERMS];
-    double along_normal[JET_TERMS];
-    for (int i = 0; i < JET_TERMS; ++i) {
-        turning->source_arm[i] = vec3_scale(shape->side * shape->source_radius, jet->normal[i]);
-        far[i] = vec3_sub(turning->source_arm[i], path->c[i]);
-        turning->destination_arm[i] = far[i];
-        const struct vec3 past =
-            vec3_sub(cross_term(path->source, turning->source_arm, i), cross_term(path->destination, far, i));
-        all[i] = vec3_sub(past, path->w[i]);
-        along_normal[i] = jet_dot(all, jet->normal, i);
-        turning->slip[i] = vec3_sub(all[i], jet_scale(along_normal, jet->normal, i));
-    }
-}
-
-static void put_friction(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_jet *along, int contact, struct contact_jet *jet,
-                         struct turning_jet *turning)
-{
-    if (!contact_rubs(v, contact) || q->contact[contact].regime == (int32_t)REGIME_APART) {
-        return;
-    }
-    const struct turning_laws laws = turning_laws_of(v, q, contact);
-    struct friction_path path = {.slip_velocity_slope = along->slip_velocity_slope[contact]};
-    memcpy(path.normal_force, jet->normal_force, sizeof path.normal_force);
-    memcpy(path.slip, turning->slip, sizeof path.slip);
-#if SCENE_ANY_FRICTION
-    memcpy(path.spring, along->spring[contact], sizeof path.spring);
-    path.spring[0] = q->turning.spring[contact];
-#endif
-    for (int i = 0; i < JET_TERMS; ++i) {
-        turning->friction_force[i] = friction_force_term(&laws.friction, laws.friction_regime, &path, i);
-        turning->stored[i] = friction_stored_term(&laws.friction, laws.friction_regime, &path, i);
-        jet->source_force[i] = vec3_add(jet->source_force[i], turning->friction_force[i]);
-    }
-}
-
-void turning_jet_of_contact(const struct scene_values *v, const struct scene_state *q,
-                            const struct scene_instant *at, int contact, struct scene_jet *along)
-{
-    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
-    const struct contact_path path = path_of(v, at, along, contact);
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    struct contact_jet *jet = &along->contact[contact];
-    struct turning_jet *turning = &along->turning[contact];
-    memset(turning, 0, sizeof *turning);
-    if (scene_turns(v)) {
-        put_distance(&shape, &at->geometry[contact], &path, jet);
-        put_normal_force(&shape, &at->geometry[contact], &path, &law, &along->law_slope[contact],
-                         (enum contact_regime)q->contact[contact].regime, jet);
-    }
-    put_slip(&shape, &path, jet, turning);
-    put_friction(v, q, along, contact, jet, turning);
-    for (int i = 0; i < JET_TERMS; ++i) {
-        turning->source_torque[i] = cross_term(turning->source_arm, jet->source_force, i);
-        turning->destination_torque[i] = cross_term(jet->source_force, turning->destination_arm, i);
-    }
-}
-
-/* ---- Energies ---- */
-
-double turning_jet_of_rotational(const struct scene_values *v, const struct scene_jet *along, int order)
-{
-    double sum = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_turns_freely(v, i)) {
-            const struct body_inertia inertia = body_inertia_of(v, i);
-            double axial = 0.0;
-            for (int k = 0; k <= order; ++k) {
-                axial += jet_dot(along->angular_velocity[i], along->axis[i], k) *
-                         jet_dot(along->angular_velocity[i], along->axis[i], order - k);
-            }
-            const double square = jet_dot(along->angular_velocity[i], along->angular_velocity[i], order);
-            sum += 0.5 * (inertia.transverse * square + (inertia.axial - inertia.transverse) * axial);
-        }
-    }
-    return sum;
-}
-
-double turning_jet_of_tangential(const struct scene_values *v, const struct scene_state *q,
-                                 const struct scene_jet *along, int order)
-{
-    double sum = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_rubs_elastically(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
-            sum += along->turning[j].stored[order];
-        }
-    }
-    return sum;
-}
-
-double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along, int order)
-{
-    double power = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_rubs(v, j)) {
-            power -= jet_dot(along->turning[j].friction_force, along->turning[j].slip, order);
-        }
-    }
-    return power;
-}
-
-double turning_jet_external_power(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_jet *along, int order)
-{
-    double power = 0.0;
-#if SCENE_ANY_ROTATION
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_turns_freely(v, i)) {
-            const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
-            power += jet_dot(torque, along->angular_velocity[i], order);
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int source = contact_source(j);
-        const int destination = contact_destination(j);
-        if (body_turn_is_prescribed(v, source)) {
-            power -= jet_dot(along->turning[j].source_torque, along->angular_velocity[source], order);
-        }
-        if (body_turn_is_prescribed(v, destination)) {
-            power -=
-                jet_dot(along->turning[j].destination_torque, along->angular_velocity[destination], order);
-        }
-    }
-#else
-    (void)v, (void)q, (void)along, (void)order;
-#endif
-    return power;
 }
 
 #endif

@@ -10,6 +10,9 @@
 
 #if SCENE_ANY_TURNING
 
+/* Coefficient `order` of a cross product. */
+struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b, int order);
+
 /* The rotations of the bodies in time, as far as the instant tells them: of bodies that turn freely the
  * change of their angular acceleration is missing. And the rates of the springs. */
 CONTACT_COLD void turning_jet_put_bodies(const struct scene_values *v, const struct scene_state *q,

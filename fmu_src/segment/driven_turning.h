@@ -1,8 +1,7 @@
 /*
  * Contacts that turn or rub over a span of time in which all motion is given: neither body is free or turns
  * freely. No touch is missed (tumbling_touch.h). Within a contact impulses and energies are quadratures
- * (driven_panel.h) whose panels are halved until halves and whole agree; where elastic friction sticks or
- * slides is located.
+ * (driven_quadrature.h).
  */
 #ifndef CONTACT_SEGMENT_DRIVEN_TURNING_H
 #define CONTACT_SEGMENT_DRIVEN_TURNING_H

@@ -1,155 +1,11 @@
 #include "segment/given_force.h"
 
-#include <float.h>
-
-#include "math/compiler.h"
-#include "math/gauss.h"
 #include "scene/onset.h"
-#include "scene/rounding.h"
 #include "segment/driven_turning.h"
 #include "segment/flight_candidates.h"
+#include "segment/given_quadrature.h"
 #include "segment/rim_change.h"
-#include "segment/scene_output.h"
 #include "segment/zone_path.h"
-
-/* How closely a panel and its two halves must agree, relative to the size of what is integrated. The rule is
- * of degree nine, so the halves are a thousand times better than the panel: rounding is all that is left. */
-static const double AGREEMENT = 1e-13;
-
-/* So many panels of a step may be halved. A pass of the centres at a distance of 1e-16 takes about a hundred;
- * a step has at most some dozen such places. */
-enum { HALVINGS = 4096 };
-
-/* One contact over a step, s in [0, 1]. */
-struct given_step {
-    const struct scene_values *v;
-    struct scene_state *q; /* its regime is the one that is looked at */
-    int contact;
-    double length; /* of the step [s] */
-    int halvings;  /* that are left */
-};
-
-static struct contact_state *contact_of(const struct given_step *step)
-{
-    return &step->q->contact[step->contact];
-}
-
-/* Called from many places: one copy is enough. */
-CONTACT_NOINLINE static void instant_at(const struct given_step *step, double s, struct scene_instant *at)
-{
-    scene_evaluate(step->v, step->q, step->q->clock + s * step->length, 0, at);
-}
-
-/* The quadrature resolves a panel by five nodes each half: no quantity has two extrema within a quarter. */
-enum { PARTS = 4 };
-
-static void note_peaks_between(const struct given_step *step, double from, double to)
-{
-    const double start = step->q->clock;
-    struct scene_output output = {.values = step->v, .state = step->q, .contact = step->contact};
-    scene_output_note_peaks(&output, start + from * step->length, start + to * step->length, PARTS,
-                            &contact_of(step)->peaks);
-}
-
-/* The integral of the force over a panel, and of its size. */
-struct panel {
-    struct vec3 sum;
-    double size;
-};
-
-/* As in prescribed.c: near the touch Hertz's force goes with the power 3/2 of time. */
-static const double SHALLOW = 0.1;
-
-static bool wants_grading(const struct given_step *step, double from, double to)
-{
-    const double places[3] = {from, 0.5 * (from + to), to};
-    double gap[3];
-    if (!scene_is_hertz(step->v, step->contact)) {
-        return false;
-    }
-    for (int i = 0; i < 3; ++i) {
-        struct scene_instant at;
-        instant_at(step, places[i], &at);
-        gap[i] = at.geometry[step->contact].gap;
-    }
-    return fmax(gap[0], gap[2]) > SHALLOW * gap[1];
-}
-
-CONTACT_NOINLINE static struct panel panel_of(const struct given_step *step, double from, double to)
-{
-    struct panel panel = {{0.0, 0.0, 0.0}, 0.0};
-    const double half = 0.5 * (to - from);
-    const bool graded = wants_grading(step, from, to);
-    for (int i = 0; i < GAUSS_NODES; ++i) {
-        struct scene_instant at;
-        const struct gauss_place place = gauss_place(i, graded);
-        const double weight = half * GAUSS_WEIGHT[i] * place.factor;
-        instant_at(step, from + half * place.at, &at);
-        panel.sum = vec3_axpy(panel.sum, weight, at.source_force[step->contact]);
-        panel.size += weight * fabs(at.normal_force[step->contact]);
-    }
-    return panel;
-}
-
-/* Near the centre n may be rounding at one end of a panel: the bound of the other then holds for nearly all
- * of it. */
-static double rounding_between(const struct given_step *step, double from, double to)
-{
-    struct scene_instant ends[2];
-    instant_at(step, from, &ends[0]);
-    instant_at(step, to, &ends[1]);
-    return (to - from) * fmin(rounding_of_force(step->v, step->q, &ends[0], step->contact),
-                              rounding_of_force(step->v, step->q, &ends[1], step->contact));
-}
-
-static bool agree(const struct given_step *step, const struct panel *whole, const struct panel *left,
-                  const struct panel *right, double from, double to)
-{
-    const struct vec3 difference = vec3_sub(vec3_add(left->sum, right->sum), whole->sum);
-    const double allowed = AGREEMENT * (left->size + right->size) + rounding_between(step, from, to);
-    return vec3_max_abs(difference) <= allowed + DBL_MIN;
-}
-
-/* Within one regime. */
-static void integrate_smooth(struct given_step *step, double from, double end)
-{
-    struct vec3 *mean = &contact_of(step)->mean_force;
-    double width = end - from;
-    while (from < end) {
-        const double to = from + width < end ? from + width : end;
-        const double middle = 0.5 * (from + to);
-        const struct panel whole = panel_of(step, from, to);
-        const struct panel left = panel_of(step, from, middle);
-        const struct panel right = panel_of(step, middle, to);
-        const bool divides = middle > from && middle < to && step->halvings > 0;
-        if (divides && !agree(step, &whole, &left, &right, from, to)) {
-            width = 0.5 * (to - from);
-            step->halvings -= 1;
-            continue;
-        }
-        *mean = vec3_add(*mean, vec3_add(left.sum, right.sum));
-        note_peaks_between(step, from, to);
-        from = to;
-        width *= 2.0;
-    }
-}
-
-/* Between two places next to each other at which the law may change, or the gap has an extreme. */
-static void integrate_between(struct given_step *step, double from, double to)
-{
-    struct scene_instant at;
-    instant_at(step, 0.5 * (from + to), &at);
-    const enum contact_regime regime = scene_regime(step->v, step->q, &at, step->contact);
-    contact_of(step)->regime = (int32_t)regime;
-    if (regime == REGIME_APART) {
-        return;
-    }
-    if (regime != REGIME_SEPARATING) {
-        integrate_smooth(step, from, to);
-    } else {
-        note_peaks_between(step, from, to);
-    }
-}
 
 /* The first of ascending places after one, 1 where there is none. */
 static double first_after(const double *places, int count, double from)
@@ -165,14 +21,15 @@ static double first_after(const double *places, int count, double from)
 /* Whether the bodies begin to touch between two such places, which gives the law its damping. */
 static bool takes_damping(struct given_step *step, double from, double to)
 {
-    if (!scene_damps_by_onset(step->v, step->contact) || contact_of(step)->regime != (int32_t)REGIME_APART) {
+    if (!scene_damps_by_onset(step->v, step->contact) ||
+        given_contact(step)->regime != (int32_t)REGIME_APART) {
         return false;
     }
     struct scene_instant at;
-    instant_at(step, 0.5 * (from + to), &at);
+    given_instant(step, 0.5 * (from + to), &at);
     const enum contact_regime next = scene_regime(step->v, step->q, &at, step->contact);
-    instant_at(step, from, &at);
-    contact_of(step)->regime = (int32_t)onset_note(step->v, step->q, &at, step->contact, next);
+    given_instant(step, from, &at);
+    given_contact(step)->regime = (int32_t)onset_note(step->v, step->q, &at, step->contact, next);
     return next != REGIME_APART;
 }
 
@@ -194,7 +51,7 @@ static void integrate(struct given_step *step, const struct contact_shape *shape
         if (takes_damping(step, from, to)) {
             count = -1;
         } else {
-            integrate_between(step, from, to);
+            given_integrate_between(step, from, to);
             from = to;
         }
     }
@@ -210,7 +67,7 @@ static void integrate_at_rim(struct given_step *step, const struct contact_shape
     while (from < end) {
         struct scene_instant at;
         const struct contact_law law = scene_contact_law(step->v, step->q, step->contact);
-        instant_at(step, from + soon * (end - from), &at);
+        given_instant(step, from + soon * (end - from), &at);
         const enum contact_regime present = scene_regime(step->v, step->q, &at, step->contact);
         const struct rim_change change =
             rim_first_change(shape, &law, path, 0.0, present, from * step->length, end * step->length);
@@ -218,7 +75,7 @@ static void integrate_at_rim(struct given_step *step, const struct contact_shape
         if (!(to > from)) {
             from += soon * (end - from);
         } else if (!takes_damping(step, from, to)) {
-            integrate_between(step, from, to);
+            given_integrate_between(step, from, to);
             from = to;
         }
     }
@@ -233,7 +90,7 @@ static void integrate_capped(struct given_step *step, const struct contact_shape
     for (double from = 0.0; from < 1.0;) {
         const double to = first_after(edges, count, from);
         struct scene_instant at;
-        instant_at(step, 0.5 * (from + to), &at);
+        given_instant(step, 0.5 * (from + to), &at);
         const struct contact_shape shape = scene_shape_met(step->v, step->q, &at, step->contact);
         if (contact_is_rim(&shape)) {
             integrate_at_rim(step, &shape, path, from, to);
@@ -268,8 +125,7 @@ static void note_regime(const struct scene_values *v, struct scene_state *q, con
         return;
     }
 #endif
-    q->contact[contact].regime =
-        (int32_t)onset_note(v, q, at, contact, scene_regime(v, q, at, contact));
+    q->contact[contact].regime = (int32_t)onset_note(v, q, at, contact, scene_regime(v, q, at, contact));
 }
 
 /* The force of an instant that lasts; returns it on the source. */

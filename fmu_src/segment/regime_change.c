@@ -9,85 +9,10 @@
 #include "segment/driven_change.h"
 #include "segment/flight_candidates.h"
 #include "segment/flight_head_on.h"
+#include "segment/path_change.h"
 #include "segment/rim_change.h"
 #include "segment/settling.h"
 #include "segment/zone_change.h"
-
-static enum contact_regime regime_at(const struct relative_path *path, const struct contact_law *law,
-                                     double s)
-{
-    double gap;
-    double slope;
-    relative_path_gap(path, s, &gap, &slope);
-    const double distance = relative_path_divisor(path, gap);
-    const double rate = distance > 0.0 ? path->side * polynomial_at(&path->half_rate, s) / distance : 0.0;
-    return contact_regime_of(law, path->scale * gap, rate * path->scale / path->horizon,
-                             relative_path_within(path, s));
-}
-
-static struct regime_change first_change(const struct relative_path *path, const double *events, int count,
-                                         const struct contact_law *law, enum contact_regime present,
-                                         bool ends_only, double settle)
-{
-    double from = 0.0;
-    for (int i = 0; i <= count; ++i) {
-        const double to = i < count ? events[i] : 1.0;
-        if (to > settle && to > from) {
-            from = fmax(from, settle);
-            const double middle = 0.5 * (from + to);
-            const enum contact_regime next = !ends_only ? regime_at(path, law, middle)
-                                             : relative_path_within(path, middle) ? present
-                                                                                  : REGIME_APART;
-            if (next != present) {
-                double gap;
-                double slope;
-                relative_path_gap(path, from, &gap, &slope);
-                return (struct regime_change){from * path->horizon, next, path->scale * gap, false};
-            }
-        }
-        from = to;
-    }
-    return (struct regime_change){(double)INFINITY, present, 0.0, false};
-}
-
-/* A distance so small [scale] has lost its direction to rounding. */
-static const double NO_DISTANCE = 1e-9;
-
-static bool is_at_centre(const struct relative_path *path, double s)
-{
-    double gap;
-    double slope;
-    relative_path_gap(path, s, &gap, &slope);
-    return path->side * gap + path->reach <= NO_DISTANCE;
-}
-
-/* Whether the distance vanishes before `until`, as far as rounding can tell. A source that stays where it is,
- * on the axis say, passes nothing: it keeps the direction it has. */
-static bool passes_centre(const struct relative_path *path, const struct extremes *extremes, double until)
-{
-    if (path->degree == 0 || (SCENE_ANY_PLANE && path->flat)) {
-        return false;
-    }
-    bool passes = is_at_centre(path, 0.0) || is_at_centre(path, fmin(until, 1.0));
-    for (int i = 0; i < extremes->count && extremes->at[i] < until; ++i) {
-        passes = passes || is_at_centre(path, extremes->at[i]);
-    }
-    return passes;
-}
-
-/* Whether the length of the path alone tells that the bodies neither touch nor meet their centres. */
-static bool keeps_away(const struct relative_path *path)
-{
-    const double start = SCENE_ANY_PLANE && path->flat ? path->c[0].x : vec3_norm(path->c[0]);
-    double length = 0.0;
-    for (int i = 1; i <= path->degree; ++i) {
-        length += vec3_norm(path->c[i]);
-    }
-    if (path->side > 0) {
-        return start - length > path->reach + NO_DISTANCE;
-    }
-    return start + length < path->reach - NO_DISTANCE && start - length > NO_DISTANCE;
-}
 
 /* The first touch of bodies that are apart at `settle`, INFINITY if there is none; compression follows. False
  * where more is to be found out: the bodies are not apart, or do not approach when they touch. */
@@ -184,7 +109,7 @@ static struct regime_change driven_regime_change(const struct relative_path *pat
     const struct driven_change change = driven_first_change(path, law, rounding, events, count, present);
     const bool touches = present == REGIME_APART && fabs(change.gap) <= rounding->gap;
     return (struct regime_change){change.s * path->horizon, change.regime, touches ? 0.0 : change.gap,
-                                  passes_centre(path, &extremes, change.s)};
+                                  path_passes_centre(path, &extremes, change.s)};
 }
 
 /* Of a flight after `settle`: the first touch, or the first candidate after which the regime differs. */
@@ -202,13 +127,13 @@ static struct regime_change flight_regime_change(const struct relative_path *pat
     } else {
         double events[MAX_CANDIDATES];
         const int count = candidates_of_all(path, &extremes, shape, law, events);
-        next = first_change(path, events, count, law, present, false, settle);
+        next = path_first_change(path, events, count, law, present, false, settle);
         const double rounding = fmax(by_positions, 8.0 * DBL_EPSILON * path->scale);
         if (present == REGIME_APART && fabs(next.gap) <= rounding) {
             next.gap = 0.0; /* they touch there; otherwise one has come in by an end */
         }
     }
-    next.passes_centre = passes_centre(path, &extremes, next.after / path->horizon);
+    next.passes_centre = path_passes_centre(path, &extremes, next.after / path->horizon);
     return next;
 }
 
@@ -244,7 +169,7 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     }
     const struct relative_path path =
         relative_path_make(&shape, &separation, at->geometry[contact].gap, horizon);
-    if (present == REGIME_APART && !has_ends && keeps_away(&path)) {
+    if (present == REGIME_APART && !has_ends && path_keeps_away(&path)) {
         return first_touch_at((double)INFINITY);
     }
     const double axially = has_ends ? rounding_of_axial(v, at, contact, &shape) : 0.0;
@@ -260,7 +185,8 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
                                                     &separation, present, clock == 0.0));
     if (ends_only) {
         double events[MAX_CANDIDATES];
-        return first_change(&path, events, candidates_of_ends(&path, events, 0), &law, present, true, settle);
+        return path_first_change(&path, events, candidates_of_ends(&path, events, 0), &law, present, true,
+                                 settle);
     }
     return flight_regime_change(&path, &shape, &law, present, settle, by_positions);
 }
