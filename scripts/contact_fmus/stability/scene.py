@@ -58,3 +58,7 @@ class Family(NamedTuple):
     name: str
     axis: str  # with its unit
     make: Callable[[], Iterator[Scene]]
+
+
+def decades(first: int, last: int, stride: int = 1) -> list[float]:
+    return [float(f"1e{k}") for k in range(first, last + 1, stride)]

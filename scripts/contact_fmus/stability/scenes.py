@@ -8,15 +8,10 @@ from functools import partial
 
 from . import together
 from .head_on import GEOMETRIES, LAWS, PLANE, HeadOn
-from .impact import GEOMETRIES as ALL_GEOMETRIES
-from .impact import Impact
-from .rolling import Rolling, Tumbling
-from .scene import Family, Jump, Scene
+from .impact_scenes import exponent, modulus, restitution
+from .scene import Family, Jump, Scene, decades
 from .similar import Similar, bases, unit_systems
-
-
-def decades(first: int, last: int, stride: int = 1) -> list[float]:
-    return [float(f"1e{k}") for k in range(first, last + 1, stride)]
+from .turning_scenes import friction, inertia_ratio, slip_velocity, spin, tumbling_rate
 
 
 def variants(hollow: bool | None = None) -> Iterator[HeadOn]:
@@ -231,81 +226,6 @@ def plane() -> Iterator[Scene]:
             yield Scene("plane", value, lying, note="set down")
             both = replace(one, source_mass=3.0, destination_mass=2.0, offset=1e3)
             yield Scene("plane", value, both, note="free plane")
-
-
-DAMPED = LAWS[1:4]  # the dashpots
-
-
-def modulus() -> Iterator[Scene]:
-    for value in decades(5, 13):
-        for geometry in ALL_GEOMETRIES:
-            one = Impact(geometry=geometry, modulus=value)
-            yield Scene("modulus", value, replace(one, law="undamped"))
-            for law in DAMPED:
-                yield Scene("modulus", value, replace(one, law=law, restitution=0.7), note="restitution 0.7")
-                free = replace(one, law=law, damped=0.3, destination_mass=2.0)
-                yield Scene("modulus", value, free, note="Hunt-Crossley, both free")
-
-
-def restitution() -> Iterator[Scene]:
-    for value in (0.0, 1e-6, 1e-3, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 0.999, 1.0):
-        for geometry in ALL_GEOMETRIES:
-            for law in DAMPED:
-                hertz = Impact(geometry=geometry, law=law, restitution=value)
-                yield Scene("restitution", value, hertz, note="hertz")
-                linear = HeadOn(geometry=geometry, law=law, restitution=value, gravity=0.0)
-                yield Scene("restitution", value, linear, note="linear")
-
-
-def exponent() -> Iterator[Scene]:
-    """1: the linear law, 3/2: Hertz's, from creeping to a bullet's speed; the depth is the same"""
-    for geometry in ALL_GEOMETRIES:
-        for law in LAWS[:4]:
-            for speed in decades(-6, 6, 3):
-                e = None if law == "undamped" else 0.7
-                penalty = (speed / 1e-3) ** 2
-                linear = HeadOn(
-                    geometry=geometry, law=law, restitution=e, gravity=0.0, speed=speed, penalty=penalty
-                )
-                yield Scene("exponent", 1.0, linear, note=f"{speed:g} m/s")
-                stiffness = 1.25 * speed**2 / 1e-3**2.5
-                hertz = Impact(geometry=geometry, law=law, restitution=e, speed=speed, stiffness=stiffness)
-                yield Scene("exponent", 1.5, hertz, note=f"{speed:g} m/s")
-
-
-def slip_velocity() -> Iterator[Scene]:
-    """From Coulomb's friction to one that creeps"""
-    for value in decades(-12, 1):
-        for speed, spin in ((2.0, 0.0), (0.5, -40.0)):
-            one = Rolling(speed=speed, spin=spin, slip_velocity=value)
-            yield Scene("slip velocity", value, one, note=f"spin {spin:g} rad/s")
-
-
-def friction() -> Iterator[Scene]:
-    for value in decades(-9, 6):
-        yield Scene("friction", value, Rolling(friction=value))
-        yield Scene("friction", value, Rolling(friction=value, spin=-40.0), note="back-spin")
-
-
-def spin() -> Iterator[Scene]:
-    for value in [0.0, *decades(-6, 6)]:
-        for speed in (0.0, 1.0, 100.0):
-            if speed or value:
-                one = Rolling(speed=speed, spin=-value, slip_velocity=1e-3)
-                yield Scene("spin", value, one, note=f"{speed:g} m/s")
-
-
-def inertia_ratio() -> Iterator[Scene]:
-    """A solid ball has 2/5, a hollow one 2/3"""
-    for value in [*decades(-9, 9), 0.4, 2.0 / 3.0]:
-        yield Scene("inertia ratio", value, Rolling(inertia=value))
-
-
-def tumbling_rate() -> Iterator[Scene]:
-    for value in decades(-6, 6):
-        one = Tumbling(rate=value)
-        yield Scene("tumbling rate", value, one)
-        yield Scene("tumbling rate", value, replace(one, end=1.01 * one.touch), note="up to the impact")
 
 
 def at_once() -> Iterator[Scene]:
