@@ -5,8 +5,8 @@
 #include "model/motion.h"
 #include "model/shortest.h"
 #include "scene/onset.h"
-#include "segment/driven_turning.h"
 #include "scene/zones.h"
+#include "segment/driven_turning.h"
 
 /* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d
  * n, also where it is capped. */
