@@ -98,7 +98,7 @@ def law_scene(seed):
             values[f"{body}.prescribed_displacement.derivatives"] = [rate.tolist(), bend.tolist()]
             values[f"{body}.prescribed_velocity.derivatives"] = [bend.tolist()]
     turns = speed / deepest  # rad/s of an impact, about
-    flight, stays = max(gap, 0.0) / speed, 1000.0 / turns  # the reference follows a contact turn by turn
+    flight, stays = max(gap, 0.0) / speed, 100.0 / turns  # the reference follows a contact turn by turn
     end = min(0.3, draw.choice(TURNS) / turns + 1.2 * flight + min(0.8 * flight, stays))
     past = 0.03 + min(0.03, stays)
     return FMU[shape], values, past if grazes else end
