@@ -117,8 +117,8 @@ static inline struct vec3 quaternion_across(struct vec3 a)
 
 /*
  * The smallest rotation that takes the unit vector a to the unit vector b: about a x b = a x h with
- * h = a + b, |h| = 2 cos(angle/2). Near antiparallel vectors h is exact and small, so that a x h keeps its digits, which
- * a x b loses. Antiparallel to rounding: half a turn about x, made perpendicular to a.
+ * h = a + b, |h| = 2 cos(angle/2). Near antiparallel vectors h is exact and small, so that a x h keeps its
+ * digits, which a x b loses. Antiparallel to rounding: half a turn about x, made perpendicular to a.
  */
 static inline struct quaternion quaternion_between(struct vec3 a, struct vec3 b)
 {

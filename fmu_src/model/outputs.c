@@ -79,7 +79,7 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     put_contact_point(v, contact, contact_point_of(v, &shape, at, contact));
     put_contact_active(v, contact, regime != REGIME_APART);
     put_contact_within_extents(v, contact, within);
-    put_contact_zone(v, contact, zones_shown(v, q, at, contact));
+    put_contact_zone(v, contact, (int32_t)zones_shown(v, q, at, contact));
     put_force(v, contact, force, vec3_scale(-shape.side * force, g->normal));
     return force + distance + g->gap_rate + factors.k + factors.c + put_hertz(v, contact, &law);
 }

@@ -1,6 +1,6 @@
 /* Energies of the scene [J]. kinetic + potential + contact + dissipated - external work stays constant; with
- * what turns and rubs, kinetic + rotational + potential + contact + tangential + dissipated + friction - external
- * work. */
+ * what turns and rubs, kinetic + rotational + potential + contact + tangential + dissipated + friction -
+ * external work. */
 #ifndef CONTACT_SCENE_ENERGY_H
 #define CONTACT_SCENE_ENERGY_H
 

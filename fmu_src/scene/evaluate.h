@@ -44,8 +44,8 @@ struct body_instant {
     struct vec3 velocity;     /* v [m/s] */
 };
 
-/* The shape of a contact: of a capped cylinder, in contact, the zone that the contact is in (zone.h). The same
- * without regard to zones; and as it is met at an instant, also where there is no contact. */
+/* The shape of a contact: of a capped cylinder, in contact, the zone that the contact is in (zone.h). The
+ * same without regard to zones; and as it is met at an instant, also where there is no contact. */
 struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
                                          int contact);
 struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q,

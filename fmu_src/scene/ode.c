@@ -9,57 +9,6 @@
 #include "scene/turning_ode.h"
 #include "scene/zones.h"
 
-enum { BODY_STATES = 6 };
-
-int ode_body(const struct scene_values *v, int body)
-{
-    int index = 0;
-    for (int i = 0; i < body; ++i) {
-        index += body_is_free(v, i) ? BODY_STATES : 0;
-    }
-    return index;
-}
-
-int ode_impulse(const struct scene_values *v, int contact)
-{
-#if SCENE_ANY_TURNING
-    if (scene_turns(v)) {
-        return turning_layout_of(v).integrals + TURNING_IMPULSES * contact;
-    }
-#endif
-    return ode_body(v, SCENE_BODIES) + 3 * contact;
-}
-
-int ode_dissipated(const struct scene_values *v)
-{
-    return ode_impulse(v, SCENE_CONTACTS);
-}
-
-int ode_coupled(const struct scene_values *v)
-{
-#if SCENE_ANY_TURNING
-    if (scene_turns(v)) {
-        return turning_layout_of(v).coupled;
-    }
-#endif
-    return ode_body(v, SCENE_BODIES);
-}
-
-int ode_integrals(const struct scene_values *v)
-{
-#if SCENE_ANY_TURNING
-    if (scene_turns(v)) {
-        return turning_layout_of(v).integrals;
-    }
-#endif
-    return ode_body(v, SCENE_BODIES);
-}
-
-int ode_size(const struct scene_values *v)
-{
-    return ode_dissipated(v) + (scene_turns(v) ? 3 : 2);
-}
-
 /* Relative acceleration by all but the contact itself. */
 static struct vec3 acceleration_by_others(const struct scene_values *v, const struct scene_instant *at,
                                           int contact)

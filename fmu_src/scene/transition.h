@@ -23,8 +23,8 @@ void transition_change_friction(const struct scene_values *v, struct scene_state
                                 enum ode_event event, struct scene_instant *at);
 #endif
 
-/* The same for bodies that an integrator outside moves: they stay where they are, and peaks are not noted. The
- * zone is then the nearest. */
+/* The same for bodies that an integrator outside moves: they stay where they are, and peaks are not noted.
+ * The zone is then the nearest. */
 void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime);
 #if SCENE_ANY_FRICTION

@@ -67,14 +67,15 @@ struct quaternion turning_start_orientation(const struct scene_values *v, int bo
                           : quaternion_identity();
 }
 
-/* Coefficient n of the series in t/step is at most exp(a/2)/8^n, where a is the angle that the sizes of omega's
- * terms would turn by in 8 steps (Cauchy's bound). With a <= 8, for a constant omega a step of one radian, what
- * follows 20 terms is below exp(4)/8^21 = 6e-18. */
+/* Coefficient n of the series in t/step is at most exp(a/2)/8^n, where a is the angle that the sizes of
+ * omega's terms would turn by in 8 steps (Cauchy's bound). With a <= 8, for a constant omega a step of one
+ * radian, what follows 20 terms is below exp(4)/8^21 = 6e-18. */
 enum { SERIES_TERMS = 20 };
 static const double SERIES_REACH = 8.0;
 
 /*
- * The rotation by the angular velocity omega(t) = sum omega_i t^i from 0 to `clock`, from q' = (0, omega) q/2:
+ * The rotation by the angular velocity omega(t) = sum omega_i t^i from 0 to `clock`, from q' = (0, omega)
+ * q/2:
  * (n + 1) q_(n+1) = sum_i (0, omega_i) q_(n-i) / 2, in steps of at most one radian. A step takes the
  * polynomial along to its own start.
  */

@@ -2,40 +2,6 @@
 
 #if SCENE_ANY_TURNING
 
-static bool has_current_axis(int body)
-{
-    return body_shape(body) != SHAPE_SPHERE;
-}
-
-struct turning_layout turning_layout_of(const struct scene_values *v)
-{
-    struct turning_layout layout;
-    int index = ode_body(v, SCENE_BODIES);
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        const bool turns = body_turns_freely(v, i);
-        layout.spin[i] = turns ? index : -1;
-        index += turns ? 3 : 0;
-    }
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        const bool tips = body_turns_freely(v, i) && has_current_axis(i);
-        layout.orientation[i] = tips ? index : -1;
-        index += tips ? 4 : 0;
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const bool springs = contact_rubs_elastically(v, j);
-        layout.spring[j] = springs ? index : -1;
-        index += springs ? 3 : 0;
-    }
-    layout.coupled = index;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        const bool rolls = body_turns_freely(v, i) && !has_current_axis(i);
-        layout.orientation[i] = rolls ? index : layout.orientation[i];
-        index += rolls ? 4 : 0;
-    }
-    layout.integrals = index;
-    return layout;
-}
-
 double turning_inertia(const struct scene_values *v, int body)
 {
     return body_inertia_of(v, body).transverse;

@@ -104,9 +104,10 @@ def test_the_length_of_functions_is_measured():
 
 def test_every_folder_of_python_tests_is_run_by_ctest():
     listed = (ROOT / "tests" / "CMakeLists.txt").read_text(encoding="utf-8")
-    folders = {file.parent.name for file in (ROOT / "tests").rglob("test_*.py")}
+    tests = ROOT / "tests"
+    folders = {file.parent.relative_to(tests).as_posix() for file in tests.rglob("test_*.py")}
     assert {"physics", "stability"} <= folders
-    named = set(re.findall(r"^ *contact_python_tests\(\w+ tests/(\w+)", listed, re.MULTILINE))
+    named = set(re.findall(r"^ *contact_python_tests\(\w+ tests/([\w/]+)", listed, re.MULTILINE))
     assert folders == named
 
 
