@@ -107,8 +107,9 @@ def test_what_is_declared_of_model_exchange(fmu):
         assert declared[name] == "true"
     assert declared["providesAdjointDerivatives"] == declared["providesDirectionalDerivatives"] == "true"
     jumping = {one.get("name") for one in root.find("ModelVariables") if one.get("reinit") == "true"}
-    energies = {"energy.dissipated_state", "energy.external_work_state"}
-    assert jumping == (set() if fmu.name == "ForceElement" else energies)
+    states = {one.get("name") for one in root.find("ModelVariables") if one.get("name").endswith("_state")}
+    at_events = {"energy.dissipated_state", "energy.external_work_state", "energy.friction_state"}
+    assert jumping == states & (at_events | {"contact.spring_state"})
 
 
 def test_what_is_declared_of_steps(fmu):

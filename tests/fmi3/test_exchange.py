@@ -47,7 +47,7 @@ def test_every_scene_runs_to_its_end_as_in_co_simulation(scene):
 def moving(fmu, seed):
     """Inputs that change with time, of every vector that is an input"""
     random = np.random.default_rng(seed)
-    size = {"displacement": 0.02, "velocity": 0.5, "force": 3.0}
+    size = {"displacement": 0.02, "velocity": 0.5, "force": 3.0, "torque": 0.1, "axis": 1.0}
     waves = {
         one.name: (size[one.name.rpartition("_")[2]] * random.uniform(-1.0, 1.0, 3), random.uniform(1.0, 9.0))
         for one in fmu.select("input")
