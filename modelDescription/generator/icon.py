@@ -17,7 +17,7 @@ LEAST = 7.0  # radius in pixels of the smallest body, so that it is seen
 LINE = 2.2  # half width of outlines in pixels
 SOURCE, DESTINATION = ((243, 217, 184), (160, 104, 66)), ((216, 226, 236), (92, 116, 140))  # fill and outline
 FORCE = (187, 0, 0)
-ARROW = 56.0  # pixels
+ARROW, HEAD = 56.0, 18.0  # length of an arrow and of its head, in pixels
 
 Vector = tuple[float, float, float]
 Distance = Callable[[float, float], float]
@@ -191,11 +191,12 @@ class View:
         e = self._away(contact.destination, x - x0, y - y0)
         if self.start.inside(0):
             e = (-e[0], -e[1])
-        return (x, y), (x + ARROW * e[0], y + ARROW * e[1]), e
+        length = max(ARROW, self.radius[contact.source] + HEAD)  # its head is seen beyond the source
+        return (x, y), (x + length * e[0], y + length * e[1]), e
 
     def _force(self):
         tail, tip, e = self.arrow()
-        half = (ARROW - 16.0) / 2  # the head goes on from there
+        half = (math.dist(tail, tip) - HEAD + 2.0) / 2  # the head goes on from there
         everywhere = (0, 0, SIZE, SIZE)
         shaft = _rectangle(tail[0] + half * e[0], tail[1] + half * e[1], e, half, 2.0)
         yield Layer(FORCE, shaft, everywhere)
@@ -226,12 +227,12 @@ def _rectangle(x0: float, y0: float, e: tuple[float, float], half: float, radius
 
 
 def _head(tip: tuple[float, float], e: tuple[float, float]) -> Distance:
-    """The head of an arrow: 18 pixels long, 14 wide."""
+    """The head of an arrow: 14 pixels wide."""
 
     def distance(x: float, y: float) -> float:
         behind = (tip[0] - x) * e[0] + (tip[1] - y) * e[1]
         aside = abs((x - tip[0]) * e[1] - (y - tip[1]) * e[0])
-        return max(behind - 18.0, (aside * 18.0 - behind * 7.0) / math.hypot(18.0, 7.0))
+        return max(behind - HEAD, (aside * HEAD - behind * 7.0) / math.hypot(HEAD, 7.0))
 
     return distance
 

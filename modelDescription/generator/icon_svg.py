@@ -2,7 +2,7 @@
 
 import math
 
-from .icon import DESTINATION, FORCE, LINE, SIZE, SOURCE, View
+from .icon import DESTINATION, FORCE, HEAD, LINE, SIZE, SOURCE, View
 from .start import Start
 
 
@@ -56,10 +56,10 @@ def _body(view: View, body: int, fill: tuple, line: tuple) -> str:
 
 
 def _force(view: View) -> list[str]:
-    """A shaft of 4 pixels and a head of 18 by 14, as on the PNG"""
+    """A shaft of 4 pixels and a head of 14 across, as on the PNG"""
     (x, y), (tip_x, tip_y), (dx, dy) = view.arrow()
-    neck = (tip_x - 16.0 * dx, tip_y - 16.0 * dy)
-    base = (tip_x - 18.0 * dx, tip_y - 18.0 * dy)
+    neck = (tip_x - (HEAD - 2.0) * dx, tip_y - (HEAD - 2.0) * dy)
+    base = (tip_x - HEAD * dx, tip_y - HEAD * dy)
     left, right = (base[0] - 7.0 * dy, base[1] + 7.0 * dx), (base[0] + 7.0 * dy, base[1] - 7.0 * dx)
     corners = " ".join(f"{px:.2f},{py:.2f}" for px, py in ((tip_x, tip_y), left, right))
     return [

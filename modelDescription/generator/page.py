@@ -41,7 +41,9 @@ def _example(resolved: Resolved) -> dict:
             item = next(item for item in row.type.items if item.value != variable.start)
             start.append((variable.name, item.value, item.name))
     outputs = [variable.name for variable in resolved.variables if not variable.cell.row.has_start]
-    wanted = [name for name in outputs if name.rpartition(".")[2] in ("gap", "normal_force")]
+    ends = {name.rpartition(".")[2] for name in outputs}
+    force = "peak_force" if "peak_force" in ends else "normal_force"  # a short impact shows in the peak alone
+    wanted = [name for name in outputs if name.rpartition(".")[2] in ("gap", force)]
     return {"start": start, "outputs": (wanted or outputs)[:2]}
 
 

@@ -14,6 +14,8 @@ SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons
 KIND = "contact-fmus.body"
 # FMI 2.0 and FMI 3.0: where the terminals are, the description, the element of a variable
 GIVEN = ["prescribed_displacement", "prescribed_velocity", "external_force"]
+GIVEN += ["prescribed_angular_velocity", "external_torque"]
+MOTION = ["displacement", "position", "velocity", "angular_velocity", "orientation"]
 VERSIONS = [("terminals2", "modelDescription.xml"), ("terminals3", "modelDescription3.xml")]
 
 
@@ -56,8 +58,9 @@ def test_every_body_has_a_terminal_whose_members_are_variables(folders, scene, w
 def test_inputs_and_motion_of_a_body_are_together(folders):
     [source, _] = terminals(folders / "SphereCylinder", "terminals3")
     assert {member.get("memberName"): member.get("variableName") for member in source} == {
-        **{row: f"source.{row}" for row in [*GIVEN, "displacement", "position", "velocity"]},
+        **{row: f"source.{row}" for row in [*GIVEN, *MOTION]},
         "force": "contact.source_force",
+        "torque": "contact.source_torque",
     }
 
 
