@@ -54,11 +54,14 @@ static void put_saturation(double z, double out[JET_TERMS])
 
 static double scalar_term(const double *a, const double *b, int order)
 {
-    double sum = 0.0;
-    for (int i = 0; i <= order; ++i) {
-        sum += a[i] * b[order - i];
+    switch (order) {
+    case 0:
+        return a[0] * b[0];
+    case 1:
+        return a[0] * b[1] + a[1] * b[0];
+    default:
+        return a[0] * b[2] + a[1] * b[1] + a[2] * b[0];
     }
-    return sum;
 }
 
 /* -L (1 - exp(-|v_t|/v_0))/|v_t| v_t */

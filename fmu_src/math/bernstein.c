@@ -46,8 +46,7 @@ static struct bernstein_fall first_fall_of_sum(const double *coefficients, int c
 {
     struct part open[DEPTH + 1]; /* still to be looked at, the first part last */
     int last = 0;
-    open[0].low = 0.0;
-    open[0].width = 1.0;
+    open[0] = (struct part){.low = 0.0, .width = 1.0};
     for (int i = 0; i < count; ++i) {
         open[0].of[i] = coefficients[i] + offset;
     }
@@ -55,11 +54,11 @@ static struct bernstein_fall first_fall_of_sum(const double *coefficients, int c
         struct part *now = &open[last];
         const int changes = changes_of_sign(now->of, count);
         const bool falls = now->of[0] > 0.0 && !(now->of[count - 1] > 0.0);
-        if (changes == 0 || (changes == 1 && !falls)) {
-            last -= 1;
-        } else if (changes == 1 || (last == DEPTH && falls)) {
+        const bool none = changes == 0 || (changes == 1 && !falls);
+        if (!none && (changes == 1 || (last == DEPTH && falls))) {
             return (struct bernstein_fall){now->low, now->low + now->width, offset};
-        } else if (last == DEPTH) {
+        }
+        if (none || last == DEPTH) {
             last -= 1;
         } else {
             const struct part right = split(now, count);

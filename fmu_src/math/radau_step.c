@@ -185,7 +185,7 @@ void radau_step_finish(struct radau_step *p)
 
 void radau_step_at(const struct radau_step *p, double part, double *y)
 {
-    double of[RADAU_MOST_STAGES + 1];
+    double of[RADAU_MOST_STAGES + 1] = {1.0};
     const int s = p->stages->stages;
     radau_polynomials_at(s + 1, part, of);
     for (int j = 0; j < p->problem.size; ++j) {

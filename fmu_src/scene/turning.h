@@ -42,7 +42,7 @@ void turning_of_bodies(const struct scene_values *v, const struct scene_state *q
 /* Slip, friction and torques of a contact whose geometry and normal force are known; adds friction to the
  * force on the source. */
 void turning_of_contact(const struct scene_values *v, const struct scene_state *q,
-                        const struct turning_state *turning, int contact, struct scene_instant *at);
+                        const struct turning_state *state, int contact, struct scene_instant *at);
 
 /* All that turns and rubs, of an instant that is known but for that. */
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);

@@ -218,6 +218,10 @@ bool driven_integrate(struct driven_span *s, double from, double end)
             width = 0.5 * (to - clock);
             continue;
         }
+        if (!made) { /* one rounding of the clock, in which no force adds up to anything */
+            clock = to;
+            continue;
+        }
         if (s->elastic && divides && passes_event(s, &left, &right, &clock)) {
             continue;
         }

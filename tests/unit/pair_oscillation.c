@@ -107,7 +107,7 @@ static void at_its_extrema_the_gap_stands(void)
             struct pair_sample at, there;
             pair_oscillation_sample(&p, extremum, &at);
             pair_oscillation_sample_extremum(&p, extremum, deepest, &there);
-            for (int j = 0; j < PAIR_QUANTITIES; ++j) {
+            for (int j = 0; j <= PAIR_FORCE; ++j) { /* the others are those of a rim */
                 const double size = j == PAIR_GAP        ? 1.0
                                     : j == PAIR_GAP_RATE ? p.rate
                                                          : from.coefficients.k + from.coefficients.c * p.rate;
