@@ -58,8 +58,8 @@ static double horizon_from(const struct scene_values *v, const struct scene_stat
 }
 
 /* Says of every contact when its regime changes next. */
-static void look_ahead(const struct scene_values *v, struct scene_state *q, double remaining,
-                       struct advance *step)
+static inline void look_ahead(const struct scene_values *v, struct scene_state *q, double remaining,
+                              struct advance *step)
 {
     if (q->horizon_clock > q->clock) {
         return;

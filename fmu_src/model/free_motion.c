@@ -184,16 +184,17 @@ static void foresee_reading(struct model *m, double clock)
     struct scene_values *v = &m->state.values;
     const struct scene_state *q = &m->state.motion;
     m->outputs = OUTPUTS_BODIES;
-    bool all_shown = true;
+    _Static_assert(((int)MOTION_PRESCRIBED & ~(int)MOTION_FIXED) != 0, "fixed bodies hide prescribed ones");
+    int others = 0; /* bits of the motions that are not free: one instruction a body */
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
             const struct body_state at = flight_unforced_at(v, q, i, clock);
             model_show_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
-        } else if (body_is_prescribed(v, i)) {
-            all_shown = false;
+        } else {
+            others |= body_motion(v, i);
         }
     }
-    if (!all_shown) {
+    if (others & ~(int)MOTION_FIXED) {
         show_prescribed(v, q);
     }
 }

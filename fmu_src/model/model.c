@@ -106,7 +106,7 @@ static bool motion_is_finite(const struct model *m)
 /* The motion is as before, the integrator restarts. */
 static void undo_step(struct model *m, const struct scene_state *before)
 {
-    m->state.motion = *before;
+    scene_state_copy(&m->state.values, before, &m->state.motion);
     scene_rebase(&m->state.values, &m->state.motion);
 }
 
@@ -123,7 +123,8 @@ static enum model_status step_refused(struct model *m, const struct scene_state 
 static enum model_status take_step(struct model *m, const struct step_request *request)
 {
     motion_catch_up(&m->state.values, &m->state.motion);
-    const struct scene_state before = m->state.motion;
+    struct scene_state before;
+    scene_state_copy(&m->state.values, &m->state.motion, &before);
     const enum model_status status = motion_advance(m, request);
     if (!motion_is_finite(m)) {
         return step_refused(m, &before, request->end_time);

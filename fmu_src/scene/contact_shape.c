@@ -2,17 +2,47 @@
 #include "contact/zone.h"
 #include "scene/evaluate.h"
 
+static bool has_caps(const struct scene_values *v, int body)
+{
+#if SCENE_ANY_CAPS
+    return body_shape(body) == SHAPE_CYLINDER && body_finite_length(v, body) &&
+           body_ends(v, body) == ENDS_CAPPED;
+#else
+    (void)v, (void)body;
+    return false;
+#endif
+}
+
+int scene_contact_side(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    if (has_caps(v, contact_destination(contact))) {
+        return 1;
+    }
+    if (contact_location(v, contact) != LOCATION_AUTOMATIC) {
+        return contact_location(v, contact) == LOCATION_INSIDE ? -1 : 1;
+    }
+    return q->contact[contact].side;
+}
+
+bool scene_ends_suddenly(const struct scene_values *v, int contact)
+{
+    const int body = contact_destination(contact);
+#if SCENE_ANY_CYLINDER
+    return body_shape(body) == SHAPE_CYLINDER && body_finite_length(v, body) && !has_caps(v, body);
+#else
+    (void)v, (void)body;
+    return false;
+#endif
+}
+
 struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     const int destination = contact_destination(contact);
     struct contact_shape shape = {.source_radius = body_radius(v, contact_source(contact)),
                                   .other_radius = body_radius(v, destination),
                                   .half_length = (double)INFINITY,
-                                  .side = q->contact[contact].side,
+                                  .side = scene_contact_side(v, q, contact),
                                   .destination = body_shape(destination)};
-    if (contact_location(v, contact) != LOCATION_AUTOMATIC) {
-        shape.side = contact_location(v, contact) == LOCATION_INSIDE ? -1 : 1;
-    }
 #if SCENE_ANY_CYLINDER
     if (shape.destination == SHAPE_CYLINDER) {
         shape.axis = q->contact[contact].parameters.axis;
@@ -27,10 +57,9 @@ struct contact_shape scene_whole_shape(const struct scene_values *v, const struc
     }
 #endif
 #if SCENE_ANY_CAPS
-    if (isfinite(shape.half_length) && body_ends(v, destination) == ENDS_CAPPED) {
+    if (has_caps(v, destination)) {
         shape.solid = (struct contact_solid){shape.axis, shape.other_radius, shape.half_length, 0};
         shape.half_length = (double)INFINITY; /* the gap goes on beyond the ends */
-        shape.side = 1;
     }
 #endif
     return shape;
@@ -40,9 +69,12 @@ struct contact_shape scene_whole_shape(const struct scene_values *v, const struc
 struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
                                          int contact)
 {
-    const struct contact_shape shape = scene_whole_shape(v, q, contact);
     const int zone = q->contact[contact].zone;
-    return zone != 0 ? contact_shape_in(&shape, zone) : shape;
+    if (zone == 0) {
+        return scene_whole_shape(v, q, contact);
+    }
+    const struct contact_shape shape = scene_whole_shape(v, q, contact);
+    return contact_shape_in(&shape, zone);
 }
 
 struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,

@@ -142,7 +142,6 @@ static inline void put_forces(const struct scene_values *v, const struct scene_s
                                                          : vec3_make(0.0, 0.0, 0.0);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_shape shape = scene_contact_shape(v, q, j);
         const struct contact_geometry *g = &at->geometry[j];
         const enum contact_regime regime = (enum contact_regime)q->contact[j].regime;
         at->normal_force[j] = 0.0;
@@ -150,7 +149,7 @@ static inline void put_forces(const struct scene_values *v, const struct scene_s
             const struct contact_law law = scene_contact_law(v, q, j);
             at->normal_force[j] = contact_force(&law, regime, g->gap, g->gap_rate);
         }
-        at->source_force[j] = vec3_scale(-shape.side * at->normal_force[j], g->normal);
+        at->source_force[j] = vec3_scale(-scene_contact_side(v, q, j) * at->normal_force[j], g->normal);
 #if SCENE_ANY_TURNING
         if (turning) {
             turning_of_contact(v, q, turning, j, at);

@@ -50,6 +50,13 @@ struct contact_shape scene_contact_shape(const struct scene_values *v, const str
                                          int contact);
 struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q,
                                        int contact);
+
+/* Of the same shape, where no more of it is wanted: +1: the source is outside the destination, -1: inside. */
+int scene_contact_side(const struct scene_values *v, const struct scene_state *q, int contact);
+
+/* Whether it is a finite cylinder without caps: the gap does not see its ends. */
+bool scene_ends_suddenly(const struct scene_values *v, int contact);
+
 struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,
                                      const struct scene_instant *at, int contact);
 struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact);

@@ -25,22 +25,29 @@ static void shift_paths(const struct scene_values *v, struct scene_state *q, int
     } else if (body_is_free(v, body)) {
         path_shift(path->force, 3, q->clock);
     }
+}
+
 #if SCENE_ANY_ROTATION
+/* And those that it turns by. */
+static void shift_turning_paths(const struct scene_values *v, struct scene_state *q, int body)
+{
+    struct body_path *path = &q->path[body];
     if (body_turn_is_prescribed(v, body)) {
         path_shift(path->angular_velocity, 3, q->clock);
         path_shift(path->axis, 3, q->clock);
     } else if (body_turns_freely(v, body)) {
         path_shift(path->torque, 3, q->clock);
     }
-#endif
 }
+#endif
 
 void scene_rebase(const struct scene_values *v, struct scene_state *q)
 {
     q->integrator_fresh = 1;
     free_bodies_rebase(q);
 #if SCENE_ANY_TURNING
-    if (scene_turns(v)) {
+    const bool turns = scene_turns(v);
+    if (turns) {
         turning_rebase(v, q);
     }
 #endif
@@ -50,6 +57,11 @@ void scene_rebase(const struct scene_values *v, struct scene_state *q)
     for (int i = 0; i < SCENE_BODIES; ++i) {
         shift_paths(v, q, i);
     }
+#if SCENE_ANY_ROTATION
+    for (int i = 0; turns && i < SCENE_BODIES; ++i) {
+        shift_turning_paths(v, q, i);
+    }
+#endif
     free_bodies_shift_clocks(q);
     advance_base(q);
 }

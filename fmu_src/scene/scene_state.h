@@ -198,12 +198,6 @@ struct scene_state {
 #endif
     double step_length; /* length of the last communication step, as far as it got [s] */
 #endif
-#if SCENE_ANY_ROTATION
-    struct body_turn turn_origin[SCENE_BODIES]; /* at clock 0, of bodies that turn */
-#endif
-#if SCENE_ANY_TURNING
-    struct turning_state turning;
-#endif
     struct body_path path[SCENE_BODIES];
     struct solver_counters counters;
     /* 1: CVODE has no history that matters; it starts from this state */
@@ -212,6 +206,13 @@ struct scene_state {
     /* 1: the flight is deferred: body states are those of an earlier clock, see flight_catch_up */
     int32_t deferred;
     int32_t unused; /* in place of padding */
+#endif
+    /* of no meaning where nothing turns or rubs: last, see scene_state_copy */
+#if SCENE_ANY_TURNING
+    struct turning_state turning;
+#endif
+#if SCENE_ANY_ROTATION
+    struct body_turn turn_origin[SCENE_BODIES]; /* at clock 0, of bodies that turn */
 #endif
 };
 

@@ -1,5 +1,8 @@
 #include "scene/topology.h"
 
+#include <stddef.h>
+#include <string.h>
+
 bool body_is_free(const struct scene_values *v, int body)
 {
     return SCENE_ANY_FREE && body_motion(v, body) == MOTION_FREE;
@@ -59,6 +62,18 @@ bool scene_turns(const struct scene_values *v)
 #endif
     (void)v;
     return choices != 1;
+}
+
+void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to)
+{
+#if SCENE_ANY_TURNING
+    if (!scene_turns(v)) {
+        memcpy(to, from, offsetof(struct scene_state, turning));
+        return;
+    }
+#endif
+    (void)v;
+    *to = *from;
 }
 
 bool contact_is_driven(const struct scene_values *v, int contact)

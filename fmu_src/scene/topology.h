@@ -24,6 +24,9 @@ bool contact_turns_or_rubs(const struct scene_values *v, int contact);
 /* Whether any body turns or any contact rubs. Where none does, all is as in scenes without rotation. */
 bool scene_turns(const struct scene_values *v);
 
+/* Copies a state, without what has no meaning where nothing turns or rubs. */
+void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to);
+
 /* Whether neither body of the contact is free or turns freely: its motion is given. */
 bool contact_is_driven(const struct scene_values *v, int contact);
 

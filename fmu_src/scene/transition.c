@@ -100,8 +100,8 @@ static void note_peaks_of(struct scene_state *q, const struct scene_instant *at)
     }
 }
 
-static void note_peaks_of_touching(const struct scene_values *v, struct scene_state *q,
-                                   struct scene_instant *at)
+static inline void note_peaks_of_touching(const struct scene_values *v, struct scene_state *q,
+                                          struct scene_instant *at)
 {
     if (!scene_is_apart(q)) {
         scene_forces(v, q, q->clock, at);

@@ -200,8 +200,8 @@ double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_
     return counts || p->coefficients.k >= PAIR_STIFF ? rounding : 0.0;
 }
 
-static void move_body(const struct scene_values *v, struct scene_state *q, int body, double time,
-                      struct vec3 r, struct vec3 r_rate)
+static inline void move_body(const struct scene_values *v, struct scene_state *q, int body, double time,
+                             struct vec3 r, struct vec3 r_rate)
 {
     struct vec3 force[3];
     flight_force(q, body, q->clock, force);

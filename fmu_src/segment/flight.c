@@ -176,6 +176,7 @@ void flight_catch_up(const struct scene_values *v, struct scene_state *q)
     q->deferred = 0;
 }
 
+#if SCENE_ANY_CYLINDER
 static struct vec3 with_axial_of(struct vec3 a, struct vec3 exact, struct vec3 axis)
 {
     return vec3_axpy(a, vec3_dot(vec3_sub(exact, a), axis), axis);
@@ -183,13 +184,14 @@ static struct vec3 with_axial_of(struct vec3 a, struct vec3 exact, struct vec3 a
 
 static void restore_axial(const struct scene_values *v, struct scene_state *q, int contact, int body)
 {
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    if (isfinite(shape.half_length) && body_is_free(v, body) && !body_is_loaded(q, body, contact)) {
+    if (body_is_free(v, body) && !body_is_loaded(q, body, contact)) {
+        const struct vec3 axis = q->contact[contact].parameters.axis;
         const struct body_state exact = flight_body_at(v, q, body, q->clock);
-        q->body[body].moved = with_axial_of(q->body[body].moved, exact.moved, shape.axis);
-        q->body[body].velocity = with_axial_of(q->body[body].velocity, exact.velocity, shape.axis);
+        q->body[body].moved = with_axial_of(q->body[body].moved, exact.moved, axis);
+        q->body[body].velocity = with_axial_of(q->body[body].velocity, exact.velocity, axis);
     }
 }
+#endif
 
 void flight_restore(const struct scene_values *v, struct scene_state *q)
 {
@@ -198,11 +200,13 @@ void flight_restore(const struct scene_values *v, struct scene_state *q)
             q->body[i] = flight_body_at(v, q, i, q->clock);
         }
     }
+#if SCENE_ANY_CYLINDER
     /* friction acts along the axis, and an axis that turns keeps nothing */
-    for (int j = 0; SCENE_ANY_CYLINDER && !scene_turns(v) && j < SCENE_CONTACTS; ++j) {
-        if (contact_transmits(q, j)) {
+    for (int j = 0; !scene_turns(v) && j < SCENE_CONTACTS; ++j) {
+        if (scene_ends_suddenly(v, j) && contact_transmits(q, j)) {
             restore_axial(v, q, j, contact_source(j));
             restore_axial(v, q, j, contact_destination(j));
         }
     }
+#endif
 }

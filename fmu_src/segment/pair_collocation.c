@@ -11,15 +11,17 @@ static struct vec3 coupled(const struct contact_pair *p, struct vec3 c)
 }
 
 /* A: second derivative of C. E = W - C'. Both across a cylinder's axis. */
-static void set_paths(const struct contact_pair *p, struct collocation_problem *problem)
+static void set_paths(const struct contact_pair *p, const struct vec3 felt[SEPARATION_DEGREE],
+                      struct collocation_problem *problem)
 {
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        problem->acceleration[i] = vec3_scale((i + 1) * (i + 2), coupled(p, p->flight.c[i + 2]));
+        problem->acceleration[i] = vec3_scale((i + 1) * (i + 2), felt[i + 1]);
     }
     for (int i = 0; i < COLLOCATION_MISMATCH_TERMS; ++i) {
         const struct vec3 mismatch = vec3_axpy(p->flight.w[i], -(i + 1), p->flight.c[i + 1]);
-        problem->mismatch[i] = coupled(p, mismatch);
-        problem->has_mismatch = problem->has_mismatch || vec3_max_abs(mismatch) > 0.0;
+        const bool is_none = !(vec3_max_abs(mismatch) > 0.0);
+        problem->mismatch[i] = is_none ? mismatch : coupled(p, mismatch);
+        problem->has_mismatch = problem->has_mismatch || !is_none;
     }
 }
 
@@ -52,12 +54,15 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     struct collocation_problem *problem = &out->problem;
     problem->has_mismatch = false;
     problem->normal = p->normal;
-    problem->rate = coupled(p, p->flight.c[1]);
+    for (int i = 0; i < SEPARATION_DEGREE; ++i) {
+        out->felt[i] = coupled(p, p->flight.c[i + 1]);
+    }
+    problem->rate = out->felt[0];
     problem->reach = contact_reach(&p->shape);
     problem->deviation = p->shape.side * p->gap;
     problem->omega2 = p->coefficients.k / p->reduced_mass;
     problem->damping_rate = p->coefficients.c / p->reduced_mass;
-    set_paths(p, problem);
+    set_paths(p, out->felt, problem);
     const double d = contact_is_plane(&p->shape) ? (double)INFINITY : problem->reach + problem->deviation;
     const struct vec3 along = pair_tangential(p, problem->rate);
     const double radial = p->shape.side * pair_gap_derivative(p);
@@ -252,7 +257,7 @@ static double work_by_parts(const struct pair_collocation *p, const struct pair_
     double flown = 0.0;
     double power = t;
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        const struct vec3 c = coupled(p->from, p->from->flight.c[i]);
+        const struct vec3 c = p->felt[i - 1];
         power *= t;
         flown += power * (vec3_dot(weight[0], c) / (i + 1) + t * vec3_dot(weight[1], c) / (i + 2));
     }
@@ -267,7 +272,7 @@ struct pair_change pair_collocation_change(const void *pair_collocation, double 
     struct pair_change change = {.time = p->step.half * s, .r = step.moved, .r_rate = step.gained};
     double power = 1.0;
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
-        const struct vec3 c = coupled(from, from->flight.c[i]);
+        const struct vec3 c = p->felt[i - 1];
         if (i > 1) {
             change.r_rate = vec3_axpy(change.r_rate, -i * power, c);
         }

@@ -9,6 +9,8 @@
 /* Rates and sizes of the motion at the start of a step. */
 struct pair_timescales {
     struct collocation_problem problem;
+    /* coefficients of C, from the first one on: the part that the contact's motion feels */
+    struct vec3 felt[SEPARATION_DEGREE];
     double distance;   /* d [m]; INFINITY of a plane, whose normal never turns */
     double rate_along; /* |c' along the contact| / d [1/s] */
     /* rate_along + sqrt(|A| / d) at the start: n turns by about a radian in its inverse [1/s] */
@@ -31,6 +33,7 @@ double pair_step_within(const struct pair_timescales *scales, double longest, do
 
 struct pair_collocation {
     const struct contact_pair *from;
+    const struct vec3 *felt; /* of pair_timescales */
     struct collocation step;
 };
 

@@ -143,6 +143,7 @@ static void make_up_to(struct segment *p, double longest)
         enum segment_kind kind = SEGMENT_AVERAGED;
         pair_timescales_make(&p->scales, &p->pair);
         p->as.collocation.from = &p->pair;
+        p->as.collocation.felt = p->scales.felt;
         while (!make_kind(p, kind)) {
             kind += 1;
         }
