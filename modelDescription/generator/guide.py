@@ -90,7 +90,7 @@ def _choice(catalogue: Catalogue, row: Row) -> dict:
             every = _left_out(catalogue, dict.fromkeys(names, item))
             more = [name for name in every if name.partition(".")[0] not in owners]
             if more:
-                lines.append({"pin": f"every body's motion = {shown}", "text": "", "gone": more})
+                lines.append({"pin": f"every body's {row.field} = {shown}", "text": "", "gone": more})
     return {"name": _name(row), "text": row.description.format(
         body="the body", source="the source", destination="the destination"), "lines": lines}  # fmt: skip
 

@@ -25,9 +25,45 @@ def context(resolved: Resolved) -> dict:
         "free": [
             body.name
             for i, body in enumerate(resolved.scene.bodies)
-            if resolved.may("body.motion", "free", i)
+            if resolved.may("body.motion", "free", i) or resolved.may("body.rotation", "free", i)
         ],
+        "turning": _turning(resolved),
+        "connect": _connect(resolved),
     }
+
+
+def _turning(resolved: Resolved) -> dict:
+    """Shapes of bodies by what rotation and inertia may be; destinations whose axis may turn."""
+    scene = resolved.scene
+
+    def shapes(key: str, value: str) -> set[str]:
+        return {scene.bodies[cell.element].shape for cell in resolved.of(key) if _offers(cell, value)}
+
+    hit = {contact.destination for contact in scene.contacts}
+    turned = [
+        cell
+        for cell in resolved.of("body.rotation")
+        if cell.element in hit and (_offers(cell, "prescribed") or _offers(cell, "free"))
+    ]
+    return {
+        "prescribed": shapes("body.rotation", "prescribed"),
+        "automatic": shapes("body.inertia_control", "automatic"),
+        "user_defined": shapes("body.inertia_control", "user_defined"),
+        "destinations": [cell for cell in turned if scene.bodies[cell.element].shape != "sphere"],
+        "hollow_sphere": any(
+            scene.bodies[scene.contacts[cell.element].destination].shape == "sphere"
+            for cell in resolved.of("contact.location")
+            if _offers(cell, "inside") or _offers(cell, "automatic")
+        ),
+    }
+
+
+def _connect(resolved: Resolved) -> Markup:
+    """The inputs of bodies, by their names without the body: a, b and c."""
+    cells = [cell for cell in resolved.cells if cell.open and cell.row.owner == "body"]
+    names = dict.fromkeys(cell.row.field for cell in cells if cell.row.causality == "input")
+    codes = [Markup("<code>{}</code>").format(name) for name in names]
+    return Markup(", ").join(codes[:-1]) + Markup(" and " if codes[:-1] else "") + codes[-1]
 
 
 def _example(resolved: Resolved) -> dict:
@@ -60,15 +96,17 @@ CHOICES = (
     "body.motion=fixed", "body.motion=prescribed", "body.motion=free",
     "body.finite_length=true", "body.finite_length=false",
     "body.ends=open", "body.ends=capped",
+    "contact.friction=none", "contact.friction=regularized", "contact.slip_velocity_control=automatic",
 )  # fmt: skip
 
 
 def _may(resolved: Resolved, key: str, value: str) -> bool:
     """False too where the choice itself plays no part, as a dashpot does not for the penalty method."""
-    cells = resolved.of(key)
-    return any(
-        (cell.open and cell.offers(value)) or (cell.pinned and cell.value_name == value) for cell in cells
-    )
+    return any(_offers(cell, value) for cell in resolved.of(key))
+
+
+def _offers(cell: Cell, value: str) -> bool:
+    return (cell.open and cell.offers(value)) or (cell.pinned and cell.value_name == value)
 
 
 def _is_choice(cell: Cell) -> bool:

@@ -19,6 +19,7 @@ from support.generator.generated import (
     scene_file,
     table,
 )
+from support.generator.turning_page import assert_the_page_explains_turning
 
 PINNED = [scene for scene in SCENES if scene_file(scene).get("pinned")]
 UNIVERSAL = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
@@ -234,6 +235,7 @@ def test_the_page_explains_only_what_the_scene_has(folder, scene):
     assert ("Motion and energy" in page) == ("energy.total" in names)
     if "source.prescribed_velocity" in names:
         assert "prescribed_velocity" in page
+    assert_the_page_explains_turning(page, scene)
     members = {name.rpartition(".")[2] for name in names}
     assert set(re.findall(r"\bprescribed_\w+", page)) <= members
     for name in re.findall(r"<code>((?:source|destination|contact|energy|solver)\.\w+)", page):

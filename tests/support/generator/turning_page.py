@@ -1,0 +1,43 @@
+"""What the documentation page of a scene says of bodies that turn and contacts that rub."""
+
+from .generated import CATALOGUE, describe, scene_file
+
+
+def _allowed(scene, choice):
+    """The items that a choice of the pair may have, by the scene file: one if pinned, some or all."""
+    group = "body" if choice.startswith(("source", "destination")) else "contact"
+    row = CATALOGUE["variable"][f"{group}.{choice.partition('.')[2]}"]
+    items = scene_file(scene).get("pinned", {}).get(choice, list(CATALOGUE["type"][row["type"]]["items"]))
+    return {items} if isinstance(items, str) else set(items)
+
+
+def assert_the_page_explains_turning(page, scene):
+    """Rotation, torques, friction and what they store, each where the scene may have it and nowhere else."""
+    rotations = [_allowed(scene, f"{body}.rotation") for body in ("source", "destination")]
+    of_plane = scene_file(scene)["body"][1]["shape"] == "plane"
+    free = ["free" in rotations[0], "free" in rotations[1] and not of_plane]
+    prescribed = any("prescribed" in rotation for rotation in rotations)
+    friction = _allowed(scene, "contact.friction") - {"none"}
+    turns, moves = any(free) or prescribed, "energy.total" in describe(scene)
+    assert ("<h3>Rotation</h3>" in page) == turns
+    assert ("is the unit quaternion" in page) == turns
+    assert ("(Newton and Euler)" in page) == any(free)
+    assert ("sphere <i>I</i><sub>a</sub> = (2/5)" in page) == free[0]
+    assert ("cylinder <i>I</i><sub>a</sub> =" in page) == (free[1] and not _of_sphere(scene))
+    assert ("A body of prescribed rotation goes on" in page) == prescribed
+    assert ("Its axis turns with it" in page) == ("prescribed" in rotations[1] and not _of_sphere(scene))
+    assert ("<h3>Slip and torques</h3>" in page) == (turns or bool(friction))
+    assert ("Contact is without friction" in page) == (not friction)
+    assert ("regularized: <i>F</i><sub>t</sub>" in page) == ("regularized" in friction)
+    assert ("elastic: <i>F</i>*" in page) == ("elastic" in friction)
+    assert ("<i>E</i><sub>r</sub> = " in page) == (any(free) and moves)
+    assert ("<i>E</i><sub>t</sub> = " in page) == ("elastic" in friction and moves)
+    assert ("Power dissipated by friction" in page) == (bool(friction) and moves)
+    states = {name.partition("[")[0].rpartition(".")[2] for name in describe(scene)}
+    for state in ("orientation_state", "angular_velocity_state", "spring_state", "friction_state"):
+        assert (f"<code>{state}</code>" in page) == (state in states), state
+    assert ("the spring of elastic friction is never drawn" in page) == ("elastic" in friction and not moves)
+
+
+def _of_sphere(scene):
+    return scene_file(scene)["body"][1]["shape"] == "sphere"
