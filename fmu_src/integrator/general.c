@@ -1,6 +1,7 @@
 #include "integrator/general.h"
 
 #include <float.h>
+#include <math.h>
 #include <stdio.h>
 
 #include "integrator/general_memory.h"
@@ -102,6 +103,7 @@ static void start_general(struct general *g, const struct scene_values *v, struc
     }
     g->step.evaluations = 0;
     g->rejected = 0;
+    g->longest = q->general_length; /* of the state, so that a restored one goes on as the saved one */
     general_begin(g, q->clock, g->y);
 }
 
@@ -193,6 +195,7 @@ enum advance_result general_advance(struct general *g, const struct scene_values
             general_begin(g, q->clock, y);
             if (q->clock + 0.5 * until > q->clock) {
                 longest = 0.5 * until;
+                step->budget += 1; /* the way is halved fifty times at most */
                 continue;
             }
             found = first;
@@ -212,6 +215,7 @@ enum advance_result general_advance(struct general *g, const struct scene_values
             general_begin(g, q->clock, y);
         }
     }
+    q->general_length = isfinite(g->longest) ? g->longest : 0.0;
     counter_add(&q->counters.force_evaluations, g->step.evaluations);
     counter_add(&q->counters.rejected_steps, g->rejected);
     return result;

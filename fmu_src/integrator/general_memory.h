@@ -29,7 +29,7 @@ struct general {
 };
 
 /* general_step.c: begins steps at y; makes one of at most `limit` [s], accurate enough, as general->step;
- * false with a message where there is none, or where `budget` trials are used up. */
+ * false with a message where there is none, or where a `budget` of steps is used up. */
 void general_begin(struct general *g, double clock, const double *y);
 bool general_step_make(struct general *g, double limit, long *budget);
 

@@ -111,11 +111,11 @@ bool general_step_make(struct general *g, double limit, long *budget)
         const double length = fmin(limit, g->longest);
         const struct radau_stages *stages = stages_for(length, g->longest);
         const double error = error_of_trial(g, stages, length);
-        *budget -= 1;
         const double reach = length / reach_of(stages);
         if (error <= 1.0) {
             const double next = reach * factor_of(error, stages);
             g->longest = fmin(fmax(next, length), GROWTH * fmax(g->longest, length));
+            *budget -= 1;
             return true;
         }
         g->rejected += 1;
