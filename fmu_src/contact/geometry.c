@@ -83,7 +83,7 @@ static struct contact_geometry geometry_of_rim(const struct contact_shape *shape
     const double radial = rho - shape->solid.radius;
     const double beyond = -axial - shape->solid.half_height;
     at.offset = vec3_axpy(vec3_scale(radial / rho, across), -beyond, shape->axis);
-    at.distance = hypot(radial, beyond);
+    at.distance = vec3_norm(vec3_make(radial, beyond, 0.0));
     at.degenerate = !(at.distance > 0.0);
     if (!at.degenerate) {
         at.normal = vec3_scale(1.0 / at.distance, at.offset);

@@ -70,9 +70,12 @@ static double put_turning_energies(struct scene_values *v, const struct scene_st
         put_energy_friction(v, q->friction_energy - tangential);
         return rotational + q->friction_energy;
     }
-#endif
+    put_energy_friction(v, q->friction_energy); /* zero but for what an integrator outside says */
+    return q->friction_energy;
+#else
     (void)v, (void)q, (void)at;
     return 0.0;
+#endif
 }
 
 static double put_energies(struct scene_values *v, const struct scene_state *q,

@@ -186,6 +186,9 @@ static struct body_turn turn_at(const struct scene_values *v, const struct scene
         return turning_prescribed_at(v, q, clock, body);
     }
     struct body_turn turn = turning->body[body];
+    if (!body_turns_freely(v, body)) { /* whatever an integrator outside says */
+        turn.angular_velocity = vec3_make(0.0, 0.0, 0.0);
+    }
     turn.orientation = quaternion_unit(turn.orientation); /* an integrator outside lets its length drift */
     return turn;
 }

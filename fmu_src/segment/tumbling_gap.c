@@ -144,10 +144,10 @@ struct falling tumbling_beyond_reach(const struct tumbling_path *path, const str
 {
     const double distance = vec3_norm(at->c[0]);
     const struct contact_shape shape = shape_with(path, path->axis.axis);
-    double farthest = hypot(contact_reach(&shape), shape.half_length);
+    double farthest = contact_reach(&shape) + shape.half_length;
 #ifndef CONTACT_NO_CAPS
     if (contact_is_capped(&shape)) {
-        farthest = hypot(shape.solid.radius, shape.solid.half_height) + shape.source_radius;
+        farthest = shape.solid.radius + shape.solid.half_height + shape.source_radius;
     }
 #endif
     const double slope = distance > 0.0 ? vec3_dot(at->c[0], at->c[1]) / distance : 0.0;

@@ -64,7 +64,9 @@ def test_any_number_of_unknowns_and_knowns(instance):
         (instance.product("Adjoint", unknowns, knowns, left), matrix.T * left, False),
     ):
         sizes = np.sum(np.abs(terms), axis=1)
-        if np.any(of_torque):  # of a force along its arm of half a metre: it is but the rounding of the product
+        if np.any(
+            of_torque
+        ):  # of a force along its arm of half a metre: it is but the rounding of the product
             sizes = np.where(of_torque, np.max(sizes[forces]), sizes)
         assert np.all(np.abs(given - np.sum(terms, axis=1)) <= 1e-13 * sizes + 1e-300)
 

@@ -180,7 +180,7 @@ def test_the_gap_rate_is_the_derivative_of_the_gap(scene):
         assert derivatives(instance, "contact.gap") == [instance.get("contact.gap_rate")]
 
 
-@pytest.mark.parametrize("scene", [name for name in raw.SCENES if not name.endswith("ForceElement")])
+@pytest.mark.parametrize("scene", raw.SOLVER_SCENES)
 def test_positions_and_velocities_have_the_derivatives_of_newtons_law(scene):
     """dx/dt = du/dt = v and dv/dt = g + (F_contact + F_ext)/m, in flight and in contact"""
     touched = set()

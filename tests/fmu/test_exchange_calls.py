@@ -110,9 +110,9 @@ def test_bad_times_and_states_are_refused_and_change_nothing():
     for bad in (float("nan"), float("inf"), 1e301):
         with instance.expect(DISCARD, "source.velocity_state[2]", "allowed: -1e+300 .. 1e+300") as got:
             states = before.copy()
-            states[4] = bad
+            states[instance.fmu.roles["state"].index("source.velocity_state[2]")] = bad
             got(instance.call("SetContinuousStates", array(c_double, states), len(states)))
-    with instance.expect(ERROR, "3 values, expected 14") as got:
+    with instance.expect(ERROR, "3 values, expected 32") as got:
         got(instance.call("SetContinuousStates", array(c_double, before[:3]), 3))
     with instance.expect(ERROR, "null pointer") as got:
         got(instance.call("GetDerivatives", None, len(before)))
@@ -174,7 +174,8 @@ def test_a_jump_of_an_input_in_event_mode_is_work_and_one_of_a_state():
     instance.ok("EnterEventMode")
     instance.set({"destination.prescribed_displacement": [0.0, 0.0, 0.11]})  # an overlap of 0.01 m
     assert outside.update()
-    assert outside.states()[-1] == pytest.approx(0.5 * 1e5 * 0.01**2, rel=1e-12)
+    work = outside.states()[instance.fmu.roles["state"].index("energy.external_work_state")]
+    assert work == pytest.approx(0.5 * 1e5 * 0.01**2, rel=1e-12)
     assert instance.get("contact.active") == 1
     assert instance.get("energy.total") == pytest.approx(0.0, abs=1e-12)
 

@@ -19,7 +19,6 @@ READING = {
 }
 UNKNOWN = 4_000_000_000
 STATES = ("instantiated", "initialization", "complete", "terminated", "error", "fatal")
-SOLVER_SCENES = [name for name in raw.SCENES if name != "ForceElement"]
 
 
 class Meddler(raw.Instance):
@@ -126,7 +125,7 @@ def test_a_run_goes_the_way_it_goes_without(name):
         assert [message for message in meddled.messages if message.status != ERROR] == plain.messages
 
 
-@pytest.mark.parametrize("scene", SOLVER_SCENES)
+@pytest.mark.parametrize("scene", raw.SOLVER_SCENES)
 def test_a_step_that_stops_early_may_be_watched(scene):
     """Each stop is told from the midst of fmi2DoStep; what is read there is what is read afterwards"""
     busy = {"solver.max_internal_steps": 1}

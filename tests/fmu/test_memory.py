@@ -167,10 +167,16 @@ def life(faults: Path, what: str, fmu: raw.Fmu, method: int = 0) -> dict[str, in
     return {name: int(count) for name, count in (part.split("=") for part in result.stdout.split())}
 
 
-@pytest.mark.parametrize("method", [2, 3])
-@pytest.mark.parametrize(
-    "scene", [name for name in raw.SCENES if name not in ("ForceElement", *raw.WITHOUT_CVODE)]
-)
+def runs_with_cvode() -> list[tuple[str, int]]:
+    """cvode_adams is explicit: at the slip velocity of a millionth of a metre per second that GolfersDilemma has, a
+    second takes it 1e8 steps."""
+    scenes = [name for name in raw.SOLVER_SCENES if name not in raw.WITHOUT_CVODE]
+    return [
+        (scene, method) for scene in scenes for method in (2, 3) if (scene, method) != ("GolfersDilemma", 3)
+    ]
+
+
+@pytest.mark.parametrize("scene,method", runs_with_cvode())
 def test_nothing_is_allocated_in_steps_and_nothing_is_kept(faults, scene, method):
     """Counts the integrator's memory too, which is not the importer's."""
     counts = life(faults, "count", raw.load(scene), method)

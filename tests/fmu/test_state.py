@@ -111,7 +111,7 @@ def test_reset_from_any_phase(fmu):
         arguments = {"SetupExperiment": (1, 1e-3, 5.0, 1, 7.0), "DoStep": (5.0, 0.5, 1)}
         for count in range(len(steps) + 1):
             for variable in fmu.select("parameter", kind="Real")[:1]:
-                instance.set_one(variable, 0.25)
+                instance.set_one(variable, 0.02)
             for function in steps[:count]:
                 instance.ok(function, *arguments.get(function, ()))
             instance.ok("Reset")

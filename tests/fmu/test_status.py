@@ -8,7 +8,6 @@ from support.fmi2 import raw
 from support.fmi2.raw import DISCARD, ERROR, OK
 from support.fmi2.runs import RUNS, begin, go_on
 
-SOLVER_SCENES = [name for name in raw.SCENES if name != "ForceElement"]
 KINDS = {
     raw.DO_STEP_STATUS: "fmi2DoStepStatus",
     raw.PENDING_STATUS: "fmi2PendingStatus",
@@ -105,7 +104,7 @@ def stop_early(instance: raw.Instance, end: float) -> float:
     return reached
 
 
-@pytest.mark.parametrize("scene", SOLVER_SCENES)
+@pytest.mark.parametrize("scene", raw.SOLVER_SCENES)
 def test_an_interrupted_step_is_resumed_where_it_stopped(scene):
     """Going on after each fmi2Discard leads where an uninterrupted run ends."""
     with raw.Instance(raw.load(scene)) as whole, raw.Instance(raw.load(scene)) as broken:
@@ -129,7 +128,7 @@ def test_an_interrupted_step_is_resumed_where_it_stopped(scene):
             assert broken.get(name) == pytest.approx(whole.get(name), rel=1e-9)
 
 
-@pytest.mark.parametrize("scene", SOLVER_SCENES)
+@pytest.mark.parametrize("scene", raw.SOLVER_SCENES)
 def test_the_values_after_an_early_stop_are_those_of_the_last_successful_time(scene):
     with raw.Instance(raw.load(scene)) as stopped, raw.Instance(raw.load(scene)) as there:
         stopped.initialize(busy(scene), tolerance=1e-12)
@@ -140,7 +139,7 @@ def test_the_values_after_an_early_stop_are_those_of_the_last_successful_time(sc
             assert stopped.get(name) == pytest.approx(there.get(name), rel=1e-8, abs=1e-8)
 
 
-@pytest.mark.parametrize("scene", SOLVER_SCENES)
+@pytest.mark.parametrize("scene", raw.SOLVER_SCENES)
 def test_an_early_stop_can_be_undone_by_a_saved_state(scene):
     with raw.Instance(raw.load(scene)) as instance:
         instance.initialize(busy(scene))

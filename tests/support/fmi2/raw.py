@@ -34,7 +34,7 @@ from support.fmi2.prototypes import (
     EventInfo,
     array,
 )
-from support.fmi2.raw_fmu import SCENES, WITHOUT_CVODE, Fmu, Variable, load
+from support.fmi2.raw_fmu import SCENES, SOLVER_SCENES, WITHOUT_CVODE, Fmu, Variable, load
 
 __all__ = [
     "ALLOCATE",
@@ -51,6 +51,7 @@ __all__ = [
     "OK",
     "PENDING_STATUS",
     "SCENES",
+    "SOLVER_SCENES",
     "TERMINATED",
     "WARNING",
     "WITHOUT_CVODE",
