@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from .experiment import Recording
 from .recording import ENERGIES
 
 # One for each run, or for each body and contact of a single run
-COLORS = ("#1f6fb4", "#d95f02", "#2b9348", "#8e44ad", "#7f7f7f")
+COLORS = ("#1f6fb4", "#d95f02", "#2b9348", "#8e44ad", "#7f7f7f", "#c9a400", "#00a0a0")
 BODY, EDGE = "#e3e7ee", "#4a5568"
 STYLE = {
     "font.size": 9,
@@ -33,6 +34,8 @@ STYLE = {
 }
 LINES = ("-", "--", ":", "-.")  # where several runs are compared: one for each body or contact
 FAR = 1e20  # a gap beyond this stands for infinity and is not drawn
+LEVEL = 1e-3  # motion whose rise is less than this part of its extent both ways is seen from above
+STEADY = 1e-3  # a force that changes by less than this part of it is drawn with zero in sight
 
 
 def draw(runs: list[Recording], file: Path) -> Path:
@@ -85,28 +88,41 @@ def _horizontal(run: Recording) -> np.ndarray:
     if motion.is_plane(reference):  # so that it is seen from its side
         normal = np.array([*motion.axis(reference)[:2], 0.0])
         if np.linalg.norm(normal) > 1e-9:
-            return normal / np.linalg.norm(normal)
+            return _forward(normal / np.linalg.norm(normal))
     elif any(motion.axis(body.name) is not None for body in motion.scene.bodies):
         return np.eye(3)[int(np.argmax(np.max(np.abs(apart), axis=0)))]
     farthest = apart[int(np.argmax(np.linalg.norm(apart, axis=1)))]
     length = np.linalg.norm(farthest)
-    return farthest / length if length > 0.0 else np.eye(3)[0]
+    return _forward(farthest / length) if length > 0.0 else np.eye(3)[0]
+
+
+def _forward(direction: np.ndarray) -> np.ndarray:
+    """Along an axis of the world frame its positive end is on the right, as the numbers beside it say"""
+    component = int(np.argmax(np.abs(direction)))
+    return np.eye(3)[component] if abs(direction[component]) > 1.0 - 1e-9 else direction
+
+
+def _seen_from_above(run: Recording) -> bool:
+    """Where all motion is level and goes both ways"""
+    x, y, z = np.max([np.ptp(run.motion.position(body), axis=0) for body in _movers(run)], axis=0)
+    return bool(z < LEVEL * min(x, y))
 
 
 def _path(axes: Axes, runs: list[Recording]) -> None:
-    horizontal = _horizontal(runs[0])
-    plane = np.array([horizontal, [0.0, 0.0, 1.0]])
+    above = _seen_from_above(runs[0])
+    horizontal = np.eye(3)[0] if above else _horizontal(runs[0])
+    plane = np.array([horizontal, np.eye(3)[1 if above else 2]])
     along = [name for name, component in zip("xyz", horizontal, strict=True) if abs(component) > 1.0 - 1e-9]
-    axes.set_title("path")
+    axes.set_title("path, from above" if above else "path")
     axes.set_xlabel(
         f"{along[0]} [m]" if along else f"along ({horizontal[0]:.2g}, {horizontal[1]:.2g}, 0) [m]"
     )
-    axes.set_ylabel("z [m]")
+    axes.set_ylabel("y [m]" if above else "z [m]")
     axes.set_aspect("equal", adjustable="box")
     axes.set_axisbelow(True)
     movers = _movers(runs[0])
     for body in runs[-1].motion.scene.bodies:
-        if body.name not in movers:
+        if body.name not in movers and not (above and runs[0].motion.is_plane(body.name)):
             _draw_standing(axes, runs[-1], body.name, plane)
     for number, run in enumerate(runs):
         for index, body in enumerate(movers):
@@ -121,22 +137,23 @@ def _draw_moving(axes: Axes, run: Recording, body: str, plane: np.ndarray, color
     if ghosts and not run.motion.is_hollow(body):
         for index in np.linspace(0, len(track) - 1, 7).astype(int):
             look = {"facecolor": color, "alpha": 0.15}
-            axes.add_patch(_outline(run, body, track[index], plane, look))
+            axes.add_patch(_outline(run, body, int(index), plane, look))
     look = {"facecolor": "none", "edgecolor": color, "linewidth": 1.2}
-    axes.add_patch(_outline(run, body, track[-1], plane, look))
+    axes.add_patch(_outline(run, body, -1, plane, look))
 
 
 def _draw_standing(axes: Axes, run: Recording, body: str, plane: np.ndarray) -> None:
     fill = "none" if run.motion.is_hollow(body) else BODY
     look = {"facecolor": fill, "edgecolor": EDGE, "linewidth": 1.2, "zorder": 0.8}
-    axes.add_patch(_outline(run, body, plane @ run.motion.position(body)[-1], plane, look))
+    axes.add_patch(_outline(run, body, -1, plane, look))
 
 
-def _outline(run: Recording, body: str, center: np.ndarray, plane: np.ndarray, look: dict) -> Patch:
-    """A circle; a rectangle for a cylinder that is not seen along its axis, near enough, or for a plane"""
-    if run.motion.is_plane(body):
-        return _strip(run, body, center, plane, look)
-    radius, axis = run.motion.radius(body) or 0.0, run.motion.axis(body)
+def _outline(run: Recording, body: str, index: int, plane: np.ndarray, look: dict) -> Patch:
+    """At one time: a circle; a rectangle for a plane and for a cylinder that is not seen along its axis"""
+    center, axis = plane @ run.motion.position(body)[index], run.motion.axis_at(body, index)
+    if axis is not None and run.motion.is_plane(body):
+        return _strip(run, body, center, plane @ axis, plane, look)
+    radius = run.motion.radius(body) or 0.0
     along = np.zeros(2) if axis is None else plane @ axis
     if np.linalg.norm(along) < 0.5:
         return Circle(center, radius, **look)
@@ -147,9 +164,10 @@ def _outline(run: Recording, body: str, center: np.ndarray, plane: np.ndarray, l
     return Polygon(corners, **look)
 
 
-def _strip(run: Recording, body: str, center: np.ndarray, plane: np.ndarray, look: dict) -> Patch:
+def _strip(
+    run: Recording, body: str, center: np.ndarray, normal: np.ndarray, plane: np.ndarray, look: dict
+) -> Patch:
     """Of a plane: below all places of its sources, as deep as a ball"""
-    normal = plane @ run.motion.axis(body)
     normal = normal / np.linalg.norm(normal)
     level = np.array([-normal[1], normal[0]])
     sources = [one.source for one in run.motion.contacts_of(body)]
@@ -199,9 +217,24 @@ def _gap(axes: Axes, runs: list[Recording]) -> None:
 
 
 def _force(axes: Axes, runs: list[Recording]) -> None:
-    axes.set_title("normal force")
-    _compare(axes, runs, _contacts(runs[0]), lambda run, contact: run.series[f"{contact}.normal_force"])
+    contacts = _contacts(runs[0])
+    drawn = [_force_seen(run, contact) for run in runs for contact in contacts]
+    largest = max(float(np.max(np.abs(values))) for values in drawn)
+    missed = any(
+        np.any((values > 0.0) & (run.series[f"{contact}.normal_force"] == 0.0))
+        for (run, contact), values in zip(itertools.product(runs, contacts), drawn, strict=True)
+    )
+    axes.set_title("normal force, with the peaks of impacts between samples" if missed else "normal force")
+    _compare(axes, runs, contacts, _force_seen)
+    if max(float(np.ptp(values)) for values in drawn) < STEADY * largest:
+        axes.set_ylim(min(0.0, 1.3 * float(np.min(drawn))), max(0.0, 1.3 * float(np.max(drawn))))
     axes.set_ylabel("force [N]")
+
+
+def _force_seen(run: Recording, contact: str) -> np.ndarray:
+    """Where bodies are apart the largest force of the step that ends there, which samples may have missed"""
+    sampled, peak = run.series[f"{contact}.normal_force"], run.series.get(f"{contact}.peak_force")
+    return sampled if peak is None else np.where(sampled == 0.0, peak, sampled)
 
 
 def _contacts(run: Recording) -> list[str]:

@@ -25,6 +25,7 @@ OF_CONTACTS = (
     "gap",
     "gap_rate",
     "normal_force",
+    "peak_force",
     "source_force",
     "destination_force",
     "onsets",

@@ -1,0 +1,57 @@
+"""Pictures of scenarios: bodies where and as they are, and no impact lost between two samples"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from matplotlib.patches import Circle
+
+from contact_fmus.fmu.scene import Body, Contact, Scene
+from contact_fmus.scenarios import plots
+from contact_fmus.scenarios.motion import Motion
+
+SIDE = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+def made(shape, values=None, **series):
+    """A ball, the source, and a destination at rest in the origin, at two times"""
+    bodies = (Body("source", "sphere"), Body("destination", shape))
+    scene = Scene("made", "made", bodies, (Contact("contact", "source", "destination"),), {})
+    known = {
+        "source.radius": 0.1,
+        "destination.center": (0.0, 0.0, 0.0),
+        "destination.axis": (0.0, 0.0, 1.0),
+    } | (values or {})
+    kept = {name.replace("__", "."): np.asarray(value, dtype=float) for name, value in series.items()}
+    return SimpleNamespace(motion=Motion(scene, np.array([0.0, 1.0]), known.get, kept.get), series=kept)
+
+
+@pytest.mark.parametrize("way", [-1.0, 1.0])
+def test_what_goes_to_minus_x_is_drawn_at_minus_x(way):
+    run = made("plane", source__position=[[0.0, 0.0, 0.1], [way, 0.0, 0.1]])
+    assert plots._horizontal(run) @ [way, 0.0, 0.1] == way
+    assert not plots._seen_from_above(run)
+
+
+def test_level_motion_both_ways_is_seen_from_above():
+    assert plots._seen_from_above(made("plane", source__position=[[0.0, 0.0, 0.1], [1.0, -0.3, 0.1]]))
+
+
+def test_a_cylinder_is_drawn_as_it_has_turned():
+    values = {"destination.radius": 0.1, "destination.finite_length": True, "destination.length": 0.8}
+    turned = [[0.0, 0.0, 1.0], [0.0, 0.6, 0.8]]
+    run = made("cylinder", values, source__position=np.zeros((2, 3)), destination__current_axis=turned)
+    for index, axis in enumerate(turned):
+        corners = plots._outline(run, "destination", index, SIDE, {}).get_xy()[:4]
+        assert np.max(corners @ axis[1:]) == pytest.approx(0.4)
+        assert np.max(corners @ [-axis[2], axis[1]]) == pytest.approx(0.1)
+    assert isinstance(plots._outline(run, "source", 0, SIDE, {}), Circle)
+
+
+def test_the_force_of_an_impact_between_samples_is_seen():
+    run = made("plane", contact__normal_force=[0.0, 0.0, 3.0, -1.0], contact__peak_force=[0.0, 7.0, 5.0, 2.0])
+    assert list(plots._force_seen(run, "contact")) == [0.0, 7.0, 3.0, -1.0]
+
+
+def test_each_energy_has_a_colour_of_its_own():
+    assert len(set(plots.COLORS)) >= len(plots.ENERGIES)
