@@ -18,3 +18,10 @@ def test_every_regime_has_its_row():
     regimes = set(re.findall(r"\bREGIME_[A-Z]+\b", law))
     assert len(regimes) == 4
     assert sorted(name for name in regimes if f"| {name} |" not in PAGE) == []
+
+
+def test_every_regime_of_friction_has_its_row():
+    friction = (SOURCE / "contact" / "friction.h").read_text(encoding="utf-8")
+    regimes = set(re.findall(r"\bFRICTION_[A-Z]+\b", friction)) - {"FRICTION_NONE", "FRICTION_REGULARIZED"}
+    assert len(regimes) == 4
+    assert sorted(name for name in regimes if f"| {name} |" not in PAGE) == []
