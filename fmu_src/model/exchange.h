@@ -2,15 +2,15 @@
  * The model for an integrator outside of it (Model Exchange): states, their rates, event indicators.
  *
  *   states       of every body that may be free displacement and velocity, of every body that may turn freely
- *                orientation, a quaternion of any length, and angular velocity; of every contact that may have
- *                elastic friction its spring; then the dissipated energy, the external work and what friction
- *                has taken. Of a body that is not free they stand still
+ *                orientation, a quaternion of any length, and angular velocity; of every contact that may
+ *                have elastic friction its spring; then the dissipated energy, the external work and what
+ *                friction has taken. Of a body that is not free they stand still
  *   rates        their time derivatives, in the regimes in force
  *   indicators   of each contact: the gap, or the way beyond a cylinder's ends if that is more; the force at
- *                which the dashpot changes the law; the way to the edge of a capped cylinder's zone; and three
+ *                which the dashpot changes the law; the way to the edge of a capped cylinder's zone; three
  *                of friction, where it sticks or slides, comes to its largest force, is lifted. A regime
- *                changes in event mode only, where an indicator has passed zero by more than rounding; then it
- *                is as far on the other side.
+ *                changes in event mode only, where an indicator has passed zero by more than rounding; then
+ *                it is as far on the other side.
  *
  * The importer says when it changes between event mode and continuous-time mode. In event mode a jump of the
  * inputs is one of the motion, whose work is booked; in continuous-time mode their power is integrated.
