@@ -51,6 +51,7 @@ destination = "destination"
 "contact.viscous_penalty_factor" = 100.0 # its damping, N s/m
 
 # Choices fixed now: what only other choices would need is left out of the FMU, variables and code.
+# Without its line a choice stays open. rotation = "free" with friction = "regularized" lets the ball roll.
 [pinned]
 {pinned}
 
@@ -69,6 +70,9 @@ def scene_text(name: str, shape: str, inside: bool, pinned: list[str]) -> str:
     chosen = {
         "source.motion": "free",
         "destination.motion": "fixed",
+        "source.rotation": "none",
+        "destination.rotation": "none",
+        "contact.friction": "none",
         "contact.location": "inside" if inside else "outside",
         "contact.method": "penalty_dynamic",
         "contact.penalty_control": "user_defined",
