@@ -10,6 +10,7 @@ from support.fmi2 import raw as raw2
 from support.fmi3 import raw
 from support.outside import Outside
 
+MOTION = ["displacement", "velocity", "orientation", "angular_velocity"]
 ENERGY = ["energy.total", "energy.dissipated", "solver.events"]
 
 
@@ -52,7 +53,10 @@ def moving(fmu, seed):
         one.name: (size[one.name.rpartition("_")[2]] * random.uniform(-1.0, 1.0, 3), random.uniform(1.0, 9.0))
         for one in fmu.select("input")
     }
-    return lambda time: {name: (wave * np.sin(rate * time)).tolist() for name, (wave, rate) in waves.items()}
+    rest = {name: [0.0, 0.0, 2.0] if name.endswith("_axis") else np.zeros(3) for name in waves}
+    return lambda time: {
+        name: (rest[name] + wave * np.sin(rate * time)).tolist() for name, (wave, rate) in waves.items()
+    }
 
 
 def values(instance, fmu3):
@@ -117,11 +121,11 @@ def test_arrays_are_the_states_and_their_rates():
     about = fmu.description
     states = [entry.variable.derivative.name for entry in about.derivatives]
     assert states == [
-        *("source.displacement_state", "source.velocity_state"),
-        *("destination.displacement_state", "destination.velocity_state"),
-        *("energy.dissipated_state", "energy.external_work_state"),
+        *(f"{body}.{state}_state" for body in ("source", "destination") for state in MOTION),
+        "contact.spring_state",
+        *("energy.dissipated_state", "energy.external_work_state", "energy.friction_state"),
     ]
-    assert [fmu.variables[name].length for name in states] == [3, 3, 3, 3, 1, 1]
+    assert [fmu.variables[name].length for name in states] == [3, 3, 4, 3, 3, 3, 4, 3, 3, 1, 1, 1]
     with raw.Instance(fmu, exchange=True) as instance:
         start = {"destination.motion": "free", "source.initial_velocity": [1.0, 2.0, 3.0]}
         outside = Outside(instance.initialize(start)).begin()

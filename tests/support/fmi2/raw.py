@@ -184,7 +184,8 @@ class Instance:
         variables = self.fmu.variables
         if name in variables:
             return self.get_one(variables[name])
-        return [self.get_one(variables[f"{name}[{index}]"]) for index in (1, 2, 3)]
+        names = [f"{name}[{index}]" for index in (1, 2, 3, 4)]
+        return [self.get_one(variables[one]) for one in names if one in variables]
 
     def bits(self, *causalities: str) -> dict[str, bytes]:
         """Name -> bytes of every value, or of those of the given causalities: equal only when the bits are"""
