@@ -187,6 +187,9 @@ enum model_status model_get_directional_derivative(struct model *m, const uint32
         along.axis[i][0] = quaternion_third_axis(at.turning.body[i].orientation);
 #endif
     }
+#if SCENE_ANY_TURNING
+    along.jumps = !m->host.exchange && scene_is_force_element(&m->state.values);
+#endif
     for (size_t i = 0; i < known_count; ++i) {
         move_inputs(&m->state.values, &m->state.motion, &at, scene_variable(knowns[i]), direction[i], &along);
     }

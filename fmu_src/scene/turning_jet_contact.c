@@ -116,6 +116,9 @@ static void put_friction(const struct scene_values *v, const struct scene_state 
 #if SCENE_ANY_FRICTION
     memcpy(path.spring, along->spring[contact], sizeof path.spring);
     path.spring[0] = q->turning.spring[contact];
+    if (along->jumps) {
+        path.spring[1] = vec3_axpy(path.spring[1], -vec3_dot(path.spring[0], jet->normal[1]), jet->normal[0]);
+    }
 #endif
     for (int i = 0; i < JET_TERMS; ++i) {
         turning->friction_force[i] = friction_force_term(&laws.friction, laws.friction_regime, &path, i);

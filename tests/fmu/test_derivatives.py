@@ -204,7 +204,8 @@ def test_positions_and_velocities_have_the_derivatives_of_newtons_law(scene):
             contact = instance.get("contact.source_force")
             expected = [g + (f + c) / mass for g, f, c in zip(gravity, force, contact, strict=True)]
             assert derivatives(instance, "source.velocity") == pytest.approx(expected, rel=1e-13, abs=1e-13)
-    assert touched == {0, 1}
+    lies = scene in ("Bowling", "GolfersDilemma", "SpinningBall", "Turntable")  # on its spring from the start
+    assert touched == ({1} if lies else {0, 1})
 
 
 def test_output_derivatives_are_those_of_difference_quotients():

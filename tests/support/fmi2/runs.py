@@ -13,6 +13,7 @@ from support.fmi2 import raw
 
 # Communication steps of changing size; a thousandth of a second is far less than a contact lasts here.
 SIZES = (0.01, 0.003, 0.017, 0.0001)
+BODIES = ("source", "destination")
 SOFT = {"contact.penalty_factor": 2e3, "contact.viscous_penalty_factor": 5.0}
 OVER_CYLINDER = {"destination.axis": [0.0, 1.0, 0.0], "source.center": [0.05, 0.0, 0.7]}
 
@@ -47,6 +48,21 @@ def _fed(time: float) -> dict[str, Any]:
         "source.prescribed_velocity": [0.0, 1.5 * math.cos(5 * time), -0.1],
     }
 
+
+def _fed_and_turned(time: float) -> dict[str, Any]:
+    return _fed(time) | {
+        "source.prescribed_angular_velocity": [0.4, math.sin(3 * time), 2.0],
+        "destination.prescribed_angular_velocity": [0.2 * time, -0.3, 0.1],
+    }
+
+
+RUBBING = {
+    "contact.friction": "elastic",
+    "contact.tangential_stiffness": 600.0,
+    "contact.tangential_damping": 3.0,
+}
+ROLLING = {"contact.friction": "regularized", "contact.slip_velocity_control": "user_defined",
+           "contact.characteristic_slip_velocity": 1e-2}  # fmt: skip
 
 RUNS = {
     "sphere in flight": Run("SphereSphere", {}, 20, False),
@@ -184,6 +200,57 @@ RUNS = {
         True,
         _fed,
         lambda time: {"source.prescribed_displacement": [0.0, 1.5 * math.cos(5 * time), -0.1]},
+    ),
+    "both prescribed, turning and rubbing": Run(
+        "SphereSphere",
+        {
+            **{f"{body}.{kind}": "prescribed" for body in BODIES for kind in ("motion", "rotation")},
+            **RUBBING,
+            "source.center": [0, 0, 0],
+        },
+        15,
+        True,
+        _fed_and_turned,
+    ),
+    "spinning off a sphere": Run(
+        "SphereSphere",
+        {
+            **SOFT,
+            **RUBBING,
+            "source.center": [0.05, 0.0, 0.62],
+            "source.rotation": "free",
+            "source.initial_angular_velocity": [3.0, -8.0, 1.0],
+        },
+        12,
+        True,
+    ),
+    "rolling on a plane": Run(
+        "SpherePlane",
+        {
+            **SOFT,
+            **ROLLING,
+            "source.center": [0.0, 0.0, 0.0955],
+            "source.initial_velocity": [1.0, 0.0, 0.0],
+            "source.rotation": "free",
+        },
+        20,
+        True,
+    ),
+    "a cylinder hit off its middle": Run(
+        "SphereCylinder",
+        {
+            **SOFT,
+            **ROLLING,
+            "gravity": [0, 0, 0],
+            "source.center": [0.0, -0.62, 0.2],
+            "source.initial_velocity": [0.1, 2.0, 0.0],
+            "source.rotation": "free",
+            "destination.motion": "free",
+            "destination.rotation": "free",
+            "destination.finite_length": 1,
+        },
+        6,
+        True,
     ),
     "force with a rate": Run(
         "SphereSphere",
