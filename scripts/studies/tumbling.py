@@ -7,15 +7,27 @@ whose ENDS are open or capped; status 1 where one has another number of onsets o
 docs/tumbling.md says why none is missed.
 """
 
+import argparse
 import sys
 
 from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
 from support.scenes.tumbling_checks import failures
 
 
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("first", nargs="?", type=int, default=0, help="first scene, 0 by default")
+    parser.add_argument("last", nargs="?", type=int, default=999, help="last scene, 999 by default")
+    parser.add_argument("ends", nargs="?", choices=("open", "capped"), default="open")
+    asked = parser.parse_args()
+    if not 0 <= asked.first <= asked.last:
+        parser.error(f"scenes {asked.first} to {asked.last} are none (allowed: 0 <= FIRST <= LAST)")
+    return asked
+
+
 def main():
-    words = sys.argv[1:] + ["0", "999", "open"][len(sys.argv) - 1 :]
-    first, last, ends = int(words[0]), int(words[1]), words[2]
+    asked = arguments()
+    first, last, ends = asked.first, asked.last, asked.ends
     wrong, worst = 0, 0.0
     with ContactFmu(fmu_file("SphereCylinder")) as fmu:
         for seed in range(first, last + 1):
