@@ -29,8 +29,8 @@ def bring_to(instance: raw.Instance, state: str) -> None:
 
 
 def fail_a_step(instance: raw.Instance) -> None:
-    """A step that the solver cannot finish in one internal step: a ball dropped on the other body, or one that
-    is drawn along it and rubs"""
+    """A step that the solver cannot finish in one internal step: a ball dropped on the other body, or one
+    that is drawn along it and rubs"""
     drop = {"solver.method": 2, "solver.max_internal_steps": 1}
     if instance.fmu.name == "TurningForceElement":
         drop |= {"contact.friction": 3, "source.prescribed_velocity[2]": 0.5}
