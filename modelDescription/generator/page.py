@@ -46,6 +46,7 @@ def _turning(resolved: Resolved) -> dict:
         if cell.element in hit and (_offers(cell, "prescribed") or _offers(cell, "free"))
     ]
     return {
+        "free": shapes("body.rotation", "free") - {"plane"},  # which is refused: it has no inertia
         "prescribed": shapes("body.rotation", "prescribed"),
         "automatic": shapes("body.inertia_control", "automatic"),
         "user_defined": shapes("body.inertia_control", "user_defined"),
@@ -96,6 +97,7 @@ CHOICES = (
     "body.motion=fixed", "body.motion=prescribed", "body.motion=free",
     "body.finite_length=true", "body.finite_length=false",
     "body.ends=open", "body.ends=capped",
+    "body.rotation=none",
     "contact.friction=none", "contact.friction=regularized", "contact.slip_velocity_control=automatic",
 )  # fmt: skip
 

@@ -22,6 +22,7 @@ def assert_the_page_explains_turning(page, scene):
     assert ("<h3>Rotation</h3>" in page) == turns
     assert ("is the unit quaternion" in page) == turns
     assert ("(Newton and Euler)" in page) == any(free)
+    assert ("which turns\nwith it" in page) == (free[1] and not _of_sphere(scene))
     assert ("sphere <i>I</i><sub>a</sub> = (2/5)" in page) == free[0]
     assert ("cylinder <i>I</i><sub>a</sub> =" in page) == (free[1] and not _of_sphere(scene))
     assert ("A body of prescribed rotation goes on" in page) == prescribed
