@@ -34,6 +34,7 @@ STYLE = {
 }
 LINES = ("-", "--", ":", "-.")  # where several runs are compared: one for each body or contact
 FAR = 1e20  # a gap beyond this stands for infinity and is not drawn
+THINNEST = 200.0  # a path with sides of such a ratio would be a line to scale
 LEVEL = 1e-3  # motion whose rise is less than this part of its extent both ways is seen from above
 STEADY = 1e-3  # a force that changes by less than this part of it is drawn with zero in sight
 
@@ -129,6 +130,10 @@ def _path(axes: Axes, runs: list[Recording]) -> None:
             color = _color(number if len(runs) > 1 else index)
             _draw_moving(axes, run, body, plane, color, ghosts=len(runs) == 1)
     axes.autoscale_view()
+    wide, high = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
+    if max(wide, high) > THINNEST * min(wide, high):
+        axes.set_title("path, not to scale")
+        axes.set_aspect("auto")
 
 
 def _draw_moving(axes: Axes, run: Recording, body: str, plane: np.ndarray, color: str, ghosts: bool) -> None:
