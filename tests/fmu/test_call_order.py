@@ -20,7 +20,6 @@ PHASE_NAMES = {
     "error": "error",
     "fatal": "fatal",
 }
-SOLVER_SCENES = [name for name in raw.SCENES if name != "ForceElement"]
 # What an allowed call returns where that is not fmi2OK: no such status or derivative is provided, and what
 # was too much for one internal step still is.
 ANSWERS = {
@@ -69,7 +68,7 @@ def test_every_function_in_every_state(fmu, state):
 
 
 # What event_driven could not finish in one internal step it finishes in the next.
-@pytest.mark.parametrize("scene", [scene for scene in SOLVER_SCENES if scene not in raw.WITHOUT_CVODE])
+@pytest.mark.parametrize("scene", [scene for scene in raw.SOLVER_SCENES if scene not in raw.WITHOUT_CVODE])
 def test_every_function_after_a_discarded_step(scene):
     fmu = raw.load(scene)
     functions = [function for function in FUNCTIONS if function != "FreeInstance"]
@@ -164,7 +163,7 @@ def test_what_is_calculated_cannot_be_set(fmu):
                 got(instance.set_one(variable, 0))
 
 
-@pytest.mark.parametrize("scene", SOLVER_SCENES)
+@pytest.mark.parametrize("scene", raw.SOLVER_SCENES)
 def test_status_after_a_discarded_step(scene):
     with raw.Instance(raw.load(scene)) as instance:
         fail_a_step(instance)

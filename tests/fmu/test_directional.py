@@ -79,7 +79,8 @@ def test_some_run_makes_every_kind_of_dependency_felt():
     elsewhere = {
         *((one, f"{body}.prescribed_{speed}") for one in ("energy.tangential", "energy.friction")
           for body in ("source", "destination") for speed in ("velocity", "angular_velocity")),
-        *((one, "source.prescribed_angular_velocity") for one in ("contact.gap_rate", "contact.normal_force")),
+        ("contact.gap_rate", "source.prescribed_angular_velocity"),
+        ("contact.normal_force", "source.prescribed_angular_velocity"),
     }  # fmt: skip
     assert felt == claimed - elsewhere
 
