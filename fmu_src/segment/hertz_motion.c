@@ -148,24 +148,38 @@ bool hertz_elastic_segment_make(struct segment *p)
     return p->end > 0.0;
 }
 
-/* Length of a slow segment [radians of the tangential motion]; an event may end it, so that it is accurate in
- * between too. */
+/* Length of a slow segment at the finest accuracy [radians of the tangential motion]; an event may end it, so
+ * that it is accurate in between too. It grows as polynomials of the stages' degree allow. */
 static const double SLOW_STEP = 0.7;
 
 /* Smallest length of it [radians of the contact's oscillation, or decay times of its damping]. A shorter one
  * is no longer than a few of the other kind. */
 static const double SLOW_SHORTEST = 16.0;
 
-/* The accuracy of the penetration, and what is left of its oscillation, relative to it: outputs of the force
- * are then as good. */
-static const double SLOW_DEPTH = 1e-9;
+/* The accuracy of the penetration, and what is left of its oscillation, relative to it: the tolerance of the
+ * solver, relative to the bodies' size, so that outputs of the force are as good as those of positions; but
+ * no less than this, and no more. */
+static const double SLOW_FINEST = 1e-9;
+static const double SLOW_COARSEST = 1e-4;
+
+/* A segment may be wrong by this part of the solver's tolerances (event_driven.c). */
+static const double PART_OF_TOLERANCE = 1e-3;
+
+static double slow_accuracy(const struct segment *p)
+{
+    const double size = fmax(p->pair.distance, contact_reach(&p->pair.shape));
+    const double asked = p->tolerance / (PART_OF_TOLERANCE * size);
+    return fmin(fmax(asked, SLOW_FINEST), SLOW_COARSEST);
+}
 
 /* The derivatives of the slow motion fall with powers of the ratio of the rates, those of what is fast do
  * not: by this order and the next only that is left. */
 enum { FAST_ORDER = 6 };
 
-/* By them an oscillation is known to about this factor. */
-static const double FAST_CLEARLY = 4.0;
+/* By them an oscillation is known to about a quarter of it; beyond critical damping, where it is none, to
+ * about this factor. */
+static const double FAST_CLEARLY = 0.8;
+static const double DECAY_CLEARLY = 4.0;
 
 /* Trials, each at half the step, the third at this many of the times in which a contact beyond critical
  * damping settles: it may have to be followed. */
@@ -218,18 +232,21 @@ bool hertz_slow_applies(const struct segment *p)
         return false;
     }
     const struct slow_scales scales = slow_scales_of(from);
+    const double clearly = scales.creep > 0.0 ? DECAY_CLEARLY : FAST_CLEARLY;
     return scales.load > 0.0 && scales.fast * p->longest >= SLOW_SHORTEST &&
-           fast_part_of(&p->as.hertz, scales.fast) <= FAST_CLEARLY * SLOW_DEPTH;
+           fast_part_of(&p->as.hertz, scales.fast) <= clearly * slow_accuracy(p);
 }
 
 bool hertz_slow_make(struct segment *p)
 {
     struct hertz_slow *made = &p->as.hertz_slow;
     const struct slow_scales scales = slow_scales_of(&p->pair);
-    double step = scales.along > 0.0 ? fmin(p->longest, SLOW_STEP / scales.along) : p->longest;
+    const double accuracy = slow_accuracy(p);
+    const double radians = SLOW_STEP * pow(accuracy / SLOW_FINEST, 1.0 / RADAU_POINTS);
+    double step = scales.along > 0.0 ? fmin(p->longest, radians / scales.along) : p->longest;
     const int attempts = scales.creep > 0.0 ? SLOW_ATTEMPTS : FOLLOWING;
     for (int i = 0; i < attempts && step * scales.fast >= SLOW_SHORTEST; ++i) {
-        if (slow_hertz_make(made, &p->pair, step, p->tolerance, -p->pair.gap * SLOW_DEPTH)) {
+        if (slow_hertz_make(made, &p->pair, step, p->tolerance, -p->pair.gap * accuracy)) {
             p->unit = made->half;
             p->end = 2.0;
             dense_output_add(&p->output, 0.0);

@@ -1,8 +1,5 @@
 #include "segment/hertz_recurrence.h"
 
-#include "math/compiler.h"
-#include "math/nodal_values.h"
-
 /* Coefficient i of a polynomial of time, C or W, of which `terms` count. */
 static double hertz_along_time(const struct pair_hertz *p, const struct hertz_recurrence *z,
                                double a[][HERTZ_DIMENSIONS], int terms, int j, int i)
@@ -16,82 +13,73 @@ static double hertz_along_time(const struct pair_hertz *p, const struct hertz_re
 
 /* The parts of products at one order that come from lower ones. */
 struct hertz_sums {
-    double time2, square, cube, force, impulse, speed;
+    double time2, square, fourth, drag, speed;
     double n[HERTZ_DIMENSIONS], push[HERTZ_DIMENSIONS], r[HERTZ_DIMENSIONS];
 };
 
-/* row[i], row[i - 1], ...: as many as one instruction takes. */
-static inline double2 backwards(const double *row, int i)
+/* Where a row backwards has the factors of the coefficients 1, 2, ... of another in their product's
+ * coefficient i. */
+static inline const double *back_from(const double *back, int i)
 {
-#if CONTACT_GNU_C
-    return (double2){row[i], row[i - 1]};
-#else
-    return row[i];
-#endif
+    return back + (TAYLOR_ORDER - i);
 }
 
-static inline double lanes_together(double2 a)
-{
-#if CONTACT_GNU_C
-    return a[0] + a[1];
-#else
-    return a;
-#endif
-}
-
-/* Of scalars, all in one loop, so that none waits for another. */
+/* Of scalars, all in one loop, so that none waits for another. Its last pair may hold the first coefficient
+ * that is not known: zero so far, as is what it is multiplied with. */
 static inline void hertz_lower_scalars(const struct pair_hertz *p, const struct hertz_recurrence *z, int i,
                                        struct hertz_sums *sum)
 {
+    const double *times = back_from(z->time_back, i);
+    const double *roots = back_from(z->root_back, i);
+    const double *squares = back_from(z->square_back, i);
+    const double *rates = back_from(z->rate_back, i);
     double2 time2 = {0.0};
     double2 square = {0.0};
-    double2 cube = {0.0};
-    double2 force = {0.0};
-    double2 impulse = {0.0};
-    int k = 1;
-    for (; k + LANES <= i; k += LANES) {
-        const double2 root = double2_at(p->root, k);
-        const double2 roots = backwards(p->root, i - k);
-        time2 += double2_at(p->time, k) * backwards(p->time, i - k);
-        square += root * roots;
-        cube += double2_at(z->square, k) * roots;
-        force += double2_at(p->cube, k) * backwards(z->damped, i - k);
-        impulse += root * backwards(p->force, i - k);
+    double2 fourth = {0.0};
+    double2 drag = {0.0};
+    for (int k = 1; k < i; k += LANES) {
+        time2 += double2_at(p->time, k) * double2_at(times, k);
+        square += double2_at(p->root, k) * double2_at(roots, k);
+        fourth += double2_at(z->square, k) * double2_at(squares, k);
+        drag += double2_at(z->fourth, k) * double2_at(rates, k);
     }
-    const bool is_left = k < i;
-    sum->time2 = lanes_together(time2) + (is_left ? p->time[k] * p->time[i - k] : 0.0);
-    sum->square = lanes_together(square) + (is_left ? p->root[k] * p->root[i - k] : 0.0);
-    sum->cube = lanes_together(cube) + (is_left ? z->square[k] * p->root[i - k] : 0.0);
-    sum->force = lanes_together(force) + (is_left ? p->cube[k] * z->damped[i - k] : 0.0);
-    sum->impulse = lanes_together(impulse) + (is_left ? p->root[k] * p->force[i - k] : 0.0);
+    sum->time2 = lanes_together(time2);
+    sum->square = lanes_together(square);
+    sum->fourth = lanes_together(fourth);
+    sum->drag = lanes_together(drag);
 }
 
-/* Of one component. */
-static inline void hertz_lower_component(const struct pair_hertz *p, const struct hertz_recurrence *z, int i,
-                                         int j, bool turns, struct hertz_sums *sum)
+/* Of vectors, all components in one loop: they share factors. */
+static inline void hertz_lower_vectors(const struct pair_hertz *p, const struct hertz_recurrence *z, int i,
+                                       int dimensions, struct hertz_sums *sum)
 {
-    double2 r = {0.0};
-    double2 n = {0.0};
-    double2 push = {0.0};
+    double2 r[HERTZ_DIMENSIONS];
+    double2 n[HERTZ_DIMENSIONS];
+    double2 push[HERTZ_DIMENSIONS];
     double2 speed = {0.0};
-    int k = 1;
-    for (; k + LANES <= i; k += LANES) {
-        r += double2_at(p->root, k) * backwards(p->r_rate[j], i - k);
-        if (turns) {
-            const double2 normal = backwards(z->n[j], i - k);
-            n += double2_at(z->d, k) * normal;
-            push += double2_at(z->impulse, k) * normal;
-            speed += double2_at(z->w[j], k) * normal;
+    for (int j = 0; j < dimensions; ++j) {
+        r[j] = n[j] = push[j] = speed;
+    }
+    for (int k = 1; k < i; k += LANES) {
+        const double2 root = double2_at(p->root, k);
+        const double2 d = double2_at(z->d, k);
+        const double2 impulse = double2_at(z->impulse, k);
+        for (int j = 0; j < dimensions; ++j) {
+            r[j] += root * double2_at(back_from(z->r_rate_back[j], i), k);
+            if (dimensions > 1) {
+                const double2 normal = double2_at(back_from(z->n_back[j], i), k);
+                n[j] += d * normal;
+                push[j] += impulse * normal;
+                speed += double2_at(z->w[j], k) * normal;
+            }
         }
     }
-    const bool is_left = k < i;
-    sum->r[j] = lanes_together(r) + (is_left ? p->root[k] * p->r_rate[j][i - k] : 0.0);
-    if (turns) {
-        const double normal = is_left ? z->n[j][i - k] : 0.0;
-        sum->n[j] = lanes_together(n) + (is_left ? z->d[k] * normal : 0.0);
-        sum->push[j] = lanes_together(push) + (is_left ? z->impulse[k] * normal : 0.0);
-        sum->speed += lanes_together(speed) + (is_left ? z->w[j][k] * normal : 0.0);
+    for (int j = 0; j < dimensions; ++j) {
+        sum->r[j] = lanes_together(r[j]);
+        sum->n[j] = lanes_together(n[j]);
+        sum->push[j] = lanes_together(push[j]);
     }
+    sum->speed = lanes_together(speed);
 }
 
 /* Coefficient i of the derivative of c along n, where W is another. */
@@ -112,34 +100,42 @@ static double hertz_closing(const struct pair_hertz *p, struct hertz_recurrence 
     return closing;
 }
 
+/* What is known while the code is made: fewer dimensions, a lower degree and no mismatch cost less. */
+struct hertz_kind {
+    int dimensions, degree;
+    bool has_mismatch;
+    bool first; /* order zero, of which the first and the last term of a product are one */
+};
+
 /* Coefficient i of d, n, w and of both rates of the gap, from those of t, u, r and r'. */
 static inline void hertz_geometry(struct pair_hertz *p, struct hertz_recurrence *z, int i,
-                                  const struct hertz_sums *sum, int dimensions)
+                                  const struct hertz_sums *sum, struct hertz_kind kind)
 {
     const struct contact_pair *from = p->from;
     const double side = from->shape.side;
-    double speed = dimensions > 1 ? sum->speed : 0.0;
-    for (int k = 2; k <= p->flight.degree; ++k) {
+    double speed = kind.dimensions > 1 ? sum->speed : 0.0;
+    for (int k = 2; k <= kind.degree; ++k) {
         z->power[k][i] = k == 2 ? sum->time2 : series_product(z->power[k - 1], p->time, i);
     }
-    z->square[i] = sum->square + (i == 0 ? 1.0 : 2.0) * p->root[0] * p->root[i];
-    z->d[i] = i == 0 ? from->distance : -side * z->square[i];
-    for (int j = 0; j < dimensions; ++j) {
-        z->w[j][i] = hertz_along_time(p, z, p->flight.w, p->flight.degree, j, i) + p->r_rate[j][i];
-        z->n[j][i] = i == 0 && j == 0 ? 1.0 : 0.0;
-        if (dimensions > 1 && i > 0) {
-            const double c = hertz_along_time(p, z, p->flight.c, p->flight.degree + 1, j, i) + p->r[j][i];
+    z->square[i] = sum->square + (kind.first ? 1.0 : 2.0) * p->root[0] * p->root[i];
+    z->d[i] = kind.first ? from->distance : -side * z->square[i];
+    for (int j = 0; j < kind.dimensions; ++j) {
+        z->w[j][i] = hertz_along_time(p, z, p->flight.w, kind.degree, j, i) + p->r_rate[j][i];
+        z->n[j][i] = kind.first && j == 0 ? 1.0 : 0.0;
+        if (kind.dimensions > 1 && !kind.first) {
+            const double c = hertz_along_time(p, z, p->flight.c, kind.degree + 1, j, i) + p->r[j][i];
             z->n[j][i] = (c - sum->n[j] - z->d[i] * z->n[j][0]) * z->inverse_distance;
             speed += z->n[j][i] * z->w[j][0];
         }
     }
     speed += z->w[0][i]; /* n[0] is the first direction of the frame */
-    p->rate[i] = i == 0 && !isnan(from->carried_rate) ? from->carried_rate : side * speed;
-    z->opening[i] = !from->has_mismatch ? p->rate[i]
-                    : i == 0            ? pair_gap_derivative(from)
-                                        : side * hertz_closing(p, z, i, dimensions);
-    if (from->has_mismatch && i == 0) {
-        (void)hertz_closing(p, z, 0, dimensions);
+    p->rate[i] = kind.first && !isnan(from->carried_rate) ? from->carried_rate : side * speed;
+    z->opening[i] = !kind.has_mismatch ? p->rate[i]
+
+                    : kind.first ? pair_gap_derivative(from)
+                                 : side * hertz_closing(p, z, i, kind.dimensions);
+    if (kind.has_mismatch && kind.first) {
+        (void)hertz_closing(p, z, 0, kind.dimensions);
     }
 }
 
@@ -148,48 +144,86 @@ static inline void hertz_geometry(struct pair_hertz *p, struct hertz_recurrence 
 static const double reciprocal[TAYLOR_TERMS] = {
     0.0, RECIPROCALS(1), RECIPROCALS(5), RECIPROCALS(9), RECIPROCALS(13), RECIPROCALS(17), RECIPROCALS(21)};
 
-/* Coefficient i of everything, from those below and of t, u, r, r'; then i + 1 of these. */
-static inline void hertz_coefficient(struct pair_hertz *p, struct hertz_recurrence *z, int i, int dimensions)
+/* Coefficient i of u^4, of the dashpot's part of u F_n, and of u F_n. */
+static inline void hertz_impulse(struct pair_hertz *p, struct hertz_recurrence *z, int i,
+                                 const struct hertz_sums *sum, struct hertz_kind kind)
 {
     const struct contact_pair *from = p->from;
-    const double both = i == 0 ? 0.0 : 1.0; /* the first and the last term of a product are two */
-    struct hertz_sums sum;
-    hertz_lower_scalars(p, z, i, &sum);
-    sum.speed = 0.0;
-    for (int j = 0; j < dimensions; ++j) {
-        hertz_lower_component(p, z, i, j, dimensions > 1, &sum);
-    }
-    hertz_geometry(p, z, i, &sum, dimensions);
-    p->cube[i] = sum.cube + z->square[i] * p->root[0] + both * z->square[0] * p->root[i];
-    z->damped[i] = (i == 0 ? 1.0 : 0.0) - from->chi * p->rate[i];
-    p->force[i] =
-        from->hertz_stiffness * (sum.force + p->cube[i] * z->damped[0] + both * p->cube[0] * z->damped[i]);
-    z->impulse[i] = sum.impulse + p->root[0] * p->force[i] + both * p->root[i] * p->force[0];
-    if (i + 1 == TAYLOR_TERMS) {
-        return;
-    }
+    const double both = kind.first ? 0.0 : 1.0;
+    z->fourth[i] = sum->fourth + (1.0 + both) * z->square[0] * z->square[i];
+    const double drag = sum->drag + z->fourth[i] * p->rate[0] + both * z->fourth[0] * p->rate[i];
+    p->drag[i] = from->hertz_stiffness * from->chi * drag;
+    z->impulse[i] = from->hertz_stiffness * z->fourth[i] - p->drag[i];
+}
+
+/* Coefficient i + 1 of t, u, r and r'. */
+static inline void hertz_next(struct pair_hertz *p, struct hertz_recurrence *z, int i,
+                              const struct hertz_sums *sum, struct hertz_kind kind)
+{
+    const double both = kind.first ? 0.0 : 1.0;
     const double unit = p->unit * reciprocal[i + 1];
     p->time[i + 1] = unit * p->root[i];
     p->root[i + 1] = -0.5 * unit * z->opening[i];
-    for (int j = 0; j < dimensions; ++j) {
-        const double push =
-            dimensions == 1 ? z->impulse[i]
-                            : sum.push[j] + z->impulse[i] * z->n[j][0] + both * z->impulse[0] * z->n[j][i];
-        p->r[j][i + 1] = unit * (sum.r[j] + p->root[0] * p->r_rate[j][i]);
+    for (int j = 0; j < kind.dimensions; ++j) {
+        const double push = kind.dimensions == 1 ? z->impulse[i]
+                                                 : sum->push[j] + z->impulse[i] * z->n[j][0] +
+                                                       both * z->impulse[0] * z->n[j][i];
+        p->r[j][i + 1] = unit * (sum->r[j] + p->root[0] * p->r_rate[j][i]);
         p->r_rate[j][i + 1] = unit * (z->side_by_mass * push);
     }
 }
 
-/* A number of dimensions at a time, each a constant. */
+/* What the sums of the next order read: rows backwards, but for their first coefficients, and zeros where the
+ * sums reach beyond what is known. */
+static inline void hertz_note(struct pair_hertz *p, struct hertz_recurrence *z, int i, struct hertz_kind kind)
+{
+    const int back = TAYLOR_ORDER - i;
+    z->time_back[back] = kind.first ? 0.0 : p->time[i];
+    z->root_back[back] = kind.first ? 0.0 : p->root[i];
+    z->square_back[back] = kind.first ? 0.0 : z->square[i];
+    z->rate_back[back] = kind.first ? 0.0 : p->rate[i];
+    z->square[i + 1] = z->fourth[i + 1] = z->d[i + 1] = z->impulse[i + 1] = 0.0;
+    for (int j = 0; j < kind.dimensions; ++j) {
+        z->n_back[j][back] = kind.first ? 0.0 : z->n[j][i];
+        z->r_rate_back[j][back] = kind.first ? 0.0 : p->r_rate[j][i];
+        z->w[j][i + 1] = 0.0;
+    }
+}
+
+static inline void hertz_order(struct pair_hertz *p, struct hertz_recurrence *z, int i,
+                               struct hertz_kind kind)
+{
+    struct hertz_sums sum;
+    hertz_lower_scalars(p, z, i, &sum);
+    hertz_lower_vectors(p, z, i, kind.dimensions, &sum);
+    hertz_geometry(p, z, i, &sum, kind);
+    hertz_impulse(p, z, i, &sum, kind);
+    if (i < TAYLOR_ORDER) {
+        hertz_next(p, z, i, &sum, kind);
+        hertz_note(p, z, i, kind);
+    }
+}
+
+static inline void hertz_run(struct pair_hertz *p, struct hertz_recurrence *z, int dimensions, int degree,
+                             bool has_mismatch)
+{
+    hertz_order(p, z, 0, (struct hertz_kind){dimensions, degree, has_mismatch, true});
+    for (int i = 1; i < TAYLOR_TERMS; ++i) {
+        hertz_order(p, z, i, (struct hertz_kind){dimensions, degree, has_mismatch, false});
+    }
+}
+
+/* Under constant forces the degree is two at most. */
 CONTACT_FLATTEN void hertz_recurrence_run(struct pair_hertz *p, struct hertz_recurrence *z)
 {
-    for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        if (p->flight.dimensions == 1) {
-            hertz_coefficient(p, z, i, 1);
-        } else if (p->flight.dimensions == 2) {
-            hertz_coefficient(p, z, i, 2);
-        } else {
-            hertz_coefficient(p, z, i, HERTZ_DIMENSIONS);
-        }
+    const struct hertz_flight *flight = &p->flight;
+    if (flight->degree > 2 || p->from->has_mismatch) {
+        hertz_run(p, z, flight->dimensions, flight->degree, p->from->has_mismatch);
+    } else if (flight->dimensions == 1) {
+        hertz_run(p, z, 1, 2, false);
+    } else if (flight->dimensions == 2) {
+        hertz_run(p, z, 2, 2, false);
+    } else {
+        hertz_run(p, z, HERTZ_DIMENSIONS, 2, false);
     }
 }

@@ -2,10 +2,16 @@
 #ifndef CONTACT_SEGMENT_HERTZ_RECURRENCE_H
 #define CONTACT_SEGMENT_HERTZ_RECURRENCE_H
 
+#include "math/compiler.h"
+#include "math/nodal_values.h"
 #include "segment/pair_hertz.h"
 
 typedef double hertz_row[TAYLOR_TERMS];
 typedef double hertz_rows[HERTZ_DIMENSIONS][TAYLOR_TERMS];
+
+/* A row backwards, from its coefficient 1 on: coefficient j at [TAYLOR_ORDER - j], and zero in place of
+ * coefficient 0. Products then read both of their factors forwards, several terms in one instruction. */
+typedef double hertz_back[TAYLOR_TERMS];
 
 /* Everything that the recurrence needs besides the results. */
 struct hertz_recurrence {
@@ -13,16 +19,26 @@ struct hertz_recurrence {
     hertz_rows w;                           /* rate of the separation as the law sees it [m/s] */
     hertz_rows c_rate;                      /* its derivative, where that is another [m/s] */
     hertz_rows n;
-    hertz_row d;                           /* [m] */
-    hertz_row opening;                     /* dg/dt [m/s] */
-    hertz_row square;                      /* u^2 */
-    hertz_row damped;                      /* 1 + chi delta' */
-    hertz_row impulse;                     /* u F_n */
+    hertz_row d;              /* [m] */
+    hertz_row opening;        /* dg/dt [m/s] */
+    hertz_row square, fourth; /* u^2, u^4 */
+    hertz_row impulse;        /* u F_n */
+    hertz_back time_back, root_back, square_back, rate_back;
+    hertz_back n_back[HERTZ_DIMENSIONS], r_rate_back[HERTZ_DIMENSIONS];
     double inverse_distance, side_by_mass; /* 1/d at the start [1/m], side/m_red [1/kg] */
 };
 
-/* From order zero of u, t, r and r' all coefficients of p and z. */
+/* From order zero of u, t, r and r' all coefficients of p, and those of z that take part. */
 void hertz_recurrence_run(struct pair_hertz *p, struct hertz_recurrence *z);
+
+static inline double lanes_together(double2 a)
+{
+#if CONTACT_GNU_C
+    return a[0] + a[1];
+#else
+    return a;
+#endif
+}
 
 /* Coefficient `order` of a product. */
 static inline double series_product(const double *a, const double *b, int order)

@@ -34,6 +34,10 @@ static struct vec3 hertz_tangent(const struct contact_pair *from)
 static bool hertz_to_frame(const struct contact_pair *from, struct hertz_flight *flight, struct vec3 a,
                            double out[HERTZ_DIMENSIONS])
 {
+    out[0] = out[1] = out[2] = 0.0;
+    if (vec3_is_zero(a)) {
+        return false;
+    }
     const struct vec3 across = pair_across(from, a);
     for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
         out[j] = vec3_dot(flight->frame[j], across);
@@ -46,9 +50,8 @@ struct hertz_flight hertz_flight_of(const struct contact_pair *from)
     struct hertz_flight flight = {.frame = {from->normal, hertz_tangent(from)}, .degree = 1};
     flight.frame[2] = vec3_cross(flight.frame[0], flight.frame[1]);
     bool leaves_plane = false;
-    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
-        const bool leaves = hertz_to_frame(from, &flight, from->flight.c[i], flight.c[i]);
-        leaves_plane = leaves_plane || (leaves && i > 0);
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        leaves_plane = hertz_to_frame(from, &flight, from->flight.c[i], flight.c[i]) || leaves_plane;
         flight.degree = i > 1 && !vec3_is_zero(from->flight.c[i]) ? i : flight.degree;
     }
     for (int i = 0; i < SEPARATION_DEGREE; ++i) {
@@ -96,28 +99,34 @@ enum { HERTZ_LAST = 5 };
  * are left out may have vanished below the range of numbers. */
 static const double LONGEST_HERTZ = 16.0;
 
+/* fmax, but for NaN as the first, without a call. */
+static inline double hertz_larger(double so_far, double a)
+{
+    return a > so_far ? a : so_far;
+}
+
 /* Jorba and Zou: the step at which the first term left out is this part of the whole, by the least radius of
  * convergence that the last coefficients tell. */
 static double hertz_reliable_step(const struct pair_hertz *p, const struct hertz_recurrence *z,
                                   double accuracy)
 {
     /* u is as large as its first coefficients, for s is of order one */
-    const double root = fmax(fabs(p->root[0]), fmax(fabs(p->root[1]), fabs(p->root[2])));
+    const double root = hertz_larger(hertz_larger(fabs(p->root[0]), fabs(p->root[1])), fabs(p->root[2]));
     double speed = fabs(p->rate[0]);
-    double radius = (double)INFINITY;
+    double growth = -(double)INFINITY; /* binary logarithm of 1 / the radius of convergence */
     for (int i = 1; i < TAYLOR_TERMS; ++i) {
         for (int j = 0; j < p->flight.dimensions; ++j) {
-            speed = fmax(speed, fabs(p->r_rate[j][i]));
+            speed = hertz_larger(speed, fabs(p->r_rate[j][i]));
         }
     }
     for (int i = TAYLOR_TERMS - HERTZ_LAST; i < TAYLOR_TERMS; ++i) {
-        double part = fmax(fabs(p->root[i]) / root, fabs(p->rate[i]) / speed);
+        double part = hertz_larger(fabs(p->root[i]) / root, fabs(p->rate[i]) / speed);
         for (int j = 0; j < p->flight.dimensions; ++j) {
-            part = fmax(part, fmax(fabs(p->r_rate[j][i]) / speed, fabs(z->n[j][i])));
+            part = hertz_larger(hertz_larger(part, fabs(p->r_rate[j][i]) / speed), fabs(z->n[j][i]));
         }
-        radius = fmin(radius, pow(part, -1.0 / i));
+        growth = hertz_larger(growth, log2(part) / i);
     }
-    return fmin(LONGEST_HERTZ, radius * pow(accuracy, 1.0 / TAYLOR_TERMS));
+    return fmin(LONGEST_HERTZ, exp2(log2(accuracy) / TAYLOR_TERMS - growth));
 }
 
 void pair_hertz_make(struct pair_hertz *p, const struct contact_pair *from, double accuracy)

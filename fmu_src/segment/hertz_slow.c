@@ -7,7 +7,8 @@ enum { SLOW_SWEEPS = 30 };
 /* A sweep that changes delta and n by less than this part of them has converged; their rounding is less. */
 static const double SLOW_SWEPT = 4.0 * DBL_EPSILON;
 
-/* Newton's matrix is made anew while delta changes by more than this part, on its way to its place. */
+/* Newton's matrix is made once n changes by less than this, and anew while delta changes by more than this
+ * part, on its way to its place. */
 static const double NEW_MATRIX = 1e-3;
 
 /* d g_i / d of the change of the bend: 1 + spring I I + dashpot I, factored. */
@@ -15,67 +16,6 @@ struct slow_newton {
     double a[SLOW_N][SLOW_N];
     int pivot[SLOW_N];
 };
-
-/* The relative acceleration of flight at a time, in the frame [m/s^2]. */
-static void slow_acceleration(const struct hertz_flight *flight, double time, double out[HERTZ_DIMENSIONS])
-{
-    for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
-        out[j] = 0.0;
-        for (int k = flight->degree; k >= 2; --k) {
-            out[j] = out[j] * time + k * (k - 1) * flight->c[k][j];
-        }
-    }
-}
-
-static double slow_dot(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* Rates of n and H per s, and the load half^2 L [m], where n, H and delta are known. */
-static double turning_at(const struct hertz_slow *p, const double *at, double depth, double time,
-                         double rates[HERTZ_TURNING])
-{
-    const double *n = at;
-    const double *h = at + HERTZ_DIMENSIONS;
-    const double d = slow_distance(p, depth);
-    double a[HERTZ_DIMENSIONS];
-    slow_acceleration(&p->flight, time, a);
-    double load = slow_dot(n, a);
-    for (int j = 0; j < HERTZ_TURNING; ++j) {
-        rates[j] = 0.0;
-    }
-    if (p->flight.dimensions > 1) {
-        load += slow_dot(h, h) / (d * d * d);
-        slow_cross(h, n, p->half / (d * d), rates);
-        slow_cross(n, a, p->half * d, rates + HERTZ_DIMENSIONS);
-    }
-    return -p->from->shape.side * p->half * p->half * load;
-}
-
-/* One sweep of n and H with delta as it is; returns the largest change of n, `load` at the nodes. */
-static double sweep_turning(struct hertz_slow *p, double *load)
-{
-    double change = 0.0;
-    for (int i = 0; i < SLOW_N; ++i) {
-        double at[HERTZ_TURNING];
-        double rates[HERTZ_TURNING];
-        for (int j = 0; j < HERTZ_TURNING; ++j) {
-            at[j] = p->start[j] + p->turned[j][i];
-        }
-        load[i] = turning_at(p, at, p->depth[i], p->half * (1.0 + radau.node[i]), rates);
-        for (int j = 0; j < HERTZ_TURNING; ++j) {
-            p->turning[j][i] = rates[j];
-        }
-    }
-    for (int j = 0; j < HERTZ_TURNING; ++j) {
-        if (is_turning(p, j)) {
-            const double moved = nodal_integrate(&radau, p->turning[j], p->turned[j]);
-            change = fmax(change, j < HERTZ_DIMENSIONS ? moved : 0.0);
-        }
-    }
-    return change;
-}
 
 /* Gaussian elimination with pivots of columns. */
 static void slow_factor(struct slow_newton *newton)
@@ -215,8 +155,10 @@ static bool slow_iterate(struct hertz_slow *p, double depth_tolerance)
     struct slow_newton newton;
     double twice[SLOW_N][SLOW_N];
     nodal_values load;
-    (void)sweep_turning(p, load);
-    (void)sweep_turning(p, load);
+    for (int i = 0; i < SLOW_SWEEPS && slow_sweep_turning(p) > NEW_MATRIX; ++i) {
+        /* until the load is near enough for Newton's matrix to last */
+    }
+    slow_load(p, load);
     integrate_twice(twice);
     if (!guess_depth(p, load, twice)) {
         return false;
@@ -224,7 +166,8 @@ static bool slow_iterate(struct hertz_slow *p, double depth_tolerance)
     double change = 1.0;
     for (int i = 0; i < SLOW_SWEEPS; ++i) {
         double error[SLOW_N];
-        const double turned = sweep_turning(p, load);
+        const double turned = slow_sweep_turning(p);
+        slow_load(p, load);
         if (change > NEW_MATRIX) {
             slow_matrix(p, twice, &newton);
         }

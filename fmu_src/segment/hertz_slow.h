@@ -44,7 +44,7 @@ void slow_hertz_sample(const void *hertz_slow, double s, struct pair_sample *sam
 
 struct pair_change slow_hertz_change(const void *hertz_slow, double s);
 
-/* Below: what the iteration and the dense output share. */
+/* Below: what the files of this kind share. */
 enum { SLOW_N = RADAU_POINTS };
 
 /* factor a x b */
@@ -78,5 +78,12 @@ static inline void slow_law(const struct hertz_slow *p, double depth, double rat
     out[1] = 1.5 * scale * root * damping;
     out[2] = scale * depth * root * p->from->chi / p->half;
 }
+
+/* One sweep with delta as it is: H by n, then n by that H, so that the error falls by two powers of the
+ * radians in the step; returns the largest change of n. */
+double slow_sweep_turning(struct hertz_slow *p);
+
+/* half^2 L [m] at the nodes. */
+void slow_load(const struct hertz_slow *p, double load[SLOW_N]);
 
 #endif

@@ -1,6 +1,7 @@
 #include "segment/pair_hertz.h"
 
 #include "math/root.h"
+#include "segment/hertz_recurrence.h"
 
 /* Value and two derivatives. */
 static void hertz_series_at(const double *a, double s, double out[3])
@@ -81,52 +82,61 @@ double pair_hertz_parting(const double root[TAYLOR_TERMS], double end)
     return root_in_bracket(hertz_root_at, root, root_in_bracket(hertz_root_slope_at, root, 0.0, end), end);
 }
 
-/* Value, slope and half the bend of a series: one step of Horner's scheme. */
-struct hertz_point {
-    double value, slope, bend;
-};
-
-static inline struct hertz_point hertz_horner(struct hertz_point a, double s, double next)
+/* Values and two derivatives of u and rate, side by side. */
+static void hertz_sample_series(const struct pair_hertz *p, double s, double out[2][3])
 {
-    return (struct hertz_point){a.value * s + next, a.slope * s + a.value, a.bend * s + a.slope};
-}
-
-/* Values and two derivatives of u, rate and force, in one loop, so that none waits for another. */
-static void hertz_sample_series(const struct pair_hertz *p, double s, double out[3][3])
-{
-    struct hertz_point root = {0.0, 0.0, 0.0};
-    struct hertz_point rate = {0.0, 0.0, 0.0};
-    struct hertz_point force = {0.0, 0.0, 0.0};
+#if CONTACT_GNU_C
+    double2 value = {0.0};
+    double2 slope = {0.0};
+    double2 bend = {0.0}; /* half of it */
     for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
-        root = hertz_horner(root, s, p->root[i]);
-        rate = hertz_horner(rate, s, p->rate[i]);
-        force = hertz_horner(force, s, p->force[i]);
+        const double2 next = {p->root[i], p->rate[i]};
+        bend = bend * s + slope;
+        slope = slope * s + value;
+        value = value * s + next;
     }
-    const struct hertz_point rows[3] = {root, rate, force};
-    for (int j = 0; j < 3; ++j) {
-        out[j][0] = rows[j].value;
-        out[j][1] = rows[j].slope;
-        out[j][2] = 2.0 * rows[j].bend;
+    for (int j = 0; j < 2; ++j) {
+        out[j][0] = value[j];
+        out[j][1] = slope[j];
+        out[j][2] = 2.0 * bend[j];
     }
+#else
+    hertz_series_at(p->root, s, out[0]);
+    hertz_series_at(p->rate, s, out[1]);
+#endif
 }
 
-static void hertz_sample_start(const struct pair_hertz *p, double out[3][3])
+static void hertz_sample_start(const struct pair_hertz *p, double out[2][3])
 {
     for (int i = 0; i < 3; ++i) {
         const double factor = i < 2 ? 1.0 : 2.0;
         out[0][i] = factor * p->root[i];
         out[1][i] = factor * p->rate[i];
-        out[2][i] = factor * p->force[i];
     }
+}
+
+/* F_n = k_h u^3 q with q = 1 - chi g', and its derivatives by s, from those of u and of g'. */
+static void hertz_sample_force(const struct contact_pair *from, const double *u, const double *rate,
+                               double out[3])
+{
+    const double k = from->hertz_stiffness;
+    const double q[3] = {1.0 - from->chi * rate[0], -from->chi * rate[1], -from->chi * rate[2]};
+    const double square = u[0] * u[0];
+    const double cube = square * u[0];
+    out[0] = k * cube * q[0];
+    out[1] = k * (3.0 * square * u[1] * q[0] + cube * q[1]);
+    out[2] = k * ((6.0 * u[0] * u[1] * u[1] + 3.0 * square * u[2]) * q[0] + 6.0 * square * u[1] * q[1] +
+                  cube * q[2]);
 }
 
 void pair_hertz_sample(const void *pair_hertz, double s, struct pair_sample *sample)
 {
-    double rows[3][3];
+    const struct pair_hertz *p = pair_hertz;
+    double rows[2][3];
     if (s == 0.0) {
-        hertz_sample_start(pair_hertz, rows);
+        hertz_sample_start(p, rows);
     } else {
-        hertz_sample_series(pair_hertz, s, rows);
+        hertz_sample_series(p, s, rows);
     }
     const double *u = rows[0];
     sample->of[PAIR_GAP][0] = -u[0] * u[0];
@@ -134,8 +144,8 @@ void pair_hertz_sample(const void *pair_hertz, double s, struct pair_sample *sam
     sample->of[PAIR_GAP][2] = -2.0 * (u[1] * u[1] + u[0] * u[2]);
     for (int i = 0; i < 3; ++i) {
         sample->of[PAIR_GAP_RATE][i] = rows[1][i];
-        sample->of[PAIR_FORCE][i] = rows[2][i];
     }
+    hertz_sample_force(p->from, u, rows[1], sample->of[PAIR_FORCE]);
 }
 
 /* The integral of pair_work over [0, s]: of path(t) r'_s ds, order 2, or path(t) r_s ds, order 1. */
@@ -170,50 +180,77 @@ static double hertz_work(const struct pair_hertz *p, const struct pair_work *wor
     return sum;
 }
 
-/* The integral of -(F_n - k_h u^3) g' dt, dt = unit u ds. */
-static double hertz_dissipated(const struct pair_hertz *p, double s)
+/* Powers of s: sums of many rows at one place then need no more than a multiplication a term. */
+struct hertz_powers {
+    double of[TAYLOR_TERMS];
+};
+
+static struct hertz_powers hertz_powers_of(double s)
 {
-    double damped[TAYLOR_TERMS];
+    struct hertz_powers at;
+    double power = 1.0;
+    for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        at.of[i] = power;
+        power *= s;
+    }
+    return at;
+}
+
+/* The sum of a row, the smallest terms first. */
+static double hertz_sum(const double row[TAYLOR_TERMS], const struct hertz_powers *at)
+{
+    _Static_assert(TAYLOR_ORDER % LANES == 0, "the terms but the first are in pairs");
+    double2 sum = {0.0};
+    for (int i = TAYLOR_TERMS - LANES; i > 0; i -= LANES) {
+        sum += double2_at(row, i) * double2_at(at->of, i);
+    }
+    return row[0] + lanes_together(sum);
+}
+
+/* The integral of -(F_n - k_h u^3) g' dt, dt = unit u ds. */
+static double hertz_dissipated(const struct pair_hertz *p, const struct hertz_powers *at, double s)
+{
+    double rates[TAYLOR_TERMS + 1]; /* backwards; zero where a pair reaches beyond the first */
     double power[TAYLOR_TERMS];
     if (!(p->from->chi > 0.0)) {
         return 0.0;
     }
     for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        damped[i] = p->from->hertz_stiffness * p->cube[i] - p->force[i];
-        power[i] = taylor_multiply(damped, p->rate, i);
+        rates[TAYLOR_ORDER - i] = p->rate[i];
     }
-    double by_s[TAYLOR_TERMS];
+    rates[TAYLOR_TERMS] = 0.0;
     for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        by_s[i] = taylor_multiply(power, p->root, i);
+        const double *back = rates + (TAYLOR_ORDER - i);
+        double2 sum = {0.0};
+        for (int k = 1; k <= i; k += LANES) {
+            sum += double2_at(p->drag, k) * double2_at(back, k);
+        }
+        power[i] = (p->drag[0] * p->rate[i] + lanes_together(sum)) / (i + 1);
     }
-    return p->unit * taylor_integral(by_s, TAYLOR_TERMS, s);
+    return p->unit * s * hertz_sum(power, at);
 }
 
-/* A row of vectors at s, in the world. */
-static struct vec3 hertz_vector_at(const struct pair_hertz *p, double rows[][TAYLOR_TERMS], double s)
+/* A row of vectors, in the world. */
+static struct vec3 hertz_vector_at(const struct pair_hertz *p, const double rows[][TAYLOR_TERMS],
+                                   const struct hertz_powers *at)
 {
-    double sum[HERTZ_DIMENSIONS] = {0.0, 0.0, 0.0};
     struct vec3 out = vec3_make(0.0, 0.0, 0.0);
-    for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
-        for (int j = 0; j < p->flight.dimensions && j < HERTZ_DIMENSIONS; ++j) {
-            sum[j] = sum[j] * s + rows[j][i];
-        }
-    }
     for (int j = 0; j < p->flight.dimensions && j < HERTZ_DIMENSIONS; ++j) {
-        out = vec3_axpy(out, sum[j], p->flight.frame[j]);
+        out = vec3_axpy(out, hertz_sum(rows[j], at), p->flight.frame[j]);
     }
     return out;
 }
 
 struct pair_change pair_hertz_change(const void *pair_hertz, double s)
 {
-    struct pair_hertz *p = (struct pair_hertz *)pair_hertz;
-    const double u = taylor_at(p->root, TAYLOR_TERMS, s);
+    const struct pair_hertz *p = pair_hertz;
+    const struct hertz_powers at = hertz_powers_of(s);
+    const double u = hertz_sum(p->root, &at);
     return (struct pair_change){
         .time = pair_hertz_time(p, s),
-        .r = hertz_vector_at(p, p->r, s),
-        .r_rate = hertz_vector_at(p, p->r_rate, s),
+        .r = hertz_vector_at(p, p->r, &at),
+        .r_rate = hertz_vector_at(p, p->r_rate, &at),
         .gap = -u * u,
-        .dissipated = hertz_dissipated(p, s),
+        .dissipated = hertz_dissipated(p, &at, s),
         .work = {hertz_work(p, &p->from->work[0], s), hertz_work(p, &p->from->work[1], s)}};
 }

@@ -7,7 +7,7 @@
  * unit u, the motion is
  *
  *   u_s = unit delta'/2,   c_s = unit u c',   c'_s = unit u (A + side F_n n / m_red),
- *   F_n = k_h u^3 (1 + chi delta'),   d = reach - side u^2,   delta' = -side n.c',   n = c / d
+ *   u F_n = k_h u^4 (1 + chi delta'),   d = reach - side u^2,   delta' = -side n.c',   n = c / d
  *
  * which is analytic throughout: at the touch and where the bodies part u passes through zero with a slope. So
  * the coefficients follow order by order from products and quotients (as in pair_taylor.h), a step may begin
@@ -26,7 +26,7 @@ struct hertz_flight {
     struct vec3 frame[HERTZ_DIMENSIONS]; /* n, the tangential direction of the motion, across both */
     int dimensions;                      /* of these that take part: one head-on, two in a plane */
     int degree;                          /* of C, and of W plus one */
-    double c[SEPARATION_DEGREE + 1][HERTZ_DIMENSIONS]; /* C */
+    double c[SEPARATION_DEGREE + 1][HERTZ_DIMENSIONS]; /* C but for C(0) */
     double w[SEPARATION_DEGREE][HERTZ_DIMENSIONS];     /* W */
 };
 
@@ -40,8 +40,7 @@ struct pair_hertz {
     double time[TAYLOR_TERMS];                     /* t since the start [s] */
     double root[TAYLOR_TERMS];                     /* u [sqrt(m)] */
     double rate[TAYLOR_TERMS];                     /* g' as the law sees it [m/s] */
-    double force[TAYLOR_TERMS];                    /* F_n [N] */
-    double cube[TAYLOR_TERMS];                     /* u^3 */
+    double drag[TAYLOR_TERMS];                     /* -u times the dashpot's part of F_n; where chi > 0 */
     double r[HERTZ_DIMENSIONS][TAYLOR_TERMS];      /* deviation of the separation from flight [m] */
     double r_rate[HERTZ_DIMENSIONS][TAYLOR_TERMS]; /* r' [m/s] */
 };
