@@ -122,6 +122,21 @@ def test_benchmarks(opened, name, steps):
     check_close("energy", totals, [totals[0]] * len(totals), 1e-10)
 
 
+def test_an_oscillation_is_followed_as_long_as_the_tolerance_asks(opened):
+    """P3 slides on after its oscillation has died away: a coarser tolerance sees that sooner, and force and
+    position are as good as it asks."""
+    fmu, values, end = benchmark("P3")
+    steps = []
+    for time in (0.25 * end, end):  # while it dies away, and long after
+        fine = run(opened(fmu), values, time, 1, 1e-12, METHOD)["contact.normal_force"]
+        for tolerance in (1e-4, 1e-6, 1e-9):
+            made = run(opened(fmu), values, time, 1, tolerance, METHOD)
+            check_relative("force", made["contact.normal_force"], fine, 3 * tolerance)
+            steps.append(made["solver.steps"])
+    check_close("position", made["source.position"], references()["P3"]["state"][:3], 1e-12)
+    assert steps[3] < 0.9 * steps[5]
+
+
 @pytest.mark.parametrize("seed", SEEDS)
 def test_random_scenes(opened, seed):
     fmu, values, end = random_hertz_scene(seed)

@@ -23,7 +23,7 @@ from contact_fmus.errors import RunFailure
 from contact_fmus.fmu.files import unpack
 from contact_fmus.fmu.host import Case, case_arguments, host_file
 
-from .problems import benchmarks
+from .problems import benchmarks, law_benchmarks
 from .ratios import FLIGHT_STEP, FULL, flight_case, stiff_problems
 from .settings import EVENT_DRIVEN, STIFF_TOLERANCE, Setting
 
@@ -54,7 +54,7 @@ class Count:
 
 
 def cases() -> list[Case]:
-    """Flight, the benchmark problems, and both ends of the stiffness sweep, all by event_driven"""
+    """Flight, the benchmark problems, those of other laws and shapes, and both ends of the stiffness sweep, all by event_driven"""
     found = [
         replace(
             flight_case(fmu, FULL), name=f"{fmu}, {FULL.flight_steps} steps of {FLIGHT_STEP:g} s in flight"
@@ -65,6 +65,9 @@ def cases() -> list[Case]:
         for steps in STEPS:
             case = Setting(problem, EVENT_DRIVEN, STIFF_TOLERANCE, steps).case()
             found.append(replace(case, name=f"{problem.name}, {steps} step{'s' if steps > 1 else ''}"))
+    for problem in law_benchmarks().values():
+        case = Setting(problem, EVENT_DRIVEN, STIFF_TOLERANCE, 1).case()
+        found.append(replace(case, name=f"{problem.name}, 1 step"))
     for pair in stiff_problems():
         for problem in pair:
             case = Setting(problem, EVENT_DRIVEN, STIFF_TOLERANCE, 1).case()
