@@ -36,8 +36,7 @@ struct scene_jet {
     struct vec3 spring[SCENE_CONTACTS][JET_TERMS];
     double slip_velocity_slope[SCENE_CONTACTS]; /* d/ds of v_0 */
     struct turning_jet turning[SCENE_CONTACTS];
-    /* whether the inputs jump: springs of contacts without a free body are then laid onto the new tangent plane */
-    bool jumps;
+    bool jumps; /* the inputs: springs of contacts without a free body are laid onto the new tangent plane */
     double friction[JET_TERMS]; /* energy that friction and its springs take, without the first term */
 #endif
     /* of what only scenes with free bodies have, without the first term */

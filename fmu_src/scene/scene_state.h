@@ -196,7 +196,7 @@ struct scene_state {
 #if SCENE_ANY_TURNING
     double friction_energy; /* taken by friction since initialization, with what springs store [J] */
 #endif
-    double step_length; /* length of the last communication step, as far as it got [s] */
+    double step_length;    /* length of the last communication step, as far as it got [s] */
     double general_length; /* of a step that the general segment may try next [s]; 0: not known */
 #endif
     struct body_path path[SCENE_BODIES];
