@@ -52,7 +52,9 @@ double friction_limit(const struct friction_law *law, enum friction_regime regim
 {
     switch (regime) {
     case FRICTION_STICKING:
-        return fmin(law->static_coefficient * fmax(normal_force, 0.0), law->largest);
+        return law->kind == FRICTION_REGULARIZED
+                   ? law->largest
+                   : fmin(law->static_coefficient * fmax(normal_force, 0.0), law->largest);
     case FRICTION_SLIDING:
         return law->coefficient * normal_force;
     case FRICTION_CAPPED:
@@ -106,7 +108,7 @@ struct vec3 friction_force(const struct friction_law *law, enum friction_regime 
 {
     const double limit = friction_limit(law, regime, at.normal_force);
     if (law->kind == FRICTION_REGULARIZED) {
-        const double z = vec3_norm(at.slip) / law->slip_velocity;
+        const double z = regime == FRICTION_STICKING ? 0.0 : vec3_norm(at.slip) / law->slip_velocity;
         return vec3_scale(-limit * saturation(z) / law->slip_velocity, at.slip);
     }
     if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
@@ -127,7 +129,7 @@ struct friction_slopes friction_force_slopes(const struct friction_law *law, enu
     }
     if (law->kind == FRICTION_REGULARIZED) {
         const struct direction v = direction_of(at.slip);
-        const double z = v.length / law->slip_velocity;
+        const double z = regime == FRICTION_STICKING ? 0.0 : v.length / law->slip_velocity;
         const double across = -limit * saturation(z) / law->slip_velocity;
         slopes.by_normal_force = vec3_scale(limit_slope(law, regime) * expm1(-z), v.unit);
         set_axial(slopes.by_slip, v.unit, -limit * exp(-z) / law->slip_velocity, across);

@@ -36,7 +36,8 @@ struct friction_law {
     double stiffness, damping; /* k_t [N/m], c_t [N s/m] of elastic friction */
 };
 
-/* Regularized friction always slides. */
+/* Regularized friction always slides; sticking stands for its tangent at no slip, F_t = -F_max v_t / v_0,
+ * from which the general segment starts its iterations. */
 enum friction_regime {
     FRICTION_STICKING,
     FRICTION_SLIDING, /* L = mu F_n */

@@ -23,16 +23,23 @@ static void jacobian_of(const void *context, double clock, const double *y, doub
     ode_coupled_jacobian(context, clock, y, columns);
 }
 
+static void whole_jacobian_of(const void *context, double clock, const double *y, double *columns)
+{
+    ode_jacobian(context, clock, y, columns);
+}
+
 static struct radau_problem problem_of(struct general *g, const struct scene_values *v)
 {
     struct radau_problem problem = {.context = &g->ode,
                                     .size = ode_size(v),
                                     .coupled = ode_coupled(v),
                                     .integrals = ode_integrals(v),
+                                    .turns = scene_turns(v),
                                     .place = g->place,
                                     .speed = g->speed,
                                     .rates = rates_at_stage,
-                                    .jacobian = jacobian_of};
+                                    .jacobian = jacobian_of,
+                                    .whole_jacobian = whole_jacobian_of};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         for (int k = 0; k < 3 && body_is_free(v, i); ++k) {
             g->place[problem.paired] = ode_body(v, i) + k;
@@ -43,14 +50,22 @@ static struct radau_problem problem_of(struct general *g, const struct scene_val
     return problem;
 }
 
+static bool same_layout(const struct radau_problem *a, const struct radau_problem *b)
+{
+    return a->size == b->size && a->coupled == b->coupled && a->integrals == b->integrals &&
+           a->paired == b->paired && a->turns == b->turns;
+}
+
 bool general_open(struct general **slot, const struct scene_values *v, const struct integrator_memory *memory,
                   char *message)
 {
-    const int size = ode_size(v);
-    if (*slot == NULL || (*slot)->size != size) {
+    struct general trial;
+    const struct radau_problem wanted = problem_of(&trial, v);
+    const int size = wanted.size;
+    if (*slot == NULL || !same_layout(&(*slot)->step.problem, &wanted)) {
         const size_t own = (sizeof(struct general) + 15) / 16 * 16;
         const size_t rows = 3 * (size_t)size * sizeof(double);
-        struct general *g = memory->allocate(1, own + rows + radau_step_memory(size));
+        struct general *g = memory->allocate(1, own + rows + radau_step_memory(&wanted));
         if (g == NULL) {
             snprintf(message, INTEGRATOR_MESSAGE_SIZE, "the integrator's memory could not be had");
             return false;
@@ -91,7 +106,10 @@ static void start_general(struct general *g, const struct scene_values *v, struc
 {
     struct scene_instant at;
     g->ode.values = v;
-    g->ode.state = q;
+    g->ode.state = g->state = q;
+    g->fully = false;
+    g->solvable = (double)INFINITY;
+    g->step.known_length = 0.0;
     ode_leave_centres(v, q);
     scene_now(v, q, &at);
     g->relative = fmax(TOLERANCE_SHARE * solver_relative_tolerance(v), LEAST_TOLERANCE);
@@ -107,15 +125,44 @@ static void start_general(struct general *g, const struct scene_values *v, struc
     general_begin(g, q->clock, g->y);
 }
 
+/* Whether a contact ends as the gap opens, not as the source passes an end of its cylinder. */
+static bool parts_at_gap(const struct general *g, const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    const double beyond = scene_beyond_ends(&shape, &at->geometry[contact]);
+    const double gap = fabs(at->geometry[contact].gap);
+    return gap <= 4.0 * g->ode.gap_offset[contact] || (scene_turns(v) && gap <= fabs(beyond));
+}
+
+/* Moves free bodies as far as the gap is from zero, along their velocities: a shift along the normal
+ * would change the angular momentum by as much at every impact. */
+static void go_back_to_gap(const struct scene_values *v, struct scene_state *q,
+                           const struct scene_instant *at, int contact)
+{
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double since = g->gap / g->gap_rate;
+    if (!(g->gap_rate > 0.0) || !(fabs(since) <= 64.0 * DBL_EPSILON * fmax(fabs(q->clock), 1.0))) {
+        return;
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            q->body[i].moved = vec3_axpy(q->body[i].moved, -since, q->body[i].velocity);
+        }
+    }
+}
+
 /* The error allowed in a step is that of a speed, too. */
 static void tidy_end(struct general *g, const struct scene_values *v, struct scene_state *q,
                      const struct advance *step)
 {
     struct scene_instant at;
     scene_now(v, q, &at);
-    const bool at_gap = fabs(at.geometry[step->contact].gap) <= 4.0 * g->ode.gap_offset[step->contact];
-    if (step->regime == REGIME_APART && at_gap) {
+    if (step->regime == REGIME_APART && parts_at_gap(g, v, q, &at, step->contact)) {
         const double speed = vec3_norm(at.rate[step->contact]);
+        if (scene_turns(v)) {
+            go_back_to_gap(v, q, &at, step->contact);
+        }
         projection_close_gap(v, q, step->contact);
         projection_restore_energy(v, q, step->contact, g->relative * speed + g->absolute);
     }

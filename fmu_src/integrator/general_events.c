@@ -10,6 +10,10 @@ static const double CLOSE = 1e-6;
 /* A dip below zero by so many roundings of the largest value, or by the error of the polynomial, is none. */
 static const double NOISE = 64.0 * DBL_EPSILON;
 
+/* Of the error allowed: a polynomial as accurate as this is so wherever an event of what turns is, whose
+ * momenta a thousand impacts shall keep to 1e-12. */
+static const double ACCURATE_WITHIN = 1e-3;
+
 /* Each halves the length at least, or comes closer by its square. */
 enum { MOST_TRIALS = 40 };
 
@@ -105,11 +109,64 @@ static double missing_to(struct general *g, int event, double rate, double clock
     return rate < 0.0 ? -event_at(g, event, clock, y) / rate : 0.0;
 }
 
+/* The event function at a part of the step, of the state that the polynomial has there. */
+static double event_within(struct general *g, int event, double part)
+{
+    const struct radau_step *p = &g->step;
+    radau_step_at(p, part, g->y);
+    return event_at(g, event, p->start + part * p->length, g->y);
+}
+
+/* Parts of the step about a root, from the samples; false where the function falls between two of them
+ * only. */
+static bool enclose_root(const struct general *g, int event, double ends[2])
+{
+    const struct radau_stages *stages = g->step.stages;
+    for (int i = 1; i <= stages->stages; ++i) {
+        if (!(g->events[i][event] > 0.0)) {
+            ends[0] = i > 1 ? stages->node[i - 2] : 0.0;
+            ends[1] = stages->node[i - 1];
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The polynomial of an event function is as good as the function is smooth; the root is that of the
+ * function itself, on the polynomial of the states. By halves and secants in turn. */
+static double root_within(struct general *g, int event, double part)
+{
+    double ends[2];
+    if (!enclose_root(g, event, ends)) {
+        return part;
+    }
+    double values[2] = {event_within(g, event, ends[0]), event_within(g, event, ends[1])};
+    for (int i = 0; i < MOST_TRIALS && values[0] > 0.0 && values[1] < 0.0; ++i) {
+        const double secant = ends[0] + (ends[1] - ends[0]) * values[0] / (values[0] - values[1]);
+        const double middle = 0.5 * (ends[0] + ends[1]);
+        const bool is_guess = i == 0 && part > ends[0] && part < ends[1];
+        const double next = is_guess ? part : i % 3 == 2 ? middle : secant;
+        if (!(next > ends[0] && next < ends[1])) {
+            break;
+        }
+        const double value = event_within(g, event, next);
+        const int side = value > 0.0 ? 0 : 1;
+        const double moved = fabs(next - ends[side]);
+        ends[side] = next;
+        values[side] = value;
+        if (moved <= DBL_EPSILON) {
+            break;
+        }
+    }
+    return fabs(values[0]) < fabs(values[1]) ? ends[0] : ends[1];
+}
+
 /* Solves the step again for another length, from the polynomial as guess. */
 static bool solve_again(struct general *g, double length)
 {
     struct radau_step *p = &g->step;
-    if (!radau_step_guess_again(p, p->stages, length) || !radau_step_solve(p, GENERAL_NEWTON_SHARE)) {
+    if (!radau_step_guess_again(p, p->stages, length) ||
+        !(g->fully ? radau_step_solve_fully : radau_step_solve)(p, general_newton_share(g))) {
         return false;
     }
     radau_step_finish(p);
@@ -150,10 +207,13 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
 {
     struct radau_step *p = &g->step;
     for (int i = 0; i < MOST_TRIALS && found->event >= 0; ++i) {
+        if (g->step.problem.turns) {
+            found->part = root_within(g, found->event, found->part);
+        }
         const double rate = rate_at(g, found->event, found->part);
         const int event = found->event;
         double length = p->length * found->part;
-        if (!(g->error_within > 1.0)) {
+        if (!(g->error_within > (g->step.problem.turns ? ACCURATE_WITHIN : 1.0))) {
             radau_step_at(p, found->part, y);
             *clock = p->start + length;
             const double missing = missing_to(g, event, rate, *clock, y);

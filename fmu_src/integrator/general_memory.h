@@ -8,17 +8,26 @@
 #include "scene/ode.h"
 #include "segment/scene_output.h"
 
-/* What remains of Newton's corrections, as part of the error allowed. */
+/* What remains of Newton's corrections, as part of the error allowed; less where momenta of what turns
+ * shall be kept over a thousand impacts. */
 #define GENERAL_NEWTON_SHARE 0.05
+#define GENERAL_TURNING_NEWTON_SHARE 0.002
 
 struct general {
     struct scene_ode ode;
+    struct scene_state *state; /* as ode.state */
     struct radau_step step;
     int size;
     int place[3 * SCENE_BODIES], speed[3 * SCENE_BODIES]; /* pairs of states for math/radau_step.h */
     double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
-    double error_within;                                  /* of the last step anywhere, by what is allowed */
-    double longest; /* length of a step of most stages that is accurate enough, as far as known [s] */
+    double solvable;                                      /* longest step for that [s] */
+    double fastest_decay;                                 /* of the step's start [1/s] */
+    double place_rounding;                                /* there [m] */
+    bool fully;                                           /* radau_step_solve_fully */
+    double error_at_end; /* of the last step, by what is allowed; and anywhere in it */
+    double error_within;
+    double error_of_start; /* radau_step_start_error */
+    double longest;        /* length of a step of most stages that is accurate enough, as far as known [s] */
     double *y, *size_of, *end_size;                   /* [size]: a state, and what errors are compared with */
     double at_start[ODE_EVENTS];                      /* event functions */
     double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* at the start of the step and its stages */
@@ -27,6 +36,11 @@ struct general {
     void (*release)(void *memory); /* of this struct */
     char *message;                 /* INTEGRATOR_MESSAGE_SIZE bytes */
 };
+
+static inline double general_newton_share(const struct general *g)
+{
+    return g->step.problem.turns ? GENERAL_TURNING_NEWTON_SHARE : GENERAL_NEWTON_SHARE;
+}
 
 /* general_step.c: begins steps at y; makes one of at most `limit` [s], accurate enough, as general->step;
  * false with a message where there is none, or where a `budget` of steps is used up. */

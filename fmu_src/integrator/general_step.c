@@ -4,6 +4,23 @@
 #include <string.h>
 
 #include "integrator/general_memory.h"
+#include "scene/rounding.h"
+#include "scene/turning.h"
+
+/* Steps in which Newton's method with the Jacobian at every stage has failed are tried again when they
+ * have grown by these from what was not too long. */
+static const double SOLVABLE_PART = 0.6;
+static const double SOLVABLE_GROWTH = 1.1;
+
+/* What dies away so often within a step leaves so much rounding in its force that corrections must follow
+ * it. */
+static const double STIFF = 200.0;
+
+/* Of the bound for a gap, how much its rounding commonly is. */
+static const double ROUNDING_OF_GAP = 0.5;
+
+/* The first guess of what rolls, by the weights: its slip is found afterwards. */
+static const double TANGENT_SHARE = 1.0;
 
 /* At its end the error of a step is a thousandth of the tolerance (integrator/general.c), anywhere else all
  * of it. */
@@ -20,6 +37,14 @@ static const double FIRST_STEP = 4.0;
 /* From one step to the next its length grows and shrinks by no more. */
 static const double GROWTH = 4.0;
 static const double SHRINKAGE = 0.15;
+
+/* What dies away faster than the first stage sees is much faster than the step. */
+static const double START_SHRINKAGE = 0.05;
+
+/* Chebyshev coefficients that do not decrease towards the last are noise, as of the slip of friction whose
+ * v_0 is hardly more than the rounding of velocities: a small error then says nothing of longer steps. */
+static const double NOISE_OF_ERROR = 0.1;
+static const double NOISE_OF_DECREASE = 0.1;
 
 /* Aimed at is a little less than what the error allows. */
 static const double SAFETY = 0.9;
@@ -52,16 +77,76 @@ static double first_length(const struct radau_step *p)
     return square > 0.0 ? FIRST_STEP / sqrt(square) : (double)INFINITY;
 }
 
+/* Of the gaps, at the start of a step [m]. */
+static double rounding_of_places(struct general *g)
+{
+    struct scene_instant at;
+    double most = 0.0;
+    ode_instant(&g->ode, g->step.start, g->step.y, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        most = fmax(most, ROUNDING_OF_GAP * rounding_of_gap(g->ode.values, &at, j));
+    }
+    return most;
+}
+
+/* Of the rates by the states left: how fast the fastest of them dies away [1/s]. */
+static double fastest_decay_of(const struct radau_step *p)
+{
+    double most = 0.0;
+    for (int i = 0; i < p->others; ++i) {
+        most = fmax(most, fabs(p->by_others[i * p->others + i]));
+    }
+    return most;
+}
+
 void general_begin(struct general *g, double clock, const double *y)
 {
     radau_step_begin(&g->step, clock, y);
+    if (SCENE_ANY_TURNING && g->step.problem.turns) {
+        g->fastest_decay = fastest_decay_of(&g->step);
+        g->place_rounding = rounding_of_places(g);
+    }
     if (!(g->longest > 0.0)) {
         g->longest = first_length(&g->step);
     }
 }
 
+/* Of places by their own accelerations, the largest [1/s^2]. */
+static double spring_of_places(const struct radau_step *p)
+{
+    double most = 0.0;
+    for (int i = 0; i < p->problem.paired; ++i) {
+        most = fmax(most, fabs(p->by_places[i * p->others + p->speed_among[i]]));
+    }
+    return most;
+}
+
+/* Rounding of places makes forces, which act for a radian of the oscillation at most, or until what they
+ * change has died away: speeds and what else the forces change are no better. */
+static void allow_rounding(struct general *g)
+{
+    struct radau_step *p = &g->step;
+    const double spring = spring_of_places(p);
+    const double fastest = fmax(sqrt(spring), 1.0 / p->length);
+    double of_places[ODE_MOST_STATES] = {0.0}; /* of those left, by their places [1/s] */
+    for (int i = 0; i < p->others; ++i) {
+        double sum = 0.0;
+        for (int j = 0; j < p->problem.paired; ++j) {
+            sum += fabs(p->by_places[j * p->others + i]);
+        }
+        of_places[i] = sum / fmax(fastest, fabs(p->by_others[i * p->others + i]));
+    }
+    for (int j = 0; j < p->problem.paired; ++j) {
+        of_places[p->speed_among[j]] = spring / fastest;
+    }
+    for (int i = 0; i < p->others; ++i) {
+        double *weight = p->weight + p->other[i];
+        *weight = 1.0 / (1.0 / *weight + of_places[i] * g->place_rounding);
+    }
+}
+
 /* Weights of errors: by the sizes of the states at the start, or at the end of the guess if those are
- * larger. */
+ * larger; where bodies turn, by what rounding makes of them. */
 static void set_weights(struct general *g)
 {
     struct radau_step *p = &g->step;
@@ -72,32 +157,101 @@ static void set_weights(struct general *g)
     for (int i = 0; i < g->size; ++i) {
         p->weight[i] = 1.0 / (g->relative * fmax(g->size_of[i], g->end_size[i]) + g->absolute);
     }
+    if (SCENE_ANY_TURNING && p->problem.turns) {
+        allow_rounding(g);
+    }
+}
+
+#if SCENE_ANY_FRICTION
+/* What is put back after a first guess. */
+struct kept_friction {
+    int32_t regime[SCENE_CONTACTS];
+    double slip_velocity[SCENE_CONTACTS];
+};
+
+/* Regularized friction as its tangent at no slip, under the normal force at the start of the step, and
+ * back: it does not saturate, so that Newton's method finds where the slip is as small as it is in
+ * rolling, from any guess. */
+static void straighten_friction(struct general *g, struct kept_friction *kept)
+{
+    struct scene_instant at;
+    ode_instant(&g->ode, g->step.start, g->step.y, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        struct contact_state *contact = &g->state->contact[j];
+        const struct friction_law law = scene_friction_law(g->ode.values, g->state, j);
+        const double limit =
+            friction_limit(&law, (enum friction_regime)contact->friction_regime, at.normal_force[j]);
+        kept->regime[j] = contact->friction_regime;
+        kept->slip_velocity[j] = contact->parameters.slip_velocity;
+        if (law.kind == FRICTION_REGULARIZED && limit > 0.0) {
+            contact->friction_regime = (int32_t)FRICTION_STICKING;
+            contact->parameters.slip_velocity *= law.largest / limit;
+        }
+    }
+}
+
+static void restore_friction(struct general *g, const struct kept_friction *kept)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        g->state->contact[j].friction_regime = kept->regime[j];
+        g->state->contact[j].parameters.slip_velocity = kept->slip_velocity[j];
+    }
+}
+#endif
+
+static bool solve_fully(struct general *g)
+{
+#if SCENE_ANY_FRICTION
+    struct kept_friction kept;
+    straighten_friction(g, &kept);
+    const bool rolls = radau_step_solve_fully(&g->step, TANGENT_SHARE);
+    restore_friction(g, &kept);
+    set_weights(g); /* the first guess may have been far off */
+    return rolls && radau_step_solve_fully(&g->step, general_newton_share(g));
+#else
+    (void)g;
+    return false;
+#endif
 }
 
 /* A trial; what is left of its error by the weights, INFINITY where it is no solution. */
 static double error_of_trial(struct general *g, const struct radau_stages *stages, double length)
 {
     struct radau_step *p = &g->step;
-    if (!radau_step_guess(p, stages, length)) {
+    g->fully = SCENE_ANY_FRICTION && p->problem.turns && length * g->fastest_decay > STIFF;
+    if (g->fully) {
+        radau_step_guess_on(p, stages, length);
+    } else if (!radau_step_guess(p, stages, length)) {
         return (double)INFINITY;
     }
     set_weights(g);
-    if (!radau_step_solve(p, GENERAL_NEWTON_SHARE)) {
+    if (!(g->fully ? solve_fully(g) : radau_step_solve(p, general_newton_share(g)))) {
         return (double)INFINITY;
     }
     radau_step_finish(p);
     const struct radau_error error = radau_step_error(p);
     g->error_within = error.within;
-    return fmax(error.at_end, WITHIN_SHARE * error.within);
+    g->error_at_end = fmax(error.at_end, WITHIN_SHARE * error.within);
+    g->error_of_start = g->fully ? radau_step_start_error(p) : 0.0;
+    return fmax(g->error_at_end, g->error_of_start);
 }
 
 /* By how much another length may be longer: the error goes with its power 2 s - 1. */
-static double factor_of(double error, const struct radau_stages *stages)
+static double factor_of(const struct general *g, double error, double within,
+                        const struct radau_stages *stages)
 {
     if (!(error < (double)INFINITY)) {
         return 0.4;
     }
+    if (g->error_of_start > 1.0) {
+        return START_SHRINKAGE;
+    }
     const double power = 1.0 / (2.0 * stages->stages - 1.0);
+    if (g->step.problem.turns && !(error < NOISE_OF_DECREASE * within)) {
+        if (error < NOISE_OF_ERROR || error > 1.0) {
+            return error > 1.0 ? SHRINKAGE : GROWTH;
+        }
+    }
     const double factor = SAFETY * pow(fmax(error, 1e-100), -power);
     return fmin(fmax(factor, SHRINKAGE), GROWTH);
 }
@@ -113,13 +267,18 @@ bool general_step_make(struct general *g, double limit, long *budget)
         const double error = error_of_trial(g, stages, length);
         const double reach = length / reach_of(stages);
         if (error <= 1.0) {
-            const double next = reach * factor_of(error, stages);
+            const double next = reach * factor_of(g, error, g->error_within, stages);
             g->longest = fmin(fmax(next, length), GROWTH * fmax(g->longest, length));
+            g->longest = fmin(g->longest, fmax(g->solvable, length));
+            g->solvable *= SOLVABLE_GROWTH;
             *budget -= 1;
             return true;
         }
+        if (g->fully && !(error < (double)INFINITY)) {
+            g->solvable = SOLVABLE_PART * length;
+        }
         g->rejected += 1;
-        g->longest = fmin(reach * factor_of(error, stages), 0.9 * g->longest);
+        g->longest = fmin(reach * factor_of(g, error, g->error_within, stages), 0.9 * g->longest);
         if (!(g->step.start + g->longest > g->step.start) || g->longest < 1e-18 * limit) {
             snprintf(g->message, INTEGRATOR_MESSAGE_SIZE,
                      "no step of the general segment is accurate enough from here on");

@@ -40,4 +40,11 @@ static inline void radau_polynomials_at(int count, double part, double *of)
     }
 }
 
+/* radau_step.c: the parts of p->jacobian that are kept as by_others and by_places. */
+void radau_take_jacobian(const struct radau_step *p, double *by_others, double *by_places);
+
+/* radau_solve.c: what follows for the places, h A times their speeds; the residual h f - A^-1 change. */
+void radau_move_places(struct radau_step *p);
+void radau_evaluate_residual(struct radau_step *p);
+
 #endif

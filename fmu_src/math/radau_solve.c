@@ -83,7 +83,7 @@ static double correct(struct radau_step *p)
 }
 
 /* What follows for the places: h A times their speeds. */
-static void move_places(struct radau_step *p)
+void radau_move_places(struct radau_step *p)
 {
     const struct radau_problem *problem = &p->problem;
     const struct radau_stages *stages = p->stages;
@@ -122,7 +122,7 @@ bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, d
         }
     }
     const bool solved = isfinite(correct(p));
-    move_places(p);
+    radau_move_places(p);
     return solved;
 }
 
@@ -139,7 +139,7 @@ bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *sta
     }
     p->stages = stages;
     p->length = length;
-    move_places(p);
+    radau_move_places(p);
     return factor(p, stages, length);
 }
 
@@ -157,7 +157,7 @@ void radau_step_stage(const struct radau_step *p, int stage, double *y)
 }
 
 /* h f - A^-1 change */
-static void evaluate_residual(struct radau_step *p)
+void radau_evaluate_residual(struct radau_step *p)
 {
     const struct radau_problem *problem = &p->problem;
     const int s = p->stages->stages;
@@ -183,9 +183,9 @@ bool radau_step_solve(struct radau_step *p, double tolerance)
     double last = 0.0;
     p->contraction = 0.0;
     for (p->iterations = 1; p->iterations <= MOST_ITERATIONS; ++p->iterations) {
-        evaluate_residual(p);
+        radau_evaluate_residual(p);
         const double size = correct(p);
-        move_places(p);
+        radau_move_places(p);
         if (!isfinite(size)) {
             return false;
         }

@@ -9,12 +9,19 @@
 /* Of a quaternion: as many turn it by ten radians. */
 enum { MOST_SWEEPS = 60 };
 
-size_t radau_step_memory(int size)
+/* Rows of the system of all stages. */
+static int rows_of_all(const struct radau_problem *problem)
 {
-    const size_t n = (size_t)radau_padded(size);
+    return problem->turns ? RADAU_MOST_STAGES * (problem->coupled - problem->paired) : 0;
+}
+
+size_t radau_step_memory(const struct radau_problem *problem)
+{
+    const size_t n = (size_t)radau_padded(problem->size);
     const size_t s = RADAU_MOST_STAGES;
-    const size_t doubles = 6 * s * n + (s + 1) * n + 3 * n * n + s * n * n + 5 * n;
-    const size_t ints = 2 * n + s / 2 * n;
+    const size_t all = (size_t)radau_padded(rows_of_all(problem));
+    const size_t doubles = 6 * s * n + (s + 1) * n + 6 * n * n + s * n * n + 5 * n + (all + 1) * all;
+    const size_t ints = 2 * n + s / 2 * n + all;
     return doubles * sizeof(double) + ints * sizeof(int);
 }
 
@@ -70,14 +77,36 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
         p->system[k].re = take(&next, n * n);
         p->system[k].im = take(&next, n * n);
     }
+    const int all = radau_padded(rows_of_all(problem));
+    p->stage_others = take(&next, n * n);
+    p->stage_places = take(&next, n * n);
+    p->side = take(&next, all);
+    p->whole = take(&next, n * n);
+    p->all = (struct dense_matrix){.stride = all, .at = take(&next, all * all)};
     int *whole = (int *)(void *)next;
     p->other = whole;
     p->speed_among = whole + n;
+    p->all.pivot = whole + (2 + s / 2) * n;
     list_others(p);
     for (int k = 0; k < s / 2; ++k) {
         p->system[k].rows = p->others;
         p->system[k].stride = p->width;
         p->system[k].pivot = whole + (2 + k) * n;
+    }
+}
+
+void radau_take_jacobian(const struct radau_step *p, double *by_others, double *by_places)
+{
+    const struct radau_problem *problem = &p->problem;
+    const int m = p->others;
+    for (int i = 0; i < m; ++i) {
+        const double *row = p->jacobian + p->other[i];
+        for (int j = 0; j < m; ++j) {
+            by_others[j * m + i] = row[p->other[j] * problem->coupled];
+        }
+        for (int j = 0; j < problem->paired; ++j) {
+            by_places[j * m + i] = row[problem->place[j] * problem->coupled];
+        }
     }
 }
 
@@ -90,16 +119,7 @@ void radau_step_begin(struct radau_step *p, double clock, const double *y)
     problem->rates(problem->context, clock, y, p->start_rates);
     problem->jacobian(problem->context, clock, y, p->jacobian);
     p->evaluations += 2;
-    const int m = p->others;
-    for (int i = 0; i < m; ++i) {
-        const double *row = p->jacobian + p->other[i];
-        for (int j = 0; j < m; ++j) {
-            p->by_others[j * m + i] = row[p->other[j] * problem->coupled];
-        }
-        for (int j = 0; j < problem->paired; ++j) {
-            p->by_places[j * m + i] = row[problem->place[j] * problem->coupled];
-        }
-    }
+    radau_take_jacobian(p, p->by_others, p->by_places);
     p->factored_length = 0.0;
 }
 
@@ -175,6 +195,7 @@ void radau_step_finish(struct radau_step *p)
     for (int j = problem->coupled; j < problem->integrals; j += 4) {
         turn_quaternion(p, j);
     }
+    p->known_start = p->start;
     p->known_length = p->length;
     p->known_stages = s;
     for (int k = 0; k <= s; ++k) {

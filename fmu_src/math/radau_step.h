@@ -17,16 +17,20 @@
 #include <stddef.h>
 
 #include "math/complex_lu.h"
+#include "math/dense_lu.h"
 #include "math/radau_stages.h"
 
 struct radau_problem {
     const void *context;
     int size, coupled, integrals;
+    bool turns; /* radau_step_solve_fully may be asked for, and needs whole_jacobian */
     int paired; /* so many states y[place[i]] have the rate y[speed[i]], both coupled */
     const int *place, *speed;
     void (*rates)(const void *context, double clock, const double *y, double *rates);
     /* of the coupled states: d(rate i)/d(y j) at [j * coupled + i] */
     void (*jacobian)(const void *context, double clock, const double *y, double *columns);
+    /* of all states: d(rate i)/d(y j) at [j * size + i] */
+    void (*whole_jacobian)(const void *context, double clock, const double *y, double *columns);
 };
 
 struct radau_step {
@@ -38,8 +42,8 @@ struct radau_step {
     double contraction;                /* of the corrections, in that */
     double *y, *start_rates;           /* [size], at the start */
     double *change, *rates;            /* [stages][stride]: the states less y, and their rates */
-    double *chebyshev;   /* [stages + 1][stride]: of change, from -1 at the start to 1 at the end */
-    double known_length; /* and its length and stages */
+    double *chebyshev; /* [stages + 1][stride]: of change, from -1 at the start to 1 at the end */
+    double known_start, known_length; /* and its start, length and stages; length 0: there is none */
     int known_stages;
     double *weight;                /* [size]: 1 / error allowed, by the caller */
     double *jacobian;              /* [coupled][coupled], by columns */
@@ -49,15 +53,18 @@ struct radau_step {
     const struct radau_stages *factored_stages;
     double *others_change, *residual, *scratch; /* [stages][width] */
     double *places_change;                      /* [stages][paired, padded] */
-    double *point, *re;                         /* [size] each */
-    int stride, width;                          /* of rows, padded: of all states, of those left */
-    int others;                                 /* how many are coupled, but no places */
-    int *other;                                 /* [others]: which they are */
-    int *speed_among;                           /* [paired]: where a speed stands among them */
+    double *stage_others, *stage_places, *side; /* of radau_step_solve_fully */
+    double *whole;                              /* [size][size]; of that, too */
+    struct dense_matrix all;
+    double *point, *re; /* [size] each */
+    int stride, width;  /* of rows, padded: of all states, of those left */
+    int others;         /* how many are coupled, but no places */
+    int *other;         /* [others]: which they are */
+    int *speed_among;   /* [paired]: where a speed stands among them */
 };
 
 /* Bytes of memory for a problem of so many states, and a step that uses them for one of no more. */
-size_t radau_step_memory(int size);
+size_t radau_step_memory(const struct radau_problem *problem);
 void radau_step_place(struct radau_step *p, const struct radau_problem *problem, void *memory);
 
 /* Begins at a state; evaluates rates and Jacobian there. */
@@ -69,12 +76,26 @@ void radau_step_begin(struct radau_step *p, double clock, const double *y);
 bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, double length);
 bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *stages, double length);
 
+/* Starts them, for radau_step_solve_fully, from the last polynomial, if it begins or ends at the start,
+ * else from the rates there: stiff directions that turn would mislead the solution of the linear problem.
+ * */
+void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length);
+
 /* Writes the coupled states at a stage, as far as they are known; the others are left as they are. */
 void radau_step_stage(const struct radau_step *p, int stage, double *y);
 
 /* Iterates until what is left of the correction is below `tolerance`, by the weights, or rounding. False
  * where that does not happen. */
 bool radau_step_solve(struct radau_step *p, double tolerance);
+
+/* The same with the Jacobian at every stage: some twenty times as dear, but it converges where what is stiff
+ * turns within the step. */
+bool radau_step_solve_fully(struct radau_step *p, double tolerance);
+
+/* Error at the end, by the weights, of what dies away before the first stage, where the stages do not see
+ * it: after radau_step_finish. It is nothing where that dies away still at the end: the states forget it.
+ * */
+double radau_step_start_error(struct radau_step *p);
 
 /* The polynomial of all states, once solved; the state at a part of the step, 0 to 1. */
 void radau_step_finish(struct radau_step *p);

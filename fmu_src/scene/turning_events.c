@@ -35,6 +35,12 @@ static double depth_to_parting(const struct scene_ode *ode, const struct scene_i
     return depth * (ode->gap_offset[contact] + within) / half;
 }
 
+static bool breaks_away(const struct turning_laws *laws)
+{
+    return laws->friction.kind == FRICTION_ELASTIC && laws->friction_regime == FRICTION_STICKING;
+}
+
+/* Where sticking ends is min(mu_s F_n, F_max); each by itself is smooth, as steps that are long need it. */
 static void friction_events(const struct scene_ode *ode, double clock, const struct turning_state *turning,
                             const struct scene_instant *at, int contact, double *out)
 {
@@ -45,6 +51,12 @@ static void friction_events(const struct scene_ode *ode, double clock, const str
                            friction_stick_event(&laws.friction, laws.friction_regime, rubbing, force_rate);
     out[ODE_EVENT_CAP] = ode->cap_offset[contact] +
                          friction_cap_event(&laws.friction, laws.friction_regime, rubbing.normal_force);
+    if (breaks_away(&laws)) {
+        const double carried = vec3_norm(friction_force(&laws.friction, FRICTION_STICKING, rubbing));
+        out[ODE_EVENT_STICK] =
+            ode->stick_offset[contact] + laws.friction.static_coefficient * rubbing.normal_force - carried;
+        out[ODE_EVENT_CAP] = ode->cap_offset[contact] + laws.friction.largest - carried;
+    }
     if (may_lift(&laws.normal)) {
         out[ODE_EVENT_LIFT] = ode->lift_offset[contact] +
                               friction_lift_event(&laws.friction, laws.friction_regime, rubbing.normal_force);
@@ -90,7 +102,8 @@ static void put_friction_offsets(struct scene_ode *ode, const struct scene_insta
     const double force = at->normal_force[contact];
     const double rounding = 8.0 * DBL_EPSILON * fabs(force) + laws.normal.damping * tolerated;
     ode->stick_offset[contact] = 2.0 * stick_rounding(&laws, force, tolerated);
-    ode->cap_offset[contact] = 2.0 * laws.friction.coefficient * rounding;
+    ode->cap_offset[contact] =
+        breaks_away(&laws) ? ode->stick_offset[contact] : 2.0 * laws.friction.coefficient * rounding;
     ode->lift_offset[contact] = 2.0 * rounding;
 }
 

@@ -154,7 +154,7 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
                         enum ode_event event)
 {
     const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime;
-    if (event == ODE_EVENT_STICK && regime == FRICTION_STICKING) {
+    if (regime == FRICTION_STICKING && (event == ODE_EVENT_STICK || event == ODE_EVENT_CAP)) {
         break_away(v, q, contact);
     } else if (event == ODE_EVENT_STICK) {
         stop_sliding(v, q, contact);

@@ -51,7 +51,7 @@ static void *begin(struct radau_step *p, const double *damping)
 {
     const double y[SIZE] = {[SPEED] = 1.0, [TURN] = 1.0};
     const struct radau_problem problem = oscillator(damping);
-    void *memory = calloc(1, radau_step_memory(SIZE));
+    void *memory = calloc(1, radau_step_memory(&problem));
     radau_step_place(p, &problem, memory);
     for (int i = 0; i < SIZE; ++i) {
         p->weight[i] = 1.0;

@@ -19,15 +19,6 @@ SMALL = {"event_driven": (1e-3, 1e-6, 1e-9), "cvode_bdf": (1e-3, 1e-6, 1e-9), "c
 METHOD_AND_SMALL = [(method, v_0) for method in METHODS for v_0 in SMALL[method]]
 
 
-# Known faults of the general segment, in README's Limits: the tests say so when they are mended.
-SLOW_ROLLING = pytest.mark.xfail(
-    strict=True, reason="steps grow as v_0 falls where a ball rolls on a curved path"
-)
-ELASTIC_EVENTS = pytest.mark.xfail(
-    strict=True, reason="elastic friction: an event that the segment misplaces"
-)
-
-
 def ended(opened, case, method="event_driven", tolerance=1e-10, steps=3):
     return run(opened(FMU[case.shape]), case.values, case.end, steps, tolerance, method)
 
@@ -84,7 +75,6 @@ def test_a_ball_rolls_down_an_incline_or_slides(opened, method, v_0, slope):
     agrees(ended(opened, case, method), case, ALLOWED[method])
 
 
-@SLOW_ROLLING
 @pytest.mark.parametrize("stiffness", [1e3, 1e5, 1e7])
 def test_a_ball_comes_up_again_in_a_tube_at_any_penetration(opened, stiffness):
     """Trajectory to 1e-9 in the limit of v_0, and the period to 1e-8: sqrt(7/2) orbits."""
@@ -99,7 +89,6 @@ def test_a_ball_comes_up_again_in_a_tube_at_any_penetration(opened, stiffness):
     check_close("lowest", ended(opened, half)["source.position"][2], -5 * cases.G / 64, 1e-9)
 
 
-@SLOW_ROLLING
 @pytest.mark.parametrize("made", [cases.turntable, lambda v_0: cases.incline(v_0, 0.4, end=10.0)])
 def test_rolling_costs_no_more_where_less_slip_is_needed(opened, made):
     """Internal steps at v_0 = 1e-6 and 1e-9 m/s are at most twice those at 1e-3."""
@@ -180,7 +169,7 @@ def test_a_ball_leaves_a_sphere_at_ten_seventeenths_or_two_thirds(opened, mu):
     check_close("cosine", found, case.expected["cosine"], 1e-6 + (0.05 / mu if mu else 0.0))
 
 
-@pytest.mark.parametrize("friction", ["regularized", pytest.param("elastic", marks=ELASTIC_EVENTS)])
+@pytest.mark.parametrize("friction", ["regularized", "elastic"])
 def test_a_free_pair_keeps_its_momenta_over_a_thousand_impacts(opened, friction):
     case = impacts.shell(friction)
     fmu = opened(FMU["sphere"])

@@ -18,10 +18,7 @@ from support.scenes.turning_scenes import random_turning_scene
 
 COUNT = int(os.environ.get("CONTACT_SCENES", "60"))
 FIRST = int(os.environ.get("CONTACT_FIRST_SCENE", "0"))
-# Events that the general segment misplaces, in README's Limits: of elastic friction, in 56 the parting.
-FAULTY = {20, 22, 53, 56}
-KNOWN = pytest.mark.xfail(strict=True, reason="event_driven misplaces an event")
-SEEDS = [pytest.param(seed, marks=KNOWN) if seed in FAULTY else seed for seed in range(FIRST, FIRST + COUNT)]
+SEEDS = range(FIRST, FIRST + COUNT)
 
 
 @cache

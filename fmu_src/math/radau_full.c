@@ -1,0 +1,292 @@
+/* Newton's method for a step with the Jacobian at every stage: for problems whose stiff directions turn
+ * within the step, in which simplified iterations do not converge however stiff they are. */
+#include <math.h>
+#include <string.h>
+
+#include "math/radau_rows.h"
+
+/* It converges by squares; where it takes more the start is too far off. */
+static const int MOST_FULL_ITERATIONS = 14;
+
+/* The errors of the first iterations may grow, while a guess is brought to where the problem is nearly
+ * linear. */
+static const int FREE_ITERATIONS = 6;
+
+/* Corrections that do not shrink any more are rounding where they are below this part of the error
+ * allowed. */
+static const double FULL_ROUNDING_SHARE = 0.25;
+
+/* Of the states left, by columns: what depends on them at one stage, and on their places. */
+static void take_stage_jacobian(struct radau_step *p, int stage)
+{
+    const struct radau_problem *problem = &p->problem;
+    const double clock = p->start + p->length * p->stages->node[stage];
+    memcpy(p->point, p->y, (size_t)problem->size * sizeof *p->point);
+    radau_step_stage(p, stage, p->point);
+    problem->jacobian(problem->context, clock, p->point, p->jacobian);
+    p->evaluations += 1;
+    radau_take_jacobian(p, p->stage_others, p->stage_places);
+}
+
+/* A^-1 - h J_stage (of those left) - h^2 A J_stage (of places), into the rows of one stage. */
+static void put_stage(struct radau_step *p, int stage)
+{
+    const struct radau_stages *stages = p->stages;
+    const int s = stages->stages;
+    const int m = p->others;
+    const struct dense_matrix all = p->all;
+    for (int j = 0; j < s; ++j) {
+        const double weight = p->length * p->length * stages->integral[stage * s + j];
+        for (int column = 0; column < m; ++column) {
+            double *to = all.at + (j * m + column) * all.stride + stage * m;
+            memset(to, 0, (size_t)m * sizeof *to);
+            to[column] = stages->inverse[stage * s + j];
+            for (int i = 0; i < m && j == stage; ++i) {
+                to[i] -= p->length * p->stage_others[column * m + i];
+            }
+        }
+        for (int k = 0; k < p->problem.paired; ++k) {
+            double *to = all.at + (j * m + p->speed_among[k]) * all.stride + stage * m;
+            for (int i = 0; i < m; ++i) {
+                to[i] -= weight * p->stage_places[k * m + i];
+            }
+        }
+    }
+}
+
+/* One correction; its largest entry by the weights. */
+static double correct_fully(struct radau_step *p)
+{
+    const int s = p->stages->stages;
+    const int m = p->others;
+    double *side = p->side;
+    p->all.rows = s * m;
+    for (int i = 0; i < s; ++i) {
+        take_stage_jacobian(p, i);
+        put_stage(p, i);
+        memcpy(side + i * m, p->residual + i * p->width, (size_t)m * sizeof *side);
+    }
+    for (int k = 0; k < s * m; ++k) { /* the zero behind each column */
+        p->all.at[k * p->all.stride + s * m] = 0.0;
+    }
+    side[s * m] = 0.0;
+    if (!dense_lu_factor(p->all)) {
+        return (double)INFINITY;
+    }
+    dense_lu_solve(p->all, side);
+    double largest = 0.0;
+    for (int i = 0; i < s; ++i) {
+        for (int j = 0; j < m; ++j) {
+            p->others_change[i * p->width + j] += side[i * m + j];
+            const double size = fabs(side[i * m + j]) * p->weight[p->other[j]];
+            largest = size <= largest ? largest : size;
+        }
+    }
+    return largest;
+}
+
+/* By how much the last corrections move a place at a stage. */
+static double place_moved(const struct radau_step *p, int stage, int place)
+{
+    const int s = p->stages->stages;
+    double sum = 0.0;
+    for (int j = 0; j < s; ++j) {
+        sum += p->stages->integral[stage * s + j] * p->side[j * p->others + p->speed_among[place]];
+    }
+    return p->length * sum;
+}
+
+/* The rates of the integrals, known before the last corrections, after them. A stiff force is all but
+ * rounding where it is evaluated: its argument is a small difference of states. The corrections take that
+ * away, so that integrals of it are as smooth as the states. */
+static void move_integrals(struct radau_step *p)
+{
+    const struct radau_problem *problem = &p->problem;
+    const int n = problem->size;
+    for (int i = 0; i < p->stages->stages; ++i) {
+        const double clock = p->start + p->length * p->stages->node[i];
+        double *rates = p->rates + i * p->stride;
+        memcpy(p->point, p->y, (size_t)n * sizeof *p->point);
+        radau_step_stage(p, i, p->point);
+        problem->whole_jacobian(problem->context, clock, p->point, p->whole);
+        for (int j = 0; j < p->others + problem->paired; ++j) {
+            const int k = j - p->others;
+            const double moved = k < 0 ? p->side[i * p->others + j] : place_moved(p, i, k);
+            const double *column = p->whole + n * (k < 0 ? p->other[j] : problem->place[k]);
+            for (int row = problem->integrals; row < n; ++row) {
+                rates[row] += column[row] * moved;
+            }
+        }
+    }
+    p->evaluations += p->stages->stages;
+}
+
+static void guess_steady(struct radau_step *p)
+{
+    memset(p->others_change, 0, (size_t)(p->stages->stages * p->width) * sizeof(double));
+    for (int i = 0; i < p->stages->stages; ++i) {
+        for (int j = 0; j < p->others; ++j) {
+            p->others_change[i * p->width + j] = p->length * p->stages->node[i] * p->start_rates[p->other[j]];
+        }
+    }
+}
+
+/* Up to which coefficient the last polynomial is worth its while at a part of its step: the contributions
+ * of later ones grow. */
+static int coefficients_worth(const struct radau_step *p, const double *of)
+{
+    int best = 1;
+    double least = (double)INFINITY;
+    for (int k = 1; k <= p->known_stages; ++k) {
+        double largest = 0.0;
+        for (int j = 0; j < p->others; ++j) {
+            const int i = p->other[j];
+            largest = fmax(largest, fabs(p->chebyshev[k * p->stride + i] * of[k]) * p->weight[i]);
+        }
+        best = largest < least ? k : best;
+        least = fmin(least, largest);
+    }
+    return best + 1;
+}
+
+/* Whether the last polynomial begins or ends where the step begins. */
+static bool goes_on(const struct radau_step *p)
+{
+    const double end = p->known_start + p->known_length;
+    return p->known_length > 0.0 &&
+           (p->known_start == p->start || fabs(end - p->start) <= 1e-6 * p->known_length);
+}
+
+static void guess_on(struct radau_step *p)
+{
+    double of[RADAU_MOST_STAGES + 1] = {0.0};
+    double here[RADAU_MOST_STAGES + 1] = {0.0};
+    const double begins = p->known_start == p->start ? 0.0 : 1.0;
+    const double part = p->length / p->known_length;
+    radau_polynomials_at(p->known_stages + 1, begins + part, of);
+    const int count = begins + part > 1.0 ? coefficients_worth(p, of) : p->known_stages + 1;
+    radau_polynomials_at(count, begins, here);
+    for (int i = 0; i < p->stages->stages; ++i) {
+        radau_polynomials_at(count, begins + part * p->stages->node[i], of);
+        for (int k = 0; k < count; ++k) {
+            of[k] -= here[k];
+        }
+        radau_combine(p->point, of, count, p->chebyshev, p->stride, p->stride);
+        for (int j = 0; j < p->width; ++j) {
+            p->others_change[i * p->width + j] = j < p->others ? p->point[p->other[j]] : 0.0;
+        }
+    }
+}
+
+void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length)
+{
+    p->stages = stages;
+    p->length = length;
+    if (goes_on(p)) {
+        guess_on(p);
+    } else {
+        guess_steady(p);
+    }
+    radau_move_places(p);
+}
+
+static bool iterate_fully(struct radau_step *p, double tolerance)
+{
+    double last = (double)INFINITY;
+    for (p->iterations = 1; p->iterations <= MOST_FULL_ITERATIONS; ++p->iterations) {
+        radau_evaluate_residual(p);
+        const double size = correct_fully(p);
+        radau_move_places(p);
+        if (!isfinite(size)) {
+            return false;
+        }
+        p->contraction = size / last;
+        if (size <= tolerance ||
+            (p->iterations > 1 && p->contraction < 0.1 && size * p->contraction <= tolerance)) {
+            return true;
+        }
+        if (p->contraction > 0.5 && size <= FULL_ROUNDING_SHARE) {
+            return true;
+        }
+        if (p->iterations > FREE_ITERATIONS && p->contraction > 0.5) {
+            return false;
+        }
+        last = size;
+    }
+    return false;
+}
+
+bool radau_step_solve_fully(struct radau_step *p, double tolerance)
+{
+    if (!iterate_fully(p, tolerance)) {
+        return false;
+    }
+    move_integrals(p);
+    return true;
+}
+
+/* h (rates at the start less those of the polynomial there), of those left. */
+static void put_start_defect(struct radau_step *p)
+{
+    const int s = p->stages->stages;
+    for (int i = 0; i < p->others; ++i) {
+        const int j = p->other[i];
+        double slope = 0.0; /* T_k' = -(-1)^k k^2 there, and the step is two long */
+        for (int k = 1; k <= s; ++k) {
+            slope += (k % 2 == 0 ? -2.0 : 2.0) * k * k * p->chebyshev[k * p->stride + j];
+        }
+        p->side[i] = p->length * p->start_rates[j] - slope;
+    }
+    p->side[p->others] = 0.0;
+}
+
+/* I - h J, of those left, factored; where `by_places` is not NULL with what they feel through the places. */
+static bool factor_dying(struct radau_step *p, struct dense_matrix system, const double *by_others,
+                         const double *by_places)
+{
+    const int m = system.rows;
+    for (int column = 0; column < m; ++column) {
+        double *to = system.at + column * system.stride;
+        for (int i = 0; i < m; ++i) {
+            to[i] = (i == column ? 1.0 : 0.0) - p->length * by_others[column * m + i];
+        }
+        to[m] = 0.0;
+    }
+    for (int k = 0; k < p->problem.paired && by_places; ++k) {
+        double *to = system.at + p->speed_among[k] * system.stride;
+        for (int i = 0; i < m; ++i) {
+            to[i] -= p->length * p->length * by_places[k * m + i];
+        }
+    }
+    return dense_lu_factor(system);
+}
+
+/* What dies away is the defect less what is left of it, (1 - 1/(1 + h lambda)) of it, and leaves behind
+ * as much as it acts for, 1/(1 + h lambda) of that. */
+double radau_step_start_error(struct radau_step *p)
+{
+    const int m = p->others;
+    struct dense_matrix system = p->all;
+    system.rows = m;
+    put_start_defect(p);
+    if (!factor_dying(p, system, p->by_others, NULL)) {
+        return (double)INFINITY;
+    }
+    memcpy(p->point, p->side, (size_t)m * sizeof *p->side);
+    dense_lu_solve(system, p->side);
+    for (int i = 0; i < m; ++i) {
+        p->side[i] = p->point[i] - p->side[i];
+    }
+    dense_lu_solve(system, p->side);
+    take_stage_jacobian(p, p->stages->stages - 1);
+    if (!factor_dying(p, system, p->stage_others, p->stage_places)) {
+        return (double)INFINITY;
+    }
+    dense_lu_solve(system, p->side);
+    double largest = 0.0;
+    for (int i = 0; i < m; ++i) {
+        const double size = fabs(p->side[i]) * p->weight[p->other[i]];
+        largest = size <= largest ? largest : size;
+    }
+    return largest;
+}
