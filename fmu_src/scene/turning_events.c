@@ -9,7 +9,7 @@
 /* Whether F_n of a contact may pass zero while the bodies overlap. */
 static bool may_lift(const struct contact_law *law)
 {
-    return law->dashpot == DASHPOT_UNCLAMPED && law->damping > 0.0;
+    return law->dashpot == DASHPOT_UNCLAMPED && !contact_is_elastic(law);
 }
 
 /* The gap, or how far the source is beyond the ends of its cylinder where that is more [m]. */
@@ -100,7 +100,9 @@ static void put_friction_offsets(struct scene_ode *ode, const struct scene_insta
 {
     const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
     const double force = at->normal_force[contact];
-    const double rounding = 8.0 * DBL_EPSILON * fabs(force) + laws.normal.damping * tolerated;
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double by_rate = contact_force_slopes(&laws.normal, laws.regime, g->gap, g->gap_rate).by_rate;
+    const double rounding = 8.0 * DBL_EPSILON * fabs(force) + fabs(by_rate) * tolerated;
     ode->stick_offset[contact] = 2.0 * stick_rounding(&laws, force, tolerated);
     ode->cap_offset[contact] =
         breaks_away(&laws) ? ode->stick_offset[contact] : 2.0 * laws.friction.coefficient * rounding;

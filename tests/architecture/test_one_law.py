@@ -13,6 +13,15 @@ LAW = {
     for name in ("law.h", "law.c", "factors.h", "factors.c", "hertz_law.h", "hertz_law.c")
 }
 OWN_STIFFNESS = {"fmu_src/segment/pair_oscillation.h", "fmu_src/segment/pair_oscillation.c"}
+# Of the tangential spring and dashpot of elastic friction, k_t and c_t: a law of its own.
+OF_FRICTION = {
+    "fmu_src/contact/friction.c",
+    "fmu_src/contact/friction_jet.c",
+    "fmu_src/scene/turning.c",
+    "fmu_src/scene/turning_events.c",  # of friction alone; the normal law it asks
+    "fmu_src/scene/turning_transition.c",
+    "fmu_src/segment/driven_friction.c",
+}
 # The recurrences of Hertz's law: its series is made with k_h, as closed forms are with p_n.
 HERTZ = {label(file) for file in UNITS if re.fullmatch(r"(?:pair_)?hertz(?:_\w+)?\.c", file.name)}
 
@@ -40,7 +49,7 @@ every_file = pytest.mark.parametrize("file", HEADERS + UNITS, ids=label)
 
 @every_file
 def test_only_the_law_reads_stiffness_and_damping(file):
-    if label(file) not in LAW | OWN_STIFFNESS | HERTZ:
+    if label(file) not in LAW | OWN_STIFFNESS | OF_FRICTION | HERTZ:
         assert re.findall(READS, code_only(file.read_text())) == []
 
 
