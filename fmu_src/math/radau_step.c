@@ -232,6 +232,9 @@ struct radau_error radau_step_error(const struct radau_step *p)
     double before = 0.0;
     for (int j = 0; j < p->problem.size; ++j) {
         const double *of = p->chebyshev + j;
+        if (!isfinite(of[s * n])) { /* a quaternion's sweeps diverge where it turns much too far */
+            return (struct radau_error){(double)INFINITY, (double)INFINITY};
+        }
         last = fmax(last, fmax(fabs(of[s * n]), fabs(of[(s - 1) * n])) * p->weight[j]);
         before = fmax(before, fmax(fabs(of[(s - apart) * n]), fabs(of[(s - apart - 1) * n])) * p->weight[j]);
     }

@@ -110,6 +110,27 @@ static void what_is_too_fast_is_damped_away(void)
     free(memory);
 }
 
+/* Millions of radians in one step are no solution, whatever its sweeps end with. */
+static void a_quaternion_that_turns_too_far_has_no_small_error(void)
+{
+    const double y[SIZE] = {[SPEED] = 2e7, [TURN] = 1.0};
+    const double damping = 0.0;
+    struct radau_step p;
+    void *memory = begin(&p, &damping);
+    radau_step_begin(&p, 0.0, y);
+    for (int i = 0; i < TURN; ++i) {
+        p.weight[i] = 1e-30; /* that the quaternion alone decides */
+    }
+    p.weight[SQUARE] = 1e-30;
+    for (double length = 1e-5; length < 2.0; length *= 10.0) {
+        CHECK(radau_step_guess(&p, &radau_stages_12, length) && radau_step_solve(&p, 1e-14));
+        radau_step_finish(&p);
+        const struct radau_error error = radau_step_error(&p);
+        CHECK(error.at_end > 1.0 && error.within > 1.0);
+    }
+    free(memory);
+}
+
 /* A cubic by its Bernstein coefficients. */
 static void a_fall_is_the_first_change_from_above_to_below(void)
 {
@@ -143,6 +164,7 @@ int main(void)
 {
     CHECK_TEST(an_oscillation_is_right_at_the_end_and_within);
     CHECK_TEST(what_is_too_fast_is_damped_away);
+    CHECK_TEST(a_quaternion_that_turns_too_far_has_no_small_error);
     CHECK_TEST(a_fall_is_the_first_change_from_above_to_below);
     return check_summary("radau_step");
 }
