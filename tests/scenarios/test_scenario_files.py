@@ -47,7 +47,7 @@ WRONG = {
         'derivative_of = "x"',
         "[[input]] 1: derivative_of = 'x' is no input before it",
     ),
-    "unknown check": ('"final_value"', '"final"', "[[claim]] 1: check is one of automatic_factor, "),
+    "unknown check": ('"final_value"', '"final"', "[[claim]] 1: check is one of angular_momentum, "),
     "unknown key of claim": ("variable = \"contact.gap\"", "vriable = 1", "unknown key 'vriable'"),
     "missing argument": ("expected = 0.0", "", "[[claim]] 1: key 'expected' is missing"),
     "no error allowed": ("absolute = 1e-6", "", "[[claim]] 1: give either absolute or relative"),

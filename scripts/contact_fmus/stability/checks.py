@@ -33,7 +33,7 @@ class Figures:
     """nan: not to be said of this run"""
 
     finite: bool = True
-    error: float = math.nan  # of the place at the end, over the way
+    error: float = math.nan  # of the place at the end, over the way, or of the angle turned, over it
     rounding: float = 0.0  # what the numbers themselves leave open, alike
     balance: float = math.nan
     gain: float = math.nan  # of mechanical energy, in passive scenes
@@ -123,6 +123,15 @@ def momentum(motion: Motion, outcome: Outcome, fastest: float) -> float:
     return float(error)
 
 
+def turn_error(last: Sample, turned: mpf) -> float:
+    """Of the source's orientation by the angle it has turned, of one radian if that is less"""
+    with mp.workdps(DIGITS):
+        right = [mp.cos(turned / 2), mpf(0), mp.sin(turned / 2), mpf(0)]
+        shown = [mpf(float(x)) for x in last.vector("source.orientation", 4)]
+        apart = min(mp.norm([a - sign * b for a, b in zip(shown, right, strict=True)]) for sign in (1, -1))
+        return float(2 * apart / max(abs(turned), 1))
+
+
 def compare(found: Figures, expected: Expected, outcome: Outcome) -> None:
     """The end, the onsets and the time of the last one"""
     last, errors = outcome.last, []
@@ -133,6 +142,8 @@ def compare(found: Figures, expected: Expected, outcome: Outcome) -> None:
     found.through_middle = expected.through_middle
     found.error = max(errors) / expected.way if expected.way > 0 else max(errors)
     found.rounding = expected.rounding / expected.way if expected.way > 0 else 0.0
+    if expected.turned is not None:
+        found.error = max(found.error, turn_error(last, expected.turned))
     if expected.sure:
         found.missed = found.onsets != expected.onsets
         if expected.last_onset is not None:

@@ -18,6 +18,7 @@ REALS = [
     *(f"{body}.{row}[{i}]" for body in BODIES for row in ("displacement", "velocity") for i in (1, 2, 3)),
     *(f"energy.{name}" for name in ENERGIES),
     *(f"contact.mean_force[{i}]" for i in (1, 2, 3)),
+    *(f"source.orientation[{i}]" for i in (1, 2, 3, 4)),
     *(f"contact.{name}" for name in ("last_onset_time", "last_duration")),
     *(f"contact.{name}" for name in ("peak_force", "peak_penetration")),
 ]
@@ -31,9 +32,9 @@ class Sample:
     def __init__(self, time: float, values: np.ndarray):
         self.time, self.values = time, values
 
-    def vector(self, name: str) -> np.ndarray:
+    def vector(self, name: str, size: int = 3) -> np.ndarray:
         first = REALS.index(f"{name}[1]")
-        return self.values[first : first + 3]
+        return self.values[first : first + size]
 
     def __getitem__(self, name: str) -> float:
         return self.values[REALS.index(name)]

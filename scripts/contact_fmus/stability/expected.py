@@ -30,6 +30,7 @@ class Expected:
     last_onset: float | None
     onset_rounding: float = 0.0  # s
     through_middle: bool = False  # of a solid body, where the normal turns round
+    turned: Any = None  # rad, the source about y; None where nothing is said of it
 
 
 def of_head_on(motion: HeadOn, jumps: Sequence[tuple[float, float]] = ()) -> Expected:

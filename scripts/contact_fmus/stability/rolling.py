@@ -6,7 +6,7 @@ with r = (1 + 1/k) mu g and I = k m a^2, hence with A = exp(s_0/v_0) - 1
 
     s = v_0 ln(1 + A exp(-r t/v_0)),  integral of s = (v_0^2/r) (Li_2(-A exp(-r t/v_0)) - Li_2(-A)),
 
-and the ball has lost (s_0 - s)/(1 + 1/k) of its speed.
+and the ball has lost (s_0 - s)/(1 + 1/k) of its speed; it turns at the rate (v - s)/a.
 
 Tumbling: an axis that turns in a plane with the rate w comes within r_s + r_d of a ball at the distance D
 from the middle of the cylinder when D cos(w t) = r_s + r_d.
@@ -26,6 +26,7 @@ from .line_motion import DIGITS
 
 G = 9.81
 LONGEST = 10.0  # s
+MOST_TURNS = 1000  # of a ball, each of which an integrator has to follow
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class Rolling:
     inertia: float = 0.4  # over m a^2
     radius: float = 0.125
     penalty: float = 1e6
-    end: float = 0.0  # 0: half as long again as it slides, ten seconds at most
+    end: float = 0.0  # 0: half as long again as it slides, ten seconds and so many turns at most
 
     geometry = "plane"
     law = "undamped"
@@ -66,7 +67,8 @@ class Rolling:
         return self.radius - G / self.penalty
 
     def timed(self) -> Rolling:
-        return self if self.end else replace(self, end=min(1.5 * self.slip / self.rate, LONGEST))
+        turns = 2 * math.pi * MOST_TURNS / abs(self.spin) if self.spin else math.inf
+        return self if self.end else replace(self, end=min(1.5 * self.slip / self.rate, LONGEST, turns))
 
     def configuration(self) -> dict[str, Any]:
         return {
@@ -104,6 +106,7 @@ class Rolling:
             begun = mp.expm1(slip / small)
             area = small**2 / rate * (_dilogarithm(begun * mp.exp(-rate * end / small)) - _dilogarithm(begun))
             way = mpf(self.speed) * end - (slip * end - area) / (1 + 1 / mpf(self.inertia))
+            turned = (way - area) / mpf(self.radius)
         size = max(self.speed, self.slip) * self.end
         return Expected(
             displacement={"source": [way, mpf(0), mpf(0)]},
@@ -114,6 +117,7 @@ class Rolling:
             sure=True,
             strong=1,
             last_onset=0.0,
+            turned=turned,
         )
 
 

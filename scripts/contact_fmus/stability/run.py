@@ -132,9 +132,20 @@ def run_all(scenes: Sequence[Scene], workers: int) -> Iterator[tuple[Scene, list
                 raise TimeoutError(f"not done after {PATIENCE:g} s: {scene.name}") from None
 
 
+FEWEST = 5  # scenes of a family
+
+
 def thinned(scenes: Sequence[Scene], stride: int) -> list[Scene]:
-    """Every so many-th of each family; the strides pass through all geometries and laws"""
+    """Every so many-th of each family, of small ones more; the strides pass through all geometries and laws,
+    odd ones through both scenes of a pair"""
     families: dict[str, list[Scene]] = {}
     for scene in scenes:
         families.setdefault(scene.family, []).append(scene)
-    return [scene for family in families.values() for scene in family[::stride]]
+    return [
+        scene for family in families.values() for scene in family[:: min(stride, _odd(len(family) // FEWEST))]
+    ]
+
+
+def _odd(number: int) -> int:
+    """The largest odd number up to this one, 1 at least"""
+    return max(1, number - 1 + number % 2)

@@ -29,6 +29,13 @@ AXES = {
     "restitution": "Impacts by either law whose damping follows from the coefficient of restitution",
     "exponent": "Impacts by the linear law (1) and by Hertz's (3/2), from 1e-6 to 1e6 m/s, all about a "
     "millimetre deep",
+    "slip velocity": "A ball slides on a plane until it rolls, under regularized friction: the slip velocity "
+    "at which friction comes to most of its limit, from Coulomb's friction to one that creeps",
+    "friction": "The same: how strong friction is",
+    "spin": "The same with back-spin: how fast the ball turns at the start, for a thousand turns at most",
+    "inertia ratio": "The same: how heavy the ball is to turn; a solid one has 2/5, a hollow one 2/3",
+    "tumbling rate": "A cylinder that turns about its fixed middle meets a ball: how fast it turns. One run "
+    "ends just after the impact has begun",
     "all at once": "Forty scenes in each of ten groups, drawn at random with everything above "
     "extreme at once. The number is the group's and has no order",
     "unit of length": "Oblique scenes told in another unit of length, 2 to this power of a metre: the "
@@ -68,6 +75,9 @@ LIMITS = (
     "solver.max_internal_steps, the state whole, and goes on when fmi2DoStep is called again. Nothing of "
     "it is left to CVODE: a way through the middle of a solid body ($d = 0$), where the normal turns round, "
     "is taken in two pieces.",
+    "event_driven resolves every turn of a body that rubs: an internal step covers about 7 radians, so that "
+    "a run of more than 10000 turns in one communication step ends with fmi2Discard at "
+    "solver.max_internal_steps and goes on when fmi2DoStep is called again.",
     "cvode_bdf and cvode_adams resolve every oscillation of a contact, cvode_adams every decay as well. "
     "A contact that lasts long against $sqrt(m/p_n)$, or $m/p_nv$, ends with fmi2Discard at "
     "solver.max_internal_steps: use event_driven.",
