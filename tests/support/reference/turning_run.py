@@ -128,6 +128,8 @@ class TurningRun:
                 if longest < size:
                     self.given += 0.5 * pair.k_t * (size**2 - longest**2)
                     self.y[SPRING:SUMS] = times(longest / size, spring)
+                    # Where the slip does not stretch it on from there it sticks again at once.
+                    self.sticking = sliding_rate(pair, list(self.y)) < 0.0
         elif name == "corner" and pair.friction == "elastic" and pair.c_t == 0.0:
             self._rub_again(y)
         elif name == "end":
