@@ -34,12 +34,22 @@ assert all(end == ends[0] for end in ends), ends
 """
 
 
+# The friction on a body that rolls is mu F_n/v_0 times its slip, the difference of two speeds, each of which
+# rounds: by so much [N] it differs between importers whose times differ by a rounding. From mu F_n [N], v_0 and
+# the speeds [m/s]:
+ROUNDING = 2.2e-16
+FRICTION_ROUNDS_BY = {
+    "GolfersDilemma": 4 * ROUNDING * 2.4 / 1e-6 * 1.3,
+    "Turntable": 4 * ROUNDING * 4.9 / 1e-5 * 1.5,
+}
+
+
 @pytest.mark.parametrize("scene", SCENES)
 def test_libcosim_ends_where_fmpy_does(fmu_path, scene):
     here, there = (tried(importer, Path(fmu_path(scene)), GIVEN) for importer in (FMPY, LIBCOSIM))
     assert (here.problem, there.problem) == ("", "")
     assert len(here.values) > 10
-    assert there.difference(here) <= AGREE
+    assert there.difference(here) <= AGREE + FRICTION_ROUNDS_BY.get(scene, 0.0)
 
 
 @pytest.mark.parametrize("scene", SCENES)

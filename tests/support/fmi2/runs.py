@@ -16,6 +16,13 @@ SIZES = (0.01, 0.003, 0.017, 0.0001)
 BODIES = ("source", "destination")
 SOFT = {"contact.penalty_factor": 2e3, "contact.viscous_penalty_factor": 5.0}
 OVER_CYLINDER = {"destination.axis": [0.0, 1.0, 0.0], "source.center": [0.05, 0.0, 0.7]}
+TOWARDS_THE_END = {
+    **OVER_CYLINDER,
+    **SOFT,
+    "destination.finite_length": 1,
+    "source.center": [0.0, 0.3, 0.6],
+    "source.initial_velocity": [0.0, 1.0, 0.0],
+}
 
 
 class Run(NamedTuple):
@@ -150,30 +157,8 @@ RUNS = {
     "cylinder in flight": Run(
         "SphereCylinder", {**OVER_CYLINDER, "source.center": [0.05, 0.0, 1.2]}, 20, False
     ),
-    "off a cylinder's end": Run(
-        "SphereCylinder",
-        {
-            **OVER_CYLINDER,
-            "destination.finite_length": 1,
-            "source.center": [0.0, 0.3, 0.6],
-            **SOFT,
-            "source.initial_velocity": [0.0, 1.0, 0.0],
-        },
-        30,
-        False,
-    ),
-    "up to a cylinder's end": Run(
-        "SphereCylinder",
-        {
-            **OVER_CYLINDER,
-            "destination.finite_length": 1,
-            "source.center": [0.0, 0.3, 0.6],
-            **SOFT,
-            "source.initial_velocity": [0.0, 1.0, 0.0],
-        },
-        20,
-        True,
-    ),
+    "off a cylinder's end": Run("SphereCylinder", TOWARDS_THE_END, 30, False),
+    "up to a cylinder's end": Run("SphereCylinder", TOWARDS_THE_END, 20, True),
     "on an inclined plane": Run(
         "SpherePlane",
         {**SOFT, "destination.axis": [0.3, -0.1, 1.0], "source.center": [0.05, 0.0, 0.15]},
