@@ -13,6 +13,7 @@ import polars
 import pyarrow.parquet as pq
 import pytest
 
+from contact_fmus.sweep.interrupts import Interrupts
 from support.programs import environment
 from support.sweeps import Cluster, command, read, run_here, study_text, sweep, wait_for, write_study
 
@@ -157,6 +158,22 @@ def test_ctrl_c_ends_an_embedded_cluster_in_one_sentence(tmp_path, study):
     assert client.returncode == 130
     assert said.count("\n") == 1, said
     assert f"{done(folder):,} of {COUNT:,} runs are kept" in said
+
+
+def test_ctrl_c_that_meets_a_finalizer_is_not_lost():
+    class Interrupted:
+        def __del__(self):
+            os.kill(os.getpid(), signal.SIGINT)
+
+    interrupts, before = Interrupts(), signal.getsignal(signal.SIGINT)
+    with interrupts.answered():
+        with pytest.raises(KeyboardInterrupt), interrupts.looked_for():
+            Interrupted()
+        with pytest.raises(KeyboardInterrupt):
+            interrupts.look()
+        with pytest.raises(KeyboardInterrupt):
+            os.kill(os.getpid(), signal.SIGINT)  # the second ends at once
+    assert signal.getsignal(signal.SIGINT) is before
 
 
 def test_an_unreachable_scheduler_is_said_in_one_sentence(tmp_path):

@@ -6,9 +6,7 @@ import argparse
 import contextlib
 import json
 import os
-import signal
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -87,39 +85,25 @@ def _run(store, options: argparse.Namespace) -> None:
     """What is missing, with a bar on a terminal; rows are merged while the workers end"""
     from .cluster import connected
     from .drive import Drive
+    from .interrupts import Interrupts
     from .planning import make_work
 
-    samples = store.study.samples()
+    samples, interrupts = store.study.samples(), Interrupts()
     # The strata of a million samples take as long as the workers need to start.
     pool = ThreadPoolExecutor(1)
     preparing = pool.submit(samples.prepare)
     workers = options.workers or len(os.sched_getaffinity(0))
     with (
-        _terminable(),
+        interrupts.answered(),
         connected(options.scheduler, workers, options.dashboard) as client,
         _bar(store) as told,
     ):
         preparing.result()
-        Drive(client, store.study, samples, store, make_work(store.study)).run(told)
+        drive = Drive(client, store.study, samples, store, make_work(store.study))
+        with interrupts.looked_for():
+            drive.run(told, interrupts.look)
         merging = pool.submit(store.merge)
     merging.result()
-
-
-@contextlib.contextmanager
-def _terminable() -> Iterator[None]:
-    """What asks for an end (SIGTERM) is answered as Ctrl-C is"""
-
-    def interrupt(*_) -> None:
-        raise KeyboardInterrupt
-
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGTERM, interrupt)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
 
 
 @contextlib.contextmanager

@@ -47,11 +47,13 @@ class Drive:
         self.work = client.submit(work, given, pure=False)
         self._missing_since: float | None = None
 
-    def run(self, progress: Callable[[int], None]) -> None:
-        """`progress` is told of runs that were written"""
+    def run(self, progress: Callable[[int], None], look: Callable[[], None]) -> None:
+        """`progress` is told of runs that were written; `look` may end it with an exception"""
         try:
             while self._fill() or self.flights:
+                look()
                 for future in self._finished():
+                    look()
                     progress(self._take(future))
         except OSError:  # of a connection: the store tells its own in words
             raise RunFailure(f"the scheduler is gone; {self._kept()}") from None
