@@ -35,8 +35,8 @@ assert all(end == ends[0] for end in ends), ends
 
 
 # The friction on a body that rolls is mu F_n/v_0 times its slip, the difference of two speeds, each of which
-# rounds: by so much [N] it differs between importers whose times differ by a rounding. From mu F_n [N], v_0 and
-# the speeds [m/s]:
+# rounds: by so much [N] it differs between importers whose times differ by a rounding. From mu F_n [N],
+# v_0 and the speeds [m/s]:
 ROUNDING = 2.2e-16
 FRICTION_ROUNDS_BY = {
     "GolfersDilemma": 4 * ROUNDING * 2.4 / 1e-6 * 1.3,
