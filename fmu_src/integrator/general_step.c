@@ -19,9 +19,6 @@ static const double STIFF = 200.0;
 /* Of the bound for a gap, how much its rounding commonly is. */
 static const double ROUNDING_OF_GAP = 0.5;
 
-/* The first guess of what rolls, by the weights: its slip is found afterwards. */
-static const double TANGENT_SHARE = 1.0;
-
 /* At its end the error of a step is a thousandth of the tolerance (integrator/general.c), anywhere else all
  * of it. */
 static const double WITHIN_SHARE = 1e-3;
@@ -204,7 +201,7 @@ static bool solve_fully(struct general *g)
 #if SCENE_ANY_FRICTION
     struct kept_friction kept;
     straighten_friction(g, &kept);
-    const bool rolls = radau_step_solve_fully(&g->step, TANGENT_SHARE);
+    const bool rolls = radau_step_solve_fully(&g->step, 1.0); /* the slip is found afterwards */
     restore_friction(g, &kept);
     set_weights(g); /* the first guess may have been far off */
     return rolls && radau_step_solve_fully(&g->step, general_newton_share(g));

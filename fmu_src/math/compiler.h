@@ -35,6 +35,14 @@
 #define CONTACT_FLATTEN
 #endif
 
+/* For sums of products with both signs side by side: gcc 12 makes fused operations of them for processors
+ * that have these, though -ffp-contract=off forbids it. */
+#if CONTACT_GNU_C && !defined __clang__
+#define CONTACT_NOT_FUSED __attribute__((optimize("no-tree-slp-vectorize")))
+#else
+#define CONTACT_NOT_FUSED
+#endif
+
 /* Parameter number `text` is a format of printf for the parameters from number `first`. gcc for Windows means
  * Microsoft's formats by printf, but the C library that it links knows C11's. */
 #if CONTACT_GNU_C && defined __MINGW32__ && !defined __clang__

@@ -7,6 +7,7 @@
 
 #include <float.h>
 
+#include "math/compiler.h"
 #include "math/vec3.h"
 
 struct quaternion {
@@ -30,7 +31,7 @@ static inline struct vec3 quaternion_vector(struct quaternion q)
 }
 
 /* a b: first b's rotation, then a's. */
-static inline struct quaternion quaternion_product(struct quaternion a, struct quaternion b)
+CONTACT_NOT_FUSED static inline struct quaternion quaternion_product(struct quaternion a, struct quaternion b)
 {
     return (struct quaternion){
         a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
@@ -85,7 +86,7 @@ static inline struct vec3 quaternion_rotate_back(struct quaternion q, struct vec
 }
 
 /* The third axis of the body's frame in the world's, q e_z q*. */
-static inline struct vec3 quaternion_third_axis(struct quaternion q)
+CONTACT_NOT_FUSED static inline struct vec3 quaternion_third_axis(struct quaternion q)
 {
     return vec3_make(2.0 * (q.x * q.z + q.w * q.y), 2.0 * (q.y * q.z - q.w * q.x),
                      (q.w * q.w - q.x * q.x) + (q.z * q.z - q.y * q.y));

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "math/compiler.h"
 #include "math/radau_rows.h"
 
 /* Of a quaternion: as many turn it by ten radians. */
@@ -124,7 +125,7 @@ void radau_step_begin(struct radau_step *p, double clock, const double *y)
 }
 
 /* a b, and a b^-1 of quaternions (real part first). */
-static void multiply_quaternions(const double *a, const double *b, double *product)
+CONTACT_NOT_FUSED static void multiply_quaternions(const double *a, const double *b, double *product)
 {
     product[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
     product[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];

@@ -91,6 +91,7 @@ void turning_jet_put_bodies(const struct scene_values *v, const struct scene_sta
 #if SCENE_ANY_ELASTIC_FRICTION
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_rubs_elastically(v, j)) {
+            along->spring[j][0] = q->turning.spring[j];
             along->spring[j][1] = turning_spring_rate(v, q, &q->turning, at, j);
         }
     }
