@@ -168,7 +168,7 @@ def life(faults: Path, what: str, fmu: raw.Fmu, method: int = 0) -> dict[str, in
 
 
 def runs_with_cvode() -> list[tuple[str, int]]:
-    """cvode_adams is explicit: at slip velocities of 1e-5 m/s and less a second takes it 1e6 steps and more."""
+    """cvode_adams is explicit: at slip velocities of 1e-5 m/s or less a second takes it 1e6 steps or more."""
     stiff = [("GolfersDilemma", 3), ("Turntable", 3)]
     scenes = [name for name in raw.SOLVER_SCENES if name not in raw.WITHOUT_CVODE]
     return [(scene, method) for scene in scenes for method in (2, 3) if (scene, method) not in stiff]
