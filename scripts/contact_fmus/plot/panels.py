@@ -147,8 +147,10 @@ def _positions(result: Result) -> list[Panel]:
 
 def _energies(result: Result) -> Panel | None:
     known = [name for name in ENERGIES if f"energy.{name}" in result.columns]
-    # Work that is not done and energy that is not lost are no lines worth a colour.
-    live = [name for name in known if np.any(result.columns[f"energy.{name}"] != 0.0)]
+    # Work that is not done and energy that is not lost, but for rounding, are no lines worth a colour.
+    largest = {name: float(np.max(np.abs(result.columns[f"energy.{name}"]), initial=0.0)) for name in known}
+    seen = 1e-14 * max(largest.values(), default=0.0)
+    live = [name for name in known if largest[name] > seen]
     words = {"contact": "stored in contact", "external_work": "work done"}
     lines = [Line(f"energy.{name}", words.get(name, name)) for name in live]
     return Panel("energy", result.units.get("energy.kinetic", "J"), tuple(lines)) if lines else None
