@@ -212,13 +212,6 @@ static void move_scene(struct general *g, struct scene_state *q, double clock, c
     flight_restore(g->ode.values, q);
 }
 
-/* A contact that ends before the first stage of a step: no stage has felt its force. */
-static bool is_unfelt(const struct general *g, const struct scene_state *q, struct general_event found)
-{
-    return found.event >= 0 && found.part < g->step.stages->node[0] &&
-           q->contact[found.event / ODE_EVENTS_EACH].regime != REGIME_APART;
-}
-
 /* Where no step can be made to end at an event, one of half the way to it comes first, and so on until the
  * event is within the rounding of the clock. */
 enum advance_result general_advance(struct general *g, const struct scene_values *v, struct scene_state *q,
@@ -244,7 +237,7 @@ enum advance_result general_advance(struct general *g, const struct scene_values
         longest = (double)INFINITY;
         if (found.event < 0) {
             radau_step_at(&g->step, 1.0, y);
-        } else if (is_unfelt(g, q, found) || !general_end_at(g, &found, &clock, y)) {
+        } else if (!general_end_at(g, &found, &clock, y)) {
             ode_pack(&g->ode, y);
             general_begin(g, q->clock, y);
             if (q->clock + 0.5 * until > q->clock) {

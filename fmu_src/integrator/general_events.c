@@ -14,9 +14,6 @@ static const double NOISE = 64.0 * DBL_EPSILON;
  * momenta a thousand impacts shall keep to 1e-12. */
 static const double ACCURATE_WITHIN = 1e-3;
 
-/* A rate is that over so much of the way to a place. */
-static const double RATE_PART = 0.02;
-
 /* Each halves the length at least, or comes closer by its square. */
 enum { MOST_TRIALS = 40 };
 
@@ -99,25 +96,17 @@ static double event_at(struct general *g, int event, double clock, const double 
 static double rate_at(struct general *g, int event, double part)
 {
     const struct radau_step *p = &g->step;
-    const double apart = RATE_PART * part;
+    const double apart = 0.02 * part;
     radau_step_at(p, part - apart, g->y);
     const double before = event_at(g, event, p->start + (part - apart) * p->length, g->y);
     radau_step_at(p, part, g->y);
     return (event_at(g, event, p->start + part * p->length, g->y) - before) / (apart * p->length);
 }
 
-/* How far the event is from a state, by its rate [s]; INFINITY: the function rises there. One that touches
- * zero does neither. */
+/* How far the event is from a state, by its rate [s]. */
 static double missing_to(struct general *g, int event, double rate, double clock, const double *y)
 {
-    const double value = event_at(g, event, clock, y);
-    double largest = 0.0;
-    for (int i = 0; i <= g->step.stages->stages; ++i) {
-        largest = fmax(largest, fabs(g->events[i][event]));
-    }
-    const double noise = (NOISE + g->relative * fmax(g->error_within, 1.0)) * largest;
-    const bool stands = fabs(value) <= noise && rate * RATE_PART * (clock - g->step.start) <= noise;
-    return rate < 0.0 ? -value / rate : stands ? 0.0 : (double)INFINITY;
+    return rate < 0.0 ? -event_at(g, event, clock, y) / rate : 0.0;
 }
 
 /* The event function at a part of the step, of the state that the polynomial has there. */
@@ -210,28 +199,6 @@ static bool look_again(struct general *g, double length, struct general_event *f
     return true;
 }
 
-/* Ends on the polynomial of the step, at its root or, where the event function is not as smooth as its
- * polynomial, at that of the function. False where neither is the event, as where the gap of bodies that fly
- * past each other falls and rises within one step: a shorter one shows it. */
-static bool end_on_polynomial(struct general *g, struct general_event *found, double *clock, double *y)
-{
-    const struct radau_step *p = &g->step;
-    for (int i = 0; i < 2; ++i) {
-        const double length = p->length * found->part;
-        const double rate = rate_at(g, found->event, found->part);
-        radau_step_at(p, found->part, y);
-        *clock = p->start + length;
-        const double missing = missing_to(g, found->event, rate, *clock, y);
-        const bool turns = g->step.problem.turns && missing < (double)INFINITY;
-        if (turns || fabs(missing) <= fmax(CLOSE * length, p->length * DBL_EPSILON)) {
-            move_to_event(g, fmin(fmax(missing, -CLOSE * length), CLOSE * length), clock, y);
-            return true;
-        }
-        found->part = root_within(g, found->event, found->part);
-    }
-    return false;
-}
-
 /* Where the polynomial is not as accurate within as at its end, a step of that length is made; the event is
  * where the end of that has it. Until both agree it is looked for again, on the polynomial of the shorter
  * step. Where there is no such step, as friction has no direction where the normal force ends, one of half
@@ -243,13 +210,16 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
         if (g->step.problem.turns) {
             found->part = root_within(g, found->event, found->part);
         }
-        if (!(g->error_within > (g->step.problem.turns ? ACCURATE_WITHIN : 1.0)) &&
-            end_on_polynomial(g, found, clock, y)) {
-            return true;
-        }
         const double rate = rate_at(g, found->event, found->part);
         const int event = found->event;
-        const double length = p->length * found->part;
+        double length = p->length * found->part;
+        if (!(g->error_within > (g->step.problem.turns ? ACCURATE_WITHIN : 1.0))) {
+            radau_step_at(p, found->part, y);
+            *clock = p->start + length;
+            const double missing = missing_to(g, event, rate, *clock, y);
+            move_to_event(g, fmin(fmax(missing, -CLOSE * length), CLOSE * length), clock, y);
+            return true;
+        }
         if (!look_again(g, length, found, clock, y)) {
             if (!look_again(g, 0.5 * length, found, clock, y)) {
                 return false;
