@@ -1,5 +1,6 @@
 #include "contact/friction.h"
 
+#include "math/compiler.h"
 #include "math/matrix3.h"
 
 /* A vector's length and direction; zero has none. */
@@ -119,8 +120,8 @@ struct vec3 friction_force(const struct friction_law *law, enum friction_regime 
                                        : vec3_scale(-limit, direction_of(force).unit);
 }
 
-struct friction_slopes friction_force_slopes(const struct friction_law *law, enum friction_regime regime,
-                                             struct friction_state at)
+CONTACT_NOT_FUSED struct friction_slopes
+friction_force_slopes(const struct friction_law *law, enum friction_regime regime, struct friction_state at)
 {
     struct friction_slopes slopes = {.by_slip = {{0.0}}, .by_spring = {{0.0}}};
     const double limit = friction_limit(law, regime, at.normal_force);

@@ -136,7 +136,8 @@ static bool parts_at_gap(const struct general *g, const struct scene_values *v, 
 }
 
 /* Moves free bodies as far as the gap is from zero, along their velocities: a shift along the normal
- * would change the angular momentum by as much at every impact. */
+ * would change the angular momentum by as much at every impact. Only over what is rounding of the clock, or
+ * of a second where a phase has just begun. */
 static void go_back_to_gap(const struct scene_values *v, struct scene_state *q,
                            const struct scene_instant *at, int contact)
 {

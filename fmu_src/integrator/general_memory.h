@@ -20,13 +20,12 @@ struct general {
     int size;
     int place[3 * SCENE_BODIES], speed[3 * SCENE_BODIES]; /* pairs of states for math/radau_step.h */
     double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
-    double solvable;                                      /* longest step for that [s] */
-    double fastest_decay;                                 /* of the step's start [1/s] */
-    double place_rounding;                                /* there [m] */
-    bool fully;                                           /* radau_step_solve_fully */
-    double error_at_end; /* of the last step, by what is allowed; and anywhere in it */
-    double error_within;
-    double error_of_start; /* radau_step_start_error */
+    bool fully;            /* whether the step is stiff and radau_step_solve_fully solves it */
+    double solvable;       /* the longest step that it solves, as far as known [s] */
+    double fastest_decay;  /* at the start of the step: of rates by their own states [1/s] */
+    double place_rounding; /* there: of the gaps [m] */
+    double error_within;   /* of the last step anywhere, by what is allowed */
+    double error_of_start; /* of what dies away before its first stage, likewise */
     double longest;        /* length of a step of most stages that is accurate enough, as far as known [s] */
     double *y, *size_of, *end_size;                   /* [size]: a state, and what errors are compared with */
     double at_start[ODE_EVENTS];                      /* event functions */

@@ -228,9 +228,8 @@ static double error_of_trial(struct general *g, const struct radau_stages *stage
     radau_step_finish(p);
     const struct radau_error error = radau_step_error(p);
     g->error_within = error.within;
-    g->error_at_end = fmax(error.at_end, WITHIN_SHARE * error.within);
     g->error_of_start = g->fully ? radau_step_start_error(p) : 0.0;
-    return fmax(g->error_at_end, g->error_of_start);
+    return fmax(fmax(error.at_end, WITHIN_SHARE * error.within), g->error_of_start);
 }
 
 /* By how much another length may be longer: the error goes with its power 2 s - 1. */

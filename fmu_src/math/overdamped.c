@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "math/compiler.h"
 #include "math/pi.h"
 
 /* Rates that differ by less than this part of their mean are not summed separately: the two terms would
@@ -72,7 +73,7 @@ static double cosine_less(const struct overdamped *d, double s)
     return 0.5 * (expm1(-d->slower * s) + expm1(-d->faster * s));
 }
 
-struct overdamped_change overdamped_since(const struct overdamped *d, double s)
+CONTACT_NOT_FUSED struct overdamped_change overdamped_since(const struct overdamped *d, double s)
 {
     if (s * (1.0 + d->oscillator.damping_rate) <= OSCILLATOR_SERIES_RANGE) {
         const struct oscillator_increment begun =

@@ -58,6 +58,14 @@ def test_a_scene_of_any_names_has_its_panels(three_balls):
     assert [motion.moves(body) for body in ("left", "middle", "right")] == [True, True, True]
 
 
+def test_an_energy_that_is_rounding_has_no_line():
+    time = np.linspace(0.0, 1.0, 11)
+    columns = {"contact.gap": time, "contact.normal_force": 0.0 * time, "energy.kinetic": 1.0 - time}
+    columns |= {"energy.contact": 1e-9 * time, "energy.dissipated": 1e-20 * time}
+    panels = {panel.title: [line.label for line in panel.lines] for panel in usual(Result(time, columns))}
+    assert panels["energy"] == ["kinetic", "stored in contact"]
+
+
 @pytest.mark.parametrize(
     "patterns, names",
     [

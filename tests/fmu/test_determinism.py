@@ -6,6 +6,9 @@ and CVODE: nothing is left that a compiler may choose. A processor with fused op
 therefore gives the same bits too.
 """
 
+import re
+import subprocess
+
 import pytest
 
 from support.fmi2 import raw
@@ -21,6 +24,7 @@ BUILDS = {
     "gcc -O3 -march=native": ("SphereCylinder", "gcc", ["-O3", "-march=native"]),
     "clang -O0": ("SphereCylinder", "clang", ["-O0"]),
 }
+FUSED = r"\bvfn?m(?:add|sub)\w*"  # instructions of x86-64
 METHODS = {"event_driven": (1, 7), "cvode_bdf": (3,), "cvode_adams": (3,)}  # with numbers of steps
 
 
@@ -29,6 +33,16 @@ def pair(request, tmp_path_factory) -> tuple[raw.Fmu, raw.Fmu]:
     """The FMU as it was built, and with the code of another build"""
     scene, compiler, flags = BUILDS[request.param]
     return raw.load(scene), build(scene, compiler, flags, tmp_path_factory.mktemp("build"))
+
+
+@pytest.mark.parametrize("scene", ["SphereCylinder", "SpherePlane"])
+def test_no_operation_is_fused_for_a_processor_that_could(scene, tmp_path):
+    """gcc 12 makes some of sums and differences side by side, whatever -ffp-contract says."""
+    other = build(scene, "gcc", ["-O3", "-mavx2", "-mfma"], tmp_path)
+    command = ["objdump", "-d", "--no-show-raw-insn", str(other.library_file)]
+    code = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert "vmulpd" in code
+    assert re.findall(FUSED, code) == []
 
 
 def benchmarks_of(fmu):
