@@ -20,7 +20,7 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Self, TextIO
 
 import numpy as np
 
@@ -50,19 +50,26 @@ class Result:
         return np.column_stack([self.column(f"{name}[{index}]") for index in (1, 2, 3)])
 
     def write_csv(self, path: str | Path) -> None:
-        """Numbers with all digits: reading the file gives the same bits"""
+        """Numbers with all digits: reading the file gives the same bits. An OSError names the file."""
+        try:
+            with open(path, "w", newline="", encoding="utf-8") as file:
+                self._write(file)
+        except OSError as error:  # a full disk says so without a name
+            error.filename = error.filename or str(path)
+            raise
+
+    def _write(self, file: TextIO) -> None:
         values = {
             "fmu": str(self.fmu) if self.fmu is not None else None,
             "units": {"time": "s"} | {name: self.units.get(name, "") for name in self.columns},
             "parameters": self.parameters,
         }
-        with open(path, "w", newline="", encoding="utf-8") as file:
-            for heading in HEADINGS:
-                file.write(f"# {heading}: {json.dumps(values[heading], ensure_ascii=False)}\n")
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(["time", *self.columns])
-            columns = [self.time.tolist(), *(_writable(values) for values in self.columns.values())]
-            writer.writerows(zip(*columns, strict=True))
+        for heading in HEADINGS:
+            file.write(f"# {heading}: {json.dumps(values[heading], ensure_ascii=False)}\n")
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(["time", *self.columns])
+        columns = [self.time.tolist(), *(_writable(values) for values in self.columns.values())]
+        writer.writerows(zip(*columns, strict=True))
 
     @classmethod
     def read(cls, path: str | Path) -> Self:

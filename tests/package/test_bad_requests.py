@@ -265,7 +265,7 @@ def test_a_refused_step_ends_a_run_with_status_3_and_keeps_what_there_is(ask, tm
 
 def test_a_full_disk_is_named_with_status_3(ask):
     status, told, _ = ask("run", "SphereSphere", "--stop", "0.01", "--csv", "/dev/full")
-    assert (status, one_sentence(told)) == (3, True) and "No space left" in told, told
+    assert (status, one_sentence(told)) == (3, True) and "/dev/full: No space left" in told, told
 
 
 def test_a_reader_that_goes_away_is_no_fault(installed, far_from_clone):
