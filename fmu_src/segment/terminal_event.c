@@ -88,8 +88,10 @@ struct event_function terminal_event_margin(const struct segment *p)
     const struct contact_law *law = &p->pair.law;
     const double rate = p->pair.rate_rounding;
     if (contact_is_hertz(law) && law->dashpot == DASHPOT_NON_ADHESIVE) {
-        return (struct event_function){PAIR_GAP_RATE, -1.0,
-                                       (1.0 + HYSTERESIS) / contact_factors_of(law).c + rate};
+        /* At rest the margin 1 - chi g' is 1, so that only rounding is left to allow for. Bodies that are
+         * pushed out of a deep overlap go at 1/chi for long; a load that pulls them apart adds to that speed,
+         * and a hysteresis in parts of it would hold them back by that part of a force far above the load. */
+        return (struct event_function){PAIR_GAP_RATE, -1.0, 1.0 / contact_factors_of(law).c + rate};
     }
     const struct contact_coefficients full = full_coefficients(p);
     const double open =

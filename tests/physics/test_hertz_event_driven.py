@@ -7,6 +7,7 @@ from math import gamma, log1p, pi, sqrt
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from support.checks import check_close, check_relative, run
 from support.reference import make_hertz_references
@@ -101,6 +102,38 @@ def test_a_damped_impact_is_that_of_hunt_and_crossley(opened, damped, dashpot):
             check_relative("speed", fmu["source.velocity"][2], e * speed, 1e-11)
             kinetic = 0.5 * MASS * speed**2
             check_close("energy", fmu["energy.total"], kinetic, 1e-12 * kinetic)
+
+
+def pushed_out(stiffness, chi, pull, deepest, end):
+    """Gap and rate at `end` of a unit mass that leaves an overlap against a dashpot which never pulls, while a
+    load pulls it out: by Dormand and Prince's method to where the force is zero, free from there on."""
+
+    def rates(_t, y):
+        return y[1], pull + stiffness * (-y[0]) ** 1.5 * (1 - chi * y[1])
+
+    def margin(_t, y):
+        return 1 - chi * y[1]
+
+    margin.terminal = True
+    found = solve_ivp(
+        rates, (0, end), (-deepest, 0.0), "DOP853", events=margin, rtol=1e-13, atol=1e-18, max_step=5e-5
+    )
+    left, (gap, rate) = end - found.t[-1], found.y[:, -1]
+    return gap + rate * left + 0.5 * pull * left**2, rate + pull * left
+
+
+@pytest.mark.parametrize("pull", [1e-7, 5e-6, 1e-3])
+def test_a_light_load_adds_to_the_speed_at_which_a_deep_overlap_is_left(opened, pull):
+    """The load is down to 1e-10 of the spring's force, which the dashpot holds back to a speed of 1/chi."""
+    stiffness, chi, deepest, end = 1e6, 20.0, 0.01, 0.1
+    values = ball(1.0, 0.0) | law(stiffness, chi)
+    values |= {"contact.dashpot": "non_adhesive", "gravity": [0.0, 0.0, pull]}
+    values["source.center"] = [0.0, 0.0, RADIUS + OTHER - deepest]
+    gap, rate = pushed_out(stiffness, chi, pull, deepest, end)
+    fmu = run(opened("SphereSphere"), values, end, 1, 1e-10, METHOD)
+    check_close("speed", fmu["source.velocity"][2], rate, 1e-12)
+    check_close("gap", fmu["contact.gap"], gap, 1e-13)
+    assert fmu["solver.events"] == 1
 
 
 def check_end(fmu, expected, values):
