@@ -105,7 +105,7 @@ def test_a_damped_impact_is_that_of_hunt_and_crossley(opened, damped, dashpot):
 
 
 def pushed_out(stiffness, chi, pull, deepest, end):
-    """Gap and rate at `end` of a unit mass that leaves an overlap against a dashpot which never pulls, while a
+    """Gap and rate at `end` of a unit mass that leaves an overlap against a dashpot that never pulls, while a
     load pulls it out: by Dormand and Prince's method to where the force is zero, free from there on."""
 
     def rates(_t, y):
