@@ -113,9 +113,11 @@ def _piece(lines, at):
     constant = CONSTANT.match(line)
     if constant:
         return Piece(_until(lines, at, ";"), constant[1])
-    if not re.match(r"[A-Za-z_][^=]*\(", line) or line.startswith(("typedef ", "_Static_assert")):
+    if not re.match(r"[A-Za-z_]", line) or line.startswith(("typedef ", "_Static_assert")):
         return Piece([line])
-    head = _until(lines, at, (";", "{", "}"))
+    head = _until(lines, at, (";", "{", "}"))  # a long type has a line of its own
+    if not re.match(r"[A-Za-z_][^=]*\(", " ".join(head)):
+        return Piece([line])
     called = re.search(r"(\w+)\(", re.sub(r"\b[A-Z]+_[A-Z_]+(?:\([^()]*\))?", "", " ".join(head)))
     if called is None or any(one.startswith("#") for one in head) or "=" in " ".join(head):
         return Piece([line])

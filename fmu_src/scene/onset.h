@@ -31,7 +31,7 @@ static inline enum contact_regime onset_note(const struct scene_values *v, struc
                                              const struct scene_instant *at, int contact,
                                              enum contact_regime next)
 {
-#if SCENE_ANY_RESTITUTION
+#if SCENE_ANY_RESTITUTION && SCENE_ANY_HERTZ
     return scene_damps_by_onset(v, contact) ? onset_take_damping(v, q, at, contact, next) : next;
 #else
     (void)v, (void)q, (void)at, (void)contact; /* nor has the scene that function */

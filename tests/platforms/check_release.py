@@ -8,6 +8,7 @@ import os
 import shutil
 import sys
 import zipfile
+from xml.etree import ElementTree
 
 import lief
 import pytest
@@ -16,110 +17,117 @@ from fmpy.validation import validate_fmu
 from support.fmi2.elf import exported, glibc_version, needed
 from support.portable_host import difference, motion, numbers
 from support.programs import checked
-from support.release import CASES, LIBRARIES, RELEASE, fmu_of, library_in
+from support.release import CASES, FOLDERS, LIBRARIES, RUN, fmu_of, library_in
 from support.scenes.benchmarks import BENCHMARKS
 from support.sources import BUILD, ROOT, SCENES
 
-PLATFORMS3 = {f"{one}-{two}" for one in ("x86_64", "aarch64") for two in ("linux", "darwin")} | {
-    "x86_64-windows"
-}
+EVERY_LIBRARY = [(name, version) for name in SCENES for version in FOLDERS]
+RUNS = [(version, platform) for version, platforms in RUN.items() for platform in platforms]
+MACOS = {2: ["darwin64"], 3: ["x86_64-darwin", "aarch64-darwin"]}
+
+
+def has_cvode(name):
+    return "set(SCENE_HAS_CVODE ON)" in (BUILD / "scenes" / name / "scene.cmake").read_text()
+
+
+def functions_of_fmi(name, version):
+    """What the ordinary build shows of them"""
+    return exported(BUILD / "libraries" / ("fmi3" if version == 3 else "") / f"{name}.so")
 
 
 @pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("platform", ["linux64", "win64", "aarch64-linux"])
-def test_every_platform_gives_the_motion_of_linux(
-    platform, case, hosts, release, of_this_build, record_property
-):
+@pytest.mark.parametrize(("version", "platform"), RUNS)
+def test_every_platform_gives_the_motion_of_linux(version, platform, case, hosts, release, of_this_build):
+    """FMI 3.0 too that of FMI 2.0"""
     name, values, end, bound = CASES[case]
-    program, environment = hosts[platform]
-    folder = release(name)
+    program, environment = hosts[version, platform]
+    folder = release(name, version)
     text = motion(program, library_in(folder, name, platform), folder, values, end, environment)
     off = difference(text, of_this_build(case))
-    print(f"\n{platform} {case}: {off:.1e}", file=sys.__stderr__)
+    print(f"\nFMI {version} {platform} {case}: {off:.1e}", file=sys.__stderr__)
     assert off <= bound
     if case in BENCHMARKS:
         assert numbers(text)[-1][1:4] == pytest.approx(BENCHMARKS[case].position, abs=1e-9)
 
 
-def test_linux_libraries_want_an_old_c_library_only(release):
-    for name in SCENES:
-        for platform in ("linux64", "aarch64-linux"):
-            library = library_in(release(name), name, platform)
+@pytest.mark.parametrize(("name", "version"), EVERY_LIBRARY)
+def test_linux_libraries_want_an_old_c_library_only(name, version, release):
+    for platform in RUN[version]:
+        if "win" not in platform:
+            library = library_in(release(name, version), name, platform)
             assert glibc_version(library) <= (2, 17)
             assert needed(library) <= {"libc.so.6", "libm.so.6", "ld-linux-aarch64.so.1"}
-            assert exported(library) == exported(BUILD / "libraries" / f"{name}.so")
+            assert exported(library) == functions_of_fmi(name, version)
 
 
-def test_windows_libraries_want_windows_only_and_show_the_functions_of_fmi(release):
-    for name in SCENES:
-        library = lief.parse(str(library_in(release(name), name, "win64")))
-        assert {entry.name.lower() for entry in library.imports} == {"ucrtbase.dll"}
-        shown = {entry.name for entry in library.get_export().entries}
-        assert shown == exported(BUILD / "libraries" / f"{name}.so")
+@pytest.mark.parametrize(("name", "version"), EVERY_LIBRARY)
+def test_windows_libraries_want_windows_only_and_show_the_functions_of_fmi(name, version, release):
+    platform = RUN[version][1]
+    library = lief.parse(str(library_in(release(name, version), name, platform)))
+    assert {entry.name.lower() for entry in library.imports} == {"ucrtbase.dll"}
+    assert {entry.name for entry in library.get_export().entries} == functions_of_fmi(name, version)
 
 
-def test_macos_libraries_have_both_processors_and_show_the_functions_of_fmi(release):
-    """Untested otherwise: nothing here runs them"""
-    for name in SCENES:
-        both = lief.MachO.parse(str(library_in(release(name), name, "darwin64")))  # the parts live as long
-        parts = [both.at(i) for i in range(both.size)]
-        assert {part.header.cpu_type.name for part in parts} == {"X86_64", "ARM64"}
-        for part in parts:
-            assert [one.name for one in part.libraries if one.command.name != "ID_DYLIB"] == [
-                "/usr/lib/libSystem.B.dylib"
-            ]
-            assert list(part.build_version.minos)[:2] == [11, 0]
-            shown = {symbol.name.removeprefix("_") for symbol in part.exported_symbols}
-            shown -= {"__dso_handle", "_mh_dylib_header"}  # the linker's, in every library
-            assert shown == exported(BUILD / "libraries" / f"{name}.so")
-            signed = any(command.command.name == "CODE_SIGNATURE" for command in part.commands)
-            assert signed or part.header.cpu_type.name == "X86_64"  # Apple's processors run nothing unsigned
+@pytest.mark.parametrize(("name", "version"), EVERY_LIBRARY)
+def test_macos_libraries_have_both_processors_and_show_the_functions_of_fmi(name, version, release):
+    """Untested otherwise: nothing here runs them. FMI 2.0 has both in one file, FMI 3.0 a file for each."""
+    folder = release(name, version)
+    files = [lief.MachO.parse(str(library_in(folder, name, one))) for one in MACOS[version]]
+    parts = [file.at(i) for file in files for i in range(file.size)]  # which live as long as `files`
+    assert [part.header.cpu_type.name for part in parts] == ["X86_64", "ARM64"]
+    for part in parts:
+        assert [one.name for one in part.libraries if one.command.name != "ID_DYLIB"] == [
+            "/usr/lib/libSystem.B.dylib"
+        ]
+        assert list(part.build_version.minos)[:2] == [11, 0]
+        shown = {symbol.name.removeprefix("_") for symbol in part.exported_symbols}
+        shown -= {"__dso_handle", "_mh_dylib_header"}  # the linker's, in every library
+        assert shown == functions_of_fmi(name, version)
+        signed = any(command.command.name == "CODE_SIGNATURE" for command in part.commands)
+        assert signed or part.header.cpu_type.name == "X86_64"  # Apple's processors run nothing unsigned
 
 
 def test_four_platforms_of_a_pinned_scene_are_small():
     assert fmu_of("PinnedEvent").stat().st_size <= 500_000
 
 
-@pytest.mark.parametrize("name", SCENES)
-@pytest.mark.parametrize("folder", ["fmus", "fmus-fmi3"])
-def test_the_archive_has_platforms_sources_and_licences(folder, name):
-    fmu = RELEASE / folder / f"{name}.fmu"
+@pytest.mark.parametrize(("name", "version"), EVERY_LIBRARY)
+def test_the_archive_has_platforms_sources_and_licences(name, version):
+    fmu = fmu_of(name, version)
     with zipfile.ZipFile(fmu) as archive:
         names = set(archive.namelist())
-    places = set(LIBRARIES) if folder == "fmus" else PLATFORMS3
-    assert {member.split("/")[1] for member in names if member.startswith("binaries/")} == places
-    assert {
-        "sources/contact.c",
-        "sources/buildDescription.xml",
-        "documentation/licenses/license.txt",
-    } <= names
+        build = ElementTree.fromstring(archive.read("sources/buildDescription.xml"))
+        about = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    binaries = {member.removeprefix("binaries/") for member in names if member.startswith("binaries/")}
+    assert binaries == {f"{platform}/{name}.{ending}" for platform, ending in LIBRARIES[version].items()}
+    licences = {"license.txt", "fmi-headers.txt"} | ({"sundials.txt"} if has_cvode(name) else set())
+    assert {member.rpartition("/")[2] for member in names if "/licenses/" in member} == licences
+    assert build.get("fmiVersion") == "3.0"  # of this file, in FMI 2.0 too
+    (made,) = build.findall("BuildConfiguration")
+    assert made.get("modelIdentifier") == name
+    assert {one.get("modelIdentifier") for one in about.iter() if one.get("modelIdentifier")} == {name}
+    sources = {f"sources/{one.get('name')}" for one in made.iter("SourceFile")}
+    assert sources == {"sources/contact.c"} and sources <= names
     assert not validate_fmu(str(fmu))
 
 
-def test_the_same_sources_elsewhere_give_the_same_bytes(work):
-    """Another folder for sources and build, two scenes, one with SUNDIALS"""
+@pytest.mark.parametrize("version", FOLDERS)
+def test_the_same_sources_elsewhere_give_the_same_bytes(version, work):
+    """Other folders for sources, SUNDIALS and build; two scenes, one with CVODE"""
+    names = ("BallOnSphere", "ForceElement")
+    assert [has_cvode(name) for name in names] == [True, False]
     clone = work / "somewhere" / "else"
-    checked(["git", "clone", "-q", "--no-hardlinks", ROOT, clone])
-    scenes = [
-        clone / "modelDescription" / "scenes" / f"{name}.toml" for name in ("BallOnSphere", "ForceElement")
-    ]
+    if not clone.is_dir():
+        checked(["git", "clone", "-q", "--no-hardlinks", ROOT, clone])
+    options = ["--platforms", "all", "--fmi", str(version), "-o", work / f"again-{version}"]
     source = os.environ.get("CONTACT_SUNDIALS_SOURCE")
-    options = []
     if source:
-        options = ["--sundials-source", shutil.copytree(source, work / "other-sundials")]
+        other = work / "other-sundials"
+        options += ["--sundials-source", other if other.is_dir() else shutil.copytree(source, other)]
     environment = {"PYTHONPATH": str(clone / "scripts"), "XDG_CACHE_HOME": str(work / "cache")}
-    command = [
-        sys.executable,
-        "-m",
-        "contact_fmus",
-        "build",
-        *scenes,
-        "--platforms",
-        "all",
-        "-o",
-        work / "again",
-    ]
-    checked([*command, *options], timeout=3600, environment=environment)
-    for scene in scenes:
-        again = work / "again" / f"{scene.stem}.fmu"
-        assert again.read_bytes() == fmu_of(scene.stem).read_bytes()
+    scenes = [clone / "modelDescription" / "scenes" / f"{name}.toml" for name in names]
+    command = [sys.executable, "-m", "contact_fmus", "build", *scenes, *options]
+    checked(command, timeout=3600, environment=environment)
+    for name in names:
+        again = work / f"again-{version}" / f"{name}.fmu"
+        assert again.read_bytes() == fmu_of(name, version).read_bytes()

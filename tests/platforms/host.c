@@ -4,35 +4,9 @@
  * give the same doubles again. Status 0, or 1 after a message on stderr.
  */
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "fmi2Functions.h"
-
-#ifdef _WIN32
-#include <windows.h>
-static void *open_library(const char *name)
-{
-    return LoadLibraryA(name);
-}
-static void find(void *library, const char *name, void *function)
-{
-    FARPROC found = GetProcAddress(library, name);
-    memcpy(function, &found, sizeof found);
-}
-#else
-#include <dlfcn.h>
-static void *open_library(const char *name)
-{
-    return dlopen(name, RTLD_NOW | RTLD_LOCAL);
-}
-static void find(void *library, const char *name, void *function)
-{
-    void *found = dlsym(library, name);
-    memcpy(function, &found, sizeof found);
-}
-#endif
+#include "host_library.h"
 
 enum { MOST = 64 };
 
@@ -57,12 +31,6 @@ static void tell(fmi2ComponentEnvironment environment, fmi2String instance, fmi2
         vfprintf(stderr, text, arguments);
     }
     va_end(arguments);
-}
-
-static void fail(const char *what)
-{
-    fprintf(stderr, "host: %s\n", what);
-    exit(1);
 }
 
 static void check(fmi2Status status, const char *what)

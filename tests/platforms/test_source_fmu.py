@@ -92,7 +92,7 @@ def test_the_library_shows_only_the_functions_of_fmi(unpacked, compiled):
     assert needed(library) <= LIBRARIES
 
 
-@pytest.mark.parametrize("name", ["ForceElement", "PinnedEvent"])
+@pytest.mark.parametrize("name", ["ForceElement", "PinnedEvent", "TippingRoller"])
 def test_all_that_is_called_is_there_without_an_optimizer_too(unpacked, tmp_path, name):
     options = [*WARNINGS, "-O0", "-shared", "-fPIC", "-Wl,-z,defs", "-o", tmp_path / "a.so"]
     compile_c(*options, "contact.c", "-lm", cwd=unpacked(name) / "sources")
@@ -120,6 +120,11 @@ static double near_by(void);
 static double near_by(void)
 {
     return LOST[0];
+}
+CONTACT_NOT_FUSED struct pair
+of_a_long_type(double x)
+{
+    return (struct pair){x, near_by()};
 }
 """
 SOURCES = f"""\

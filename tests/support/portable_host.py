@@ -1,4 +1,4 @@
-"""tests/platforms/host.c, the importer that compiles everywhere: how it is asked, what it answers"""
+"""tests/platforms/host.c and host3.c, importers that compile everywhere: how asked, what they answer"""
 
 import itertools
 import os
@@ -10,10 +10,16 @@ import fmpy
 
 from support.sources import ROOT
 
-OUTPUTS = [f"source.{name}[{axis}]" for name in ("position", "velocity") for axis in (1, 2, 3)]
-OUTPUTS += ["contact.gap", "contact.peak_force", "energy.dissipated"]
+# Outputs, of a scene those that it has, and how many numbers: separate in FMI 2.0, an array in FMI 3.0.
+LENGTHS = {f"{body}.{name}": 3 for body in ("source", "destination") for name in ("position", "velocity")}
+LENGTHS |= {"contact.gap": 0, "contact.peak_force": 0, "energy.dissipated": 0, "energy.friction": 0}
+for body in ("source", "destination"):
+    LENGTHS |= {f"{body}.orientation": 4, f"{body}.angular_velocity": 3}
+LENGTHS |= {f"contact.{name}": 3 for name in ("mean_force", "mean_source_torque", "mean_destination_torque")}
 STEPS = 37  # communication steps that no contact begins or ends at
-SOURCE = ROOT / "tests" / "platforms" / "host.c"
+PLATFORM_TESTS = ROOT / "tests" / "platforms"
+SOURCE = PLATFORM_TESTS / "host.c"
+SOURCES = {2: SOURCE, 3: PLATFORM_TESTS / "host3.c"}  # by version of FMI
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 
@@ -37,21 +43,44 @@ def settings(about, configuration):
             yield variable, part
 
 
+def components(name, length):
+    return [f"{name}[{k + 1}]" for k in range(length)] if length else [name]
+
+
 def host_arguments(folder, configuration, end):
-    """Start values and outputs as host.c takes them, by value references"""
+    """Start values and outputs as the hosts take them, by value references"""
     about = fmpy.read_model_description(str(folder))
-    words = [about.guid, str(end), str(STEPS)]
-    for variable, value in settings(about, configuration):
-        words += ["r" if variable.type == "Real" else "i", variable.valueReference, value]
     by_name = {variable.name: variable for variable in about.modelVariables}
-    for name in OUTPUTS:
-        if name in by_name:
-            words += ["get", by_name[name].valueReference]
+    words = [about.guid, str(end), str(STEPS)]
+    if about.fmiVersion.startswith("3"):
+        words += _of_arrays(by_name, configuration)
+    else:
+        for variable, value in settings(about, configuration):
+            words += ["r" if variable.type == "Real" else "i", variable.valueReference, value]
+        names = [one for name, length in LENGTHS.items() for one in components(name, length)]
+        for name in names:
+            if name in by_name:
+                words += ["get", by_name[name].valueReference]
     return [str(word) for word in words]
 
 
+def _of_arrays(by_name, configuration):
+    """As host3.c takes them: how many values, and the values of floating point variables"""
+    for name, value in configuration.items():
+        variable = by_name[name]
+        if variable.type == "Enumeration":
+            (number,) = [item.value for item in variable.declaredType.items if item.name == value]
+            yield from ("i", variable.valueReference, number)
+        else:
+            values = value if isinstance(value, list) else [value]
+            yield from ("f", variable.valueReference, len(values), *values)
+    for name, length in LENGTHS.items():
+        if name in by_name:
+            yield from ("get", by_name[name].valueReference, length or 1)
+
+
 def motion(host, library, folder, configuration, end, environment=None):
-    """What host.c prints, a line of time and outputs for each step; host: the words that start it"""
+    """What the host prints, a line of time and outputs for each step; host: the words that start it"""
     command = [*map(str, host), str(library), *host_arguments(folder, configuration, end)]
     run = subprocess.run(
         command, capture_output=True, text=True, timeout=300, env={**os.environ, **(environment or {})}

@@ -14,16 +14,40 @@ CASES |= {name: (name, {}, 2.0, 1e-9) for name in SCENES}
 METHODS = ("cvode_bdf", "cvode_adams")
 CVODE = {f"P2 {method}": {**BENCHMARKS["P2"].configuration, "solver.method": method} for method in METHODS}
 CASES |= {name: ("SphereSphere", values, 1.5, 1e-9) for name, values in CVODE.items()}
-LIBRARIES = {"linux64": "so", "win64": "dll", "aarch64-linux": "so", "darwin64": "dylib"}
+# A force element stands still from its start values on: here its bodies move, turn and rub in every step.
+DRIVEN = {
+    "source.prescribed_displacement": [0.0, 0.0, 0.1],
+    "source.prescribed_velocity": [-0.01, 0.3, 0.2],
+    "source.prescribed_angular_velocity": [2.0, -3.0, 1.0],
+    "destination.prescribed_angular_velocity": [0.5, 0.4, -0.3],
+    "destination.prescribed_axis": [0.01, 0.02, 1.0],
+}
+for friction in ("regularized", "elastic"):
+    values = {**DRIVEN, "contact.friction": friction}
+    CASES[f"TurningForceElement {friction}"] = ("TurningForceElement", values, 2.0, 1e-9)
+# How the library in each platform's folder ends. FMI 2.0 has one folder for both processors of macOS.
+ENDINGS = {"linux64": "so", "win64": "dll", "aarch64-linux": "so", "darwin64": "dylib"}
+ENDINGS3 = {
+    "x86_64-linux": "so",
+    "x86_64-windows": "dll",
+    "aarch64-linux": "so",
+    "x86_64-darwin": "dylib",
+    "aarch64-darwin": "dylib",
+}
+LIBRARIES = {2: ENDINGS, 3: ENDINGS3}
+FOLDERS = {2: "fmus", 3: "fmus-fmi3"}
+# Platforms that something here runs
+RUN = {2: ("linux64", "win64", "aarch64-linux"), 3: ("x86_64-linux", "x86_64-windows", "aarch64-linux")}
 QUIET_WINE = {"DISPLAY": "", "WINEDEBUG": "-all", "WINEDLLOVERRIDES": "mscoree,mshtml="}
 # Where Debian has it; it is on no path.
 WINE = Path("/usr/lib/wine/wine64")
 MINGW = "x86_64-w64-mingw32-gcc"
 
 
-def fmu_of(name):
-    return RELEASE / "fmus" / f"{name}.fmu"
+def fmu_of(name, version=2):
+    return RELEASE / FOLDERS[version] / f"{name}.fmu"
 
 
 def library_in(folder, name, platform):
-    return folder / "binaries" / platform / f"{name}.{LIBRARIES[platform]}"
+    ending = (ENDINGS | ENDINGS3)[platform]
+    return folder / "binaries" / platform / f"{name}.{ending}"
