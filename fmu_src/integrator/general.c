@@ -123,6 +123,9 @@ static void start_general(struct general *g, const struct scene_values *v, struc
     g->rejected = 0;
     g->longest = q->general_length; /* of the state, so that a restored one goes on as the saved one */
     general_begin(g, q->clock, g->y);
+#if SCENE_ANY_HERTZ
+    g->longest = fmin(g->longest, general_length_of_impacts(v, q, &at));
+#endif
 }
 
 /* Whether a contact ends as the gap opens, not as the source passes an end of its cylinder. */

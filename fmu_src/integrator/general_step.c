@@ -28,9 +28,6 @@ static const double WITHIN_SHARE = 1e-3;
 static const double REACH_OF_FOUR = 0.035;
 static const double REACH_OF_EIGHT = 0.4;
 
-/* First guess: radians of the fastest oscillation between places and speeds. An impact takes pi. */
-static const double FIRST_STEP = 4.0;
-
 /* From one step to the next its length grows and shrinks by no more. */
 static const double GROWTH = 4.0;
 static const double SHRINKAGE = 0.15;
@@ -57,21 +54,6 @@ static const struct radau_stages *stages_for(double length, double longest)
     return length <= REACH_OF_FOUR * longest    ? &radau_stages_4
            : length <= REACH_OF_EIGHT * longest ? &radau_stages_8
                                                 : &radau_stages_12;
-}
-
-/* [s]; INFINITY where no place acts on a speed. */
-static double first_length(const struct radau_step *p)
-{
-    double square = 0.0;
-    for (int i = 0; i < p->problem.paired; ++i) {
-        const double *row = p->by_places + p->speed_among[i] * p->problem.paired;
-        double sum = 0.0;
-        for (int j = 0; j < p->problem.paired; ++j) {
-            sum += fabs(row[j]);
-        }
-        square = fmax(square, sum);
-    }
-    return square > 0.0 ? FIRST_STEP / sqrt(square) : (double)INFINITY;
 }
 
 /* Of the gaps, at the start of a step [m]. */
@@ -104,7 +86,7 @@ void general_begin(struct general *g, double clock, const double *y)
         g->place_rounding = rounding_of_places(g);
     }
     if (!(g->longest > 0.0)) {
-        g->longest = first_length(&g->step);
+        g->longest = general_length_of_springs(g);
     }
 }
 

@@ -219,6 +219,20 @@ double scene_inverse_mass(const struct scene_values *v, int contact)
     return body_inverse_mass(v, contact_source(contact)) + body_inverse_mass(v, contact_destination(contact));
 }
 
+double scene_pressing_acceleration(const struct scene_values *v, const struct scene_state *q,
+                                   const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct vec3 relative =
+        vec3_sub(at->acceleration[contact_destination(contact)], at->acceleration[contact_source(contact)]);
+    const struct vec3 w = at->rate[contact];
+    const double turning =
+        contact_turns(&shape, g) ? contact_turning_rate(&shape, g, w, w) / g->distance : 0.0;
+    const double parts = shape.side * (vec3_dot(g->normal, relative) + turning);
+    return fmax(scene_inverse_mass(v, contact) * at->normal_force[contact] - parts, 0.0);
+}
+
 double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact)
 {
     const int source = contact_source(contact);

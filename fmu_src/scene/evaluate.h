@@ -116,6 +116,11 @@ double body_inverse_mass(const struct scene_values *v, int body);
 /* Sum of the inverse masses of a contact's bodies: 1 / m_eff [1/kg]. */
 double scene_inverse_mass(const struct scene_values *v, int contact);
 
+/* How fast all but a contact's own normal force presses its bodies together: -g'' without that, no less than
+ * zero [m/s^2]. What turns the bodies themselves is left out. */
+double scene_pressing_acceleration(const struct scene_values *v, const struct scene_state *q,
+                                   const struct scene_instant *at, int contact);
+
 /* Power of whatever moves and turns prescribed bodies against a contact [W]. */
 double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact);
 

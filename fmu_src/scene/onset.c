@@ -4,22 +4,6 @@
 
 #if SCENE_ANY_HERTZ
 
-/* How fast a load presses the bodies together: -g'' without a contact force [m/s^2]. */
-static double pressing_acceleration(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_instant *kinematics, int contact)
-{
-    struct scene_instant at = *kinematics;
-    scene_forces(v, q, q->clock, &at); /* the contact is apart */
-    const struct contact_shape shape = scene_shape_met(v, q, &at, contact);
-    const struct contact_geometry *g = &at.geometry[contact];
-    const struct vec3 relative =
-        vec3_sub(at.acceleration[contact_destination(contact)], at.acceleration[contact_source(contact)]);
-    const struct vec3 w = at.rate[contact];
-    const double turning =
-        contact_turns(&shape, g) ? contact_turning_rate(&shape, g, w, w) / g->distance : 0.0;
-    return fmax(-shape.side * (vec3_dot(g->normal, relative) + turning), 0.0);
-}
-
 /* The square of the speed at the touch by motion and stored energy alone [m^2/s^2]. */
 static double own_speed_squared(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, int contact)
@@ -43,7 +27,9 @@ static double onset_speed(const struct scene_values *v, const struct scene_state
         return sqrt(speed_squared);
     }
     const struct contact_law law = scene_contact_law(v, q, contact);
-    const double a = pressing_acceleration(v, q, at, contact);
+    struct scene_instant apart = *at;
+    scene_forces(v, q, q->clock, &apart); /* the contact has no force yet */
+    const double a = scene_pressing_acceleration(v, q, &apart, contact);
     const double depth = cbrt(pow(a / (contact_factors_of(&law).k * per_mass), 2.0));
     return sqrt(fmax(speed_squared, 1.2 * a * depth));
 }

@@ -1,7 +1,8 @@
-"""Three balls of one size in a row: scipy's DOP853 at 1e-12, restarted wherever a contact changes its regime.
+"""Three balls in a row: scipy's DOP853 at 1e-12, restarted wherever a contact changes its regime.
 
 A contact is apart, presses (F = -(k g + c g')), recedes (F = -k g: a dashpot that acts on approach only) or
-is separating (F = 0: a dashpot that does not pull, until its force presses again or the gap opens).
+is separating (F = 0: a dashpot that does not pull, until its force presses again or the gap opens). Under
+Hertz's law, F = k (-g)^(3/2), there is no dashpot.
 """
 
 from functools import cache
@@ -20,13 +21,17 @@ class Case(NamedTuple):
     masses: list
     dashpot: str = "unclamped"
     damping: tuple = (0.0, 0.0)  # of either contact
+    radii: tuple = (REACH / 2, REACH / 2, REACH / 2)
+    laws: tuple = ("linear", "linear")
+    stiffness: tuple = (STIFFNESS, STIFFNESS)
+    end: float = END
 
 
 def gap(case, state, contact):
     """Gap, its rate, direction to the next ball"""
     apart, rate = (np.diff(half.reshape(3, 3), axis=0)[contact] for half in (state[:9], state[9:]))
     distance = np.linalg.norm(apart)
-    return distance - REACH, apart @ rate / distance, apart / distance
+    return distance - case.radii[contact] - case.radii[contact + 1], apart @ rate / distance, apart / distance
 
 
 def width(case, state, contact):
@@ -36,7 +41,7 @@ def width(case, state, contact):
 def margin(case, state, contact):
     """The quantity at whose zero the dashpot's regime changes"""
     g, rate, _ = gap(case, state, contact)
-    return rate if case.dashpot == "approach_only" else STIFFNESS * g + case.damping[contact] * rate
+    return rate if case.dashpot == "approach_only" else -force(case, contact, g, rate)
 
 
 def started(case, state, contact):
@@ -47,13 +52,18 @@ def started(case, state, contact):
     return "restitution" if case.dashpot == "approach_only" else "separating"
 
 
+def force(case, contact, g, rate, damps=True):
+    if case.laws[contact] == "hertz":
+        return case.stiffness[contact] * max(-g, 0.0) ** 1.5
+    return -(case.stiffness[contact] * g + damps * case.damping[contact] * rate)
+
+
 def rates(case, state, regimes):
     forces = np.zeros((3, 3))
     for contact, regime in enumerate(regimes):
         g, rate, direction = gap(case, state, contact)
-        damping = case.damping[contact] if regime == "compression" else 0.0
         if regime in ("compression", "restitution"):
-            push = -(STIFFNESS * g + damping * rate) * direction
+            push = force(case, contact, g, rate, damps=regime == "compression") * direction
             forces[contact] -= push
             forces[contact + 1] += push
     return np.concatenate([state[9:], (forces / np.array(case.masses)[:, None]).ravel()])
@@ -81,20 +91,20 @@ def crossing(case, quantity, contact, falls):
 
 @cache
 def reference(name):
-    """Places and velocities at END, nine numbers each"""
-    case = CASES[name]
+    """Places and velocities at the end, nine numbers each"""
+    case = (CASES | BRIEF)[name]
     time, state = 0.0, np.concatenate([np.ravel(case.places), np.ravel(case.velocities)])
     regimes = [started(case, state, contact) for contact in range(2)]
-    while time < END:
+    while time < case.end:
         possible = list(changes(case, regimes))
         run = solve_ivp(
             lambda _, y, now=tuple(regimes): rates(case, y, now),
-            (time, END),
+            (time, case.end),
             state,
             method="DOP853",
             rtol=1e-12,
             atol=1e-14,
-            max_step=2e-3,
+            max_step=case.end / 250,
             events=[event for _, _, event in possible],
         )
         time, state = run.t[-1], run.y[:, -1]
@@ -132,3 +142,34 @@ CASES = {
 NAMED = list(CASES)
 CASES |= {f"undamped {seed}": random_case(seed, damped=False) for seed in range(12)}
 CASES |= {f"damped {seed}": random_case(seed, damped=True) for seed in range(18)}
+
+# Contacts that are brief beside END and, under Hertz's law, begin without a force that would tell how brief.
+BRIEF = {
+    "struck from both sides": Case(
+        [[0, 0, 0], [0.7002, 0, 0], [1.6702, 0, 0]],
+        [[70, 0, -0.7], [-14, 13, 5], [-75, -1, -0.6]],
+        [0.03, 0.6, 30.0],
+        radii=(0.5, 0.2, 0.7),
+        laws=("hertz", "linear"),
+        stiffness=(1e4, 5e3),
+        end=0.2,
+    ),
+    "nearly touching": Case(
+        [[0, 0, 0], [0.681, 0, 0], [1.1850008, 0.3780006, 0]],
+        [[0.3, 0, 0], [0, -0.1, 0], [-0.3, 0, 0]],
+        [1.5, 14.0, 1.4],
+        radii=(0.08, 0.6, 0.03),
+        laws=("linear", "hertz"),
+        stiffness=(5e6, 1e7),
+        end=28.0,
+    ),
+    "glancing": Case(
+        [[0, 0, 0], [1.088, -0.306, 0.0227], [1.4172, -0.3126, 0.0457]],
+        [[0, 0, 0], [25, -0.4, -30], [0.4, -0.5, -1.8]],
+        [0.035, 11.0, 1.2],
+        radii=(0.9, 0.23, 0.1),
+        laws=("hertz", "hertz"),
+        stiffness=(1.4e6, 2.8e7),
+        end=0.165,
+    ),
+}
