@@ -105,6 +105,17 @@ static inline bool contact_is_capped(const struct contact_shape *shape)
 #endif
 }
 
+/* Whether its axis is against that of the body: a zone at the end of a capped cylinder to which -e_d points. */
+static inline bool contact_is_upside_down(const struct contact_shape *shape)
+{
+#ifdef CONTACT_NO_CAPS
+    (void)shape;
+    return false;
+#else
+    return contact_is_capped(shape) && shape->solid.zone < 0;
+#endif
+}
+
 /* Whether penetration may come to a centre or axis, where n has no direction: outside, but for a plane. The
  * zone of a rim ends before. */
 static inline bool contact_may_reach_centre(const struct contact_shape *shape)

@@ -20,7 +20,7 @@ struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const
     const struct vec3 n = at->normal;
     const double lever = shape->source_radius * shape->side;
     s.seen_rate = vec3_sub(motion->rate, vec3_cross(motion->destination_rotation, motion->separation));
-    s.across = contact_tangential(shape, n, s.seen_rate);
+    s.across = contact_turning_part(shape, at, s.seen_rate);
     s.inverse_distance = contact_turns(shape, at) ? 1.0 / at->distance : 0.0;
     s.normal_rate = vec3_axpy(vec3_cross(motion->destination_rotation, n), s.inverse_distance, s.across);
     const struct vec3 spin = vec3_sub(motion->source_rotation, motion->destination_rotation);
@@ -43,7 +43,59 @@ struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const
 struct geometry_change {
     struct vec3 normal, seen_rate, tangential;
     double distance, along;
+    struct vec3 axis; /* of the shape */
+    struct vec3 hoop; /* of a rim: b, and r_d / rho */
+    double hoop_part;
 };
+
+#ifndef CONTACT_NO_CAPS
+/* d offset of a rim and d b, with offset = (rho - r_d) a + (c.e + h) e, b = e x a, rho a = c - (c.e) e. */
+static struct vec3 rim_offset_along(const struct turning_slopes *s, const struct turning_motion *change,
+                                    struct geometry_change *d)
+{
+    const struct vec3 e = s->shape.axis;
+    const struct vec3 c = s->motion.separation;
+    const struct vec3 a = vec3_cross(s->geometry.hoop, e);
+    const double axial = vec3_dot(c, e);
+    const double rho = vec3_dot(c, a);
+    const double more_axial = vec3_dot(change->separation, e) + vec3_dot(c, d->axis);
+    const struct vec3 across = vec3_axpy(vec3_axpy(change->separation, -more_axial, e), -axial, d->axis);
+    const double more_rho = vec3_dot(a, across);
+    const struct vec3 turned = vec3_scale(1.0 / rho, vec3_axpy(across, -more_rho, a));
+    d->hoop = vec3_add(vec3_cross(d->axis, a), vec3_cross(e, turned));
+    d->hoop_part = -s->geometry.hoop_part * more_rho / rho;
+    const struct vec3 radial = vec3_axpy(vec3_scale(more_rho, a), rho - s->shape.solid.radius, turned);
+    return vec3_axpy(vec3_axpy(radial, more_axial, e), axial + s->shape.solid.half_height, d->axis);
+}
+
+/* What the part along the circle takes from n': d of (r_d / rho) b (b.w_g) */
+static struct vec3 hoop_along(const struct turning_slopes *s, const struct geometry_change *d)
+{
+    const struct vec3 b = s->geometry.hoop;
+    const double part = s->geometry.hoop_part;
+    const double rate = vec3_dot(b, s->seen_rate);
+    const double more =
+        d->hoop_part * rate + part * (vec3_dot(d->hoop, s->seen_rate) + vec3_dot(b, d->seen_rate));
+    return vec3_axpy(vec3_scale(more, b), part * rate, d->hoop);
+}
+#endif
+
+/* d offset, of a shape whose normal turns with it. */
+static struct vec3 offset_along(const struct turning_slopes *s, const struct turning_motion *change,
+                                struct geometry_change *d)
+{
+#ifndef CONTACT_NO_CAPS
+    if (contact_is_rim(&s->shape)) {
+        return rim_offset_along(s, change, d);
+    }
+#endif
+    if (!contact_is_cylinder(&s->shape)) {
+        return change->separation;
+    }
+    const struct vec3 axis = s->shape.axis;
+    const double axial = vec3_dot(change->separation, axis) + vec3_dot(s->motion.separation, d->axis);
+    return vec3_axpy(vec3_axpy(change->separation, -axial, axis), -s->geometry.axial, d->axis);
+}
 
 static struct geometry_change geometry_along(const struct turning_slopes *s,
                                              const struct turning_motion *change)
@@ -51,16 +103,12 @@ static struct geometry_change geometry_along(const struct turning_slopes *s,
     const struct vec3 n = s->geometry.normal;
     const struct turning_motion *at = &s->motion;
     struct geometry_change d;
+    d.axis = contact_is_upside_down(&s->shape) ? vec3_scale(-1.0, change->axis) : change->axis;
     if (contact_is_plane(&s->shape)) {
-        d.normal = vec3_scale(-1.0, change->axis);
+        d.normal = vec3_scale(-1.0, d.axis);
         d.distance = vec3_dot(n, change->separation) + vec3_dot(d.normal, at->separation);
     } else {
-        struct vec3 offset = change->separation;
-        if (contact_is_cylinder(&s->shape)) {
-            const struct vec3 axis = s->shape.axis;
-            const double axial = vec3_dot(change->separation, axis) + vec3_dot(at->separation, change->axis);
-            offset = vec3_axpy(vec3_axpy(offset, -axial, axis), -s->geometry.axial, change->axis);
-        }
+        const struct vec3 offset = offset_along(s, change, &d);
         d.distance = vec3_dot(n, offset);
         d.normal = vec3_scale(s->inverse_distance, vec3_axpy(offset, -d.distance, n));
     }
@@ -83,9 +131,14 @@ static struct vec3 normal_rate_along(const struct turning_slopes *s, const struc
     struct vec3 across = d->tangential;
     if (contact_is_cylinder(&s->shape)) {
         const struct vec3 axis = s->shape.axis;
-        const double axial = vec3_dot(change->axis, s->seen_rate) + vec3_dot(axis, d->seen_rate);
-        across = vec3_axpy(vec3_axpy(across, -vec3_dot(axis, s->seen_rate), change->axis), -axial, axis);
+        const double axial = vec3_dot(d->axis, s->seen_rate) + vec3_dot(axis, d->seen_rate);
+        across = vec3_axpy(vec3_axpy(across, -vec3_dot(axis, s->seen_rate), d->axis), -axial, axis);
     }
+#ifndef CONTACT_NO_CAPS
+    if (contact_is_rim(&s->shape)) {
+        across = vec3_sub(across, hoop_along(s, d));
+    }
+#endif
     across = vec3_axpy(across, -d->distance * s->inverse_distance, s->across);
     return vec3_axpy(turned, s->inverse_distance, across);
 }

@@ -39,8 +39,8 @@ struct contact_shape contact_shape_in(const struct contact_shape *shape, int zon
 /* How far the centre is within the edges of a zone [m]: negative beyond them, where another one is nearer. */
 double contact_zone_margin(const struct contact_solid *solid, int zone, struct vec3 c);
 
-/* The distance from the axis along a path of the separation: value and Taylor coefficients of it [m]. */
-void contact_axis_distance(const struct contact_solid *solid, const struct vec3 c[3], double rho[3]);
+/* The distance from the axis along a path of the separation and of e_d: value and Taylor coefficients [m]. */
+void contact_axis_distance(const struct vec3 c[3], const struct vec3 axis[3], double rho[3]);
 
 /* The zone beyond the edge that is nearest to c, from within a zone. */
 int contact_zone_after(const struct contact_solid *solid, int zone, struct vec3 c);

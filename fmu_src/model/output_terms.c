@@ -33,22 +33,28 @@ static double quaternion_component(struct quaternion a, int index)
 #endif
 
 /* d as users see it: of a capped cylinder from its axis, whichever zone is met. */
-static double distance_term(const struct contact_shape *shape, const struct scene_instant *at,
-                            const struct scene_jet *along, int contact, int order)
+static double distance_term(const struct scene_values *v, const struct contact_shape *shape,
+                            const struct scene_instant *at, const struct scene_jet *along, int contact,
+                            int order)
 {
 #if SCENE_ANY_CAPS
     if (contact_is_capped(shape)) {
+        const int destination = contact_destination(contact);
         struct vec3 c[JET_TERMS] = {at->separation[contact]};
+        struct vec3 axis[JET_TERMS] = {shape->solid.axis};
         double rho[JET_TERMS];
         for (int i = 1; i < JET_TERMS; ++i) {
-            c[i] = vec3_sub(along->displacement[contact_destination(contact)][i],
+            c[i] = vec3_sub(along->displacement[destination][i],
                             along->displacement[contact_source(contact)][i]);
+#if SCENE_ANY_TURNING
+            axis[i] = body_turns(v, destination) ? along->axis[destination][i] : axis[i];
+#endif
         }
-        contact_axis_distance(&shape->solid, c, rho);
+        contact_axis_distance(c, axis, rho);
         return rho[order];
     }
 #endif
-    (void)shape, (void)at;
+    (void)v, (void)shape, (void)at;
     return along->contact[contact].distance[order];
 }
 
@@ -67,7 +73,7 @@ static double contact_term(const struct model *m, const struct scene_instant *at
     case ROW_contact_gap_rate:
         return scene_within_extents(&shape, g) ? contact->gap_rate[order] : 0.0;
     case ROW_contact_distance:
-        return distance_term(&shape, at, along, j, order);
+        return distance_term(v, &shape, at, along, j, order);
     case ROW_contact_normal_force:
         return contact->normal_force[order];
     case ROW_contact_direction: {

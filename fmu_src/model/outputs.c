@@ -27,8 +27,9 @@ static double distance_of(const struct contact_shape *shape, const struct scene_
     if (contact_is_capped(shape)) {
         const struct vec3 none = {0.0, 0.0, 0.0};
         const struct vec3 c[3] = {at->separation[contact], none, none};
+        const struct vec3 axis[3] = {shape->solid.axis, none, none};
         double rho[3];
-        contact_axis_distance(&shape->solid, c, rho);
+        contact_axis_distance(c, axis, rho);
         return rho[0];
     }
 #endif

@@ -6,13 +6,14 @@
 
 #if SCENE_ANY_TURNING
 
-/* The motion of a contact: separation, its rate, rotations, axis. */
+/* The motion of a contact: separation, its rate, rotations, axis; that of the shape which is met. */
 struct contact_path {
     struct vec3 c[JET_TERMS], w[JET_TERMS], source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
 };
 
 static struct contact_path path_of(const struct scene_values *v, const struct scene_instant *at,
-                                   const struct scene_jet *along, int contact)
+                                   const struct scene_jet *along, const struct contact_shape *shape,
+                                   int contact)
 {
     const int from = contact_source(contact);
     const int to = contact_destination(contact);
@@ -32,19 +33,61 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     path.source[0] = at->turning.body[from].angular_velocity;
     path.destination[0] = at->turning.body[to].angular_velocity;
     path.axis[0] = at->turning.axis[contact];
+    for (int i = 0; i < JET_TERMS && contact_is_upside_down(shape); ++i) {
+        path.axis[i] = vec3_scale(-1.0, path.axis[i]);
+    }
     return path;
 }
 
-/* d d = offset.d(offset), d n = offset; a plane has n = -e, d = n.c. */
-static void put_distance(const struct contact_shape *shape, const struct contact_geometry *g,
-                         const struct contact_path *path, struct contact_jet *jet)
+/* n of the terms from 1 on, from d n = offset. */
+static void put_normal(const struct vec3 offset[JET_TERMS], const double distance[JET_TERMS],
+                       struct vec3 normal[JET_TERMS])
 {
-    struct vec3 offset[JET_TERMS] = {g->offset, path->c[1], path->c[2]};
-    double length[JET_TERMS];
-    jet->normal[0] = g->normal;
-    jet->distance[0] = g->distance;
     for (int i = 1; i < JET_TERMS; ++i) {
-        jet->normal[i] = contact_is_plane(shape) ? vec3_scale(-1.0, path->axis[i]) : vec3_make(0.0, 0.0, 0.0);
+        struct vec3 rest = offset[i];
+        for (int k = 1; k <= i; ++k) {
+            rest = vec3_axpy(rest, -distance[k], normal[i - k]);
+        }
+        normal[i] = vec3_scale(1.0 / distance[0], rest);
+    }
+}
+
+#if SCENE_ANY_CAPS
+/* Of a rim: offset = (rho - r_d) a - (height - h) e with the unit vector a to the axis, rho a = c - (c.e) e,
+ * and height = -c.e, of e that points out of the rim's end. */
+static void put_rim_offset(const struct contact_shape *shape, const struct contact_path *path,
+                           struct vec3 offset[JET_TERMS])
+{
+    struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
+    double axial[JET_TERMS], radial[JET_TERMS], rho[JET_TERMS];
+    for (int i = 0; i < JET_TERMS; ++i) {
+        axial[i] = jet_dot(path->c, path->axis, i);
+        across[i] = vec3_sub(path->c[i], jet_scale(axial, path->axis, i));
+    }
+    jet_length(across, rho);
+    to_axis[0] = vec3_scale(1.0 / rho[0], across[0]);
+    put_normal(across, rho, to_axis);
+    for (int i = 0; i < JET_TERMS; ++i) {
+        radial[i] = rho[i] - (i == 0 ? shape->solid.radius : 0.0);
+        axial[i] += i == 0 ? shape->solid.half_height : 0.0;
+    }
+    for (int i = 1; i < JET_TERMS; ++i) {
+        offset[i] = vec3_add(jet_scale(radial, to_axis, i), jet_scale(axial, path->axis, i));
+    }
+}
+#endif
+
+static void put_offset(const struct contact_shape *shape, const struct contact_path *path,
+                       struct vec3 offset[JET_TERMS])
+{
+#if SCENE_ANY_CAPS
+    if (contact_is_rim(shape)) {
+        put_rim_offset(shape, path, offset);
+        return;
+    }
+#endif
+    for (int i = 1; i < JET_TERMS; ++i) {
+        offset[i] = path->c[i];
         if (contact_is_cylinder(shape)) {
             double axial[JET_TERMS];
             for (int k = 0; k <= i; ++k) {
@@ -53,18 +96,28 @@ static void put_distance(const struct contact_shape *shape, const struct contact
             offset[i] = vec3_sub(path->c[i], jet_scale(axial, path->axis, i));
         }
     }
+}
+
+/* d d = offset.d(offset), d n = offset; a plane has n = -e, d = n.c. */
+static void put_distance(const struct contact_shape *shape, const struct contact_geometry *g,
+                         const struct contact_path *path, struct contact_jet *jet)
+{
+    struct vec3 offset[JET_TERMS] = {g->offset};
+    double length[JET_TERMS];
+    jet->normal[0] = g->normal;
+    jet->distance[0] = g->distance;
+    put_offset(shape, path, offset);
     jet_length(offset, length);
+    for (int i = 1; i < JET_TERMS; ++i) {
+        jet->normal[i] = contact_is_plane(shape) ? vec3_scale(-1.0, path->axis[i]) : vec3_make(0.0, 0.0, 0.0);
+    }
     for (int i = 1; i < JET_TERMS; ++i) {
         jet->distance[i] = contact_is_plane(shape) ? jet_dot(jet->normal, path->c, i)
                            : g->degenerate         ? 0.0
                                                    : length[i];
-        if (contact_turns(shape, g)) {
-            struct vec3 rest = offset[i];
-            for (int k = 1; k <= i; ++k) {
-                rest = vec3_axpy(rest, -jet->distance[k], jet->normal[i - k]);
-            }
-            jet->normal[i] = vec3_scale(1.0 / g->distance, rest);
-        }
+    }
+    if (contact_turns(shape, g)) {
+        put_normal(offset, jet->distance, jet->normal);
     }
 }
 
@@ -130,8 +183,8 @@ static void put_friction(const struct scene_values *v, const struct scene_state 
 void turning_jet_of_contact(const struct scene_values *v, const struct scene_state *q,
                             const struct scene_instant *at, int contact, struct scene_jet *along)
 {
-    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
-    const struct contact_path path = path_of(v, at, along, contact);
+    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const struct contact_path path = path_of(v, at, along, &shape, contact);
     const struct contact_law law = scene_contact_law(v, q, contact);
     struct contact_jet *jet = &along->contact[contact];
     struct turning_jet *turning = &along->turning[contact];

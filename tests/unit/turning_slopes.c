@@ -25,11 +25,17 @@ static struct vec3 unit_of(struct vec3 a)
     return vec3_scale(1.0 / vec3_norm(a), a);
 }
 
+/* Of a zone of a capped cylinder: whether its end is the one that the axis points to. */
+static double end_of(const struct problem *p)
+{
+    return contact_is_upside_down(&p->shape) ? -1.0 : 1.0;
+}
+
 static struct contact_geometry geometry_of(const struct problem *p)
 {
     const struct turning_motion *m = &p->motion;
     struct contact_shape shape = p->shape;
-    shape.axis = m->axis;
+    shape.axis = vec3_scale(end_of(p), m->axis);
     const struct vec3 seen = vec3_sub(m->rate, vec3_cross(m->destination_rotation, m->separation));
     return contact_geometry_at(&shape, m->separation, seen, vec3_make(0.0, 0.0, 1.0));
 }
@@ -49,6 +55,12 @@ static struct vec3 normal_rate_of(const struct problem *p, const struct contact_
         return carried;
     }
     struct vec3 across = along_normal_removed(seen, g->normal);
+    if (p->shape.destination == SHAPE_RIM) { /* along the circle it turns by (rho - r_d)/rho less */
+        const struct vec3 radius = along_normal_removed(m->separation, m->axis);
+        const struct vec3 hoop = unit_of(vec3_cross(m->axis, radius));
+        const double part = p->shape.solid.radius / vec3_norm(radius);
+        across = vec3_axpy(across, -part * vec3_dot(hoop, seen), hoop);
+    }
     if (p->shape.destination == SHAPE_CYLINDER) {
         across = along_normal_removed(across, m->axis);
     }
@@ -91,15 +103,16 @@ static double output(const struct turning_change *d, int index)
 
 static struct problem random_problem(struct random *r, int i)
 {
-    static const enum shape SHAPES[] = {SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE};
+    static const enum shape SHAPES[] = {SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE, SHAPE_RIM};
     struct problem p;
     p.shape = (struct contact_shape){.source_radius = 0.2,
                                      .other_radius = 0.5,
                                      .half_length = (double)INFINITY,
                                      .side = 1,
-                                     .destination = SHAPES[i % 3]};
-    p.shape.side = p.shape.destination != SHAPE_PLANE && i % 2 == 0 ? -1 : 1;
-    p.shape.other_radius = p.shape.destination == SHAPE_PLANE ? 0.0 : 0.5;
+                                     .destination = SHAPES[i / 2 % 4]};
+    const bool is_hollow = p.shape.destination == SHAPE_SPHERE || p.shape.destination == SHAPE_CYLINDER;
+    p.shape.side = is_hollow && i % 2 == 0 ? -1 : 1;
+    p.shape.other_radius = is_hollow ? 0.5 : 0.0;
     const enum friction kind = i % 5 == 0 ? FRICTION_REGULARIZED : FRICTION_ELASTIC;
     p.laws.normal = (struct contact_law){80.0, i % 7 == 0 ? 0.0 : 3.0, DASHPOT_UNCLAMPED,
                                          i % 4 == 0 ? LAW_HERTZ : LAW_LINEAR};
@@ -116,12 +129,24 @@ static struct problem random_problem(struct random *r, int i)
     } else if (p.shape.destination == SHAPE_SPHERE) {
         p.motion.separation = vec3_scale(distance, n);
     }
+    const double end = i % 2 == 0 ? -1.0 : 1.0;
+    if (p.shape.destination == SHAPE_PLANE && i / 8 % 2 == 0) { /* a cap */
+        p.shape.solid = (struct contact_solid){axis, 0.5, 0.3, (int)end * ZONE_CAP};
+        p.shape.other_radius = 0.3;
+        p.motion.separation = vec3_axpy(n, -0.45 * end, axis);
+    }
+    if (p.shape.destination == SHAPE_RIM) { /* 0.05 m into the source, between side and cap */
+        const double angle = random_between(r, 0.2, 1.4);
+        p.shape.solid = (struct contact_solid){axis, 0.5, 0.3, (int)end * ZONE_RIM};
+        p.motion.separation =
+            vec3_axpy(vec3_scale(0.5 + 0.15 * cos(angle), n), -end * (0.3 + 0.15 * sin(angle)), axis);
+    }
     p.motion.rate = random_vector(r, 1.0);
     p.motion.source_rotation = random_vector(r, 3.0);
     p.motion.destination_rotation = random_vector(r, 3.0);
     p.motion.axis = axis;
     p.motion.spring = random_vector(r, 0.1);
-    p.shape.axis = axis;
+    p.shape.axis = vec3_scale(end_of(&p), axis);
     return p;
 }
 
