@@ -108,7 +108,7 @@ static void start_general(struct general *g, const struct scene_values *v, struc
     g->ode.values = v;
     g->ode.state = g->state = q;
     g->fully = false;
-    g->solvable = (double)INFINITY;
+    g->solvable = g->simple = (double)INFINITY;
     g->step.known_length = 0.0;
     ode_leave_centres(v, q);
     scene_now(v, q, &at);
@@ -174,7 +174,8 @@ static void tidy_end(struct general *g, const struct scene_values *v, struct sce
 }
 
 /* Contacts that end, or begin, at almost the same time: when the first has ended the phase, the second may
- * already be past its root by more than the offset. */
+ * already be past its root by more than the offset. So may the end of a contact whose friction has just
+ * changed. */
 static bool has_passed_event(struct general *g, const struct scene_values *v, struct scene_state *q,
                              struct advance *step)
 {
@@ -225,7 +226,7 @@ enum advance_result general_advance(struct general *g, const struct scene_values
     double *y = g->size_of; /* free between steps */
     double longest = (double)INFINITY;
     start_general(g, v, q);
-    if (SCENE_CONTACTS > 1 && has_passed_event(g, v, q, step)) {
+    if ((SCENE_CONTACTS > 1 || scene_turns(v)) && has_passed_event(g, v, q, step)) {
         return ADVANCE_EVENT;
     }
     while (result == ADVANCE_REACHED && q->clock < step->clock_end) {

@@ -22,9 +22,11 @@ struct general {
     double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
     bool fully;            /* whether the step is stiff and radau_step_solve_fully solves it */
     double solvable;       /* the longest step that it solves, as far as known [s] */
+    double simple;         /* the longest that simplified iterations solve, likewise [s] */
     double fastest_decay;  /* at the start of the step: of rates by their own states [1/s] */
     double place_rounding; /* there: of the gaps [m] */
     double error_within;   /* of the last step anywhere, by what is allowed */
+    double error_at_end;   /* at its end, likewise */
     double error_of_start; /* of what dies away before its first stage, likewise */
     double longest;        /* length of a step of most stages that is accurate enough, as far as known [s] */
     double *y, *size_of, *end_size;                   /* [size]: a state, and what errors are compared with */
@@ -51,6 +53,13 @@ bool general_step_make(struct general *g, double limit, long *budget);
 double general_length_of_springs(const struct general *g);
 double general_length_of_impacts(const struct scene_values *v, const struct scene_state *q,
                                  const struct scene_instant *at);
+
+/* Errors allowed in the states, by their sizes in the step as far as that is known. */
+void general_set_weights(struct general *g);
+
+/* general_full.c: solves a stiff step from its guess; false where that does not converge. Unless it is to be
+ * done thoroughly a guess that goes on from the last step has to be a good one. */
+bool general_solve_fully(struct general *g, bool thoroughly);
 
 /* general_events.c: the first terminal event within general->step. */
 struct general_event {

@@ -12,9 +12,16 @@
 static const double SOLVABLE_PART = 0.6;
 static const double SOLVABLE_GROWTH = 1.1;
 
+/* The same of simplified iterations, which cost less in vain. */
+static const double SIMPLE_GROWTH = 1.3;
+
 /* What dies away so often within a step leaves so much rounding in its force that corrections must follow
  * it. */
 static const double STIFF = 200.0;
+
+/* What is less stiff than this is followed on its way down, and simplified iterations fail for another
+ * reason: a change within the step, for which it is too long. */
+static const double LEAST_STIFF = 5.0;
 
 /* Of the bound for a gap, how much its rounding commonly is. */
 static const double ROUNDING_OF_GAP = 0.5;
@@ -32,8 +39,10 @@ static const double REACH_OF_EIGHT = 0.4;
 static const double GROWTH = 4.0;
 static const double SHRINKAGE = 0.15;
 
-/* What dies away faster than the first stage sees is much faster than the step. */
+/* What dies away faster than the first stage sees is much faster than the step, if it is much. Where it is
+ * little it is what the polynomial lacks near the start, which goes with a low power of the length. */
 static const double START_SHRINKAGE = 0.05;
+static const double START_POWER = 1.0 / 6.0;
 
 /* Chebyshev coefficients that do not decrease towards the last are noise, as of the slip of friction whose
  * v_0 is hardly more than the rounding of velocities: a small error then says nothing of longer steps. */
@@ -126,7 +135,7 @@ static void allow_rounding(struct general *g)
 
 /* Weights of errors: by the sizes of the states at the start, or at the end of the guess if those are
  * larger; where bodies turn, by what rounding makes of them. */
-static void set_weights(struct general *g)
+void general_set_weights(struct general *g)
 {
     struct radau_step *p = &g->step;
     memcpy(g->y, p->y, (size_t)g->size * sizeof *g->y);
@@ -141,97 +150,67 @@ static void set_weights(struct general *g)
     }
 }
 
-#if SCENE_ANY_FRICTION
-/* What is put back after a first guess. */
-struct kept_friction {
-    int32_t regime[SCENE_CONTACTS];
-    double slip_velocity[SCENE_CONTACTS];
-};
-
-/* Regularized friction as its tangent at no slip, under the normal force at the start of the step, and
- * back: it does not saturate, so that Newton's method finds where the slip is as small as it is in
- * rolling, from any guess. */
-static void straighten_friction(struct general *g, struct kept_friction *kept)
+/* A solution by Newton's method with the Jacobian at every stage. */
+static bool try_fully(struct general *g, const struct radau_stages *stages, double length, bool thoroughly)
 {
-    struct scene_instant at;
-    ode_instant(&g->ode, g->step.start, g->step.y, &at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct contact_state *contact = &g->state->contact[j];
-        const struct friction_law law = scene_friction_law(g->ode.values, g->state, j);
-        const double limit =
-            friction_limit(&law, (enum friction_regime)contact->friction_regime, at.normal_force[j]);
-        kept->regime[j] = contact->friction_regime;
-        kept->slip_velocity[j] = contact->parameters.slip_velocity;
-        if (law.kind == FRICTION_REGULARIZED && limit > 0.0) {
-            contact->friction_regime = (int32_t)FRICTION_STICKING;
-            contact->parameters.slip_velocity *= law.largest / limit;
+    g->fully = true;
+    radau_step_guess_on(&g->step, stages, length);
+    general_set_weights(g);
+    return general_solve_fully(g, thoroughly);
+}
+
+/* Simplified iterations first, unless the step is so stiff, or long, that they are known to fail. */
+static bool try_to_solve(struct general *g, const struct radau_stages *stages, double length)
+{
+    struct radau_step *p = &g->step;
+    const bool rubs = SCENE_ANY_FRICTION && p->problem.turns;
+    const double stiffness = rubs ? length * g->fastest_decay : 0.0;
+    g->fully = false;
+    if (stiffness > STIFF || (stiffness > LEAST_STIFF && length > g->simple)) {
+        return try_fully(g, stages, length, stiffness > STIFF);
+    }
+    if (radau_step_guess(p, stages, length)) {
+        general_set_weights(g);
+        if (radau_step_solve(p, general_newton_share(g))) {
+            return true;
         }
     }
-}
-
-static void restore_friction(struct general *g, const struct kept_friction *kept)
-{
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        g->state->contact[j].friction_regime = kept->regime[j];
-        g->state->contact[j].parameters.slip_velocity = kept->slip_velocity[j];
-    }
-}
-#endif
-
-static bool solve_fully(struct general *g)
-{
-#if SCENE_ANY_FRICTION
-    struct kept_friction kept;
-    straighten_friction(g, &kept);
-    const bool rolls = radau_step_solve_fully(&g->step, 1.0); /* the slip is found afterwards */
-    restore_friction(g, &kept);
-    set_weights(g); /* the first guess may have been far off */
-    return rolls && radau_step_solve_fully(&g->step, general_newton_share(g));
-#else
-    (void)g;
-    return false;
-#endif
+    g->simple = fmin(g->simple, SOLVABLE_PART * length);
+    return stiffness > LEAST_STIFF && try_fully(g, stages, length, false);
 }
 
 /* A trial; what is left of its error by the weights, INFINITY where it is no solution. */
 static double error_of_trial(struct general *g, const struct radau_stages *stages, double length)
 {
     struct radau_step *p = &g->step;
-    g->fully = SCENE_ANY_FRICTION && p->problem.turns && length * g->fastest_decay > STIFF;
-    if (g->fully) {
-        radau_step_guess_on(p, stages, length);
-    } else if (!radau_step_guess(p, stages, length)) {
-        return (double)INFINITY;
-    }
-    set_weights(g);
-    if (!(g->fully ? solve_fully(g) : radau_step_solve(p, general_newton_share(g)))) {
+    if (!try_to_solve(g, stages, length)) {
         return (double)INFINITY;
     }
     radau_step_finish(p);
     const struct radau_error error = radau_step_error(p);
     g->error_within = error.within;
+    g->error_at_end = fmax(error.at_end, WITHIN_SHARE * error.within);
     g->error_of_start = g->fully ? radau_step_start_error(p) : 0.0;
-    return fmax(fmax(error.at_end, WITHIN_SHARE * error.within), g->error_of_start);
+    return fmax(g->error_at_end, g->error_of_start);
 }
 
 /* By how much another length may be longer: the error goes with its power 2 s - 1. */
-static double factor_of(const struct general *g, double error, double within,
-                        const struct radau_stages *stages)
+static double factor_of(const struct general *g, double error, const struct radau_stages *stages)
 {
     if (!(error < (double)INFINITY)) {
-        return 0.4;
+        return g->fully ? SOLVABLE_PART : 0.4;
     }
-    if (g->error_of_start > 1.0) {
-        return START_SHRINKAGE;
-    }
+    const double start = SAFETY * pow(fmax(g->error_of_start, 1e-100), -START_POWER);
+    const double longest = fmin(fmax(start, START_SHRINKAGE), GROWTH);
     const double power = 1.0 / (2.0 * stages->stages - 1.0);
-    if (g->step.problem.turns && !(error < NOISE_OF_DECREASE * within)) {
-        if (error < NOISE_OF_ERROR || error > 1.0) {
-            return error > 1.0 ? SHRINKAGE : GROWTH;
+    const double at_end = g->error_at_end;
+    if (g->step.problem.turns && !(at_end < NOISE_OF_DECREASE * g->error_within)) {
+        if (at_end < NOISE_OF_ERROR || at_end > 1.0) {
+            return at_end > 1.0 ? fmin(SHRINKAGE, longest) : longest;
         }
     }
-    const double factor = SAFETY * pow(fmax(error, 1e-100), -power);
-    return fmin(fmax(factor, SHRINKAGE), GROWTH);
+    const double factor = SAFETY * pow(fmax(at_end, 1e-100), -power);
+    return fmin(fmax(factor, SHRINKAGE), longest);
 }
 
 bool general_step_make(struct general *g, double limit, long *budget)
@@ -245,10 +224,14 @@ bool general_step_make(struct general *g, double limit, long *budget)
         const double error = error_of_trial(g, stages, length);
         const double reach = length / reach_of(stages);
         if (error <= 1.0) {
-            const double next = reach * factor_of(g, error, g->error_within, stages);
+            const double next = reach * factor_of(g, error, stages);
             g->longest = fmin(fmax(next, length), GROWTH * fmax(g->longest, length));
             g->longest = fmin(g->longest, fmax(g->solvable, length));
             g->solvable *= SOLVABLE_GROWTH;
+            g->simple *= SIMPLE_GROWTH;
+            if (SCENE_ANY_FRICTION && g->step.problem.turns && g->longest * g->fastest_decay < LEAST_STIFF) {
+                g->longest = fmin(g->longest, fmax(g->simple, length));
+            }
             *budget -= 1;
             return true;
         }
@@ -256,7 +239,7 @@ bool general_step_make(struct general *g, double limit, long *budget)
             g->solvable = SOLVABLE_PART * length;
         }
         g->rejected += 1;
-        g->longest = fmin(reach * factor_of(g, error, g->error_within, stages), 0.9 * g->longest);
+        g->longest = fmin(reach * factor_of(g, error, stages), 0.9 * g->longest);
         if (!(g->step.start + g->longest > g->step.start) || g->longest < 1e-18 * limit) {
             snprintf(g->message, INTEGRATOR_MESSAGE_SIZE,
                      "no step of the general segment is accurate enough from here on");

@@ -5,8 +5,11 @@
 
 #include "math/radau_rows.h"
 
-/* It converges by squares; where it takes more the start is too far off. */
-static const int MOST_FULL_ITERATIONS = 14;
+/* It converges by squares; where it takes more Jacobians the start is too far off. */
+static const int MOST_JACOBIANS = 14;
+
+/* While corrections shrink by this the Jacobians are kept: an iteration with new ones costs ten of those. */
+static const double KEEPING_CONTRACTION = 0.2;
 
 /* The errors of the first iterations may grow, while a guess is brought to where the problem is nearly
  * linear. */
@@ -15,6 +18,9 @@ static const int FREE_ITERATIONS = 6;
 /* Corrections that do not shrink any more are rounding where they are below this part of the error
  * allowed. */
 static const double FULL_ROUNDING_SHARE = 0.25;
+
+/* Integrals do not see what is less than this part of the error allowed. */
+static const double INTEGRAL_SHARE = 0.02;
 
 /* Of the states left, by columns: what depends on them at one stage, and on their places. */
 static void take_stage_jacobian(struct radau_step *p, int stage)
@@ -54,25 +60,31 @@ static void put_stage(struct radau_step *p, int stage)
     }
 }
 
-/* One correction; its largest entry by the weights. */
+/* Factors of the system at what is known of the stages; false where there are none. */
+static bool factor_fully(struct radau_step *p)
+{
+    const int s = p->stages->stages;
+    p->all.rows = s * p->others;
+    for (int i = 0; i < s; ++i) {
+        take_stage_jacobian(p, i);
+        put_stage(p, i);
+    }
+    for (int k = 0; k < p->all.rows; ++k) { /* the zero behind each column */
+        p->all.at[k * p->all.stride + p->all.rows] = 0.0;
+    }
+    return dense_lu_factor(p->all);
+}
+
+/* One correction from the residual, by the factors; its largest entry by the weights. */
 static double correct_fully(struct radau_step *p)
 {
     const int s = p->stages->stages;
     const int m = p->others;
     double *side = p->side;
-    p->all.rows = s * m;
     for (int i = 0; i < s; ++i) {
-        take_stage_jacobian(p, i);
-        put_stage(p, i);
         memcpy(side + i * m, p->residual + i * p->width, (size_t)m * sizeof *side);
     }
-    for (int k = 0; k < s * m; ++k) { /* the zero behind each column */
-        p->all.at[k * p->all.stride + s * m] = 0.0;
-    }
     side[s * m] = 0.0;
-    if (!dense_lu_factor(p->all)) {
-        return (double)INFINITY;
-    }
     dense_lu_solve(p->all, side);
     double largest = 0.0;
     for (int i = 0; i < s; ++i) {
@@ -121,108 +133,103 @@ static void move_integrals(struct radau_step *p)
     p->evaluations += p->stages->stages;
 }
 
-static void guess_steady(struct radau_step *p)
-{
-    memset(p->others_change, 0, (size_t)(p->stages->stages * p->width) * sizeof(double));
-    for (int i = 0; i < p->stages->stages; ++i) {
-        for (int j = 0; j < p->others; ++j) {
-            p->others_change[i * p->width + j] = p->length * p->stages->node[i] * p->start_rates[p->other[j]];
-        }
-    }
-}
-
-/* Up to which coefficient the last polynomial is worth its while at a part of its step: the contributions
- * of later ones grow. */
-static int coefficients_worth(const struct radau_step *p, const double *of)
-{
-    int best = 1;
-    double least = (double)INFINITY;
-    for (int k = 1; k <= p->known_stages; ++k) {
-        double largest = 0.0;
-        for (int j = 0; j < p->others; ++j) {
-            const int i = p->other[j];
-            largest = fmax(largest, fabs(p->chebyshev[k * p->stride + i] * of[k]) * p->weight[i]);
-        }
-        best = largest < least ? k : best;
-        least = fmin(least, largest);
-    }
-    return best + 1;
-}
-
-/* Whether the last polynomial begins or ends where the step begins. */
-static bool goes_on(const struct radau_step *p)
-{
-    const double end = p->known_start + p->known_length;
-    return p->known_length > 0.0 &&
-           (p->known_start == p->start || fabs(end - p->start) <= 1e-6 * p->known_length);
-}
-
-static void guess_on(struct radau_step *p)
-{
-    double of[RADAU_MOST_STAGES + 1] = {0.0};
-    double here[RADAU_MOST_STAGES + 1] = {0.0};
-    const double begins = p->known_start == p->start ? 0.0 : 1.0;
-    const double part = p->length / p->known_length;
-    radau_polynomials_at(p->known_stages + 1, begins + part, of);
-    const int count = begins + part > 1.0 ? coefficients_worth(p, of) : p->known_stages + 1;
-    radau_polynomials_at(count, begins, here);
-    for (int i = 0; i < p->stages->stages; ++i) {
-        radau_polynomials_at(count, begins + part * p->stages->node[i], of);
-        for (int k = 0; k < count; ++k) {
-            of[k] -= here[k];
-        }
-        radau_combine(p->point, of, count, p->chebyshev, p->stride, p->stride);
-        for (int j = 0; j < p->width; ++j) {
-            p->others_change[i * p->width + j] = j < p->others ? p->point[p->other[j]] : 0.0;
-        }
-    }
-}
-
-void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length)
-{
-    p->stages = stages;
-    p->length = length;
-    if (goes_on(p)) {
-        guess_on(p);
-    } else {
-        guess_steady(p);
-    }
-    radau_move_places(p);
-}
-
-static bool iterate_fully(struct radau_step *p, double tolerance)
+/* Newton's method. The Jacobians are made anew where corrections with those at hand shrink too little. A
+ * `quick` one is given up where the first ones do. `*moved` is what has been corrected since. */
+static bool iterate_fully(struct radau_step *p, double tolerance, bool quick, double *moved)
 {
     double last = (double)INFINITY;
-    for (p->iterations = 1; p->iterations <= MOST_FULL_ITERATIONS; ++p->iterations) {
+    bool anew = true;
+    int jacobians = 0;
+    for (p->iterations = 1; jacobians <= MOST_JACOBIANS; ++p->iterations) {
         radau_evaluate_residual(p);
+        jacobians += anew ? 1 : 0;
+        if (anew && !factor_fully(p)) {
+            return false;
+        }
         const double size = correct_fully(p);
         radau_move_places(p);
         if (!isfinite(size)) {
             return false;
         }
+        *moved = anew ? size : *moved + size;
         p->contraction = size / last;
         if (size <= tolerance ||
             (p->iterations > 1 && p->contraction < 0.1 && size * p->contraction <= tolerance)) {
             return true;
         }
-        if (p->contraction > 0.5 && size <= FULL_ROUNDING_SHARE) {
+        const bool is_rounding = size <= FULL_ROUNDING_SHARE;
+        if (p->contraction > 0.5 && is_rounding) {
             return true;
         }
-        if (p->iterations > FREE_ITERATIONS && p->contraction > 0.5) {
+        const bool shrinks = p->contraction < KEEPING_CONTRACTION || is_rounding;
+        if ((jacobians > FREE_ITERATIONS && anew && p->contraction > 0.5) ||
+            (quick && p->iterations == 2 && !shrinks)) {
             return false;
         }
+        anew = p->iterations > 1 && !shrinks;
         last = size;
     }
     return false;
 }
 
-bool radau_step_solve_fully(struct radau_step *p, double tolerance)
+/* What the rates of the integrals miss, about: that of the states left, by the weights. */
+static double missed_by_integrals(const struct radau_step *p)
 {
-    if (!iterate_fully(p, tolerance)) {
+    double largest = 0.0;
+    for (int i = 0; i < p->stages->stages; ++i) {
+        for (int j = 0; j < p->others; ++j) {
+            largest = fmax(largest, fabs(p->residual[i * p->width + j]) * p->weight[p->other[j]]);
+        }
+    }
+    return largest;
+}
+
+/* Goes on until the integrals miss nothing. Where rounding does not let that happen, only corrections by the
+ * Jacobians as they are say what they miss: those at hand, if no more than the error allowed has been
+ * corrected since. */
+static bool complete_integrals(struct radau_step *p, double moved)
+{
+    double last = (double)INFINITY;
+    for (;;) {
+        radau_evaluate_residual(p);
+        const double missed = missed_by_integrals(p);
+        if (missed <= INTEGRAL_SHARE) {
+            return true;
+        }
+        if (!(missed < KEEPING_CONTRACTION * last)) {
+            break;
+        }
+        moved += correct_fully(p);
+        radau_move_places(p);
+        last = missed;
+    }
+    if (!(moved <= 1.0) && !factor_fully(p)) {
         return false;
     }
+    if (!isfinite(correct_fully(p))) {
+        return false;
+    }
+    radau_move_places(p);
     move_integrals(p);
     return true;
+}
+
+bool radau_step_approach(struct radau_step *p)
+{
+    double moved;
+    return iterate_fully(p, 1.0, false, &moved);
+}
+
+bool radau_step_solve_fully(struct radau_step *p, double tolerance)
+{
+    double moved;
+    return iterate_fully(p, tolerance, false, &moved) && complete_integrals(p, moved);
+}
+
+bool radau_step_solve_quickly(struct radau_step *p, double tolerance)
+{
+    double moved;
+    return iterate_fully(p, tolerance, true, &moved) && complete_integrals(p, moved);
 }
 
 /* h (rates at the start less those of the polynomial there), of those left. */

@@ -81,6 +81,9 @@ bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *sta
  * */
 void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length);
 
+/* Whether the last polynomial does begin or end where the step begins. */
+bool radau_step_goes_on(const struct radau_step *p);
+
 /* Writes the coupled states at a stage, as far as they are known; the others are left as they are. */
 void radau_step_stage(const struct radau_step *p, int stage, double *y);
 
@@ -88,9 +91,12 @@ void radau_step_stage(const struct radau_step *p, int stage, double *y);
  * where that does not happen. */
 bool radau_step_solve(struct radau_step *p, double tolerance);
 
-/* The same with the Jacobian at every stage: some twenty times as dear, but it converges where what is stiff
- * turns within the step. */
+/* The same with the Jacobian at every stage: dearer, but it converges where what is stiff turns within the
+ * step. Quickly: from a good guess only, given up soon otherwise. To approach it is to be about as close as
+ * the errors allowed: a guess for another problem. */
 bool radau_step_solve_fully(struct radau_step *p, double tolerance);
+bool radau_step_solve_quickly(struct radau_step *p, double tolerance);
+bool radau_step_approach(struct radau_step *p);
 
 /* Error at the end, by the weights, of what dies away before the first stage, where the stages do not see
  * it: after radau_step_finish. It is nothing where that dies away still at the end: the states forget it.

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from contact_fmus.bench.problems import turning_problems
 from support.checks import METHODS, check_close, check_relative, run, start
 from support.scenes import turning_cases as cases
 from support.scenes import turning_impacts as impacts
@@ -91,9 +92,28 @@ def test_a_ball_comes_up_again_in_a_tube_at_any_penetration(opened, stiffness):
 
 @pytest.mark.parametrize("made", [cases.turntable, lambda v_0: cases.incline(v_0, 0.4, end=10.0)])
 def test_rolling_costs_no_more_where_less_slip_is_needed(opened, made):
-    """Internal steps at v_0 = 1e-6 and 1e-9 m/s are at most twice those at 1e-3."""
-    steps = [ended(opened, made(v_0))["solver.steps"] for v_0 in (1e-3, 1e-6, 1e-9)]
+    """Internal steps at v_0 = 1e-6 and 1e-9 m/s, and the evaluations in them, are at most twice those at
+    1e-3.
+    """
+    steps, evaluations = [], []
+    for v_0 in (1e-3, 1e-6, 1e-9):
+        fmu = ended(opened, made(v_0))
+        steps.append(fmu["solver.steps"])
+        evaluations.append(fmu["solver.force_evaluations"])
     assert max(steps) <= 2 * steps[0], steps
+    assert max(evaluations) <= 2 * evaluations[0], evaluations
+
+
+@pytest.mark.parametrize("name", ["F2", "F3"])
+def test_few_steps_of_rolling_are_rejected(opened, name):
+    """In a bowl for 10 s, and in the golfer's tube; where simplified iterations fail a step is no shorter
+    for it.
+    """
+    problem = turning_problems()[name]
+    fmu = run(opened(problem.fmu), problem.start, problem.stop, steps=1, tolerance=1e-8)
+    check_close("position", fmu["source.position"], problem.position, 1e-10)
+    assert fmu["solver.rejected_steps"] <= fmu["solver.steps"] / 3
+    assert fmu["solver.steps"] <= 250, fmu["solver.steps"]
 
 
 LIMITS = {  # case of v_0, largest v_0
