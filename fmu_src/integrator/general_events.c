@@ -17,15 +17,48 @@ static const double ACCURATE_WITHIN = 1e-3;
 /* Each halves the length at least, or comes closer by its square. */
 enum { MOST_TRIALS = 40 };
 
+/*
+ * The gap of bodies that fly past each other within a step is no polynomial: d = |c| has a kink, the sharper
+ * the nearer they come. d^2 is one wherever the motion is. Of outer surfaces, in place of g = d - R,
+ *
+ *   (d^2 - R^2) / (2 R) = g (1 + g/(2 R)),   of inner ones, g = R - d,   g (1 - g/(2 R))
+ *
+ * which has the same sign, root and slope there.
+ */
+static double smooth_gap(const struct general *g, int contact, double gap)
+{
+    const struct contact_shape shape = scene_whole_shape(g->ode.values, g->state, contact);
+    const double reach = contact_reach(&shape);
+    if (contact_is_plane(&shape) || !(reach > 0.0)) {
+        return gap;
+    }
+    const double smooth = gap * fmax(1.0 + shape.side * gap / (2.0 * reach), 0.5); /* d >= 0 */
+    return isfinite(smooth) ? smooth : gap;
+}
+
+static void sample_events_at(struct general *g, double clock, double events[ODE_EVENTS])
+{
+    ode_events(&g->ode, clock, g->y, events);
+    for (int e = 0; e < ODE_EVENTS; ++e) {
+        g->event_size[e] = fmax(g->event_size[e], fabs(events[e]));
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (g->state->contact[j].regime == (int32_t)REGIME_APART && SCENE_CONTACTS > 1) {
+            events[ODE_EVENTS_EACH * j] = smooth_gap(g, j, events[ODE_EVENTS_EACH * j]);
+        }
+    }
+}
+
 /* Event functions at the start and at all stages. */
 static void sample_events(struct general *g)
 {
     const struct radau_step *p = &g->step;
+    memset(g->event_size, 0, sizeof g->event_size);
     memcpy(g->y, p->y, (size_t)g->size * sizeof *g->y);
-    ode_events(&g->ode, p->start, g->y, g->events[0]);
+    sample_events_at(g, p->start, g->events[0]);
     for (int i = 0; i < p->stages->stages; ++i) {
         radau_step_stage(p, i, g->y);
-        ode_events(&g->ode, p->start + p->stages->node[i] * p->length, g->y, g->events[i + 1]);
+        sample_events_at(g, p->start + p->stages->node[i] * p->length, g->events[i + 1]);
     }
 }
 
@@ -68,7 +101,7 @@ struct general_event general_first_event(struct general *g)
 {
     struct general_event first = {(double)INFINITY, -1};
     const int count = g->step.stages->stages + 1;
-    const double noise = NOISE + g->relative * fmax(g->error_within, 1.0);
+    const double of_polynomial = g->relative * fmax(g->error_within, 1.0);
     sample_events(g);
     for (int e = 0; e < ODE_EVENTS; ++e) {
         double of[BERNSTEIN_MOST];
@@ -76,7 +109,8 @@ struct general_event general_first_event(struct general *g)
         if (event_is_constant(g, e) || !may_fall(g, e, of, &largest)) {
             continue;
         }
-        const struct bernstein_fall fall = bernstein_first_fall(of, count, noise * largest);
+        const double noise = NOISE * largest + of_polynomial * g->event_size[e];
+        const struct bernstein_fall fall = bernstein_first_fall(of, count, noise);
         if (fall.low < first.part) {
             const double part = bernstein_root(of, count, fall);
             first = part < first.part ? (struct general_event){part, e} : first;

@@ -31,7 +31,8 @@ struct general {
     double longest;        /* length of a step of most stages that is accurate enough, as far as known [s] */
     double *y, *size_of, *end_size;                   /* [size]: a state, and what errors are compared with */
     double at_start[ODE_EVENTS];                      /* event functions */
-    double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* at the start of the step and its stages */
+    double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* at the start of the step and its stages, smooth */
+    double event_size[ODE_EVENTS];                    /* the largest there of the functions themselves */
     struct scene_output output[SCENE_CONTACTS];
     long rejected;
     void (*release)(void *memory); /* of this struct */

@@ -1,5 +1,6 @@
-"""Contacts that are brief beside the communication step and begin without a force, as under Hertz's law: the
-general segment feels them, however long the step is. The reference is three_balls.py.
+"""Contacts that are brief beside the communication step and begin without a force, as under Hertz's law, or
+between bodies that fly past each other: the general segment feels them, however long the step is. The
+reference is three_balls.py.
 """
 
 import numpy as np

@@ -143,7 +143,8 @@ NAMED = list(CASES)
 CASES |= {f"undamped {seed}": random_case(seed, damped=False) for seed in range(12)}
 CASES |= {f"damped {seed}": random_case(seed, damped=True) for seed in range(18)}
 
-# Contacts that are brief beside END and, under Hertz's law, begin without a force that would tell how brief.
+# Contacts that are brief beside the end and, under Hertz's law, begin without a force that would tell how
+# brief; and a ball that flies past, or strikes, one of a slow pair.
 BRIEF = {
     "struck from both sides": Case(
         [[0, 0, 0], [0.7002, 0, 0], [1.6702, 0, 0]],
@@ -171,5 +172,21 @@ BRIEF = {
         laws=("hertz", "hertz"),
         stiffness=(1.4e6, 2.8e7),
         end=0.165,
+    ),
+    "struck in passing": Case(  # a step of the soft pair is longer than the third ball's whole way
+        [[0, 0, 0], [0.28, 0, 0], [5.28, 0.15, 0]],
+        [[0, 0, 0], [0, 0, 0], [-50, 0, 0]],
+        [1.0, 1.0, 2.0],
+        radii=(0.2, 0.1, 0.1),
+        stiffness=(30.0, 1e6),
+        end=0.3,
+    ),
+    "missed by a hair": Case(
+        [[0, 0, 0], [0.28, 0, 0], [5.28, 0.2001, 0]],
+        [[0, 0, 0], [0, 0, 0], [-50, 0, 0]],
+        [1.0, 1.0, 2.0],
+        radii=(0.2, 0.1, 0.1),
+        stiffness=(30.0, 1e6),
+        end=0.104,  # before it would strike the other one
     ),
 }
