@@ -7,6 +7,7 @@ macOS cannot be run here; its libraries are inspected.
 import os
 import shutil
 import sys
+import sysconfig
 import zipfile
 from xml.etree import ElementTree
 
@@ -124,10 +125,14 @@ def test_the_same_sources_elsewhere_give_the_same_bytes(version, work):
     if source:
         other = work / "other-sundials"
         options += ["--sundials-source", other if other.is_dir() else shutil.copytree(source, other)]
-    environment = {"PYTHONPATH": str(clone / "scripts"), "XDG_CACHE_HOME": str(work / "cache")}
+    # -S: the package that is installed here would come before the clone's
+    folders = os.pathsep.join([str(clone / "scripts"), sysconfig.get_path("purelib")])
+    environment = {"PYTHONPATH": folders, "XDG_CACHE_HOME": str(work / "cache")}
     scenes = [clone / "modelDescription" / "scenes" / f"{name}.toml" for name in names]
-    command = [sys.executable, "-m", "contact_fmus", "build", *scenes, *options]
+    command = [sys.executable, "-S", "-m", "contact_fmus", "build", *scenes, *options]
     checked(command, timeout=3600, environment=environment)
+    built = [file.read_text() for file in (work / "cache").rglob("build/CMakeCache.txt")]
+    assert built and all(f"CMAKE_HOME_DIRECTORY:INTERNAL={clone}\n" in text for text in built)
     for name in names:
         again = work / f"again-{version}" / f"{name}.fmu"
         assert again.read_bytes() == fmu_of(name, version).read_bytes()

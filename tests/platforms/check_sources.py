@@ -12,7 +12,7 @@ import pytest
 from contact_fmus.building.compiler import find_compiler
 from support.portable_host import HEADERS, SOURCE, difference, motion, numbers, settings, unpacked
 from support.programs import checked
-from support.release import CASES, CVODE, MINGW, fmu_of
+from support.release import CASES, CVODE, FOLDERS, MINGW, fmu_of
 from support.scenes.benchmarks import BENCHMARKS
 from support.sources import SCENES
 
@@ -34,6 +34,14 @@ def test_mingw_builds_the_sources_and_gives_the_motion_of_linux(case, hosts, rel
     off = difference(text, of_this_build(case))
     print(f"\nmingw {case}: {off:.1e}", file=sys.__stderr__)
     assert off <= bound
+
+
+@pytest.mark.parametrize("version", FOLDERS)
+@pytest.mark.parametrize("name", SCENES)
+def test_all_that_is_called_is_there_without_an_optimizer_too(name, version, release):
+    """Which would leave calls out that no scene of its kind makes"""
+    options = ["-std=c11", *WARNINGS, "-O0", "-shared", "-fPIC", "-Wl,-z,defs", "-o", os.devnull]
+    checked(["gcc", *options, "contact.c", "-lm"], cwd=release(name, version) / "sources")
 
 
 @pytest.fixture(scope="session")
