@@ -105,7 +105,7 @@ static inline bool contact_is_capped(const struct contact_shape *shape)
 #endif
 }
 
-/* Whether its axis is against that of the body: a zone at the end of a capped cylinder to which -e_d points. */
+/* Whether its axis is against the body's: a zone at the end of a capped cylinder to which -e_d points. */
 static inline bool contact_is_upside_down(const struct contact_shape *shape)
 {
 #ifdef CONTACT_NO_CAPS

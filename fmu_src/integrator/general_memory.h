@@ -49,7 +49,7 @@ static inline double general_newton_share(const struct general *g)
 void general_begin(struct general *g, double clock, const double *y);
 bool general_step_make(struct general *g, double limit, long *budget);
 
-/* general_length.c: how long a step may be that is the first [s], INFINITY where nothing tells: by the springs
+/* general_length.c: how long a step may be that is the first [s], INFINITY where nothing tells: by springs
  * between the bodies at the start of general->step; by impacts under Hertz's law that begin. */
 double general_length_of_springs(const struct general *g);
 double general_length_of_impacts(const struct scene_values *v, const struct scene_state *q,
