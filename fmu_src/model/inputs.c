@@ -161,12 +161,56 @@ static bool has_rate_of_its_own(const struct model *m, int body, struct vec3 rat
     return given && !(inputs_prescribe_all(&m->state.values) && vec3_is_zero(rate));
 }
 
+/* Bits of model_state.warned_of_rate. */
+enum { WARNED_OF_DISPLACEMENT = 1, WARNED_OF_AXIS = 2 };
+
+#if SCENE_ANY_ROTATION
+/* Rates of unit axes that are no further apart agree [1/s]: what rounding leaves of an axis, over a
+ * microsecond. */
+static const double AXIS_AGREEMENT = 1e-9;
+
+/* An axis with derivatives of its own follows them, its body the angular velocity. */
+static void warn_of_axis(struct model *m, int body)
+{
+    const struct scene_values *v = &m->state.values;
+    const struct scene_state *q = &m->state.motion;
+    const struct body_path *path = &q->path[body];
+    if (path->turn_follows != TURN_FOLLOWS_AXIS || (m->state.warned_of_rate[body] & WARNED_OF_AXIS) ||
+        body_shape(body) == SHAPE_SPHERE || !body_turn_is_prescribed(v, body)) {
+        return;
+    }
+    struct vec3 given[3];
+    memcpy(given, path->axis, sizeof given);
+    path_shift(given, 3, q->clock);
+    const double length = vec3_norm(given[0]);
+    const struct vec3 axis = vec3_scale(1.0 / length, given[0]);
+    const struct vec3 raw = vec3_scale(1.0 / length, given[1]);
+    const struct vec3 rate = vec3_axpy(raw, -vec3_dot(raw, axis), axis);
+    const struct vec3 turning = vec3_cross(path_at(path->angular_velocity, 3, q->clock), axis);
+    const double size = fmax(vec3_norm(rate), vec3_norm(turning));
+    if (vec3_norm(vec3_sub(rate, turning)) > RATE_AGREEMENT * size + AXIS_AGREEMENT) {
+        m->state.warned_of_rate[body] |= WARNED_OF_AXIS;
+        const char *name = scene_body_name(body);
+        model_report(m, MODEL_WARNING,
+                     "%s.prescribed_axis, as a unit vector, has the derivative (%g, %g, %g) 1/s at %s s, but "
+                     "%s.prescribed_angular_velocity turns it by (%g, %g, %g) 1/s: the gap follows the axis, "
+                     "slip and work the angular velocity, and energies need not balance (allowed: equal "
+                     "ones). Given once.",
+                     name, rate.x, rate.y, rate.z, shortest_digits(scene_time(q)).text, name, turning.x,
+                     turning.y, turning.z);
+    }
+}
+#endif
+
 void model_warn_of_rates(struct model *m)
 {
     const struct scene_values *v = &m->state.values;
     const struct scene_state *q = &m->state.motion;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (!body_is_prescribed(v, i) || m->state.warned_of_rate[i]) {
+#if SCENE_ANY_ROTATION
+        warn_of_axis(m, i);
+#endif
+        if (!body_is_prescribed(v, i) || (m->state.warned_of_rate[i] & WARNED_OF_DISPLACEMENT)) {
             continue;
         }
         struct vec3 path[4];
@@ -177,7 +221,7 @@ void model_warn_of_rates(struct model *m)
         const double size = fmax(vec3_norm(rate), vec3_norm(velocity));
         if (has_rate_of_its_own(m, i, rate) &&
             vec3_norm(vec3_sub(rate, velocity)) > RATE_AGREEMENT * size + motion_least_speed(v)) {
-            m->state.warned_of_rate[i] = 1;
+            m->state.warned_of_rate[i] |= WARNED_OF_DISPLACEMENT;
             const char *name = scene_body_name(i);
             model_report(
                 m, MODEL_WARNING,

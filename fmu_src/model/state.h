@@ -59,7 +59,8 @@ struct model_state {
     uint8_t tuned;           /* some parameter is set that model_tune has not taken over */
     uint8_t initialized;
     uint8_t exchange; /* enum exchange_mode */
-    /* whether the warning of a contradiction of a body's inputs, of a contact without direction was given */
+    /* whether warnings of contradictions of a body's inputs (bits, model/inputs.c), of a contact without
+     * direction were given */
     uint8_t warned_of_rate[SCENE_BODIES], warned_of_direction[SCENE_CONTACTS];
 };
 
