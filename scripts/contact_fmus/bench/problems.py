@@ -30,8 +30,9 @@ TURNING = Path(__file__).with_name("turning_references.json")  # make_turning_re
 # tests/support/reference/make_law_references.py
 LAW_REFERENCES = Path(__file__).with_name("law_references.json")
 # k_h in N/m^1.5 and chi in s/m: P1 and P2 are as deep at their first impact as with the penalty and lose as
-# much; P3, at rest under its weight, is as stiff (1.5 k_h sqrt(depth)) and as damped (chi times the weight).
-HERTZ = {"P1": (2.24e7, 0.0), "P2": (2.24e7, 0.07), "P3": (1.74e10, 51.0)}
+# much; P3, at rest under its weight, is as stiff (1.5 k_h sqrt(depth)) and as damped (chi times the weight);
+# P3b is as stiff as P3 and loses as much at its first impact as with the penalty.
+HERTZ = {"P1": (2.24e7, 0.0), "P2": (2.24e7, 0.07), "P3": (1.74e10, 51.0), "P3b": (1.74e10, 0.3)}
 ON_A_PLANE = ("P1", "P2")
 SHAPES = {"cylinder": "SphereCylinder", "sphere": "SphereSphere"}
 
@@ -84,7 +85,7 @@ def turning_problems() -> dict[str, Problem]:
 
 
 def law_starts() -> dict[str, tuple[str, str, float, dict[str, Any]]]:
-    """P1 to P3 by Hertz's law, P1 and P2 on a plane: title, FMU, end and start values"""
+    """P1 to P3b by Hertz's law, P1 and P2 on a plane: title, FMU, end and start values"""
     found = {}
     for name, (stiffness, chi) in HERTZ.items():
         base = benchmarks()[name]
@@ -93,7 +94,7 @@ def law_starts() -> dict[str, tuple[str, str, float, dict[str, Any]]]:
         start |= {"contact.law": "hertz", "contact.hertz_stiffness": stiffness}
         if chi:
             start |= {"contact.hunt_crossley_factor": chi}
-        found[f"{name} Hertz"] = (f"{base.title}, by Hertz's law", base.fmu, base.stop, start)
+        found[f"{name} Hertz"] = (base.title, base.fmu, base.stop, start)
     for name in ON_A_PLANE:
         base = benchmarks()[name]
         start = {key: value for key, value in base.start.items() if not key.startswith("destination.")}
@@ -112,6 +113,11 @@ def law_benchmarks() -> dict[str, Problem]:
         name: Problem(name, title, fmu, stop, start, tuple(ends[name]), method=method)
         for name, (title, fmu, stop, start) in law_starts().items()
     }
+
+
+def hertz_problems() -> dict[str, Problem]:
+    """P1 to P3b by Hertz's law"""
+    return {f"{name} Hertz": law_benchmarks()[f"{name} Hertz"] for name in HERTZ}
 
 
 def family_name(shape: str, damping: float) -> str:

@@ -8,7 +8,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from contact_fmus.bench.problems import benchmarks, stiff_families, turning_problems
+from contact_fmus.bench.problems import (
+    Problem,
+    benchmarks,
+    hertz_problems,
+    stiff_families,
+    turning_problems,
+)
 from contact_fmus.pages import write_pages
 from contact_fmus.pages.table import Table
 
@@ -39,6 +45,7 @@ def draw_page(folder: Path) -> list[Path]:
     sections = [
         _summary(measured["ratios"], others),
         _work_precision(own, others, measured["ratios"], "sections" in parts[0], folder),
+        *_hertz(own, measured.get("hertz_ratios", ()), folder),
         *_turning(own, measured.get("turning_ratios", ()), folder),
         _stiffness(own, folder),
         *given,
@@ -84,22 +91,43 @@ def _work_precision(
     return Section("Error against time", paragraphs, [*listed, tables.ratios(ratios)], shown)
 
 
+def _hertz(own: list[Row], ratios: Sequence[dict], folder: Path) -> list[Section]:
+    """The same four by Hertz's law, where they have been measured"""
+    text = (
+        "P1 to P3b with $F_n = k_h delta^(3/2)$ in place of the penalty, as stiff or as deep; all but P1 "
+        "are damped by Hunt and Crossley. P3b has 123 impacts. The references are computed by "
+        "extrapolation in extended precision."
+    )
+    caption = "Error against time under Hertz's law."
+    return _more_problems("Hertz's law", text, ("hertz", caption), hertz_problems(), own, ratios, folder)
+
+
 def _turning(own: list[Row], ratios: Sequence[dict], folder: Path) -> list[Section]:
     """Friction and rotation, where they have been measured"""
-    problems = turning_problems()
+    text = (
+        "With regularized friction ($v_0$ = 1 mm/s, in bowl and tube 10 mm/s): a ball with "
+        "back-spin that bounces, one that rolls in a bowl for 10 s, one in a golfer's tube, and a tumbling "
+        "cylinder hit by a ball. The references are computed by independent code."
+    )
+    figure = ("turning", "Error against time with friction and rotation.")
+    return _more_problems("Friction and rotation", text, figure, turning_problems(), own, ratios, folder)
+
+
+def _more_problems(
+    title: str,
+    text: str,
+    figure: tuple[str, str],  # name and caption
+    problems: dict[str, Problem],
+    own: list[Row],
+    ratios: Sequence[dict],
+    folder: Path,
+) -> list[Section]:
     rows = [row for row in tables.own_work_precision(own) if row.problem in problems]
     if not rows:
         return []
-    figures.work_precision(rows, problems.values(), folder, "turning")
-    listed = [tables.least_times(problem, rows) for problem in problems]
-    paragraphs = [
-        "With regularized friction ($v_0$ = 1 mm/s, in bowl and tube 10 mm/s): a ball with "
-        "back-spin that bounces, one that rolls in a bowl for 10 s, one in a golfer's tube, and a tumbling "
-        "cylinder hit by a ball. The references are computed by independent code.",
-    ]
-    caption = "Error against time with friction and rotation."
-    figure = {"name": "turning", "caption": caption}
-    return [Section("Friction and rotation", paragraphs, [*listed, tables.ratios(ratios)], [figure])]
+    figures.work_precision(rows, problems.values(), folder, figure[0])
+    listed = [*(tables.least_times(problem, rows) for problem in problems), tables.ratios(ratios)]
+    return [Section(title, [text], listed, [{"name": figure[0], "caption": figure[1]}])]
 
 
 def _stiffness(own: list[Row], folder: Path) -> Section:
