@@ -44,8 +44,9 @@ static double length_of_impact(const struct scene_values *v, const struct scene_
     if (!contact_is_hertz(&law) || !contact_transmits(q, contact) || !(per_mass > 0.0)) {
         return (double)INFINITY;
     }
-    const double k = law.stiffness * per_mass;
-    const double chi = regime == REGIME_COMPRESSION ? law.damping : 0.0;
+    const struct contact_coefficients factors = contact_factors_of(&law);
+    const double k = factors.k * per_mass;
+    const double chi = regime == REGIME_COMPRESSION ? factors.c : 0.0;
     const struct contact_geometry *g = &at->geometry[contact];
     const double load = scene_pressing_acceleration(v, q, at, contact);
     const double depth = depth_to_come(k, chi, fabs(g->gap_rate), load);

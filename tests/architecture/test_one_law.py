@@ -38,6 +38,7 @@ FACTORS = {
     "fmu_src/model/factors.c",
     "fmu_src/model/outputs.c",
     "fmu_src/model/sensitivity.c",
+    "fmu_src/integrator/general_length.c",  # whose depth to come is made with k_h
     "fmu_src/scene/onset.c",  # whose speed without load is made with k_h
 }
 
