@@ -44,7 +44,9 @@ double hertz_energy_bend(double stiffness, double gap)
 static void power_of_depth(const double *gap, double exponent, int order, double power[TAYLOR_TERMS])
 {
     double depth[TAYLOR_TERMS];
-    for (int i = 0; i <= order; ++i) {
+    depth[0] = -gap[0];
+    power[0] = depth[0] > 0.0 ? taylor_power(depth, exponent, power, 0) : 0.0; /* there is one at least */
+    for (int i = 1; i <= order; ++i) {
         depth[i] = -gap[i];
         power[i] = depth[0] > 0.0 ? taylor_power(depth, exponent, power, i) : 0.0;
     }
