@@ -55,7 +55,7 @@ double general_length_of_springs(const struct general *g);
 double general_length_of_impacts(const struct scene_values *v, const struct scene_state *q,
                                  const struct scene_instant *at);
 
-/* Errors allowed in the states, by their sizes in the step as far as that is known. */
+/* general_weights.c: errors allowed in the states, by their sizes in the step as far as that is known. */
 void general_set_weights(struct general *g);
 
 /* general_full.c: solves a stiff step from its guess; false where that does not converge. Unless it is to be
