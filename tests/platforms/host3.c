@@ -1,7 +1,7 @@
 /*
  * host.c for FMI 3.0: host3 LIBRARY TOKEN STOP STEPS [f VR NUMBER VALUE...|i VR VALUE]... [get VR NUMBER]...
- * A variable is an array of NUMBER values. Steps from 0 s to STOP and prints after each step a line of time and
- * values, in digits that give the same doubles again. Status 0, or 1 after a message on stderr.
+ * A variable is an array of NUMBER values. Steps from 0 s to STOP and prints after each step a line of time
+ * and values, in digits that give the same doubles again. Status 0, or 1 after a message on stderr.
  */
 #include "fmi3Functions.h"
 #include "host_library.h"
