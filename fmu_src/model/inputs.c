@@ -161,6 +161,13 @@ static bool has_rate_of_its_own(const struct model *m, int body, struct vec3 rat
     return given && !(inputs_prescribe_all(&m->state.values) && vec3_is_zero(rate));
 }
 
+/* Two rates of the same quantity differ by more than rounding, or `least`, explains. */
+static bool contradict(struct vec3 a, struct vec3 b, double least)
+{
+    const double size = fmax(vec3_norm(a), vec3_norm(b));
+    return vec3_norm(vec3_sub(a, b)) > RATE_AGREEMENT * size + least;
+}
+
 /* Bits of model_state.warned_of_rate. */
 enum { WARNED_OF_DISPLACEMENT = 1, WARNED_OF_AXIS = 2 };
 
@@ -187,8 +194,7 @@ static void warn_of_axis(struct model *m, int body)
     const struct vec3 raw = vec3_scale(1.0 / length, given[1]);
     const struct vec3 rate = vec3_axpy(raw, -vec3_dot(raw, axis), axis);
     const struct vec3 turning = vec3_cross(path_at(path->angular_velocity, 3, q->clock), axis);
-    const double size = fmax(vec3_norm(rate), vec3_norm(turning));
-    if (vec3_norm(vec3_sub(rate, turning)) > RATE_AGREEMENT * size + AXIS_AGREEMENT) {
+    if (contradict(rate, turning, AXIS_AGREEMENT)) {
         m->state.warned_of_rate[body] |= WARNED_OF_AXIS;
         const char *name = scene_body_name(body);
         model_report(m, MODEL_WARNING,
@@ -218,9 +224,7 @@ void model_warn_of_rates(struct model *m)
         path_shift(path, 4, q->clock);
         const struct vec3 rate = path[1];
         const struct vec3 velocity = path_at(q->path[i].velocity, 3, q->clock);
-        const double size = fmax(vec3_norm(rate), vec3_norm(velocity));
-        if (has_rate_of_its_own(m, i, rate) &&
-            vec3_norm(vec3_sub(rate, velocity)) > RATE_AGREEMENT * size + motion_least_speed(v)) {
+        if (has_rate_of_its_own(m, i, rate) && contradict(rate, velocity, motion_least_speed(v))) {
             m->state.warned_of_rate[i] |= WARNED_OF_DISPLACEMENT;
             const char *name = scene_body_name(i);
             model_report(

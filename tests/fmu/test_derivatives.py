@@ -6,12 +6,14 @@ u = (F0 t^2/2 + F1 t^3/6 + F2 t^4/24)/m.
 """
 
 import math
+import tomllib
 from ctypes import c_double, c_int, c_uint
 
 import pytest
 
 from support.fmi2 import raw
 from support.fmi2.raw import array
+from support.sources import ROOT
 
 FREE = {"gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 50.0], "source.mass": 2.0}
 # Both solvers run at this tolerance; a hundred times of it is allowed on numbers of the order of one.
@@ -172,15 +174,21 @@ def test_only_given_derivatives_move_a_force_element(orders):
 # outputs
 
 
+def turns(scene):
+    """Whether its file pins a body to turn"""
+    file = ROOT / "modelDescription" / "scenes" / f"{scene}.toml"
+    pinned = tomllib.loads(file.read_text(encoding="utf-8")).get("pinned", {})
+    return any(pinned.get(f"{body}.rotation", "none") != "none" for body in ("source", "destination"))
+
+
 @pytest.mark.parametrize("scene", raw.SCENES)
 def test_the_gap_rate_is_the_derivative_of_the_gap(scene):
     with raw.Instance(raw.load(scene)) as instance:
         instance.initialize({"source.center": [0.2, 0.05, 0.1]})
         instance.run([0.125])
-        # Both are computed from the state, the derivative by the terms of the gap in time: two roundings.
-        assert derivatives(instance, "contact.gap") == pytest.approx(
-            [instance.get("contact.gap_rate")], rel=4e-16
-        )
+        rate, found = instance.get("contact.gap_rate"), derivatives(instance, "contact.gap")
+    # Where a body turns the gap's terms in time are another formula than its rate: both are rounded.
+    assert found == ([pytest.approx(rate, rel=4e-16)] if turns(scene) else [rate])
 
 
 @pytest.mark.parametrize("scene", raw.SOLVER_SCENES)
