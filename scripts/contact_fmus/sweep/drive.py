@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import time
-from asyncio import CancelledError
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from distributed import Client, Future, wait
+from distributed import CancelledError, Client, Future, wait
+from distributed.client import ClosedClientError
 from distributed.scheduler import KilledWorker
 
 from contact_fmus.errors import RunFailure
@@ -55,14 +55,14 @@ class Drive:
                 for future in self._finished():
                     look()
                     progress(self._take(future))
-        except OSError:  # of a connection: the store tells its own in words
+        except (OSError, ClosedClientError):  # of a connection: the store tells its own in words
             raise RunFailure(f"the scheduler is gone; {self._kept()}") from None
         finally:
             self._cancel()
 
     def _cancel(self) -> None:
         """Nothing of this study is left at a scheduler that lives on"""
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError, CancelledError, ClosedClientError):
             if self.client.status == "running" and self.flights:
                 self.client.cancel(list(self.flights), force=True)
 
@@ -121,15 +121,18 @@ class Drive:
         """Writes what a batch gave; the number of its runs"""
         flight = self.flights.pop(future)
         self._missing_since = None
-        if future.status in ("cancelled", "lost"):  # the scheduler forgot it
-            self.cutter.again(flight.first, flight.end)
-            return 0
         error = future.exception() if future.status == "error" else None
         if isinstance(error, KilledWorker):
             return self._crashed(flight)
         if error is not None:
             raise self._explained(error)
-        rows = future.result()
+        try:
+            rows = None if future.status in ("cancelled", "lost") else future.result()
+        except CancelledError:  # the scheduler ended while it was asked
+            rows = None
+        if rows is None:  # the scheduler forgot it
+            self.cutter.again(flight.first, flight.end)
+            return 0
         self.cutter.measured(flight.end - flight.first, rows.seconds)
         return self._write(flight, rows)
 
