@@ -4,7 +4,8 @@
 # when there is a finding, or a fuzzer did not run.
 #   --minutes N    instead of ten
 #   --only NAME    one fuzzer: calls and calls3 (any calls of Co-Simulation, FMI 2.0 and 3.0), exchange and exchange3 (of
-#                  Model Exchange), state, run_sphere, run_cylinder, run_three_balls, run_two_pairs, scene_files
+#                  Model Exchange), these three with _turning, _plane, _caps or _cvode (other scenes), state, run_sphere,
+#                  run_cylinder, run_plane, run_three_balls, run_two_pairs, scene_files
 #   -h, --help     prints this
 source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
 help_asked "$@"

@@ -3,10 +3,11 @@
 #include <stdlib.h>
 
 #include "fmi3/vectors.h"
+#include "host3.h"
 #include "players3.h"
 #include "scene.h"
 
-enum { LONGEST_ARRAY = 6, VECTORS_AT_MOST = 3 };
+enum { LONGEST_ARRAY = 6 };
 
 /* Types by name, in the order in which they are chosen: those that variables have come first. */
 #define TYPES(ROW)                                                                                           \
@@ -237,7 +238,7 @@ fmi3Status arrays3_set_one(fmi3Instance c, struct bytes *b)
     const struct variable *variable = &scene_variables[bytes_one(b) % (unsigned)scene_variable_count];
     variable -= variable->component;
     const fmi3ValueReference reference = variable->reference;
-    fmi3Float64 room_for_values[VECTORS_AT_MOST];
+    fmi3Float64 room_for_values[LONGEST_VECTOR];
     const struct arrays3 a = {
         .count = 1,
         .values_count = vector_length(variable),

@@ -8,8 +8,6 @@
 
 struct host3 host3;
 
-enum { LONGEST_VECTOR = 4 };
-
 void host3_begin(void)
 {
     memset(&host3, 0, sizeof host3);

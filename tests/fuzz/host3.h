@@ -10,6 +10,8 @@
 #include "claim.h"
 #include "model/variable.h"
 
+enum { LONGEST_VECTOR = 4 }; /* a quaternion */
+
 struct host3 {
     long messages;
     fmi3Instance told;       /* where set, the logger calls back into this instance, which tells something */
