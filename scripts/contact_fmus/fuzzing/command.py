@@ -13,8 +13,8 @@ import sys
 from contact_fmus.errors import CLAIM_FAILED, DONE, RunFailure, UserError
 from contact_fmus.fmu.files import is_clone, repository
 
-# exchange: Model Exchange of FMI 2.0; calls3 and exchange3: Co-Simulation and Model Exchange of FMI 3.0; these three
-# also with other scenes than SphereCylinder
+# exchange: Model Exchange of FMI 2.0; calls3 and exchange3: Co-Simulation and Model Exchange of FMI 3.0;
+# these three also with other scenes than SphereCylinder
 NAMES = (
     *("calls", "exchange", "calls3", "exchange3", "state", "run_sphere", "run_cylinder", "run_plane"),
     *("run_three_balls", "run_two_pairs", "scene_files"),
