@@ -290,10 +290,10 @@ double friction_cap_event(const struct friction_law *law, enum friction_regime r
     return regime == FRICTION_SLIDING ? room : -room;
 }
 
-double friction_lift_event(const struct friction_law *law, enum friction_regime regime, double normal_force)
+double friction_lift_event(const struct friction_law *law, enum friction_regime regime, double push)
 {
     if (law->kind == FRICTION_NONE) {
         return 1.0;
     }
-    return regime == FRICTION_LIFTED ? -normal_force : normal_force;
+    return regime == FRICTION_LIFTED ? -push : push;
 }

@@ -94,11 +94,11 @@ double friction_stored_energy(const struct friction_law *law, enum friction_regi
  *              sliding, c_t > 0: |F*| - L                            [N]
  *              sliding, c_t = 0: v_t . F* / |F*| - L' / k_t          [m/s]
  *   cap        sliding: F_max - mu F_n, capped: mu F_n - F_max       [N]
- *   lift       sliding, capped and sticking: F_n, lifted: -F_n       [N]
+ *   lift       sliding, capped and sticking: contact_push, lifted: its negative
  */
 double friction_stick_event(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at, double normal_force_rate);
 double friction_cap_event(const struct friction_law *law, enum friction_regime regime, double normal_force);
-double friction_lift_event(const struct friction_law *law, enum friction_regime regime, double normal_force);
+double friction_lift_event(const struct friction_law *law, enum friction_regime regime, double push);
 
 #endif

@@ -136,9 +136,8 @@ double contact_event(const struct contact_law *law, enum contact_regime regime, 
     if (law->dashpot == DASHPOT_APPROACH_ONLY) {
         return regime == REGIME_RESTITUTION ? gap_rate : -gap_rate;
     }
-    const double force = contact_is_hertz(law) ? 1.0 - law->damping * gap_rate
-                                               : contact_force(law, REGIME_COMPRESSION, gap, gap_rate);
-    return regime == REGIME_SEPARATING ? -force : force;
+    const double push = contact_push(law, gap, gap_rate);
+    return regime == REGIME_SEPARATING ? -push : push;
 }
 
 double contact_separating_event_term(const struct contact_law *law, const double *gap, const double *gap_rate,
@@ -176,6 +175,12 @@ enum contact_regime contact_regime_after(const struct contact_law *law, enum con
         return REGIME_COMPRESSION;
     }
     return law->dashpot == DASHPOT_NON_ADHESIVE ? REGIME_SEPARATING : REGIME_RESTITUTION;
+}
+
+double contact_push(const struct contact_law *law, double gap, double gap_rate)
+{
+    return contact_is_hertz(law) ? 1.0 - law->damping * gap_rate
+                                 : contact_force(law, REGIME_COMPRESSION, gap, gap_rate);
 }
 
 bool contact_is_elastic(const struct contact_law *law)

@@ -97,50 +97,11 @@ static bool event_is_constant(const struct general *g, int event)
     return true;
 }
 
-struct general_event general_first_event(struct general *g)
-{
-    struct general_event first = {(double)INFINITY, -1};
-    const int count = g->step.stages->stages + 1;
-    const double of_polynomial = g->relative * fmax(g->error_within, 1.0);
-    sample_events(g);
-    for (int e = 0; e < ODE_EVENTS; ++e) {
-        double of[BERNSTEIN_MOST];
-        double largest;
-        if (event_is_constant(g, e) || !may_fall(g, e, of, &largest)) {
-            continue;
-        }
-        const double noise = NOISE * largest + of_polynomial * g->event_size[e];
-        const struct bernstein_fall fall = bernstein_first_fall(of, count, noise);
-        if (fall.low < first.part) {
-            const double part = bernstein_root(of, count, fall);
-            first = part < first.part ? (struct general_event){part, e} : first;
-        }
-    }
-    return first;
-}
-
 static double event_at(struct general *g, int event, double clock, const double *y)
 {
     double all[ODE_EVENTS];
     ode_events(&g->ode, clock, y, all);
     return all[event];
-}
-
-/* Rate of the event function along the polynomial [1/s], from its values about a place. */
-static double rate_at(struct general *g, int event, double part)
-{
-    const struct radau_step *p = &g->step;
-    const double apart = 0.02 * part;
-    radau_step_at(p, part - apart, g->y);
-    const double before = event_at(g, event, p->start + (part - apart) * p->length, g->y);
-    radau_step_at(p, part, g->y);
-    return (event_at(g, event, p->start + part * p->length, g->y) - before) / (apart * p->length);
-}
-
-/* How far the event is from a state, by its rate [s]. */
-static double missing_to(struct general *g, int event, double rate, double clock, const double *y)
-{
-    return rate < 0.0 ? -event_at(g, event, clock, y) / rate : 0.0;
 }
 
 /* The event function at a part of the step, of the state that the polynomial has there. */
@@ -167,7 +128,8 @@ static bool enclose_root(const struct general *g, int event, double ends[2])
 }
 
 /* The polynomial of an event function is as good as the function is smooth; the root is that of the
- * function itself, on the polynomial of the states. By halves and secants in turn. */
+ * function itself, on the polynomial of the states. By halves and secants in turn. Of two events in a step
+ * the first is the first by these. */
 static double root_within(struct general *g, int event, double part)
 {
     double ends[2];
@@ -193,6 +155,54 @@ static double root_within(struct general *g, int event, double part)
         }
     }
     return fabs(values[0]) < fabs(values[1]) ? ends[0] : ends[1];
+}
+
+/* No root is before, by the polynomial and, where that is not the last word, by the samples. */
+static double earliest_root(const struct general *g, int event, double by_polynomial)
+{
+    double ends[2];
+    const bool enclosed = g->step.problem.turns && enclose_root(g, event, ends);
+    return enclosed ? fmin(ends[0], by_polynomial) : by_polynomial;
+}
+
+struct general_event general_first_event(struct general *g)
+{
+    struct general_event first = {(double)INFINITY, -1};
+    const int count = g->step.stages->stages + 1;
+    const double of_polynomial = g->relative * fmax(g->error_within, 1.0);
+    sample_events(g);
+    for (int e = 0; e < ODE_EVENTS; ++e) {
+        double of[BERNSTEIN_MOST];
+        double largest;
+        if (event_is_constant(g, e) || !may_fall(g, e, of, &largest)) {
+            continue;
+        }
+        const double noise = NOISE * largest + of_polynomial * g->event_size[e];
+        const struct bernstein_fall fall = bernstein_first_fall(of, count, noise);
+        if (earliest_root(g, e, fall.low) < first.part) {
+            const double by_polynomial = bernstein_root(of, count, fall);
+            const double part = g->step.problem.turns ? root_within(g, e, by_polynomial) : by_polynomial;
+            first = part < first.part ? (struct general_event){part, e} : first;
+        }
+    }
+    return first;
+}
+
+/* Rate of the event function along the polynomial [1/s], from its values about a place. */
+static double rate_at(struct general *g, int event, double part)
+{
+    const struct radau_step *p = &g->step;
+    const double apart = 0.02 * part;
+    radau_step_at(p, part - apart, g->y);
+    const double before = event_at(g, event, p->start + (part - apart) * p->length, g->y);
+    radau_step_at(p, part, g->y);
+    return (event_at(g, event, p->start + part * p->length, g->y) - before) / (apart * p->length);
+}
+
+/* How far the event is from a state, by its rate [s]. */
+static double missing_to(struct general *g, int event, double rate, double clock, const double *y)
+{
+    return rate < 0.0 ? -event_at(g, event, clock, y) / rate : 0.0;
 }
 
 /* Solves the step again for another length, from the polynomial as guess. */
@@ -241,9 +251,6 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
 {
     struct radau_step *p = &g->step;
     for (int i = 0; i < MOST_TRIALS && found->event >= 0; ++i) {
-        if (g->step.problem.turns) {
-            found->part = root_within(g, found->event, found->part);
-        }
         const double rate = rate_at(g, found->event, found->part);
         const int event = found->event;
         double length = p->length * found->part;

@@ -26,7 +26,7 @@
  * and where bodies turn or rub
  *   2   friction_stick_event   sticking and sliding change
  *   3   friction_cap_event     mu F_n passes F_max; of elastic friction that sticks, F* passes it
- *   4   friction_lift_event    F_n passes zero while the bodies overlap
+ *   4   friction_lift_event    F_n changes its sign while the bodies overlap
  * and last where cylinders may be capped
  *       zones_margin           the contact leaves its zone
  * An offset is added, so that they start above zero in spite of rounding. Without contact both are the

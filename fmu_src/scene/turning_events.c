@@ -58,8 +58,10 @@ static void friction_events(const struct scene_ode *ode, double clock, const str
         out[ODE_EVENT_CAP] = ode->cap_offset[contact] + laws.friction.largest - carried;
     }
     if (may_lift(&laws.normal)) {
-        out[ODE_EVENT_LIFT] = ode->lift_offset[contact] +
-                              friction_lift_event(&laws.friction, laws.friction_regime, rubbing.normal_force);
+        const struct contact_geometry *g = &at->geometry[contact];
+        const double push = contact_push(&laws.normal, g->gap, g->gap_rate);
+        out[ODE_EVENT_LIFT] =
+            ode->lift_offset[contact] + friction_lift_event(&laws.friction, laws.friction_regime, push);
     }
 }
 
@@ -94,6 +96,12 @@ static double stick_rounding(const struct turning_laws *laws, double normal_forc
     return is_force ? laws->friction.damping * tolerated + 8.0 * DBL_EPSILON * limit : tolerated;
 }
 
+/* That of contact_push, which is the force or its factor. */
+static double push_rounding(const struct contact_law *law, double of_force, double tolerated)
+{
+    return contact_is_hertz(law) ? 8.0 * DBL_EPSILON + law->damping * tolerated : of_force;
+}
+
 /* Offsets by rounding alone. */
 static void put_friction_offsets(struct scene_ode *ode, const struct scene_instant *at, int contact,
                                  double tolerated)
@@ -106,7 +114,7 @@ static void put_friction_offsets(struct scene_ode *ode, const struct scene_insta
     ode->stick_offset[contact] = 2.0 * stick_rounding(&laws, force, tolerated);
     ode->cap_offset[contact] =
         breaks_away(&laws) ? ode->stick_offset[contact] : 2.0 * laws.friction.coefficient * rounding;
-    ode->lift_offset[contact] = 2.0 * rounding;
+    ode->lift_offset[contact] = 2.0 * push_rounding(&laws.normal, rounding, tolerated);
 }
 
 void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,

@@ -112,6 +112,22 @@ static void stop_sliding(const struct scene_values *v, struct scene_state *q, in
           turning_rubbing(&q->turning, &at, contact), q, contact);
 }
 
+/* At a corner of the law, where the force falls more slowly from then on or begins to rise, and where a
+ * given velocity jumps, the slip may no longer stretch the spring. */
+static void keep_sliding(const struct scene_values *v, struct scene_state *q, int contact)
+{
+    struct scene_instant at;
+    const struct friction_law law = scene_friction_law(v, q, contact);
+    scene_now(v, q, &at);
+    const enum friction_regime next = friction_sliding_regime(&law, at.normal_force[contact]);
+    const struct friction_state rubbing = turning_rubbing(&q->turning, &at, contact);
+    const double force_rate = turning_normal_force_rate(v, q, q->clock, &at, contact);
+    set_friction_regime(q, contact, next);
+    if (friction_stick_event(&law, next, rubbing, force_rate) < 0.0) {
+        stick(&law, next, rubbing, q, contact);
+    }
+}
+
 /* The regime that the present force asks for, of friction that goes on. */
 static void reconsider(const struct scene_values *v, struct scene_state *q, int contact)
 {
@@ -128,7 +144,7 @@ static void reconsider(const struct scene_values *v, struct scene_state *q, int 
     } else if (force > 0.0 && regime == FRICTION_LIFTED) {
         begin_friction(v, q, contact);
     } else if (force > 0.0) {
-        set_friction_regime(q, contact, friction_sliding_regime(&law, force));
+        keep_sliding(v, q, contact);
     } else if (force < 0.0) {
         end_friction(q, contact);
     }
