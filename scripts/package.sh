@@ -5,9 +5,10 @@
 # archive of a release, with headers and library of the model for C. The same sources give the same bytes.
 #   --sundials-source DIR  sources of SUNDIALS for scenes with CVODE; without it Debian's source package, which
 #                          build/release-sundials keeps, or elsewhere than on Debian the project's repository
-#   --check                runs what is in build/release instead: Windows by wine, ARM by qemu, the sources by other
-#                          compilers and in a bare Debian, macOS inspected, all built again elsewhere. Installs what that
-#                          needs and wants to be root. Nothing of it is among the tests of scripts/test.sh.
+#   --check                makes what is missing there, of all shipped scenes or of those named, and runs it: Windows by
+#                          wine, ARM by qemu, the sources by other compilers and in a bare Debian, macOS inspected, all
+#                          built again elsewhere. Installs what that needs and wants to be root. Nothing of it is among
+#                          the tests of scripts/test.sh.
 #   -h, --help             prints this
 source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
 source "$root/scripts/tools/debian_sundials.sh"
@@ -70,18 +71,39 @@ run_checks() {
     say "Checks"
     cd "$root/tests/platforms"
     PYTHONPATH=$root/scripts:$root/tests CONTACT_RELEASE=$release CONTACT_SUNDIALS_SOURCE=$sundials \
-        "$python" -m pytest -q check_release.py check_sources.py </dev/null
+        CONTACT_CHECKED="${*##*/}" "$python" -m pytest -q check_release.py check_sources.py </dev/null
 }
 
+# The ordinary build of these scenes, which the release is compared with, in both versions of FMI
+build_ordinary() {
+    local name targets=()
+    for name in "$@"; do
+        name=$(basename "$name" .toml)
+        [[ -f $root/modelDescription/scenes/$name.toml ]] || refuse "--check: $name is no scene that is shipped"
+        targets+=("${name}_fmu" "${name}_fmi3_fmu")
+    done
+    (cd "$root" && cmake --preset default -Wno-dev --log-level=WARNING -DPython3_EXECUTABLE="$python" &&
+        cmake --build --preset default --target "${targets[@]}" -- --quiet)
+}
+
+set_up
 use_build "$root/build"
 install_tools
+shipped=("$root"/modelDescription/scenes/*.toml)
 if [[ -n $check ]]; then
-    run_checks
+    ((${#scenes[@]})) || scenes=("${shipped[@]}")
+    build_ordinary "${scenes[@]}"
+    missing=()
+    for scene in "${scenes[@]}"; do
+        fmu=$(basename "$scene" .toml).fmu
+        [[ -f $release/fmus/$fmu && -f $release/fmus-fmi3/$fmu ]] || missing+=("$scene")
+    done
+    ((${#missing[@]} == 0)) || make_fmus "${missing[@]}"
+    run_checks "${scenes[@]}"
 elif ((${#scenes[@]})); then
     make_fmus "${scenes[@]}"
 else
-    set_up
     build
-    make_fmus "$root"/modelDescription/scenes/*.toml
+    make_fmus "${shipped[@]}"
     make_archive
 fi

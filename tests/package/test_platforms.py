@@ -1,6 +1,7 @@
 """The FMUs of several platforms as one, and universal libraries for macOS"""
 
 import re
+import subprocess
 import zipfile
 
 import pytest
@@ -48,6 +49,29 @@ def test_joining_keeps_every_binary_and_gives_the_same_bytes_again(tmp_path):
     with zipfile.ZipFile(tmp_path / "one.fmu") as archive:
         names = ["modelDescription.xml", "binaries/linux64/x.so", "binaries/win64/x.dll"]
         assert archive.namelist() == names
+
+
+def test_a_joined_fmu_is_the_same_in_fewer_bytes(tmp_path, monkeypatch):
+    """For Python and for libarchive, which CMake has; a file that deflate only makes longer is stored"""
+    text = (ROOT / "fmu_src" / "fmi" / "derivatives.c").read_text()
+    first = fmu(tmp_path, "a", **{"modelDescription.xml": text, "binaries__win64__x.dll": "w", "empty": ""})
+    join([first], tmp_path / "small.fmu")
+    monkeypatch.setattr("contact_fmus.building.smallest.importlib.util.find_spec", lambda _name: None)
+    join([first], tmp_path / "usual.fmu")
+    unpack = ["cmake", "-E", "tar", "xf", tmp_path / "small.fmu"]
+    run = subprocess.run(unpack, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
+    assert (tmp_path / "modelDescription.xml").read_text() == text
+    with zipfile.ZipFile(tmp_path / "small.fmu") as small, zipfile.ZipFile(tmp_path / "usual.fmu") as usual:
+        assert small.testzip() is None
+        for one, other in zip(small.infolist(), usual.infolist(), strict=True):
+            assert small.read(one) == usual.read(other)
+            assert (one.filename, one.date_time) == (other.filename, other.date_time)
+            assert (one.external_attr, one.create_system) == (other.external_attr, other.create_system)
+            assert one.compress_type in (zipfile.ZIP_DEFLATED, zipfile.ZIP_STORED)
+        assert small.getinfo("binaries/win64/x.dll").compress_type == zipfile.ZIP_STORED
+        text, plain = (archive.getinfo("modelDescription.xml") for archive in (small, usual))
+        assert text.compress_size < 0.98 * plain.compress_size
 
 
 def test_descriptions_that_differ_are_not_joined(tmp_path):

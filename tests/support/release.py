@@ -7,6 +7,9 @@ from support.scenes.benchmarks import BENCHMARKS
 from support.sources import BUILD, SCENES
 
 RELEASE = Path(os.environ.get("CONTACT_RELEASE", BUILD / "release"))
+# The scenes whose FMUs are looked at: all, or those of the files named in CONTACT_CHECKED
+NAMED = {Path(file).stem for file in os.environ.get("CONTACT_CHECKED", "").split()}
+CHECKED = [name for name in SCENES if not NAMED or name in NAMED]
 # (scene, start values, end, largest difference from Linux, relative above 1): all benchmarks, and all
 # scenes as they start. The bounds hold what the last digits of another libm become (docs/platforms.md).
 CASES = {name: (case.fmu, case.configuration, case.end, 1e-9) for name, case in BENCHMARKS.items()}
@@ -25,6 +28,7 @@ DRIVEN = {
 for friction in ("regularized", "elastic"):
     values = {**DRIVEN, "contact.friction": friction}
     CASES[f"TurningForceElement {friction}"] = ("TurningForceElement", values, 2.0, 1e-9)
+CASES = {label: case for label, case in CASES.items() if case[0] in CHECKED}
 # How the library in each platform's folder ends. FMI 2.0 has one folder for both processors of macOS.
 ENDINGS = {"linux64": "so", "win64": "dll", "aarch64-linux": "so", "darwin64": "dylib"}
 ENDINGS3 = {

@@ -9,6 +9,7 @@ import tempfile
 import zipfile
 from pathlib import Path
 
+from contact_fmus.building.smallest import shrink
 from contact_fmus.errors import RunFailure, UserError
 from contact_fmus.fmu.files import repository
 
@@ -53,6 +54,7 @@ def join(fmus: list[Path], joined: Path) -> None:
         packer = repository() / "cmake" / "pack_fmu.py"
         parts = [f"{path.name}={path}" for path in sorted(Path(folder).iterdir())]
         subprocess.run([sys.executable, "-B", str(packer), str(joined), *parts], check=True)
+    shrink(joined)
 
 
 def universal(libraries: list[bytes]) -> bytes:
