@@ -15,9 +15,12 @@ static const double GAP_HYSTERESIS = 1e-6;
 /* Lower bound of that gap [m]: below it products of the penetration underflow. */
 static const double DIED_AWAY = 1e-100;
 
-/* Approach-only dashpot: at rest, and where a load fades slowly, the gap rate touches zero in every
- * oscillation. Switching the dashpot makes no difference while its force deforms the contact by less than the
- * tolerance; this is the largest part of the load for which that is assumed. */
+/* Approach-only dashpot: it is switched at every turn of an oscillation, however little it deforms a stiff
+ * contact, for it is what damps the oscillation and that of the force: until the oscillation is HYSTERESIS of
+ * the penetration under the load. With less than LIGHTEST of the critical damping that takes more than
+ * 12,000 turns. Then it is not switched while its force is less than IDLE_DASHPOT of the load and deforms the
+ * contact by less than the tolerance. */
+static const double LIGHTEST = 1e-3;
 static const double IDLE_DASHPOT = 1e-3;
 
 /* Under a load that falls slowly the full law lets the bodies separate at the load's pace, r0 at most.
@@ -27,7 +30,7 @@ static const double IDLE_DASHPOT = 1e-3;
  * From critical damping on, swing >= 2, that is r0 or more.
  * If it switched the full law on, a cycle without end would begin.
  * So the spring alone lasts up to this many times swing r0. The error stays bounded:
- * the force left out at that speed is the idle one, or more only where rounding asks for it. */
+ * the force left out at that speed is HYSTERESIS of the load, or more only where rounding asks for it. */
 static const double REBOUND = 2.0;
 static const double CRITICAL_SWING = 2.0;
 
@@ -83,6 +86,16 @@ static double rebound_of(struct contact_coefficients full, double reduced_mass)
     return full.k > 0.0 && swing >= CRITICAL_SWING ? REBOUND * swing : 1.0;
 }
 
+/* Speed of separation at which an approach-only dashpot stops, rounding apart [m/s]; `open` is a force. */
+static double separating_speed(const struct segment *p, struct contact_coefficients full, double open)
+{
+    const double swing = sqrt(full.k * p->pair.reduced_mass); /* force by speed, of the spring alone */
+    if (full.c >= 2.0 * LIGHTEST * swing) {
+        return open / fmax(full.c, swing);
+    }
+    return fmax(open, fmin(full.k * p->tolerance, IDLE_DASHPOT * pair_load(&p->pair))) / full.c;
+}
+
 struct event_function terminal_event_margin(const struct segment *p)
 {
     const struct contact_law *law = &p->pair.law;
@@ -99,10 +112,8 @@ struct event_function terminal_event_margin(const struct segment *p)
     if (law->dashpot == DASHPOT_NON_ADHESIVE) {
         return (struct event_function){PAIR_FORCE, 1.0, open + full.c * rate};
     }
-    const double load = pair_load(&p->pair);
-    const double idle = fmin(full.k * p->tolerance, IDLE_DASHPOT * load);
     const double rebound = rebound_of(full, p->pair.reduced_mass);
-    const double separating = fmax(open, idle / rebound) / full.c + rate;
+    const double separating = separating_speed(p, full, open) + rate;
     return p->regime == REGIME_RESTITUTION ? (struct event_function){PAIR_GAP_RATE, 1.0, rebound * separating}
                                            : (struct event_function){PAIR_GAP_RATE, -1.0, separating};
 }
