@@ -182,6 +182,7 @@ static void note_peaks(struct cvode *c, struct scene_state *q, double to)
             output->values = c->problem.ode.values;
             output->state = q;
             scene_output_note_peaks(output, q->clock, to, 1, &q->contact[j].peaks);
+            scene_output_add_torque(output, q->clock, to, 1, q);
         }
     }
 }

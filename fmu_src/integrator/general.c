@@ -205,6 +205,7 @@ static void note_peaks_of_step(struct general *g, struct scene_state *q, double 
             output->values = g->ode.values;
             output->state = q;
             scene_output_note_peaks(output, q->clock, to, parts, &q->contact[j].peaks);
+            scene_output_add_torque(output, q->clock, to, parts, q);
         }
     }
 }

@@ -8,9 +8,11 @@
 #include "segment/regime_change.h"
 #include "segment/scene_output.h"
 
-enum { TERMS = 3 * SCENE_CONTACTS + 2 };
+/* Impulses, dissipated energy, external work; after these, which decide on the panels, impulses of the torque
+ * on a destination that has an axis. */
+enum { DECIDING = 3 * SCENE_CONTACTS + 2, TERMS = DECIDING + (SCENE_HAS_TORQUES ? 3 * SCENE_CONTACTS : 0) };
 
-/* Impulses, dissipated energy, external work over a panel, and how large their integrands are. */
+/* Over a panel, and how large their integrands are. */
 struct panel {
     double sum[TERMS];
     double size[TERMS];
@@ -33,8 +35,14 @@ static void powers(const struct scene_values *v, const struct scene_state *q, do
             out[3 * j] = at.source_force[j].x;
             out[3 * j + 1] = at.source_force[j].y;
             out[3 * j + 2] = at.source_force[j].z;
-            out[TERMS - 2] += energy_dissipated_power_of(v, q, &at, j);
-            out[TERMS - 1] += scene_driving_power(v, &at, j);
+            out[DECIDING - 2] += energy_dissipated_power_of(v, q, &at, j);
+            out[DECIDING - 1] += scene_driving_power(v, &at, j);
+        }
+        if (TERMS > DECIDING && is_driven(v, q, j)) {
+            const struct vec3 torque = scene_torque_of_force(&at, j);
+            out[DECIDING + 3 * j] = torque.x;
+            out[DECIDING + 3 * j + 1] = torque.y;
+            out[DECIDING + 3 * j + 2] = torque.z;
         }
     }
 }
@@ -112,9 +120,9 @@ static bool agree(const struct scene_values *v, const struct scene_state *q, con
     const double noise = width * fmin(force_rounding(v, q, &at[0]), force_rounding(v, q, &at[1]));
     const double speed = fmax(largest_speed(v, &at[0]), largest_speed(v, &at[1]));
     const double tolerance = solver_relative_tolerance(v);
-    for (int k = 0; k < TERMS; ++k) {
+    for (int k = 0; k < DECIDING; ++k) {
         const double difference = fabs(left->sum[k] + right->sum[k] - whole->sum[k]);
-        const double floor = k < TERMS - 2 ? noise : noise * 2.0 * speed;
+        const double floor = k < DECIDING - 2 ? noise : noise * 2.0 * speed;
         if (!(difference <= tolerance * (left->size[k] + right->size[k]) + floor + DBL_MIN)) {
             return false;
         }
@@ -154,9 +162,14 @@ static void add_panel(struct scene_state *q, const struct panel *panel)
         const double *sum = panel->sum + 3 * j;
         q->contact[j].physics.impulse =
             vec3_add(q->contact[j].physics.impulse, vec3_make(sum[0], sum[1], sum[2]));
+#if SCENE_HAS_TORQUES
+        const double *torque = panel->sum + DECIDING + 3 * j;
+        q->contact[j].torques.destination_impulse =
+            vec3_add(q->contact[j].torques.destination_impulse, vec3_make(torque[0], torque[1], torque[2]));
+#endif
     }
-    q->dissipated += panel->sum[TERMS - 2];
-    q->external_work += panel->sum[TERMS - 1];
+    q->dissipated += panel->sum[DECIDING - 2];
+    q->external_work += panel->sum[DECIDING - 1];
 }
 
 /* The quadrature resolves a panel by five nodes each half: no quantity has two extrema within a quarter. */

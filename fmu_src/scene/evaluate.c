@@ -233,6 +233,13 @@ double scene_pressing_acceleration(const struct scene_values *v, const struct sc
     return fmax(scene_inverse_mass(v, contact) * at->normal_force[contact] - parts, 0.0);
 }
 
+struct vec3 scene_torque_of_force(const struct scene_instant *at, int contact)
+{
+    return body_shape(contact_destination(contact)) == SHAPE_SPHERE
+               ? vec3_make(0.0, 0.0, 0.0)
+               : vec3_cross(at->separation[contact], at->source_force[contact]);
+}
+
 double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact)
 {
     const int source = contact_source(contact);

@@ -121,6 +121,11 @@ double scene_inverse_mass(const struct scene_values *v, int contact);
 double scene_pressing_acceleration(const struct scene_values *v, const struct scene_state *q,
                                    const struct scene_instant *at, int contact);
 
+/* Where nothing turns or rubs: the torque on the destination about its centre, c x F, as the source's lever
+ * arm is along F [N m]. None where the destination is a sphere; scenes without other shapes do not ask. */
+#define SCENE_HAS_TORQUES (SCENE_ANY_TURNING && (SCENE_ANY_CYLINDER || SCENE_ANY_PLANE))
+struct vec3 scene_torque_of_force(const struct scene_instant *at, int contact);
+
 /* Power of whatever moves and turns prescribed bodies against a contact [W]. */
 double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact);
 

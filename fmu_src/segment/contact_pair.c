@@ -101,6 +101,7 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
     take_law(p, &law, (enum contact_regime)q->contact[contact].regime, geometry);
     p->flight = separation_path_of(v, q, at, q->clock, contact);
     p->normal = geometry->normal;
+    p->axial = geometry->axial;
     p->distance = geometry->distance;
     p->gap = geometry->gap;
     const double shorter = p->shape.side * p->gap - (geometry->distance - contact_reach(&p->shape));

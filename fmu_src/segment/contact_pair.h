@@ -36,6 +36,7 @@ struct contact_pair {
     double chi;             /* the factor of Hunt and Crossley in the regime; 0 under the linear law [s/m] */
     /* C, W; of a cylinder the part along its axis too, but for C(0) at the axis */
     struct separation_path flight;
+    double axial;         /* c.e_d of a cylinder [m] */
     struct vec3 normal;   /* n */
     double distance, gap; /* d [m], accumulated gap g [m] */
     /* rounding: added to c so that its length agrees with the accumulated gap, or with the direction taken at

@@ -128,6 +128,16 @@ static void note_regime(const struct scene_values *v, struct scene_state *q, con
     q->contact[contact].regime = (int32_t)onset_note(v, q, at, contact, scene_regime(v, q, at, contact));
 }
 
+/* On the destination, where nothing turns or rubs. */
+static void put_mean_torque(struct contact_state *state, struct vec3 torque)
+{
+#if SCENE_HAS_TORQUES
+    state->torques.destination_mean = torque;
+#else
+    (void)state, (void)torque;
+#endif
+}
+
 /* The force of an instant that lasts; returns it on the source. */
 static struct vec3 note_present(const struct scene_values *v, struct scene_state *q, int contact)
 {
@@ -137,6 +147,7 @@ static struct vec3 note_present(const struct scene_values *v, struct scene_state
     note_regime(v, q, &at, contact);
     state->peaks = (struct contact_peaks){0.0, 0.0};
     state->mean_force = vec3_make(0.0, 0.0, 0.0);
+    put_mean_torque(state, state->mean_force);
     if (state->regime == REGIME_APART) {
         return vec3_make(0.0, 0.0, 0.0);
     }
@@ -175,6 +186,8 @@ void given_force_over(const struct scene_values *v, struct scene_state *q, doubl
         const struct vec3 present = note_present(v, q, j);
         if (is_steady(&separation)) {
             q->contact[j].mean_force = present;
+            at.source_force[j] = present;
+            put_mean_torque(&q->contact[j], scene_torque_of_force(&at, j));
             continue;
         }
         const struct contact_shape shape = scene_contact_shape(v, q, j);

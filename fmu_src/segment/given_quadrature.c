@@ -33,9 +33,9 @@ static void note_peaks_between(const struct given_step *step, double from, doubl
                             &given_contact(step)->peaks);
 }
 
-/* The integral of the force over a panel, and of its size. */
+/* The integrals of the force over a panel, of its torque on the destination and of its size. */
 struct panel {
-    struct vec3 sum;
+    struct vec3 sum, torque;
     double size;
 };
 
@@ -59,7 +59,7 @@ static bool wants_grading(const struct given_step *step, double from, double to)
 
 CONTACT_NOINLINE static struct panel panel_of(const struct given_step *step, double from, double to)
 {
-    struct panel panel = {{0.0, 0.0, 0.0}, 0.0};
+    struct panel panel = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0};
     const double half = 0.5 * (to - from);
     const bool graded = wants_grading(step, from, to);
     for (int i = 0; i < GAUSS_NODES; ++i) {
@@ -68,6 +68,9 @@ CONTACT_NOINLINE static struct panel panel_of(const struct given_step *step, dou
         const double weight = half * GAUSS_WEIGHT[i] * place.factor;
         given_instant(step, from + half * place.at, &at);
         panel.sum = vec3_axpy(panel.sum, weight, at.source_force[step->contact]);
+        if (SCENE_HAS_TORQUES) {
+            panel.torque = vec3_axpy(panel.torque, weight, scene_torque_of_force(&at, step->contact));
+        }
         panel.size += weight * fabs(at.normal_force[step->contact]);
     }
     return panel;
@@ -110,6 +113,10 @@ static void integrate_smooth(struct given_step *step, double from, double end)
             continue;
         }
         *mean = vec3_add(*mean, vec3_add(left.sum, right.sum));
+#if SCENE_HAS_TORQUES
+        struct vec3 *torque = &given_contact(step)->torques.destination_mean;
+        *torque = vec3_add(*torque, vec3_add(left.torque, right.torque));
+#endif
         note_peaks_between(step, from, to);
         from = to;
         width *= 2.0;

@@ -1,5 +1,6 @@
 #include "segment/scene_output.h"
 
+#include "math/gauss.h"
 #include "scene/free_bodies.h"
 #include "scene/scene_jet.h"
 
@@ -10,18 +11,25 @@ static void put_terms(double of[3], const double term[JET_TERMS])
     of[2] = 2.0 * term[2];
 }
 
+static void scene_at(const struct scene_output *o, double clock, struct scene_state *q,
+                     struct scene_instant *at)
+{
+    *q = *o->state;
+    q->clock = clock;
+    if (o->move) {
+        o->move(o->mover, clock, q);
+    }
+    scene_evaluate(o->values, q, clock, free_bodies_now(q), at);
+}
+
 /* A dense_output_sampler; its variable is the clock. */
 static void sample_scene(const void *output, double clock, struct pair_sample *sample)
 {
     const struct scene_output *o = output;
-    struct scene_state q = *o->state;
+    struct scene_state q;
     struct scene_instant at;
     struct scene_jet along;
-    q.clock = clock;
-    if (o->move) {
-        o->move(o->mover, clock, &q);
-    }
-    scene_evaluate(o->values, &q, clock, free_bodies_now(&q), &at);
+    scene_at(o, clock, &q, &at);
     jet_of_motion(o->values, &q, &at, &along);
     const struct contact_jet *jet = &along.contact[o->contact];
     put_terms(sample->of[PAIR_GAP], jet->gap);
@@ -80,3 +88,28 @@ void scene_output_note_peaks(struct scene_output *o, double from, double to, int
     w->at[0] = w->at[last];
     w->count = 1;
 }
+
+#if SCENE_HAS_TORQUES && SCENE_ANY_FREE
+void scene_output_add_torque(const struct scene_output *o, double from, double to, int panels,
+                             struct scene_state *q)
+{
+    struct vec3 *sum = &q->contact[o->contact].torques.destination_impulse;
+    const double half = 0.5 * (to - from) / panels;
+    if (scene_turns(o->values) || body_shape(contact_destination(o->contact)) == SHAPE_SPHERE) {
+        return;
+    }
+    for (int i = 0; i < panels * GAUSS_NODES; ++i) {
+        struct scene_state then;
+        struct scene_instant at;
+        const int node = i % GAUSS_NODES;
+        scene_at(o, from + half * (2 * (i / GAUSS_NODES) + 1.0 + GAUSS_NODE[node]), &then, &at);
+        *sum = vec3_axpy(*sum, half * GAUSS_WEIGHT[node], scene_torque_of_force(&at, o->contact));
+    }
+}
+#else
+void scene_output_add_torque(const struct scene_output *o, double from, double to, int panels,
+                             struct scene_state *q)
+{
+    (void)o, (void)from, (void)to, (void)panels, (void)q;
+}
+#endif

@@ -22,4 +22,9 @@ struct scene_output {
 void scene_output_note_peaks(struct scene_output *o, double from, double to, int parts,
                              struct contact_peaks *peaks);
 
+/* Where nothing turns or rubs, and the destination is no sphere: the impulse of the torque on it from one
+ * clock to another, in so many panels of degree nine [N m s]. */
+void scene_output_add_torque(const struct scene_output *o, double from, double to, int panels,
+                             struct scene_state *q);
+
 #endif

@@ -7,6 +7,7 @@
 #include "segment/kinds.h"
 #include "segment/peaks.h"
 #include "segment/terminal_event.h"
+#include "segment/torque_impulse.h"
 #include "segment/zone_end.h"
 
 static bool taylor_applies(const struct segment *p)
@@ -193,4 +194,8 @@ void segment_advance(struct segment *p, double s, const struct scene_values *v, 
     if (state->physics.rate_rounding > 0.0) {
         state->physics.carried_rate = segment_sample(p, s)->of[PAIR_GAP_RATE][0];
     }
+#if SCENE_HAS_TORQUES
+    state->torques.destination_impulse =
+        vec3_add(state->torques.destination_impulse, torque_impulse(p, kinds[p->kind].change, &change, s));
+#endif
 }
