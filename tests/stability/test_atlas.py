@@ -139,6 +139,8 @@ def test_the_declared_ranges_are_swept():
     assert span("offset") == (0.0, 1e9)
     assert span("force")[1] == 1e12
     assert span("plane") == (1.0, 1e15)
+    assert span("over the edge") == (0.0, 1.0)
+    assert span("edge-on impact") == (1e-6, 1e6)
     assert span("modulus") == (1e5, 1e13)
     assert span("restitution") == (0.0, 1.0)
     assert span("exponent") == (1.0, 1.5)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from .edge import Edge
 from .head_on import HeadOn
 from .impact import Impact
 from .rolling import Rolling, Tumbling
 from .similar import Similar
 
-Motion = HeadOn | Impact | Rolling | Similar | Tumbling
+Motion = Edge | HeadOn | Impact | Rolling | Similar | Tumbling

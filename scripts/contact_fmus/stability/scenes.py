@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 from . import together
+from .edge_scenes import edge_on, over_the_edge
 from .head_on import GEOMETRIES, LAWS, PLANE, HeadOn
 from .impact_scenes import exponent, modulus, restitution
 from .scene import Family, Jump, Scene, decades
@@ -251,6 +252,8 @@ FAMILIES = (
     Family("force", "external force, N", force),
     Family("jump", "jump over the radius", jumps),
     Family("plane", "penalty factor, N/m", plane),
+    Family("over the edge", "over the edge of a cap or side, over the radius", over_the_edge),
+    Family("edge-on impact", "speed at the rim, m/s", edge_on),
     Family("modulus", "Young's modulus of both bodies, Pa", modulus),
     Family("restitution", "coefficient of restitution", restitution),
     Family("exponent", "exponent of the force law", exponent),

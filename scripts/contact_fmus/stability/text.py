@@ -25,6 +25,10 @@ AXES = {
     "jump": "The importer moves the destination by so many radii at once, into the ball or away, and back",
     "plane": "A ball on a plane: how stiff the contact is. The ball is dropped, thrown or set down, or the "
     "plane is free too",
+    "over the edge": "A ball comes down on the cap of a cylinder, or across its side, so far within the edge "
+    "or beyond it: it meets the face or the rim, or passes",
+    "edge-on impact": "A ball meets the rim along the bisector, dead centre and beside it, and parallel to "
+    "the cap: how fast, from a millionth to half of its radius deep",
     "modulus": "Impacts by Hertz's law with the stiffness of the material",
     "restitution": "Impacts by either law whose damping follows from the coefficient of restitution",
     "exponent": "Impacts by the linear law (1) and by Hertz's (3/2), from 1e-6 to 1e6 m/s, all about a "
