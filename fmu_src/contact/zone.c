@@ -97,4 +97,14 @@ int contact_zone_after(const struct contact_solid *solid, int zone, struct vec3 
     return beyond > 0.0 ? end * ZONE_RIM : ZONE_SIDE;
 }
 
+int contact_zone_ahead(const struct contact_solid *solid, struct vec3 c, struct vec3 rate)
+{
+    const double axial = vec3_dot(c, solid->axis);
+    const struct vec3 across = vec3_axpy(c, -axial, solid->axis);
+    const double along = vec3_dot(rate, solid->axis);
+    const struct solid_place ahead = {vec3_dot(across, rate) / vec3_norm(across),
+                                      axial > 0.0 ? along : -along, axial > 0.0 ? -1 : 1};
+    return contact_zone_by(&ahead);
+}
+
 #endif

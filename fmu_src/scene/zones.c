@@ -17,12 +17,24 @@ void zones_follow(struct scene_state *q, const struct scene_instant *at, int con
     }
 }
 
+/* Whether the centre is at the circle of the rim, to rounding, and moves. */
+static bool is_at_circle(const struct scene_values *v, const struct contact_shape *shape,
+                         const struct scene_instant *at, int contact)
+{
+    const struct solid_place place = contact_place_at(&shape->solid, at->separation[contact]);
+    return fmax(fabs(place.radial), fabs(place.axial)) <= rounding_of_gap(v, at, contact) &&
+           !vec3_is_zero(at->rate[contact]);
+}
+
 void zones_pass(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
                 int contact)
 {
     const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
     const int zone = q->contact[contact].zone;
-    if (zone != 0) {
+    if (zone != 0 && is_at_circle(v, &shape, at, contact)) {
+        q->contact[contact].zone =
+            contact_zone_ahead(&shape.solid, at->separation[contact], at->rate[contact]);
+    } else if (zone != 0) {
         q->contact[contact].zone = contact_zone_after(&shape.solid, zone, at->separation[contact]);
     }
 }

@@ -44,13 +44,14 @@ enum { DEPTHS = 64, DEPTH_HALVINGS = 100 };
 
 static double end_by_depth(const struct segment *p, double end)
 {
+    const double beyond = -zone_path_rounding(&p->pair.shape.solid, &p->pair.flight);
     double low = 0.0;
     for (int i = 1; i <= DEPTHS; ++i) {
         double high = end * i / DEPTHS;
-        if (depth_margin(p, high) < 0.0) {
-            for (int k = 0; k < DEPTH_HALVINGS && depth_margin(p, low) > 0.0; ++k) {
+        if (depth_margin(p, high) < beyond) {
+            for (int k = 0; k < DEPTH_HALVINGS && depth_margin(p, low) > beyond; ++k) {
                 const double middle = 0.5 * (low + high);
-                *(depth_margin(p, middle) < 0.0 ? &high : &low) = middle;
+                *(depth_margin(p, middle) < beyond ? &high : &low) = middle;
             }
             return high;
         }

@@ -183,6 +183,26 @@ def test_starts_within_the_solid_leave_by_the_nearest_face(opened, place):
     assert opened("SphereCylinder")["contact.within_extents"]
 
 
+@pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])
+@pytest.mark.parametrize("hertz", [False, True])
+def test_a_ball_shot_through_the_circle_of_the_rim_goes_on(opened, hertz, dashpot):
+    """At the circle itself all zones meet. It goes on over the cap, as one beside it does."""
+    pair = upright(
+        gravity=(0.0, 0.0, 0.0), radius=0.02, hertz=hertz, dashpot=dashpot,
+        stiffness=2e5 if hertz else 4.3e4, damping=0.01 if hertz else 5.0,
+    )  # fmt: skip
+    velocity = np.array([-7.7, 0.0, 0.0])
+    begin = np.array([R_D + 0.03, 0.0, 0.5 * LENGTH])
+    fmu = opened("SphereCylinder")
+    beside = np.concatenate([begin - [0.0, 0.0, 1e-9], np.zeros(3), velocity, np.zeros(3)])
+    before = start(fmu, values_of(pair, begin, velocity), 1e-10, "event_driven")["energy.total"]
+    for steps in (1, 3):
+        run(fmu, values_of(pair, begin, velocity), 0.02, steps, 1e-10)
+        check_close("state", state(fmu), reference(pair, beside, 0.02).state, 1e-6)
+        check_close("energy", fmu["energy.total"], before, 1e-10 * before)
+        assert fmu["solver.steps"] < 200
+
+
 def test_a_ball_goes_over_the_rim_without_a_jump(opened):
     """A ball that gravity holds to the rim passes from side over rim to cap in one contact."""
     n = np.array([np.sqrt(0.5), 0.0, np.sqrt(0.5)])
