@@ -1,43 +1,37 @@
 #include "segment/torque_impulse.h"
 
+#include <string.h>
+
+#include "math/compiler.h"
 #include "math/gauss.h"
 
 #if SCENE_HAS_TORQUES
 
-/* The part of C that counts, and its second derivative: polynomials of time. */
+/* What counts of C, at most; its second derivative: polynomials of time. */
 struct lever {
     struct vec3 c[SEPARATION_DEGREE + 1];
     struct vec3 bend[SEPARATION_DEGREE - 1];
-    bool acts, bends;
 };
 
-static struct vec3 acting(const struct contact_pair *p, struct vec3 c)
+/* Whether the relative acceleration of the flight varies. */
+static bool varies(const struct vec3 c[SEPARATION_DEGREE + 1])
 {
-    if (contact_is_rim(&p->shape)) {
-        return c;
-    }
-    if (contact_is_plane(&p->shape)) {
-        return vec3_axpy(c, -vec3_dot(p->normal, c), p->normal);
-    }
-    return vec3_scale(vec3_dot(p->shape.axis, c), p->shape.axis);
+    return !vec3_is_zero(c[3]) || !vec3_is_zero(c[4]);
 }
 
-static struct lever lever_of(const struct contact_pair *p)
+/* C x r' - C' x r at a time. */
+static inline struct vec3 boundary_terms(const struct vec3 c[SEPARATION_DEGREE + 1], bool vary,
+                                         const struct pair_change *change)
 {
-    struct lever lever = {.acts = false, .bends = false};
-    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
-        lever.c[i] = acting(p, p->flight.c[i]);
-        lever.acts = lever.acts || !vec3_is_zero(lever.c[i]);
+    const double t = change->time;
+    struct vec3 at = vec3_axpy(c[1], t, c[2]);
+    struct vec3 rate = vec3_axpy(c[1], 2.0 * t, c[2]);
+    if (vary) {
+        at = vec3_axpy(vec3_axpy(at, t * t, c[3]), t * t * t, c[4]);
+        rate = vec3_axpy(vec3_axpy(rate, 3.0 * t * t, c[3]), 4.0 * t * t * t, c[4]);
     }
-    if (contact_is_cylinder(&p->shape) && !contact_is_rim(&p->shape)) { /* c[0] may lack it */
-        lever.c[0] = vec3_scale(p->axial, p->shape.axis);
-        lever.acts = lever.acts || p->axial != 0.0;
-    }
-    for (int i = 2; i <= SEPARATION_DEGREE; ++i) {
-        lever.bend[i - 2] = vec3_scale(i * (i - 1), lever.c[i]);
-        lever.bends = lever.bends || !vec3_is_zero(lever.bend[i - 2]);
-    }
-    return lever;
+    at = vec3_axpy(c[0], t, at);
+    return vec3_sub(vec3_cross(at, change->r_rate), vec3_cross(rate, change->r));
 }
 
 /*
@@ -135,9 +129,12 @@ static struct vec3 as_works(struct segment *p, pair_changer *changer, const stru
     return sum;
 }
 
-static struct vec3 of_bend(struct segment *p, pair_changer *changer, const struct lever *lever,
-                           const struct pair_change *change, double s)
+static CONTACT_NOINLINE struct vec3 of_bend(struct segment *p, pair_changer *changer, struct lever *lever,
+                                            const struct pair_change *change, double s)
 {
+    for (int i = 2; i <= SEPARATION_DEGREE; ++i) {
+        lever->bend[i - 2] = vec3_scale(i * (i - 1), lever->c[i]);
+    }
     if (p->kind == SEGMENT_CLOSED_FORM) {
         return head_on(&p->pair, lever, change);
     }
@@ -148,31 +145,62 @@ static struct vec3 of_bend(struct segment *p, pair_changer *changer, const struc
     return by_nodes ? by_quadrature(p, changer, lever, change->time) : as_works(p, changer, lever, change, s);
 }
 
+/* Along the axis of a cylinder's side. */
+static CONTACT_NOINLINE struct vec3 at_side(struct segment *p, pair_changer *changer,
+                                            const struct pair_change *change, double s,
+                                            const double along[SEPARATION_DEGREE + 1])
+{
+    struct lever lever;
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+        lever.c[i] = vec3_scale(along[i], p->pair.shape.axis);
+    }
+    const bool vary = along[3] != 0.0 || along[4] != 0.0;
+    const bool bends = along[2] != 0.0 || vary;
+    const struct vec3 sum = boundary_terms(lever.c, vary, change);
+    return bends ? vec3_add(sum, of_bend(p, changer, &lever, change, s)) : sum;
+}
+
+/* At a plane, a cap or a rim. The part of C along n is in no product with r but by rounding; of C'' it is left
+ * out where that says that there is nothing to integrate. */
+static struct vec3 at_face(struct segment *p, pair_changer *changer, const struct pair_change *change,
+                           double s)
+{
+    const struct vec3 *c = p->pair.flight.c;
+    const bool vary = varies(c);
+    bool bends = vary || !vec3_is_zero(vec3_cross(c[2], p->pair.normal));
+    struct vec3 sum = boundary_terms(c, vary, change);
+    if (contact_is_rim(&p->pair.shape)) {
+        sum = vec3_add(sum, vec3_cross(change->r, change->r_rate));
+        bends = true;
+    }
+    if (bends) {
+        struct lever lever;
+        memcpy(lever.c, c, sizeof lever.c);
+        sum = vec3_add(sum, of_bend(p, changer, &lever, change, s));
+    }
+    return sum;
+}
+
 struct vec3 torque_impulse(struct segment *p, pair_changer *changer, const struct pair_change *change,
                            double s)
 {
-    const struct vec3 none = {0.0, 0.0, 0.0};
-    const bool has_axis = contact_is_cylinder(&p->pair.shape) || contact_is_plane(&p->pair.shape);
-    if (!has_axis && !contact_is_rim(&p->pair.shape)) {
-        return none;
+    const struct contact_pair *pair = &p->pair;
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    if (!(change->time > 0.0)) {
+        return sum;
     }
-    const struct lever lever = lever_of(&p->pair);
-    if (!lever.acts || !(change->time > 0.0)) {
-        return none;
+    if (contact_is_plane(&pair->shape) || contact_is_rim(&pair->shape)) {
+        sum = at_face(p, changer, change, s);
+    } else if (contact_is_cylinder(&pair->shape)) {
+        double along[SEPARATION_DEGREE + 1] = {pair->axial}; /* c[0] may lack it */
+        bool acts = pair->axial != 0.0;
+        for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+            along[i] = vec3_dot(pair->shape.axis, pair->flight.c[i]);
+            acts = acts || along[i] != 0.0;
+        }
+        sum = acts ? at_side(p, changer, change, s, along) : sum;
     }
-    const struct vec3 c = path_at(lever.c, SEPARATION_DEGREE + 1, change->time);
-    struct vec3 c_rate = none;
-    for (int i = SEPARATION_DEGREE; i > 0; --i) {
-        c_rate = vec3_axpy(vec3_scale(i, lever.c[i]), change->time, c_rate);
-    }
-    struct vec3 sum = vec3_sub(vec3_cross(c, change->r_rate), vec3_cross(c_rate, change->r));
-    if (contact_is_rim(&p->pair.shape)) {
-        sum = vec3_add(sum, vec3_cross(change->r, change->r_rate));
-    }
-    if (lever.bends) {
-        sum = vec3_add(sum, of_bend(p, changer, &lever, change, s));
-    }
-    return vec3_scale(-p->pair.reduced_mass, sum);
+    return vec3_scale(-pair->reduced_mass, sum);
 }
 
 #endif
