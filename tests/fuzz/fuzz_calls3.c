@@ -33,19 +33,23 @@ static fmi3Status step(struct player3 *player, struct bytes *b)
     return status;
 }
 
-static fmi3Status handle_event(fmi3Instance c, struct bytes *b)
+/* In Co-Simulation nothing is left to be done in event mode. */
+static fmi3Status handle_event(const struct player3 *player, struct bytes *b)
 {
+    fmi3Instance c = player->instance;
     fmi3Boolean flags[5] = {true, true, true, true, true};
     fmi3Float64 next = 0.0;
     const fmi3Status status = fmi3UpdateDiscreteStates(
         c, &flags[0], &flags[1], &flags[2], bytes_one(b) == 255 ? NULL : &flags[3], &flags[4], &next);
-    CLAIM(status > fmi3Warning || !(flags[0] || flags[1] || flags[2] || flags[3] || flags[4]));
+    CLAIM(status > fmi3Warning || !(flags[1] || flags[2]));
+    CLAIM(status > fmi3Warning || player->exchange || !(flags[0] || flags[3] || flags[4]));
     return status <= fmi3Warning && bytes_choice(b, 4) ? fmi3EnterStepMode(c) : status;
 }
 
 /* Between the modes, and what these FMUs do not have. */
-static fmi3Status change_mode(fmi3Instance c, struct bytes *b)
+static fmi3Status change_mode(const struct player3 *player, struct bytes *b)
 {
+    fmi3Instance c = player->instance;
     size_t number = 0;
     fmi3Float64 state = 0.0;
     switch (bytes_choice(b, 9)) {
@@ -55,7 +59,7 @@ static fmi3Status change_mode(fmi3Instance c, struct bytes *b)
         return fmi3EnterStepMode(c);
     case 2:
     case 3:
-        return handle_event(c, b);
+        return handle_event(player, b);
     case 4:
         return bytes_one(b) == 255 ? fmi3Terminate(c) : fmi3EnterEventMode(c);
     case 5:
@@ -92,7 +96,7 @@ static fmi3Status call(struct player3 *player, struct bytes *b)
     case 7:
         return step(player, b);
     case 8:
-        return change_mode(c, b);
+        return change_mode(player, b);
     case 9:
     case 10:
         return arrays3_call(c, b);

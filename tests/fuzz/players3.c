@@ -37,7 +37,8 @@ void player3_instantiate(struct player3 *player, struct bytes *b, bool exchange)
     const fmi3Boolean logging = odd % 2 == 0;
     const fmi3ValueReference required[2] = {scene_variables[steps % (unsigned)scene_variable_count].reference,
                                             steps == 255 ? bytes_word(b) : 0};
-    if (exchange != (odd >= 230 && odd < 250)) {
+    player->exchange = exchange != (odd >= 230 && odd < 250);
+    if (player->exchange) {
         player->instance =
             fmi3InstantiateModelExchange(name, token, NULL, fmi3False, logging, &host3, logger);
     } else {

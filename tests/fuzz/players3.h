@@ -16,6 +16,7 @@ enum { PLAYERS = 3, STATES = 2, MOST_INTERNAL_STEPS = 30 };
 struct player3 {
     fmi3Instance instance;
     fmi3FMUState states[STATES];
+    bool exchange;  /* of Model Exchange */
     bool hears_all; /* every refusal has to come with a message */
 };
 
