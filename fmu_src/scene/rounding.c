@@ -49,21 +49,22 @@ double rounding_of_force(const struct scene_values *v, const struct scene_state 
     const struct contact_slopes slopes = contact_force_slopes(&law, REGIME_COMPRESSION, g->gap, g->gap_rate);
     const double gap_rounding = rounding_of_gap(v, at, contact);
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const double turned = contact_is_plane(&shape) ? 0.0 : gap_rounding / g->distance;
+    const double turned = contact_is_plane(&shape) ? 0.0 : gap_rounding / fabs(g->distance);
     const double angle = fmin(8.0 * DBL_EPSILON + turned, 1.0);
     return fabs(slopes.by_gap) * gap_rounding +
            angle * (fabs(slopes.by_rate) * vec3_norm(at->rate[contact]) + fabs(at->normal_force[contact]));
 }
 
 /* Below this [m/s] the sign of g' means nothing: rounding of w; rounding of n, which has no meaning where d =
- * 0; the speed of an oscillation as large as the gap's rounding bound; the integrator's tolerance. */
+ * 0 (d < 0: a centre below a cap); the speed of an oscillation as large as the gap's rounding bound; the
+ * integrator's tolerance. */
 static double rate_rounding(const struct scene_values *v, const struct contact_law *law,
                             const struct scene_instant *at, int contact, double tolerated)
 {
     const double gap_rounding = rounding_of_gap(v, at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
     const bool turns = !g->degenerate && body_shape(contact_destination(contact)) != SHAPE_PLANE;
-    const double angle = turns ? fmin(gap_rounding / g->distance, 1.0) : 0.0;
+    const double angle = turns ? fmin(gap_rounding / fabs(g->distance), 1.0) : 0.0;
     const double spring = -contact_force_slopes(law, REGIME_COMPRESSION, g->gap, g->gap_rate).by_gap;
     const double oscillation = sqrt(fmax(spring, 0.0) * scene_inverse_mass(v, contact));
     return vec3_norm(at->rate[contact]) * angle + rounding_of_rate(at, contact) + oscillation * gap_rounding +

@@ -123,3 +123,19 @@ def test_inputs_set_in_event_mode_are_foreseen():
         instance.set({"source.external_force": [0.0, 0.0, -GRAVITY]})
         outside.update()
         check_close("touch", outside.announced, math.sqrt(2 * 0.3 / (2 * GRAVITY)), 1e-12)
+
+
+@pytest.mark.parametrize("size", [6e20, 7.2e33])
+def test_events_of_one_instant_end_below_a_cap_where_a_rounding_is_larger_than_the_body(size):
+    """The distance from a cap is negative there, which is no negative rounding"""
+    start = {"destination.radius": 1e150}
+    for instance in (
+        raw2.Instance(raw2.load("BallOverRoller"), kind=raw2.MODEL_EXCHANGE),
+        raw.Instance(raw.load("BallOverRoller"), exchange=True),
+    ):
+        with instance:
+            outside = Outside(instance.initialize(start)).begin()
+            states = outside.states()
+            states[:6] = [-89.0, -89.0, size, -89.0, 158811.0, size]
+            outside.put(0.1, states)
+            outside.event()  # refuses to go round for ever

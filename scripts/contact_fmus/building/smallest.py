@@ -17,7 +17,8 @@ from pathlib import Path
 ITERATIONS = 5
 # Version 2.0 of the format: folders and deflate. Unix: the permissions below count.
 VERSION, UNIX = 20, 3
-# A member's head, its entry in the list at the end, and the end: APPNOTE.TXT of PKWARE, 4.3.7, 4.3.12 and 4.3.16
+# A member's head, its entry in the list at the end, and the end: 4.3.7, 4.3.12 and 4.3.16 of PKWARE's
+# APPNOTE.TXT
 MEMBER, ENTRY, END = "<4s5H3L2H", "<4s6H3L5H2L", "<4s4H2LH"
 # zlib's two bytes before and four after what a ZIP wants (RFC 1950)
 ZLIB_HEAD, ZLIB_TAIL = 2, 4
