@@ -204,26 +204,36 @@ static inline void hertz_order(struct pair_hertz *p, struct hertz_recurrence *z,
     }
 }
 
-static inline void hertz_run(struct pair_hertz *p, struct hertz_recurrence *z, int dimensions, int degree,
-                             bool has_mismatch)
+/* Orders that the recurrence takes in one go: from `begin` up to but without `end`. */
+struct hertz_orders {
+    int begin, end;
+};
+
+static inline void hertz_run(struct pair_hertz *p, struct hertz_recurrence *z, struct hertz_orders orders,
+                             struct hertz_kind kind)
 {
-    hertz_order(p, z, 0, (struct hertz_kind){dimensions, degree, has_mismatch, true});
-    for (int i = 1; i < TAYLOR_TERMS; ++i) {
-        hertz_order(p, z, i, (struct hertz_kind){dimensions, degree, has_mismatch, false});
+    if (orders.begin == 0) {
+        hertz_order(p, z, 0, (struct hertz_kind){kind.dimensions, kind.degree, kind.has_mismatch, true});
+    }
+    for (int i = orders.begin > 0 ? orders.begin : 1; i < orders.end; ++i) {
+        hertz_order(p, z, i, kind);
     }
 }
 
 /* Under constant forces the degree is two at most. */
-CONTACT_FLATTEN void hertz_recurrence_run(struct pair_hertz *p, struct hertz_recurrence *z)
+CONTACT_FLATTEN void hertz_recurrence_run(struct pair_hertz *p, struct hertz_recurrence *z, int begin,
+                                          int end)
 {
     const struct hertz_flight *flight = &p->flight;
+    const struct hertz_orders orders = {begin, end};
     if (flight->degree > 2 || p->from->has_mismatch) {
-        hertz_run(p, z, flight->dimensions, flight->degree, p->from->has_mismatch);
+        const struct hertz_kind any = {flight->dimensions, flight->degree, p->from->has_mismatch, false};
+        hertz_run(p, z, orders, any);
     } else if (flight->dimensions == 1) {
-        hertz_run(p, z, 1, 2, false);
+        hertz_run(p, z, orders, (struct hertz_kind){1, 2, false, false});
     } else if (flight->dimensions == 2) {
-        hertz_run(p, z, 2, 2, false);
+        hertz_run(p, z, orders, (struct hertz_kind){2, 2, false, false});
     } else {
-        hertz_run(p, z, HERTZ_DIMENSIONS, 2, false);
+        hertz_run(p, z, orders, (struct hertz_kind){HERTZ_DIMENSIONS, 2, false, false});
     }
 }

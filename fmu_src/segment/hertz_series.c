@@ -129,9 +129,8 @@ static double hertz_reliable_step(const struct pair_hertz *p, const struct hertz
     return fmin(LONGEST_HERTZ, exp2(log2(accuracy) / TAYLOR_TERMS - growth));
 }
 
-void pair_hertz_make(struct pair_hertz *p, const struct contact_pair *from, double accuracy)
+void pair_hertz_begin(struct pair_hertz *p, struct hertz_recurrence *z, const struct contact_pair *from)
 {
-    struct hertz_recurrence z;
     p->from = from;
     p->flight = hertz_flight_of(from);
     p->unit = hertz_unit(from, pair_gap_derivative(from));
@@ -140,8 +139,20 @@ void pair_hertz_make(struct pair_hertz *p, const struct contact_pair *from, doub
     for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
         p->r[j][0] = p->r_rate[j][0] = 0.0;
     }
-    z.inverse_distance = 1.0 / from->distance;
-    z.side_by_mass = from->shape.side / from->reduced_mass;
-    hertz_recurrence_run(p, &z);
-    p->step = hertz_reliable_step(p, &z, accuracy);
+    z->inverse_distance = 1.0 / from->distance;
+    z->side_by_mass = from->shape.side / from->reduced_mass;
+    hertz_recurrence_run(p, z, 0, HERTZ_FIRST);
+}
+
+void pair_hertz_complete(struct pair_hertz *p, struct hertz_recurrence *z, double accuracy)
+{
+    hertz_recurrence_run(p, z, HERTZ_FIRST, TAYLOR_TERMS);
+    p->step = hertz_reliable_step(p, z, accuracy);
+}
+
+void pair_hertz_make(struct pair_hertz *p, const struct contact_pair *from, double accuracy)
+{
+    struct hertz_recurrence z;
+    pair_hertz_begin(p, &z, from);
+    pair_hertz_complete(p, &z, accuracy);
 }

@@ -4,7 +4,8 @@
 
 enum { SLOW_SWEEPS = 30 };
 
-/* A sweep that changes delta and n by less than this part of them has converged; their rounding is less. */
+/* Sweeps have converged where what is left changes delta and n by less than this part of them; their rounding
+ * is less. */
 static const double SLOW_SWEPT = 4.0 * DBL_EPSILON;
 
 /* Newton's matrix is made once n changes by less than this, and anew while delta changes by more than this
@@ -63,27 +64,14 @@ static void slow_solve(const struct slow_newton *newton, double *x)
     }
 }
 
-/* I I, with I[i][j] the integral to node i of the polynomial that is 1 at node j. */
-static void integrate_twice(double twice[SLOW_N][SLOW_N])
-{
-    for (int i = 0; i < SLOW_N; ++i) {
-        for (int j = 0; j < SLOW_N; ++j) {
-            twice[i][j] = 0.0;
-            for (int k = 0; k < SLOW_N; ++k) {
-                twice[i][j] += radau.integral[k * SLOW_N + i] * radau.integral[j * SLOW_N + k];
-            }
-        }
-    }
-}
-
-static void slow_matrix(const struct hertz_slow *p, double twice[SLOW_N][SLOW_N], struct slow_newton *newton)
+static void slow_matrix(const struct hertz_slow *p, struct slow_newton *newton)
 {
     for (int i = 0; i < SLOW_N; ++i) {
         double law[3];
         slow_law(p, p->depth[i], p->rate[i], law);
         for (int j = 0; j < SLOW_N; ++j) {
-            newton->a[i][j] =
-                (i == j ? 1.0 : 0.0) + law[1] * twice[i][j] + law[2] * radau.integral[j * SLOW_N + i];
+            newton->a[i][j] = (i == j ? 1.0 : 0.0) + law[1] * radau_twice[j * SLOW_N + i] +
+                              law[2] * radau.integral[j * SLOW_N + i];
         }
     }
     slow_factor(newton);
@@ -102,7 +90,8 @@ static bool take_bend(struct hertz_slow *p, double *change)
     *change = 0.0;
     for (int i = 0; i < SLOW_N; ++i) {
         const double depth = p->depth_start + deeper[i];
-        *change = fmax(*change, fabs(depth - p->depth[i]) / depth);
+        const double part = fabs(depth - p->depth[i]) / depth;
+        *change = part > *change ? part : *change;
         if (!(depth > 0.0)) {
             return false;
         }
@@ -111,29 +100,24 @@ static bool take_bend(struct hertz_slow *p, double *change)
     return true;
 }
 
-/* A first guess of delta, with the bend that leads there: at rest under the load at each node; as at the
- * start beyond critical damping, for there it creeps. */
-static bool guess_depth(struct hertz_slow *p, const double *load, double twice[SLOW_N][SLOW_N])
+/* A first guess of delta: at rest under the load at each node; as at the start beyond critical damping, for
+ * there it creeps. The bend is left zero, which leads elsewhere: for Newton's first step, `apart` is how far. */
+static bool guess_depth(struct hertz_slow *p, const double *load, double apart[SLOW_N])
 {
     double law[3];
     slow_law(p, p->depth_start, p->rate_start, law);
     const bool creeps = law[2] * law[2] > 4.0 * law[1];
-    struct slow_newton inverse;
     for (int i = 0; i < SLOW_N; ++i) {
         if (!(load[i] > 0.0)) {
             return false;
         }
         const double rest = load[i] / (p->half * p->half * p->k);
         p->depth[i] = creeps ? p->depth_start : cbrt(rest * rest);
-        p->bend[i] = p->depth[i] - p->depth_start - p->rate_start * (1.0 + radau.node[i]);
-        for (int j = 0; j < SLOW_N; ++j) {
-            inverse.a[i][j] = twice[i][j];
-        }
+        p->rate[i] = p->rate_start;
+        p->bend[i] = 0.0;
+        apart[i] = p->depth_start + p->rate_start * (1.0 + radau.node[i]) - p->depth[i];
     }
-    slow_factor(&inverse);
-    slow_solve(&inverse, p->bend);
-    double ignored;
-    return take_bend(p, &ignored);
+    return true;
 }
 
 /* The polynomial through the nodes at the start, less the value there: what truncation leaves, and a part
@@ -150,31 +134,39 @@ static double misses_start(const double *values, double start)
 enum { LOOK_AFTER = 2 };
 static const double TOO_FAST = 1e3;
 
+/* Whether the changes of sweeps to come are less than SLOW_SWEPT in all, as they fall by the ratio of the last
+ * two. */
+static bool sweeps_have_converged(double last, double before)
+{
+    return last <= SLOW_SWEPT || (last < before && last * last <= SLOW_SWEPT * (before - last));
+}
+
 static bool slow_iterate(struct hertz_slow *p, double depth_tolerance)
 {
     struct slow_newton newton;
-    double twice[SLOW_N][SLOW_N];
     nodal_values load;
+    double apart[SLOW_N];
     for (int i = 0; i < SLOW_SWEEPS && slow_sweep_turning(p) > NEW_MATRIX; ++i) {
         /* until the load is near enough for Newton's matrix to last */
     }
     slow_load(p, load);
-    integrate_twice(twice);
-    if (!guess_depth(p, load, twice)) {
+    if (!guess_depth(p, load, apart)) {
         return false;
     }
     double change = 1.0;
+    double largest = 0.0; /* of the changes of delta and n; none yet */
     for (int i = 0; i < SLOW_SWEEPS; ++i) {
         double error[SLOW_N];
+        const double before = largest;
         const double turned = slow_sweep_turning(p);
         slow_load(p, load);
         if (change > NEW_MATRIX) {
-            slow_matrix(p, twice, &newton);
+            slow_matrix(p, &newton);
         }
         for (int j = 0; j < SLOW_N; ++j) {
             double law[3];
             slow_law(p, p->depth[j], p->rate[j], law);
-            error[j] = load[j] - law[0] - p->bend[j];
+            error[j] = load[j] - law[0] - p->bend[j] - (i == 0 ? law[1] * apart[j] : 0.0);
         }
         slow_solve(&newton, error);
         for (int j = 0; j < SLOW_N; ++j) {
@@ -183,7 +175,9 @@ static bool slow_iterate(struct hertz_slow *p, double depth_tolerance)
         if (!take_bend(p, &change)) {
             return false;
         }
-        if (fmax(change, turned) <= SLOW_SWEPT) {
+        largest = fmax(change, turned);
+        if (sweeps_have_converged(largest, before)) {
+            (void)slow_sweep_turning(p); /* with the last delta */
             return true;
         }
         if (i == LOOK_AFTER && misses_start(p->depth, p->depth_start) > TOO_FAST * depth_tolerance) {
@@ -231,6 +225,7 @@ bool slow_hertz_make(struct hertz_slow *p, const struct contact_pair *from, doub
     for (int i = 0; i < SLOW_N; ++i) {
         p->depth[i] = p->depth_start;
     }
+    slow_note_pull(p);
     if (!slow_iterate(p, depth_tolerance) || !slow_is_accurate(p, tolerance, depth_tolerance)) {
         return false;
     }

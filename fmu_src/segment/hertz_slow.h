@@ -18,21 +18,25 @@
 #include "math/radau.h"
 #include "segment/pair_hertz.h"
 
-enum { HERTZ_TURNING = 2 * HERTZ_DIMENSIONS }; /* components of n, then of H */
+enum {
+    HERTZ_TURNING = 2 * HERTZ_DIMENSIONS, /* components of n, then of H */
+    SLOW_N = RADAU_POINTS
+};
 
 struct hertz_slow {
     const struct contact_pair *from;
     struct hertz_flight flight;
-    double half;                         /* of the step [s] */
-    double k;                            /* k_h / m_red */
-    double start[HERTZ_TURNING];         /* n, H at the start */
-    nodal_values turned[HERTZ_TURNING];  /* at the nodes: change of n and H since the start */
-    nodal_values turning[HERTZ_TURNING]; /* d/ds of these */
-    double depth_start, rate_start;      /* delta [m], d delta/ds [m] */
-    nodal_values depth;                  /* at the nodes: delta [m] */
-    nodal_values rate;                   /* d delta/ds [m] */
-    nodal_values bend;                   /* d2 delta/ds2 [m] */
-    nodal_values rate_terms;             /* of `rate`, coefficients of s - 1 */
+    double half;                           /* of the step [s] */
+    double k;                              /* k_h / m_red */
+    double start[HERTZ_TURNING];           /* n, H at the start */
+    double pull[SLOW_N][HERTZ_DIMENSIONS]; /* at the nodes: A [m/s^2] */
+    nodal_values turned[HERTZ_TURNING];    /* at the nodes: change of n and H since the start */
+    nodal_values turning[HERTZ_TURNING];   /* d/ds of these */
+    double depth_start, rate_start;        /* delta [m], d delta/ds [m] */
+    nodal_values depth;                    /* at the nodes: delta [m] */
+    nodal_values rate;                     /* d delta/ds [m] */
+    nodal_values bend;                     /* d2 delta/ds2 [m] */
+    nodal_values rate_terms;               /* of `rate`, coefficients of s - 1 */
 };
 
 /* Whether the step [s] is accurate: delta and what it oscillates by to `depth_tolerance`, d n to `tolerance`
@@ -45,7 +49,6 @@ void slow_hertz_sample(const void *hertz_slow, double s, struct pair_sample *sam
 struct pair_change slow_hertz_change(const void *hertz_slow, double s);
 
 /* Below: what the files of this kind share. */
-enum { SLOW_N = RADAU_POINTS };
 
 /* factor a x b */
 static inline void slow_cross(const double *a, const double *b, double slow_factor,
@@ -82,6 +85,9 @@ static inline void slow_law(const struct hertz_slow *p, double depth, double rat
 /* One sweep with delta as it is: H by n, then n by that H, so that the error falls by two powers of the
  * radians in the step; returns the largest change of n. */
 double slow_sweep_turning(struct hertz_slow *p);
+
+/* p->pull, from p->flight and p->half. */
+void slow_note_pull(struct hertz_slow *p);
 
 /* half^2 L [m] at the nodes. */
 void slow_load(const struct hertz_slow *p, double load[SLOW_N]);

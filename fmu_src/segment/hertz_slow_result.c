@@ -45,6 +45,15 @@ static struct slow_place slow_place_at(const struct hertz_slow *p, double s)
     return at;
 }
 
+static struct slow_place slow_place_of_node(const struct hertz_slow *p, int node)
+{
+    struct slow_place at = {.depth = p->depth[node], .rate = p->rate[node]};
+    for (int j = 0; j < HERTZ_TURNING; ++j) {
+        at.turned[j] = p->start[j] + p->turned[j][node];
+    }
+    return at;
+}
+
 /* r and r' at a place, in the frame. */
 static void slow_deviation(const struct hertz_slow *p, const struct slow_place *at, double s,
                            double r[HERTZ_DIMENSIONS], double r_rate[HERTZ_DIMENSIONS])
@@ -82,7 +91,8 @@ static bool has_work(const struct pair_work *work)
            !(vec3_is_zero(work->path[0]) && vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
 }
 
-/* The integrals of pair_work and of the dashpot's power over [0, s], by Radau's quadrature. */
+/* The integrals of pair_work and of the dashpot's power over [0, s], by Radau's quadrature: over the whole
+ * step its places are the nodes. */
 static void slow_powers(const struct hertz_slow *p, double s, struct pair_change *change)
 {
     change->dissipated = change->work[0] = change->work[1] = 0.0;
@@ -93,7 +103,7 @@ static void slow_powers(const struct hertz_slow *p, double s, struct pair_change
         const double place = 0.5 * s * (1.0 + radau.node[i]);
         const double weight = 0.5 * s * p->half * radau.integral[i * SLOW_N + SLOW_N - 1];
         const double time = p->half * place;
-        const struct slow_place at = slow_place_at(p, place);
+        const struct slow_place at = s == 2.0 ? slow_place_of_node(p, i) : slow_place_at(p, place);
         const double force = slow_force(p, &at);
         const double rate = at.rate / p->half;
         const double spring = p->from->hertz_stiffness * at.depth * sqrt(at.depth);

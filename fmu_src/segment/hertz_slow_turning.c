@@ -12,6 +12,13 @@ static void slow_acceleration(const struct hertz_flight *flight, double time, do
     }
 }
 
+void slow_note_pull(struct hertz_slow *p)
+{
+    for (int i = 0; i < SLOW_N; ++i) {
+        slow_acceleration(&p->flight, p->half * (1.0 + radau.node[i]), p->pull[i]);
+    }
+}
+
 static double slow_dot(const double *a, const double *b)
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -46,10 +53,8 @@ double slow_sweep_turning(struct hertz_slow *p)
     for (int i = 0; i < SLOW_N; ++i) {
         double at[HERTZ_TURNING];
         double rate[HERTZ_DIMENSIONS];
-        double a[HERTZ_DIMENSIONS];
         turned_at(p, i, at);
-        slow_acceleration(&p->flight, p->half * (1.0 + radau.node[i]), a);
-        slow_cross(at, a, p->half * slow_distance(p, p->depth[i]), rate);
+        slow_cross(at, p->pull[i], p->half * slow_distance(p, p->depth[i]), rate);
         for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
             p->turning[HERTZ_DIMENSIONS + j][i] = rate[j];
         }
@@ -72,10 +77,8 @@ void slow_load(const struct hertz_slow *p, double load[SLOW_N])
 {
     for (int i = 0; i < SLOW_N; ++i) {
         double at[HERTZ_TURNING];
-        double a[HERTZ_DIMENSIONS];
         turned_at(p, i, at);
-        slow_acceleration(&p->flight, p->half * (1.0 + radau.node[i]), a);
-        double push = slow_dot(at, a);
+        double push = slow_dot(at, p->pull[i]);
         if (p->flight.dimensions > 1) {
             const double *h = at + HERTZ_DIMENSIONS;
             const double d = slow_distance(p, p->depth[i]);

@@ -24,15 +24,22 @@ bool overdamped_make(struct segment *p);
 bool hertz_elastic_applies(const struct segment *p);
 bool hertz_elastic_segment_make(struct segment *p);
 
-/* Under Hertz's law; false where its force is nothing beside the load, as at rest at the touch, and the
- * motion is a Taylor series over p->longest, which is then as long as that lasts. p->terminal is known. */
+/* Under Hertz's law. False where p->may_be_slow and the first coefficients show that it is; or where the
+ * force is nothing beside the load, as at rest at the touch, and the motion is a Taylor series over
+ * p->longest, which is then as long as that lasts. Only in the former case p->may_be_slow stays. p->terminal
+ * is known. */
 bool hertz_applies(const struct segment *p);
 bool hertz_make(struct segment *p);
 
-/* Under a load that presses, far slower than the contact's oscillation or its decay. p->as.hertz holds the
- * series from the same start, which tells. */
+/* Under a load that presses, far slower than the contact's oscillation or its decay. */
 bool hertz_slow_applies(const struct segment *p);
 bool hertz_slow_make(struct segment *p);
+
+/* Whether nothing fast is left of the contact, by the first coefficients in p->as.hertz. */
+bool hertz_is_slow(const struct segment *p);
+
+/* L: the acceleration that presses the bodies together [m/s^2]. */
+double hertz_pressing_load(const struct contact_pair *from);
 
 /* For how long the force of a contact at rest at the touch stays nothing beside the load [s], 0 where it is
  * not; and the terminal event of a segment that has been sampled, whose bodies part at s = `parting`. */

@@ -86,16 +86,21 @@ static bool is_collocated(const struct segment *p)
 }
 
 #if SCENE_ANY_HERTZ
-/* What is in closed form first; then the series, for it tells whether anything is fast; where that was wrong
- * it is made again. */
+/* What is in closed form first; then the series, whose first coefficients tell whether anything is fast; where
+ * they were wrong it is made in spite of them. */
 static void make_hertz(struct segment *p)
 {
     if (make_kind(p, SEGMENT_HERTZ_ELASTIC)) {
         return;
     }
-    if (!make_kind(p, SEGMENT_HERTZ)) {
+    p->may_be_slow = hertz_slow_applies(p);
+    if (make_kind(p, SEGMENT_HERTZ)) {
+        return;
+    }
+    if (!p->may_be_slow) {
         (void)make_kind(p, SEGMENT_TAYLOR);
-    } else if (hertz_slow_applies(p) && !make_kind(p, SEGMENT_HERTZ_SLOW)) {
+    } else if (!make_kind(p, SEGMENT_HERTZ_SLOW)) {
+        p->may_be_slow = false;
         (void)make_kind(p, SEGMENT_HERTZ);
     }
 }

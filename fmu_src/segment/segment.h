@@ -48,6 +48,9 @@ struct segment {
 #if SCENE_ANY_CAPS
     bool leaves_zone; /* the terminal event: the zone of a capped cylinder ends, and the regime goes on */
 #endif
+#if SCENE_ANY_HERTZ
+    bool may_be_slow; /* under Hertz's law, and to be looked at */
+#endif
     /* Below: for the kinds and the search for peaks. */
     enum segment_kind kind;
     union {

@@ -7,7 +7,8 @@ those of Radau, with 60 digits.
 Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32); of Radau the roots of P_{n-1} - P_n,
 of which 1 is one (25.4.31, mirrored). With l_j the Lagrange polynomials
 of the n nodes: `integral[j n + i]` is the integral of l_j from -1 to node i, `monomial[j n + k]` the
-coefficient of sigma^k in l_j.
+coefficient of sigma^k in l_j. Of Radau's nodes `twice[j n + i]` is the integral from -1 to node i of the
+integral of l_j.
 """
 
 import sys
@@ -49,6 +50,13 @@ def integral(coefficients: list, end) -> mpmath.mpf:
     return sum(c * (end ** (k + 1) - mpmath.mpf(-1) ** (k + 1)) / (k + 1) for k, c in enumerate(coefficients))
 
 
+def twice(at: list) -> list:
+    """The integrals to the nodes of the integrals of each l_j: rows of j."""
+    basis = [lagrange(at, j) for j in range(len(at))]
+    once = [[integral(b, x) for x in at] for b in basis]
+    return [[sum(row[k] * once[k][i] for k in range(len(at))) for i in range(len(at))] for row in once]
+
+
 def number(x) -> str:
     """A C literal that reads back as the nearest double."""
     value = float(x)
@@ -82,7 +90,10 @@ def print_radau() -> None:
     """Prints the file of Radau's nodes."""
     print("/* Written by scripts/tools/make_lobatto.py radau; not to be edited. */")
     print('#include "math/radau.h"\n\n/* clang-format off */')
-    print(tables(radau_nodes(RADAU)).replace(f"_{RADAU}[", f"_radau_{RADAU}["))
+    at = radau_nodes(RADAU)
+    print(tables(at).replace(f"_{RADAU}[", f"_radau_{RADAU}["))
+    public = "const double radau_twice[RADAU_POINTS * RADAU_POINTS]"
+    print(table("", twice(at)).replace(f"static const double [{RADAU * RADAU}]", public))
     rows = ", ".join(f"{name}_radau_{RADAU}" for name in ("node", "integral", "monomial"))
     print(f"const struct lobatto radau = {{{RADAU}, {rows}}};\n/* clang-format on */")
 

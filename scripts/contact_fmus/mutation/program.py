@@ -18,6 +18,7 @@ from functools import cached_property
 from pathlib import Path
 
 OPTIMIZATION = "-O1"
+_LAUNCHER = re.compile(r"^\S*\b(ccache|sccache|distcc) ")  # CMAKE_C_COMPILER_LAUNCHER, before the compiler
 _DROPPED = ("-O", "-flto", "-fno-fat-lto", "-g", "-MD", "-W", "-fvisibility", "-ffile-prefix-map")
 
 
@@ -27,6 +28,8 @@ class Program:
     def __init__(self, source: Path, build: Path, folder: Path):
         self.source, self.build, self.folder = source, build, folder
         self.commands = json.loads(_output(["ninja", "-C", str(build), "-t", "compdb"]))
+        for command in self.commands:
+            command["command"] = _LAUNCHER.sub("", command["command"])
         self.copies = {}  # slot: folder with a copy of the source
 
     @cached_property
