@@ -102,7 +102,8 @@ void scene_output_add_torque(const struct scene_output *o, double from, double t
         struct scene_state then;
         struct scene_instant at;
         const int node = i % GAUSS_NODES;
-        scene_at(o, from + half * (2 * (i / GAUSS_NODES) + 1.0 + GAUSS_NODE[node]), &then, &at);
+        const int panel = i / GAUSS_NODES;
+        scene_at(o, from + half * (2.0 * panel + 1.0 + GAUSS_NODE[node]), &then, &at);
         *sum = vec3_axpy(*sum, half * GAUSS_WEIGHT[node], scene_torque_of_force(&at, o->contact));
     }
 }

@@ -96,7 +96,8 @@ static struct vec3 by_quadrature(struct segment *p, pair_changer *changer, const
     const double half = 0.5 * time / PANELS;
     for (int i = 0; i < PANELS * GAUSS_NODES; ++i) {
         const struct gauss_place place = gauss_place(i % GAUSS_NODES, true);
-        const double t = half * (2 * (i / GAUSS_NODES) + place.at);
+        const int panel = i / GAUSS_NODES;
+        const double t = half * (2.0 * panel + place.at);
         const struct pair_change then = changer(&p->as, segment_place(p, t));
         const struct vec3 bend = path_at(lever->bend, SEPARATION_DEGREE - 1, t);
         const double weight = half * GAUSS_WEIGHT[i % GAUSS_NODES] * place.factor;
@@ -160,8 +161,8 @@ static CONTACT_NOINLINE struct vec3 at_side(struct segment *p, pair_changer *cha
     return bends ? vec3_add(sum, of_bend(p, changer, &lever, change, s)) : sum;
 }
 
-/* At a plane, a cap or a rim. The part of C along n is in no product with r but by rounding; of C'' it is left
- * out where that says that there is nothing to integrate. */
+/* At a plane, a cap or a rim. The part of C along n is in no product with r but by rounding; where C'' has no
+ * other part there is nothing to integrate. */
 static struct vec3 at_face(struct segment *p, pair_changer *changer, const struct pair_change *change,
                            double s)
 {
