@@ -166,6 +166,9 @@ def run(pair, y, end):
         if which == 0:
             zone = _zone_beyond(pair, y, zone)
             zones.append((time, zone))
+            if branch == APART and pair.gap_and_rate(y)[0] <= 0 and pair.branch_at(y) != APART:
+                branch = pair.branch_at(y)  # they touch on the very edge
+                changes.append((time, branch))
         else:
             if which == 1:
                 y = _close(pair, y)
