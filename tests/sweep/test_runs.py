@@ -102,3 +102,39 @@ def test_all_parameters_of_the_study_vary(study):
     values = study.samples().values(0, 50)
     assert list(values) == list(BOUNCES)
     assert all(len(np.unique(column)) > 1 for column in values.values())
+
+
+CAPPED = """fmu = "SphereCylinder"
+[experiment]
+stop_time = 0.4
+steps = 2
+[start]
+"destination.finite_length" = true
+"destination.ends" = "capped"
+"contact.method" = "penalty"
+"contact.penalty_factor" = 1e5
+"source.center[3]" = 0.7
+"destination.axis[2]" = 0.0
+"destination.axis[3]" = 1.0
+[vary]
+"source.center[1]" = [0.0, 0.4, 0.499999999, 0.500000001, 0.51, 0.65]
+[outputs]
+"bounces" = "contact.onsets"
+"zone" = { variable = "contact.zone", at = 0.15 }
+"aside" = "source.velocity[1]"
+"""
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_balls_that_fall_over_the_edge_of_a_capped_cylinder(tmp_path, compiled):
+    """On the cap they bounce straight up, at the rim aside, and beyond it they pass"""
+    study = read(write_study(tmp_path, CAPPED))
+    _, rows = run_here(study, compiled=compiled)
+    assert rows.status.tolist() == [0] * 6
+    bounces, zones, aside = rows.values[:3]
+    assert (bounces > 0).tolist() == [True] * 5 + [False]
+    assert np.all(aside[:3] == 0.0) and np.all(aside[3:5] > 0.0) and aside[5] == 0.0
+    with ContactFmu(study.fmu) as fmu:
+        items = fmu.variable("contact.zone")
+        shown = [items.items[items.item_values.index(value)] for value in zones]
+    assert shown == ["cap", "cap", "cap", "rim", "rim", "none"]
