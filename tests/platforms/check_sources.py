@@ -75,29 +75,41 @@ def test_fmpy_compiles_the_sources(case, compiled_by_fmpy):
     assert [rows[name][-1] for name in names] == pytest.approx(benchmark.position, abs=1e-9)
 
 
-@pytest.mark.parametrize("name", CHECKED)
-def test_clang_in_the_mode_of_msvc_has_no_complaint_about_the_sources(name, release):
-    """mingw-w64's headers stand in for Microsoft's: they compile here, but what comes of it does not run"""
+def compile_as_msvc(file, compiled, folder):
+    """clang in the mode of Microsoft's compiler; mingw-w64's headers stand in for Microsoft's"""
     headers = Path(find_compiler("zig")[0]).parent / "lib" / "libc" / "include"
     folders = [headers / one for one in ("x86_64-windows-gnu", "generic-mingw", "any-windows-any")]
-    command = [
-        "clang",
-        "--target=x86_64-pc-windows-msvc",
-        "-std=c11",
-        "-O2",
-        "-c",
-        "-o",
-        os.devnull,
-        *WARNINGS,
-    ]
-    command += ["-o", os.devnull, "-nostdlibinc", "-D_UCRT", "-include", BESIDE / "msvc_headers.h"]
-    command += [word for folder in folders for word in ("-isystem", folder)]
+    command = ["clang", "--target=x86_64-pc-windows-msvc", "-std=c11", "-O2", *WARNINGS]
+    command += ["-nostdlibinc", "-D_UCRT", "-include", BESIDE / "msvc_headers.h"]
+    command += [word for one in folders for word in ("-isystem", one)]
+    return checked([*command, "-c", file, "-o", compiled], cwd=folder, status=1 if "wrong" in file else 0)
+
+
+@pytest.mark.parametrize("name", CHECKED)
+def test_clang_in_the_mode_of_msvc_has_no_complaint_about_the_sources(name, release):
     sources = release(name) / "sources"
     wrong = sources / "wrong.c"
     wrong.write_text('#include "contact.c"\nint *wrong = 1.5;\n')
-    assert "wrong.c:2" in checked([*command, "wrong.c"], cwd=sources, status=1)
+    assert "wrong.c:2" in compile_as_msvc("wrong.c", os.devnull, sources)
     wrong.unlink()
-    assert checked([*command, "contact.c"], cwd=sources) == ""
+    assert compile_as_msvc("contact.c", os.devnull, sources) == ""
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case not in CVODE])
+def test_clang_in_the_mode_of_msvc_gives_the_motion_of_linux(case, hosts, release, of_this_build):
+    """With mingw-w64's libm"""
+    name, values, end, bound = CASES[case]
+    folder = release(name)
+    library = folder / "msvc.dll"
+    if not library.exists():
+        compile_as_msvc("contact.c", folder / "msvc.obj", folder / "sources")
+        parts = [folder / "msvc.obj", BESIDE / "msvc_runtime.c"]
+        checked([MINGW, "-shared", "-static-libgcc", "-o", library, *parts])
+    program, environment = hosts[2, "win64"]
+    text = motion(program, library, folder, values, end, environment)
+    off = difference(text, of_this_build(case))
+    print(f"\nmsvc {case}: {off:.1e}", file=sys.__stderr__)
+    assert off <= bound
 
 
 @pytest.fixture(scope="session")
