@@ -45,7 +45,7 @@ void contact_axis_distance(const struct vec3 c[3], const struct vec3 axis[3], do
 /* The zone beyond the edge that is nearest to c, from within a zone. */
 int contact_zone_after(const struct contact_solid *solid, int zone, struct vec3 c);
 
-/* The zone into which a centre goes that is at the circle of the rim itself, where all zones meet, by its rate
+/* The zone into which a centre goes that is at the circle of the rim, where all zones meet, by its rate
  * [m/s]. */
 int contact_zone_ahead(const struct contact_solid *solid, struct vec3 c, struct vec3 rate);
 

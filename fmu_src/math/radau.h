@@ -11,7 +11,7 @@ enum { RADAU_POINTS = 12 };
 
 extern const struct lobatto radau;
 
-/* radau.integral applied twice: [j RADAU_POINTS + i] is the integral to node i of the integral of the polynomial
+/* radau.integral twice: [j RADAU_POINTS + i] is the integral to node i of the integral of the polynomial
  * that is 1 at node j. */
 extern const double radau_twice[RADAU_POINTS * RADAU_POINTS];
 

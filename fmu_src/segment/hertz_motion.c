@@ -11,7 +11,7 @@ static const double NO_FORCE = 0.5 * DBL_EPSILON;
  * two of them no quantity has two extrema. */
 enum { PLACES = 3 };
 
-/* What the last terms of a series may be, as a part of the whole: the tolerance of a segment, but no less than
+/* What the last terms of a series may be, as a part of the whole: the tolerance of a segment, no less than
  * some roundings, and no more than keeps energies closed to 1e-10 over thousands of segments; or a hundredth
  * of that tolerance where it is more, up to what keeps them closed to 1e-10 over an impact. */
 static const double FINEST = 8.0 * DBL_EPSILON;

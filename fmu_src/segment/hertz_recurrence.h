@@ -28,8 +28,8 @@ struct hertz_recurrence {
     double inverse_distance, side_by_mass; /* 1/d at the start [1/m], side/m_red [1/kg] */
 };
 
-/* The orders from `begin` up to but without `end`: each gives the next coefficients of u, t, r and r', and its
- * own of what else is in p and takes part in z. The orders before are known; of the first, zero, u, t, r and r'. */
+/* The orders from `begin` to before `end`: each gives the next coefficients of u, t, r and r', and its
+ * own of what else in p takes part in z. The orders before are known; of the first, zero, u, t, r and r'. */
 void hertz_recurrence_run(struct pair_hertz *p, struct hertz_recurrence *z, int begin, int end);
 
 /* pair_hertz_make in two parts: the coefficients of u up to HERTZ_FIRST, then the rest. */

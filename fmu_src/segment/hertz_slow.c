@@ -101,7 +101,7 @@ static bool take_bend(struct hertz_slow *p, double *change)
 }
 
 /* A first guess of delta: at rest under the load at each node; as at the start beyond critical damping, for
- * there it creeps. The bend is left zero, which leads elsewhere: for Newton's first step, `apart` is how far. */
+ * there it creeps. The bend is left zero, leading elsewhere: for Newton's first step, `apart` is how far. */
 static bool guess_depth(struct hertz_slow *p, const double *load, double apart[SLOW_N])
 {
     double law[3];
@@ -134,7 +134,7 @@ static double misses_start(const double *values, double start)
 enum { LOOK_AFTER = 2 };
 static const double TOO_FAST = 1e3;
 
-/* Whether the changes of sweeps to come are less than SLOW_SWEPT in all, as they fall by the ratio of the last
+/* Whether the changes of sweeps to come are below SLOW_SWEPT in all, as they fall by the ratio of the last
  * two. */
 static bool sweeps_have_converged(double last, double before)
 {

@@ -86,7 +86,7 @@ static bool is_collocated(const struct segment *p)
 }
 
 #if SCENE_ANY_HERTZ
-/* What is in closed form first; then the series, whose first coefficients tell whether anything is fast; where
+/* What is in closed form first; then the series, whose first coefficients tell if anything is fast; where
  * they were wrong it is made in spite of them. */
 static void make_hertz(struct segment *p)
 {
