@@ -99,6 +99,9 @@ static inline double segment_time(const struct segment *p, double s)
 static inline double segment_place(const struct segment *p, double time)
 {
 #if SCENE_ANY_HERTZ
+    if (p->kind >= SEGMENT_HERTZ_ELASTIC && !(time > 0.0)) {
+        return 0.0; /* at a touch the time is of second order in s, and gives no root there */
+    }
     if (p->kind == SEGMENT_HERTZ) {
         const double end = fmin(p->end, p->terminal.s);
         return !(time < segment_time(p, end)) ? end : pair_hertz_place(&p->as.hertz, time, end);
