@@ -1,5 +1,8 @@
 /* How long a first step of the general segment may be. */
 #include "integrator/general_memory.h"
+#include "scene/free_bodies.h"
+#include "scene/scene_jet.h"
+#include "scene/turning.h"
 
 /* Radians of the fastest oscillation. An impact takes pi, four under Hertz's law. */
 static const double FIRST_STEP = 4.0;
@@ -66,6 +69,63 @@ double general_length_of_impacts(const struct scene_values *v, const struct scen
         least = fmin(least, length_of_impact(v, q, at, j));
     }
     return least;
+}
+
+#endif
+
+#if SCENE_ANY_FRICTION
+
+/* Regularized friction bends where the slip falls to some v_0: a polynomial ends before exp(-slip/v_0) is
+ * more than rounding of a force, and beyond follows it over a few powers of e. Below the last it is as good
+ * as linear. */
+static const double SLIP_BEFORE = 20.0;
+static const double SLIP_WITHIN = 8.0;
+static const double SLIP_AFTER = 4.0;
+
+/* No step is made shorter than this for it, in the clock or a second; nor by a slip that is rounding of
+ * speeds. */
+static const double SLIP_SHORTEST = 1e-13;
+static const double SLIP_ROUNDING = 1e-12;
+
+/* When the sum of[0] + of[1] t + of[2] t^2, positive at first, falls to zero; INFINITY: it does not. */
+static double time_to_zero(const double of[3])
+{
+    const double square = of[1] * of[1] - 4.0 * of[0] * of[2];
+    if (!(square >= 0.0) || !(of[1] < 0.0 || of[2] < 0.0)) {
+        return (double)INFINITY;
+    }
+    const double q = -0.5 * (of[1] + copysign(sqrt(square), of[1]));
+    const double near = of[1] < 0.0 ? of[0] / q : q / of[2]; /* a root that keeps its digits */
+    return near > 0.0 ? near : (double)INFINITY;
+}
+
+double general_length_of_sliding(const struct scene_values *v, const struct scene_state *q)
+{
+    struct scene_instant at;
+    struct scene_jet along;
+    double least = (double)INFINITY;
+    bool known = false;
+    scene_evaluate(v, q, q->clock, free_bodies_now(q), &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct friction_law law = scene_friction_law(v, q, j);
+        const double slip = vec3_norm(at.turning.slip[j]);
+        if (q->contact[j].regime == REGIME_APART || law.kind != FRICTION_REGULARIZED ||
+            !(slip > SLIP_AFTER * law.slip_velocity + SLIP_ROUNDING * vec3_norm(at.rate[j]))) {
+            continue;
+        }
+        if (!known) {
+            jet_of_motion(v, q, &at, &along);
+            known = true;
+        }
+        const struct vec3 *terms = along.turning[j].slip;
+        const double of[3] = {slip, vec3_dot(terms[1], terms[0]) / slip, vec3_dot(terms[2], terms[0]) / slip};
+        const double zero = time_to_zero(of);
+        const double v_0 = law.slip_velocity / fabs(of[1] + 2.0 * of[2] * zero); /* in time [s] */
+        if (zero < (double)INFINITY && v_0 > 0.0) {
+            least = fmin(least, fmax(zero - SLIP_BEFORE * v_0, SLIP_WITHIN * v_0));
+        }
+    }
+    return fmax(least, SLIP_SHORTEST * fmax(q->clock, 1.0));
 }
 
 #endif

@@ -13,6 +13,18 @@
 #define GENERAL_NEWTON_SHARE 0.05
 #define GENERAL_TURNING_NEWTON_SHARE 0.002
 
+struct general_event {
+    double part; /* of the step; INFINITY: none */
+    int event;   /* which function */
+};
+
+/* How far the last step goes. */
+struct general_end {
+    double clock;
+    struct general_event event; /* that ends it */
+    double *y;                  /* [size] */
+};
+
 struct general {
     struct scene_ode ode;
     struct scene_state *state; /* as ode.state */
@@ -29,7 +41,8 @@ struct general {
     double error_at_end;   /* at its end, likewise */
     double error_of_start; /* of what dies away before its first stage, likewise */
     double longest;        /* length of a step of most stages that is accurate enough, as far as known [s] */
-    double *y, *size_of, *end_size;                   /* [size]: a state, and what errors are compared with */
+    double *y, *size_of, *end_size; /* [size]: a state, and what errors are compared with */
+    struct general_end end;
     double at_start[ODE_EVENTS];                      /* event functions */
     double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* at the start of the step and its stages, smooth */
     double event_size[ODE_EVENTS];                    /* the largest there of the functions themselves */
@@ -44,14 +57,19 @@ static inline double general_newton_share(const struct general *g)
     return g->step.problem.turns ? GENERAL_TURNING_NEWTON_SHARE : GENERAL_NEWTON_SHARE;
 }
 
+/* general.c: starts from the motion. */
+void general_start(struct general *g, const struct scene_values *v, struct scene_state *q);
+
 /* general_step.c: begins steps at y; makes one of at most `limit` [s], accurate enough, as general->step;
  * false with a message where there is none, or where a `budget` of steps is used up. */
 void general_begin(struct general *g, double clock, const double *y);
 bool general_step_make(struct general *g, double limit, long *budget);
 
 /* general_length.c: how long a step may be that is the first [s], INFINITY where nothing tells: by springs
- * between the bodies at the start of general->step; by impacts under Hertz's law that begin. */
+ * between the bodies at the start of general->step; by impacts under Hertz's law that begin; of any step, by
+ * regularized friction whose slip ends. */
 double general_length_of_springs(const struct general *g);
+double general_length_of_sliding(const struct scene_values *v, const struct scene_state *q);
 double general_length_of_impacts(const struct scene_values *v, const struct scene_state *q,
                                  const struct scene_instant *at);
 
@@ -63,10 +81,6 @@ void general_set_weights(struct general *g);
 bool general_solve_fully(struct general *g, bool thoroughly);
 
 /* general_events.c: the first terminal event within general->step. */
-struct general_event {
-    double part; /* of the step; INFINITY: none */
-    int event;   /* which function */
-};
 struct general_event general_first_event(struct general *g);
 
 /* Makes the step end there, and `y` the state at the event, `clock` its clock. Where a shorter step shows

@@ -11,6 +11,10 @@
 static const double SOLVABLE_PART = 0.6;
 static const double SOLVABLE_GROWTH = 1.1;
 
+/* By more where so few iterations have been enough. */
+enum { EASY_ITERATIONS = 3 };
+static const double EASY_GROWTH = 2.0;
+
 /* The same of simplified iterations, which cost less in vain. */
 static const double SIMPLE_GROWTH = 1.3;
 
@@ -175,7 +179,7 @@ bool general_step_make(struct general *g, double limit, long *budget)
             const double next = reach * factor_of(g, error, stages);
             g->longest = fmin(fmax(next, length), GROWTH * fmax(g->longest, length));
             g->longest = fmin(g->longest, fmax(g->solvable, length));
-            g->solvable *= SOLVABLE_GROWTH;
+            g->solvable *= g->step.iterations <= EASY_ITERATIONS ? EASY_GROWTH : SOLVABLE_GROWTH;
             g->simple *= SIMPLE_GROWTH;
             if (SCENE_ANY_FRICTION && g->step.problem.turns && g->longest * g->fastest_decay < LEAST_STIFF) {
                 g->longest = fmin(g->longest, fmax(g->simple, length));

@@ -23,7 +23,7 @@ static const double FULL_ROUNDING_SHARE = 0.25;
 static const double INTEGRAL_SHARE = 0.02;
 
 /* Of the states left, by columns: what depends on them at one stage, and on their places. */
-static void take_stage_jacobian(struct radau_step *p, int stage)
+void radau_take_stage_jacobian(struct radau_step *p, int stage)
 {
     const struct radau_problem *problem = &p->problem;
     const double clock = p->start + p->length * p->stages->node[stage];
@@ -64,9 +64,12 @@ static void put_stage(struct radau_step *p, int stage)
 static bool factor_fully(struct radau_step *p)
 {
     const int s = p->stages->stages;
+    if (p->problem.forces > 0) {
+        return radau_forces_factor(p);
+    }
     p->all.rows = s * p->others;
     for (int i = 0; i < s; ++i) {
-        take_stage_jacobian(p, i);
+        radau_take_stage_jacobian(p, i);
         put_stage(p, i);
     }
     for (int k = 0; k < p->all.rows; ++k) { /* the zero behind each column */
@@ -81,11 +84,15 @@ static double correct_fully(struct radau_step *p)
     const int s = p->stages->stages;
     const int m = p->others;
     double *side = p->side;
-    for (int i = 0; i < s; ++i) {
-        memcpy(side + i * m, p->residual + i * p->width, (size_t)m * sizeof *side);
+    if (p->problem.forces > 0) {
+        radau_forces_correct(p);
+    } else {
+        for (int i = 0; i < s; ++i) {
+            memcpy(side + i * m, p->residual + i * p->width, (size_t)m * sizeof *side);
+        }
+        side[s * m] = 0.0;
+        dense_lu_solve(p->all, side);
     }
-    side[s * m] = 0.0;
-    dense_lu_solve(p->all, side);
     double largest = 0.0;
     for (int i = 0; i < s; ++i) {
         for (int j = 0; j < m; ++j) {
@@ -230,70 +237,4 @@ bool radau_step_solve_quickly(struct radau_step *p, double tolerance)
 {
     double moved;
     return iterate_fully(p, tolerance, true, &moved) && complete_integrals(p, moved);
-}
-
-/* h (rates at the start less those of the polynomial there), of those left. */
-static void put_start_defect(struct radau_step *p)
-{
-    const int s = p->stages->stages;
-    for (int i = 0; i < p->others; ++i) {
-        const int j = p->other[i];
-        double slope = 0.0; /* T_k' = -(-1)^k k^2 there, and the step is two long */
-        for (int k = 1; k <= s; ++k) {
-            slope += (k % 2 == 0 ? -2.0 : 2.0) * k * k * p->chebyshev[k * p->stride + j];
-        }
-        p->side[i] = p->length * p->start_rates[j] - slope;
-    }
-    p->side[p->others] = 0.0;
-}
-
-/* I - h J, of those left, factored; where `by_places` is not NULL with what they feel through the places. */
-static bool factor_dying(struct radau_step *p, struct dense_matrix system, const double *by_others,
-                         const double *by_places)
-{
-    const int m = system.rows;
-    for (int column = 0; column < m; ++column) {
-        double *to = system.at + column * system.stride;
-        for (int i = 0; i < m; ++i) {
-            to[i] = (i == column ? 1.0 : 0.0) - p->length * by_others[column * m + i];
-        }
-        to[m] = 0.0;
-    }
-    for (int k = 0; k < p->problem.paired && by_places; ++k) {
-        double *to = system.at + p->speed_among[k] * system.stride;
-        for (int i = 0; i < m; ++i) {
-            to[i] -= p->length * p->length * by_places[k * m + i];
-        }
-    }
-    return dense_lu_factor(system);
-}
-
-/* What dies away is the defect less what is left of it, (1 - 1/(1 + h lambda)) of it, and leaves behind
- * as much as it acts for, 1/(1 + h lambda) of that. */
-double radau_step_start_error(struct radau_step *p)
-{
-    const int m = p->others;
-    struct dense_matrix system = p->all;
-    system.rows = m;
-    put_start_defect(p);
-    if (!factor_dying(p, system, p->by_others, NULL)) {
-        return (double)INFINITY;
-    }
-    memcpy(p->point, p->side, (size_t)m * sizeof *p->side);
-    dense_lu_solve(system, p->side);
-    for (int i = 0; i < m; ++i) {
-        p->side[i] = p->point[i] - p->side[i];
-    }
-    dense_lu_solve(system, p->side);
-    take_stage_jacobian(p, p->stages->stages - 1);
-    if (!factor_dying(p, system, p->stage_others, p->stage_places)) {
-        return (double)INFINITY;
-    }
-    dense_lu_solve(system, p->side);
-    double largest = 0.0;
-    for (int i = 0; i < m; ++i) {
-        const double size = fabs(p->side[i]) * p->weight[p->other[i]];
-        largest = size <= largest ? largest : size;
-    }
-    return largest;
 }

@@ -47,4 +47,14 @@ void radau_take_jacobian(const struct radau_step *p, double *by_others, double *
 void radau_move_places(struct radau_step *p);
 void radau_evaluate_residual(struct radau_step *p);
 
+/* radau_full.c: p->stage_others and p->stage_places at what is known of a stage. */
+void radau_take_stage_jacobian(struct radau_step *p, int stage);
+
+/* radau_forces.c: factors of the system of the forces at what is known of the stages, false where there are
+ * none; changes of the states left by the residual, into p->side. */
+size_t radau_forces_memory(const struct radau_problem *problem);
+void radau_forces_place(struct radau_step *p, double *memory);
+bool radau_forces_factor(struct radau_step *p);
+void radau_forces_correct(struct radau_step *p);
+
 #endif

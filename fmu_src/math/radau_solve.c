@@ -199,6 +199,10 @@ bool radau_step_solve(struct radau_step *p, double tolerance)
         if (p->iterations > 2 && p->contraction > SLOWEST_CONTRACTION) {
             return size <= ROUNDING_SHARE;
         }
+        if (p->problem.forces > 0 && p->iterations > 2 && size > ROUNDING_SHARE &&
+            pow(factor, MOST_ITERATIONS - p->iterations) * size > tolerance) {
+            return false; /* not within as many iterations as there may be */
+        }
         last = size;
     }
     return false;

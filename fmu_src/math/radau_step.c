@@ -21,7 +21,8 @@ size_t radau_step_memory(const struct radau_problem *problem)
     const size_t n = (size_t)radau_padded(problem->size);
     const size_t s = RADAU_MOST_STAGES;
     const size_t all = (size_t)radau_padded(rows_of_all(problem));
-    const size_t doubles = 6 * s * n + (s + 1) * n + 6 * n * n + s * n * n + 5 * n + (all + 1) * all;
+    const size_t doubles = 6 * s * n + (s + 1) * n + 6 * n * n + s * n * n + 5 * n + (all + 1) * all +
+                           radau_forces_memory(problem);
     const size_t ints = 2 * n + s / 2 * n + all;
     return doubles * sizeof(double) + ints * sizeof(int);
 }
@@ -84,6 +85,7 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     p->side = take(&next, all);
     p->whole = take(&next, n * n);
     p->all = (struct dense_matrix){.stride = all, .at = take(&next, all * all)};
+    radau_forces_place(p, take(&next, (int)radau_forces_memory(problem)));
     int *whole = (int *)(void *)next;
     p->other = whole;
     p->speed_among = whole + n;

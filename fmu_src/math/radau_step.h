@@ -31,6 +31,20 @@ struct radau_problem {
     void (*jacobian)(const void *context, double clock, const double *y, double *columns);
     /* of all states: d(rate i)/d(y j) at [j * size + i] */
     void (*whole_jacobian)(const void *context, double clock, const double *y, double *columns);
+    /* 0, or so many forces, fewer than states left, do all that couples them but for the last `tipping` of
+     * the coupled states, whose rates also depend on the other states: `columns` as the Jacobian has them
+     * without the forces; d(rate i)/d(force j) at [j * coupled + i]; d(force i)/d(y j) at [j * forces + i] */
+    int forces, tipping;
+    void (*split_jacobian)(const void *context, double clock, const double *y, double *columns,
+                           double *by_forces, double *of_forces);
+};
+
+/* Of math/radau_forces.c: of one stage as it is asked for; of all stages by states left, then places; what
+ * follows from forces; room for sums. */
+struct radau_forces {
+    double *by_forces, *of_forces;
+    double *by, *of, *own, *tips, *twice;
+    double *row, *change, *places, *moved, *side;
 };
 
 struct radau_step {
@@ -56,11 +70,12 @@ struct radau_step {
     double *stage_others, *stage_places, *side; /* of radau_step_solve_fully */
     double *whole;                              /* [size][size]; of that, too */
     struct dense_matrix all;
-    double *point, *re; /* [size] each */
-    int stride, width;  /* of rows, padded: of all states, of those left */
-    int others;         /* how many are coupled, but no places */
-    int *other;         /* [others]: which they are */
-    int *speed_among;   /* [paired]: where a speed stands among them */
+    struct radau_forces forces; /* of that where forces are its unknowns */
+    double *point, *re;         /* [size] each */
+    int stride, width;          /* of rows, padded: of all states, of those left */
+    int others;                 /* how many are coupled, but no places */
+    int *other;                 /* [others]: which they are */
+    int *speed_among;           /* [paired]: where a speed stands among them */
 };
 
 /* Bytes of memory for a problem of so many states, and a step that uses them for one of no more. */

@@ -95,6 +95,15 @@ void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, do
 /* The same of the coupled states only: ode_coupled rows and columns. */
 void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns);
 
+/* Where a few forces do all that couples these states, how many, else 0; and how many of the last of them
+ * have rates that depend on other states all the same. The coupled Jacobian without the forces; how rates
+ * depend on forces at [force * ode_coupled + rate], forces on states at [state * ode_forces + force]. What
+ * the places of the forces change about their torques is left out. */
+int ode_forces(const struct scene_values *v);
+int ode_tipping(const struct scene_values *v);
+void ode_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
+                        double *by_forces, double *of_forces);
+
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
 
 /* The regime after an event of a contact, at the present of q. */

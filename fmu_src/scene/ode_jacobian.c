@@ -125,3 +125,13 @@ void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const doubl
         memcpy(columns + j * coupled, whole + j * size, (size_t)coupled * sizeof *columns);
     }
 }
+
+void ode_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
+                        double *by_forces, double *of_forces)
+{
+#if SCENE_ANY_TURNING
+    turning_split_jacobian(ode, clock, y, columns, by_forces, of_forces);
+#else
+    (void)ode, (void)clock, (void)y, (void)columns, (void)by_forces, (void)of_forces;
+#endif
+}

@@ -84,3 +84,35 @@ int ode_size(const struct scene_values *v)
 {
     return ode_dissipated(v) + (scene_turns(v) ? 3 : 2);
 }
+
+int ode_forces(const struct scene_values *v)
+{
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        const int forces = 3 * SCENE_CONTACTS;
+        int left = turning_layout_of(v).coupled;
+        for (int i = 0; i < SCENE_BODIES; ++i) {
+            left -= body_is_free(v, i) ? 3 : 0;
+        }
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            left = contact_rubs_elastically(v, j) ? 0 : left; /* springs couple, too */
+        }
+        return forces < left ? forces : 0;
+    }
+#endif
+    (void)v;
+    return 0;
+}
+
+int ode_tipping(const struct scene_values *v)
+{
+    int count = 0;
+#if SCENE_ANY_TURNING
+    const struct turning_layout layout = turning_layout_of(v);
+    for (int i = 0; i < SCENE_BODIES && scene_turns(v); ++i) {
+        count += layout.orientation[i] >= 0 && layout.orientation[i] < layout.coupled ? 4 : 0;
+    }
+#endif
+    (void)v;
+    return count;
+}

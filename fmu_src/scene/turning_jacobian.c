@@ -39,6 +39,7 @@ struct turning_linearization {
     struct turning_state turning;
     struct turning_layout layout;
     struct turning_matrix matrix;
+    double *of_forces; /* [coupled][3 contacts]: only the forces by the states are wanted; else NULL */
 };
 
 static struct vec3 along_axis(int component)
@@ -105,6 +106,13 @@ static void add_change(const struct turning_linearization *l, const struct turni
 {
     const struct scene_values *v = l->ode->values;
     const struct turning_change change = turning_slopes_along(slopes, motion);
+    if (l->of_forces) {
+        double *to = l->of_forces + 3 * (column * SCENE_CONTACTS + contact);
+        for (int k = 0; k < 3; ++k) {
+            to[k] += vec3_get(change.force, k);
+        }
+        return;
+    }
     add_to_body(l, column, contact_source(contact), 1.0, change.force, change.source_torque);
     add_to_body(l, column, contact_destination(contact), -1.0, change.force, change.destination_torque);
     if (l->layout.spring[contact] >= 0) {
@@ -201,24 +209,52 @@ static void add_rotation(const struct turning_linearization *l, double clock, in
 }
 #endif
 
-void turning_jacobian(const struct scene_ode *ode, double clock, const double *y, int size, double *columns)
+static void linearize(struct turning_linearization *l, double clock)
 {
-    struct turning_linearization l = {.ode = ode, .y = y, .matrix = {columns, size}};
-    memset(columns, 0, (size_t)size * (size_t)size * sizeof *columns);
-    l.layout = turning_layout_of(ode->values);
-    l.turning = ode->state->turning;
-    turning_unpack(ode->values, y, &l.turning);
-    ode_instant(ode, clock, y, &l.at);
+    const struct scene_ode *ode = l->ode;
+    memset(l->matrix.at, 0, (size_t)l->matrix.size * (size_t)l->matrix.size * sizeof *l->matrix.at);
+    l->layout = turning_layout_of(ode->values);
+    l->turning = ode->state->turning;
+    turning_unpack(ode->values, l->y, &l->turning);
+    ode_instant(ode, clock, l->y, &l->at);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        add_motion(&l, clock, i);
+        add_motion(l, clock, i);
 #if SCENE_ANY_ROTATION
-        if (l.layout.spin[i] >= 0) {
-            add_rotation(&l, clock, i);
+        if (l->layout.spin[i] >= 0) {
+            add_rotation(l, clock, i);
         }
 #endif
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        add_contact(&l, j);
+        add_contact(l, j);
+    }
+}
+
+void turning_jacobian(const struct scene_ode *ode, double clock, const double *y, int size, double *columns)
+{
+    struct turning_linearization l = {.ode = ode, .y = y, .matrix = {columns, size}};
+    linearize(&l, clock);
+}
+
+void turning_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
+                            double *by_forces, double *of_forces)
+{
+    const int coupled = ode_coupled(ode->values);
+    const size_t count = 3 * SCENE_CONTACTS * (size_t)coupled;
+    struct turning_linearization l = {
+        .ode = ode, .y = y, .matrix = {columns, coupled}, .of_forces = of_forces};
+    memset(of_forces, 0, count * sizeof *of_forces);
+    memset(by_forces, 0, count * sizeof *by_forces);
+    linearize(&l, clock);
+    struct turning_matrix by = {by_forces, coupled};
+    for (int j = 0; j < 3 * SCENE_CONTACTS; ++j) {
+        const int contact = j / 3;
+        const struct vec3 force = along_axis(j % 3);
+        const struct vec3 on_source = vec3_cross(l.at.turning.source_arm[contact], force);
+        const struct vec3 on_destination = vec3_cross(force, l.at.turning.destination_arm[contact]);
+        l.matrix = by;
+        add_to_body(&l, j, contact_source(contact), 1.0, force, on_source);
+        add_to_body(&l, j, contact_destination(contact), -1.0, force, on_destination);
     }
 }
 

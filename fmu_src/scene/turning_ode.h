@@ -46,6 +46,10 @@ void turning_events(const struct scene_ode *ode, double clock, const double *y,
 /* The leading `size` rows and columns of the Jacobian, by columns. */
 void turning_jacobian(const struct scene_ode *ode, double clock, const double *y, int size, double *columns);
 
+/* As ode_split_jacobian has it. */
+void turning_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
+                            double *by_forces, double *of_forces);
+
 /* Sets the offsets of these event functions of a contact for a phase that begins at the instant `at` of
  * ode->state, of speeds that are right to `tolerated` [m/s]. */
 void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int contact, double tolerated);

@@ -131,6 +131,100 @@ static void a_quaternion_that_turns_too_far_has_no_small_error(void)
     free(memory);
 }
 
+/* x' = v, a' = (1 + x) v, v' = f, f = -x - damping v - 5 a: one force couples them; a takes part in it, but
+ * follows v of its own. */
+enum { TIPPING = 2, COUPLED_BY_FORCE = 3 };
+
+static double force_at(double damping, const double *y)
+{
+    return -y[PLACE] - damping * y[SPEED] - 5.0 * y[TIPPING];
+}
+
+static void tipping_rates(const void *damping, double clock, const double *y, double *rates)
+{
+    (void)clock;
+    rates[PLACE] = y[SPEED];
+    rates[SPEED] = force_at(*(const double *)damping, y);
+    rates[TIPPING] = (1.0 + y[PLACE]) * y[SPEED];
+}
+
+static void split_tipping_jacobian(const void *damping, double clock, const double *y, double *columns,
+                                   double *by_forces, double *of_forces)
+{
+    (void)clock;
+    const double of[COUPLED_BY_FORCE] = {-1.0, -*(const double *)damping, -5.0};
+    for (int j = 0; j < COUPLED_BY_FORCE; ++j) {
+        by_forces[j] = j == SPEED ? 1.0 : 0.0;
+        of_forces[j] = of[j];
+        columns[j * COUPLED_BY_FORCE + PLACE] = j == SPEED ? 1.0 : 0.0;
+        columns[j * COUPLED_BY_FORCE + SPEED] = 0.0;
+        columns[j * COUPLED_BY_FORCE + TIPPING] = j == SPEED ? 1.0 + y[PLACE] : j == PLACE ? y[SPEED] : 0.0;
+    }
+}
+
+static void tipping_jacobian(const void *damping, double clock, const double *y, double *columns)
+{
+    double by_forces[COUPLED_BY_FORCE], of_forces[COUPLED_BY_FORCE];
+    split_tipping_jacobian(damping, clock, y, columns, by_forces, of_forces);
+    for (int j = 0; j < COUPLED_BY_FORCE; ++j) {
+        columns[j * COUPLED_BY_FORCE + SPEED] = of_forces[j];
+    }
+}
+
+/* The end of a step from x = 0, v = 1, a = 0, with so many forces as unknowns, or none. */
+static void solve_tipping(int forces, double damping, double length, double y[COUPLED_BY_FORCE])
+{
+    static const int place = PLACE, speed = SPEED;
+    const double start[COUPLED_BY_FORCE] = {[SPEED] = 1.0};
+    const struct radau_problem problem = {.context = &damping,
+                                          .size = COUPLED_BY_FORCE,
+                                          .coupled = COUPLED_BY_FORCE,
+                                          .integrals = COUPLED_BY_FORCE,
+                                          .turns = true,
+                                          .paired = 1,
+                                          .place = &place,
+                                          .speed = &speed,
+                                          .rates = tipping_rates,
+                                          .jacobian = tipping_jacobian,
+                                          .whole_jacobian = tipping_jacobian,
+                                          .forces = forces,
+                                          .tipping = 1,
+                                          .split_jacobian = split_tipping_jacobian};
+    struct radau_step p;
+    void *memory = calloc(1, radau_step_memory(&problem));
+    radau_step_place(&p, &problem, memory);
+    for (int i = 0; i < COUPLED_BY_FORCE; ++i) {
+        p.weight[i] = 1.0;
+    }
+    radau_step_begin(&p, 0.0, start);
+    radau_step_guess_on(&p, &radau_stages_12, length);
+    CHECK(radau_step_solve_fully(&p, 1e-14));
+    radau_step_finish(&p);
+    radau_step_at(&p, 1.0, y);
+    free(memory);
+}
+
+/* With a force as the unknown as with all states; a = x + x^2 / 2 always. Where it is stiff x moves by
+ * v / damping and creeps back, x' = -6 x / damping. */
+static void forces_as_unknowns_give_the_same_step(void)
+{
+    static const double dampings[3] = {0.0, 10.0, 1e8};
+    for (int k = 0; k < 3; ++k) {
+        double by_states[COUPLED_BY_FORCE], by_forces[COUPLED_BY_FORCE];
+        solve_tipping(1, dampings[k], k < 2 ? 1.0 : 100.0, by_forces);
+        const double x = by_forces[PLACE];
+        CHECK_CLOSE("a follows x", by_forces[TIPPING], x + 0.5 * x * x, 1e-12);
+        if (k == 2) {
+            CHECK_CLOSE("x where it is stiff", x, 1e-8 * (1.0 - 6e-6), 1e-14);
+            break;
+        }
+        solve_tipping(0, dampings[k], 1.0, by_states);
+        for (int i = 0; i < COUPLED_BY_FORCE; ++i) {
+            CHECK_CLOSE("with forces as with states", by_forces[i], by_states[i], 1e-13);
+        }
+    }
+}
+
 /* A cubic by its Bernstein coefficients. */
 static void a_fall_is_the_first_change_from_above_to_below(void)
 {
@@ -164,6 +258,7 @@ int main(void)
 {
     CHECK_TEST(an_oscillation_is_right_at_the_end_and_within);
     CHECK_TEST(what_is_too_fast_is_damped_away);
+    CHECK_TEST(forces_as_unknowns_give_the_same_step);
     CHECK_TEST(a_quaternion_that_turns_too_far_has_no_small_error);
     CHECK_TEST(a_fall_is_the_first_change_from_above_to_below);
     return check_summary("radau_step");
