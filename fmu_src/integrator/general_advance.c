@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "integrator/general_memory.h"
+#include "math/compiler.h"
 #include "scene/projection.h"
 #include "segment/flight.h"
 
@@ -156,8 +157,9 @@ static enum advance_result end_step(struct general *g, const struct scene_values
     return ADVANCE_REACHED;
 }
 
-enum advance_result general_advance(struct general *g, const struct scene_values *v, struct scene_state *q,
-                                    struct advance *step)
+/* Not inline: what does not turn or rub passes by its caller, and is faster where that stays small. */
+CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const struct scene_values *v,
+                                                     struct scene_state *q, struct advance *step)
 {
     enum advance_result result = ADVANCE_REACHED;
     g->step.evaluations = 0;
