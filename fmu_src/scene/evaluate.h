@@ -122,8 +122,8 @@ double scene_pressing_acceleration(const struct scene_values *v, const struct sc
                                    const struct scene_instant *at, int contact);
 
 /* Where nothing turns or rubs: the torque on the destination about its centre, c x F, as the source's lever
- * arm is along F [N m]. None where the destination is a sphere; scenes without other shapes do not ask. */
-#define SCENE_HAS_TORQUES (SCENE_ANY_TURNING && (SCENE_ANY_CYLINDER || SCENE_ANY_PLANE))
+ * arm is along F [N m]. None where the destination is a sphere: scenes without SCENE_HAS_TORQUES do not
+ * ask. */
 struct vec3 scene_torque_of_force(const struct scene_instant *at, int contact);
 
 /* Power of whatever moves and turns prescribed bodies against a contact [W]. */
