@@ -21,6 +21,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from .expected import EPSILON, Expected
+from .unforced import Unforced
 
 ACCURACY = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-15}
 TURN = math.pi / 2
@@ -36,7 +37,7 @@ class Bounce(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Edge:
+class Edge(Unforced):
     """SI units. The ball flies towards the rim at `angle` from the way inward: 0 across the side, pi/2 down
     on the cap. Its centre's path passes the rim's point at the distance `offset`: beyond the face that it
     would meet if positive, else over the face."""
@@ -142,12 +143,6 @@ class Edge:
     def masses(self) -> tuple[float, float | None]:
         """The second where the destination is free"""
         return self.source_mass, None
-
-    def given_impulse(self, body: str, time: float) -> np.ndarray:
-        return np.zeros(3)
-
-    def passive(self) -> bool:
-        return True
 
     def swings(self, time: float) -> float:
         return 0.0

@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import Any
 
-import numpy as np
 from mpmath import mp, mpf
 
 from .expected import EPSILON, Expected
 from .line_motion import DIGITS
+from .unforced import Unforced
 
 ROUND = ("sphere outside", "sphere inside", "cylinder outside", "cylinder inside")
 GEOMETRIES = (*ROUND, "plane")
@@ -29,7 +29,7 @@ LEAST = 1e-3  # smaller coefficients of restitution count as this
 
 
 @dataclass(frozen=True)
-class Impact:
+class Impact(Unforced):
     """SI units. k_h by the modulus of both bodies, or `stiffness`; chi by `restitution`, or as chi v"""
 
     geometry: str = "sphere outside"
@@ -154,12 +154,6 @@ class Impact:
     def masses(self) -> tuple[float, float | None]:
         """The second where the destination is free"""
         return self.source_mass, self.destination_mass
-
-    def given_impulse(self, body: str, time: float) -> np.ndarray:
-        return np.zeros(3)
-
-    def passive(self) -> bool:
-        return True
 
     def swings(self, time: float) -> float:
         return 0.0

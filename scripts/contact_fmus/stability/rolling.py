@@ -23,6 +23,7 @@ from mpmath import mp, mpf
 
 from .expected import EPSILON, Expected
 from .line_motion import DIGITS
+from .unforced import Unforced
 
 G = 9.81
 LONGEST = 10.0  # s
@@ -129,7 +130,7 @@ def _dilogarithm(a: mpf) -> mpf:
 
 
 @dataclass(frozen=True)
-class Tumbling:
+class Tumbling(Unforced):
     """SI units. A cylinder that turns about its fixed middle meets a fixed ball"""
 
     rate: float = 1.0  # rad/s
@@ -178,12 +179,6 @@ class Tumbling:
 
     def masses(self) -> tuple[float, float | None]:
         return 1.0, None
-
-    def given_impulse(self, body: str, time: float) -> np.ndarray:
-        return np.zeros(3)
-
-    def passive(self) -> bool:
-        return True
 
     def swings(self, time: float) -> float:
         return self.rate * time
