@@ -35,6 +35,14 @@ enum collocation_kind { COLLOCATION_RESOLVED, COLLOCATION_AVERAGED, COLLOCATION_
 
 enum { COLLOCATION_ACCELERATION_TERMS = 3, COLLOCATION_MISMATCH_TERMS = 4 };
 
+/* The rim of a capped cylinder (collocation_rim.h), at the start. */
+struct collocation_rim {
+    bool is;                   /* else the rest means nothing */
+    struct vec3 axis, outward; /* e and a, unit */
+    double radius;             /* r_d [m] */
+    double cosine, sine;       /* n = cosine a - sine e */
+};
+
 /* Polynomials: coefficients of time from the start. */
 struct collocation_problem {
     struct vec3 normal;                                       /* n, unit */
@@ -47,6 +55,9 @@ struct collocation_problem {
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E [m/s, ...] */
     bool has_mismatch;                                        /* whether E is other than zero */
+#ifndef CONTACT_NO_CAPS
+    struct collocation_rim rim;
+#endif
 };
 
 /* The problem in the frame of the start: n, the direction of the tangential motion, and their cross product.
@@ -59,6 +70,10 @@ struct collocation_local {
     struct vec3 rate, momentum;                               /* c' [m/s] and H at the start [m^2/s] */
     bool planar;                                              /* but for rounding */
     bool head_on;                                             /* n is constant: c', A and n are parallel */
+#ifndef CONTACT_NO_CAPS
+    bool at_rim;      /* and not head-on: frame, momentum and rows are those of collocation_rim.h */
+    double rho, tilt; /* at the start [m], [rad] */
+#endif
 };
 
 /* What the iteration works with. */
@@ -143,6 +158,9 @@ struct collocation_correction collocation_correction_of(const struct collocation
                                                         struct vec3 n, struct vec3 h,
                                                         struct vec3 acceleration, double d);
 
+/* The integral of y over time, as y and y' are then [m s]. */
+double collocation_oscillation_integral(const struct collocation *p, double y, double y_rate);
+
 struct collocation_change {
     struct vec3 moved;  /* c(s) - c(0) [m] */
     struct vec3 gained; /* c'(s) - c'(0) [m/s] */
@@ -155,6 +173,13 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
 /* Energy dissipated by the dashpot per unit of mass, the integral from 0 to s of damping_rate (x' + n.E)^2 dt
  * [m^2/s^2]. */
 double collocation_dissipated(const struct collocation *p, double s);
+
+#ifndef CONTACT_NO_CAPS
+/* At a rim: reach cos(tilt) and reach sin(tilt), which are zero where its zone ends, and two derivatives; x
+ * with or without y. */
+void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
+                       double axial[3]);
+#endif
 
 /* The integral from 0 to s of weight(t).(c - c(0)) dt, weight = weight[0] + weight[1] t. */
 double collocation_moment(const struct collocation *p, const struct vec3 weight[2], double s);

@@ -3,15 +3,11 @@
 #include <string.h>
 
 #include "segment/collocation.h"
+#include "segment/collocation_rim.h"
+#include "segment/collocation_turning.h"
 
 /* Rounding of a product with the frame's vectors, relative to its factors. */
 static const double FRAME_ROUNDING = 4.0 * DBL_EPSILON;
-
-static struct vec3 in_frame(const struct collocation *p, struct vec3 a)
-{
-    return vec3_make(vec3_dot(p->local.frame[0], a), vec3_dot(p->local.frame[1], a),
-                     vec3_dot(p->local.frame[2], a));
-}
 
 /* The direction of the part of `a` perpendicular to n, if there is one. Projected twice, because the first
  * projection of a long `a` leaves rounding. */
@@ -63,21 +59,24 @@ static bool is_head_on(const struct collocation_problem *from)
 
 static void put_problem_in_frame(struct collocation *p)
 {
-    p->local.rate = in_frame(p, p->from.rate);
+    p->local.rate = collocation_in_frame(p, p->from.rate);
     p->local.rate.x = p->from.radial;
     p->local.planar = flatten(&p->local.rate);
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
-        p->local.acceleration[i] = in_frame(p, p->from.acceleration[i]);
+        p->local.acceleration[i] = collocation_in_frame(p, p->from.acceleration[i]);
         p->local.planar = flatten(&p->local.acceleration[i]) && p->local.planar;
     }
     for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && p->from.has_mismatch; ++i) {
-        p->local.mismatch[i] = in_frame(p, p->from.mismatch[i]);
+        p->local.mismatch[i] = collocation_in_frame(p, p->from.mismatch[i]);
     }
     p->local.momentum = vec3_scale(p->local.distance, vec3_make(0.0, -p->local.rate.z, p->local.rate.y));
 }
 
 static double load_at_start(const struct collocation *p)
 {
+    if (collocation_at_rim(p)) {
+        return collocation_rim_load_at_start(p);
+    }
     const double mismatch = p->from.has_mismatch ? p->from.damping_rate * p->local.mismatch[0].x : 0.0;
     return vec3_dot(p->local.momentum, p->local.momentum) /
                (p->local.distance * p->local.distance * p->local.distance) +
@@ -95,8 +94,15 @@ void collocation_begin(struct collocation *p, const struct collocation_problem *
     p->local.head_on = is_head_on(from);
     p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
     p->work.sweeps = 0;
-    set_frame(p);
-    put_problem_in_frame(p);
+#ifndef CONTACT_NO_CAPS
+    p->local.at_rim = from->rim.is && !p->local.head_on;
+#endif
+    if (collocation_at_rim(p)) {
+        collocation_rim_begin(p);
+    } else {
+        set_frame(p);
+        put_problem_in_frame(p);
+    }
     p->result.oscillator =
         (struct oscillator){from->omega2 * p->half * p->half, from->damping_rate * p->half};
     memset(p->result.slow, 0, sizeof p->result.slow);
@@ -189,6 +195,9 @@ void collocation_size(struct collocation *p, double step)
     const double longer = 0.5 * step / p->half;
     if (p->work.sweeps == 0) {
         guess(p, 0.5 * step);
+        if (collocation_at_rim(p)) {
+            collocation_rim_guess(p, 0.5 * step);
+        }
     } else if (resolved) {
         extrapolate(p, longer - 1.0);
     }

@@ -125,10 +125,26 @@ static double longest_over_plane(const struct segment *p)
     return longest;
 }
 
+/* By collocation, where that applies and stays clear of the centre. */
+static bool make_collocated(struct segment *p)
+{
+    enum segment_kind kind = SEGMENT_AVERAGED;
+    pair_timescales_make(&p->scales, &p->pair);
+    p->as.collocation.from = &p->pair;
+    p->as.collocation.felt = p->scales.felt;
+    while (kind < SEGMENT_TAYLOR && !make_kind(p, kind)) {
+        kind += 1;
+    }
+    return kind < SEGMENT_TAYLOR && collocated_stays_off_centre(p);
+}
+
 #if SCENE_ANY_CAPS
 static bool make_at_rim(struct segment *p)
 {
-    return contact_is_rim(&p->pair.shape) && make_kind(p, SEGMENT_RIM);
+    if (!contact_is_rim(&p->pair.shape)) {
+        return false;
+    }
+    return (!contact_is_hertz(&p->pair.law) && make_collocated(p)) || make_kind(p, SEGMENT_RIM);
 }
 #else
 static bool make_at_rim(struct segment *p)
@@ -142,20 +158,11 @@ static void make_up_to(struct segment *p, double longest)
 {
     p->longest = contact_is_plane(&p->pair.shape) ? fmin(longest, longest_over_plane(p)) : longest;
     if (make_at_rim(p)) {
-        /* there is but one kind */
+        /* it has kinds of its own */
     } else if (contact_is_hertz(&p->pair.law)) {
         make_hertz(p);
-    } else if (!make_kind(p, SEGMENT_CLOSED_FORM)) {
-        enum segment_kind kind = SEGMENT_AVERAGED;
-        pair_timescales_make(&p->scales, &p->pair);
-        p->as.collocation.from = &p->pair;
-        p->as.collocation.felt = p->scales.felt;
-        while (!make_kind(p, kind)) {
-            kind += 1;
-        }
-        if (is_collocated(p) && !collocated_stays_off_centre(p)) {
-            (void)make_kind(p, SEGMENT_TAYLOR);
-        }
+    } else if (!make_kind(p, SEGMENT_CLOSED_FORM) && !make_collocated(p)) {
+        (void)make_kind(p, SEGMENT_TAYLOR);
     }
     if (isnan(p->terminal.s)) {
         p->terminal = terminal_event_first(p);
@@ -165,6 +172,26 @@ static void make_up_to(struct segment *p, double longest)
 /* `tolerance` bounds the error of the whole segment. If contact ends within its first 0.1 %, that is no
  * longer small: rebuild with twice the contact's length. */
 static const double EARLY_EVENT = 1e-3;
+
+#if SCENE_ANY_CAPS
+/* A collocated step is most accurate at its end: where a zone ends within, it is made to end there, or a
+ * little beyond by this part, so that the edge is found again. */
+static const double BEYOND_EDGE = 1e-6;
+
+static void note_zone_end(struct segment *p)
+{
+    zone_end_note(p);
+    if (p->leaves_zone && is_collocated(p) && contact_is_rim(&p->pair.shape)) {
+        make_up_to(p, p->terminal.s * p->unit * (1.0 + BEYOND_EDGE));
+        zone_end_note(p);
+    }
+}
+#else
+static void note_zone_end(struct segment *p)
+{
+    (void)p;
+}
+#endif
 
 bool segment_make(struct segment *p, const struct scene_values *v, const struct scene_state *q,
                   const struct scene_instant *at, int contact, double longest, double tolerance)
@@ -179,7 +206,7 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
         make_up_to(p, 2.0 * p->terminal.s * p->unit);
     }
     terminal_event_at_centre(p);
-    zone_end_note(p);
+    note_zone_end(p);
     return p->end > 0.0;
 }
 

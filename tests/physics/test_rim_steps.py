@@ -1,0 +1,82 @@
+"""Lasting contact at the rim of a capped cylinder: as exact as elsewhere, in steps that do not depend on
+stiffness or damping"""
+
+from math import cos, pi, sin, sqrt
+
+import pytest
+
+from support.checks import check_close, check_relative, run, start
+from support.reference.rim_motion import RimMotion
+from support.reference.rim_motion import run as reference
+
+R_S, R_D, LENGTH, LOAD = 0.1, 0.5, 1.0, 30.0
+TILT, TILT_RATE, AZIMUTH_RATE = pi / 4, 0.3, 0.9
+END = 0.1
+
+
+def scene(stiffness, damping=0.0, hertz=False, part=1.0):
+    """A ball that a load presses on the rim along its normal, `part` of the depth at rest deep, and that goes
+    along the rim and across it; the damping is a part of the critical one"""
+    depth = part * (LOAD / stiffness) ** (2 / 3 if hertz else 1)
+    gravity = (-LOAD * cos(TILT), 0.0, -LOAD * sin(TILT))
+    motion = RimMotion(R_S, R_D, LENGTH / 2, gravity, stiffness, 0.0, hertz)
+    factor = 2 * damping * sqrt(motion.slope(-depth))
+    if hertz:
+        factor /= stiffness * depth**1.5
+    return motion._replace(damping=factor), [-depth, 0.0, TILT, TILT_RATE, 0.0, AZIMUTH_RATE]
+
+
+def values_of(motion, begin):
+    state, hertz = motion.state(*begin), motion.hertz
+    return {
+        "source.radius": motion.radius,
+        "source.mass": motion.mass,
+        "source.center": list(state[:3]),
+        "source.initial_velocity": list(state[3:]),
+        "destination.radius": motion.other_radius,
+        "destination.axis": [0.0, 0.0, 1.0],
+        "destination.finite_length": True,
+        "destination.length": 2 * motion.half_length,
+        "destination.ends": "capped",
+        "gravity": list(motion.gravity),
+        "contact.law": "hertz" if hertz else "linear",
+        "contact.method": "penalty_dynamic" if motion.damping > 0 else "penalty",
+        "contact.hertz_stiffness" if hertz else "contact.penalty_factor": motion.stiffness,
+        "contact.hunt_crossley_factor" if hertz else "contact.viscous_penalty_factor": motion.damping,
+        "contact.dashpot": "unclamped",
+        "solver.max_internal_steps": 20_000,
+    }
+
+
+def check(fmu, motion, begin, most, method="Radau", end=END):
+    """Motion, force and balance of energy, and no more than so many internal steps"""
+    expected = reference(motion, begin, end, method)
+    right, values = motion.state(*expected), values_of(motion, begin)
+    total = start(fmu, values, 1e-10, "event_driven")["energy.total"]
+    for steps in (1, 3):
+        run(fmu, values, end, steps, 1e-10)
+        check_close("position", fmu["source.position"], right[:3], 1e-10)
+        check_close("velocity", fmu["source.velocity"], right[3:], 1e-9)
+        check_relative("force", fmu["contact.normal_force"], motion.force(*expected[:2]), 1e-7)
+        check_close("energy", fmu["energy.total"], total, 1e-10)
+        assert fmu["contact.zone"] == "rim" and fmu["contact.onsets"] == 1
+        assert fmu["solver.steps"] <= most
+
+
+@pytest.mark.parametrize("part", [1.0, 0.4])
+@pytest.mark.parametrize("damping", [3.0, 30.0, 1e3, 1e6])
+def test_far_beyond_critical_damping(opened, damping, part):
+    motion, begin = scene(1e7, damping, part=part)
+    check(opened("SphereCylinder"), motion, begin, 40)
+
+
+@pytest.mark.parametrize("stiffness", [1e8, 1e10, 1e12, 1e14])
+def test_stiffness_costs_nothing(opened, stiffness):
+    motion, begin = scene(stiffness, 0.1)
+    check(opened("SphereCylinder"), motion, begin, 8)
+
+
+def test_an_undamped_oscillation_keeps_its_phase(opened):
+    """Some hundred swings, followed by the reference one by one"""
+    motion, begin = scene(1e9, part=0.9)
+    check(opened("SphereCylinder"), motion, begin, 8, method="DOP853", end=0.02)
