@@ -80,7 +80,7 @@ def test_the_scenes_are_what_they_are_about():
 
 @pytest.mark.parametrize("steps", [1, 997])
 @pytest.mark.parametrize("name", law_starts())
-def test_the_benchmarks_by_hertz_and_on_a_plane_end_at_their_references(opened, name, steps):
+def test_the_benchmarks_by_hertz_on_a_plane_and_over_a_rim_end_at_their_references(opened, name, steps):
     problem = law_benchmarks()[name]
     fmu = run(opened(problem.fmu), problem.start, problem.stop, steps, 1e-9)
     assert problem.error(fmu["source.position"]) <= 1e-9

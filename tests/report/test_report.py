@@ -18,6 +18,7 @@ from contact_fmus.bench.problems import (
     TURNING,
     benchmarks,
     hertz_problems,
+    shape_problems,
     stiff_families,
     turning_problems,
 )
@@ -28,7 +29,7 @@ from contact_fmus.report.rows import COLUMNS, PEER, RELATIVE_TOLERANCE, Row, rea
 from support.scenes.benchmarks import BENCHMARKS
 
 ROOT = Path(__file__).resolve().parents[2]
-PROBLEMS = benchmarks() | hertz_problems() | turning_problems()
+PROBLEMS = benchmarks() | shape_problems() | hertz_problems() | turning_problems()
 
 
 @pytest.fixture(scope="module")
@@ -88,6 +89,7 @@ def test_a_run_that_takes_too_long_ends_its_ladder(opened):
 
 def test_tight_runs_are_near_the_reference_and_count_the_contacts(rows):
     contacts = {"P1": 8, "P2": 2, "P3": 1, "P3b": 63}
+    contacts |= {"P1 plane": 8, "P2 plane": 3, "P1 rim": 3, "P2 rim": 2, "P3 rim": 1, "P3b rim": 69}
     contacts |= {"P1 Hertz": 8, "P2 Hertz": 2, "P3 Hertz": 1, "P3b Hertz": 123}
     contacts |= {one["name"]: one["onsets"] for one in json.loads(TURNING.read_text(encoding="utf-8"))}
     tight = [row for row in rows if (row.setting, row.parameter) == (RELATIVE_TOLERANCE, 1e-10)]
@@ -137,7 +139,7 @@ def test_the_problems_are_those_of_the_tests(opened):
 
 
 def test_figures_exist_and_are_pictures(report):
-    for name in ("work_precision", "hertz", "turning", "stiffness"):
+    for name in ("work_precision", "shapes", "hertz", "turning", "stiffness"):
         assert (report / f"{name}.png").read_bytes().startswith(b"\x89PNG")
         root = etree.fromstring((report / f"{name}.svg").read_bytes())
         assert len(root.findall(".//{*}path")) > 50
@@ -146,7 +148,7 @@ def test_figures_exist_and_are_pictures(report):
 def test_the_page_stands_alone(report):
     page = etree.HTML((report / "index.html").read_text(encoding="utf-8"))
     images = page.xpath("//img/@src")
-    assert len(images) == 4
+    assert len(images) == 5
     assert all(source.startswith("data:image/svg+xml;base64,") for source in images)
     assert page.xpath("//link | //script | //iframe") == []
     for table in page.xpath("//table[tr/th]"):
@@ -157,7 +159,7 @@ def test_the_page_stands_alone(report):
 def test_the_readme_shows_the_figures_and_the_same_tables(report):
     text = (report / "README.md").read_text(encoding="utf-8")
     shown = re.findall(r"!\[[^\]]+\]\((\w+\.png)\)", text)
-    assert shown == ["work_precision.png", "hertz.png", "turning.png", "stiffness.png"]
+    assert shown == ["work_precision.png", "shapes.png", "hertz.png", "turning.png", "stiffness.png"]
     tables = re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE)
     for table in tables:
         assert len({line.count("|") for line in table.splitlines()}) == 1, table
@@ -206,7 +208,7 @@ def test_optional_parts_are_shown_when_they_are_there(with_parts):
     assert report_command.page(["--output", str(with_parts)]) == 0
     html = (with_parts / "index.html").read_text(encoding="utf-8")
     text = (with_parts / "README.md").read_text(encoding="utf-8")
-    assert html.count("<img ") == 4 + 1 + 1  # of the report, of the peers, of the section
+    assert html.count("<img ") == 5 + 1 + 1  # of the report, of the peers, of the section
     assert "Words &lt;b&gt;." in html and "Words <b>." in text
     assert "| x\\|y | 1.235 |" in text
     for page in (html, text):

@@ -54,8 +54,8 @@ class Count:
 
 
 def cases() -> list[Case]:
-    """Flight, the benchmark problems, some by Hertz's law or on a plane, and both ends of the stiffness
-    sweep, all by event_driven"""
+    """Flight, the benchmark problems, some by Hertz's law, on a plane or over a rim, and both ends of the
+    stiffness sweep, all by event_driven"""
     found = [
         replace(
             flight_case(fmu, FULL), name=f"{fmu}, {FULL.flight_steps} steps of {FLIGHT_STEP:g} s in flight"

@@ -12,7 +12,7 @@ import json
 import time
 from pathlib import Path
 
-from contact_fmus.bench.problems import benchmarks, hertz_problems, turning_problems
+from contact_fmus.bench.problems import benchmarks, hertz_problems, shape_problems, turning_problems
 from contact_fmus.fmu.files import results_folder
 from contact_fmus.pages import machine
 
@@ -48,7 +48,7 @@ def _measure(options: argparse.Namespace) -> int:
         print(f"{time.monotonic() - begin:6.1f} s  {text}", flush=True)
 
     rows, ratios = [], []
-    for some in (benchmarks, hertz_problems, turning_problems):
+    for some in (benchmarks, shape_problems, hertz_problems, turning_problems):
         problems = some().values()
         found = solvers.work_precision(problems, plan, say)
         ratios.append(solvers.compare_best(problems, found, plan, say))
@@ -60,8 +60,9 @@ def _measure(options: argparse.Namespace) -> int:
         "plan": _describe(plan, options.quick),
         "versions": machine.versions(),
         "ratios": ratios[0],
-        "hertz_ratios": ratios[1],
-        "turning_ratios": ratios[2],
+        "shape_ratios": ratios[1],
+        "hertz_ratios": ratios[2],
+        "turning_ratios": ratios[3],
     }
     text = json.dumps(summary, indent=1, ensure_ascii=False)
     (options.output / "summary.json").write_text(text + "\n", encoding="utf-8")

@@ -51,10 +51,11 @@ def _panels(rows: int, columns: int, height: float) -> tuple[Figure, list[Axes]]
 
 
 def work_precision(rows: Sequence[Row], problems: Iterable[Problem], folder: Path, name: str) -> None:
-    """Our solvers on four problems: filled marks with one communication step, open ones with many"""
+    """Our solvers on an even number of problems; marks of one communication step are filled"""
+    panels = list(problems)
     with mpl.rc_context(STYLE):
-        figure, axes = _panels(2, 2, 7.2)
-        for panel, problem in zip(axes, problems, strict=True):
+        figure, axes = _panels(len(panels) // 2, 2, 3.6 * (len(panels) // 2))
+        for panel, problem in zip(axes, panels, strict=True):
             found = tables.curves(rows, problem.name)
             least = min((steps for _, steps in found), default=1)
             for (solver, steps), points in found.items():

@@ -12,6 +12,7 @@ from contact_fmus.bench.problems import (
     Problem,
     benchmarks,
     hertz_problems,
+    shape_problems,
     stiff_families,
     turning_problems,
 )
@@ -45,6 +46,7 @@ def draw_page(folder: Path) -> list[Path]:
     sections = [
         _summary(measured["ratios"], others),
         _work_precision(own, others, measured["ratios"], "sections" in parts[0], folder),
+        *_shapes(own, measured.get("shape_ratios", ()), folder),
         *_hertz(own, measured.get("hertz_ratios", ()), folder),
         *_turning(own, measured.get("turning_ratios", ()), folder),
         _stiffness(own, folder),
@@ -89,6 +91,21 @@ def _work_precision(
     if unable and not given:
         paragraphs.append("Not measured: " + "; ".join(dict.fromkeys(unable)) + ".")
     return Section("Error against time", paragraphs, [*listed, tables.ratios(ratios)], shown)
+
+
+def _shapes(own: list[Row], ratios: Sequence[dict], folder: Path) -> list[Section]:
+    """P1 and P2 on a plane, P1 to P3b over a rim, where they have been measured"""
+    text = (
+        "P1 and P2 with a plane in place of the sphere (P2 with 0.5 m/s along it), and P1 to P3b on a solid "
+        "cylinder, 1 m wide and long, where the contact meets the sharp rims of its caps. P1: head-on on the "
+        "rim of a tilted one, for 3 impacts: more would multiply the rounding of the start too often. P2: an "
+        "impact on the upper rim, then one that begins on the cap and goes on over its lower rim. P3: a ball "
+        "slides at 0.1 m/s over a level cap and, for 0.19 s, over its rim until it leaves. P3b: the same "
+        "dropped from 10 mm, 34 impacts on the cap, 35 on the rim, and lasting contact there. The references "
+        "are computed by extrapolation in extended precision."
+    )
+    figure = ("shapes", "Error against time on a plane and over a rim.")
+    return _more_problems("Planes and rims", text, figure, shape_problems(), own, ratios, folder)
 
 
 def _hertz(own: list[Row], ratios: Sequence[dict], folder: Path) -> list[Section]:

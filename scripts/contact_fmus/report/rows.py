@@ -37,7 +37,7 @@ THIS_FMU, PEER = "this FMU", "peer"
 SAME, SIMILAR = "same", "similar"  # force law of the problem
 RELATIVE_TOLERANCE = "relative tolerance"
 COLUMNS = (
-    "problem",  # P1, P2, P3, P3b, or a family of the stiffness sweep
+    "problem",  # P1, P2, P3, P3b, one of them with another shape or law, F1 to F4, or a stiffness family
     "group",  # THIS_FMU or PEER
     "solver",  # event_driven, cvode_bdf, cvode_adams; a peer's name and integrator
     "law",  # SAME or SIMILAR

@@ -29,6 +29,7 @@ class HertzPair(NamedTuple):
     gravity: tuple = (0.0, 0.0, 0.0)
     axis: tuple | None = None  # of a cylinder, unit length
     plane: tuple | None = None  # the outward normal of a plane, unit length
+    ends: tuple | None = None  # r_d and L/2 of a capped cylinder; d is then the distance from that solid
     linear: bool = False
     damped: float | None = None  # chi times the speed of each onset, where chi follows from that
     given: tuple = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))  # accelerations of what does not move freely
@@ -37,12 +38,28 @@ class HertzPair(NamedTuple):
         return c if self.axis is None else c - (c @ self.axis) * self.axis
 
     def gap_and_rate(self, state):
+        if self.ends is not None:
+            return self.gap_of_solid(state)
         c, w = self.across(state[3:6] - state[0:3]), self.across(state[9:12] - state[6:9])
         if self.plane is not None:
             return -(c @ self.plane) - self.reach, -(w @ self.plane), -self.plane
         d = np.sqrt(c @ c)
         n = c / d
         return self.side * (d - self.reach), self.side * (n @ w), n
+
+    def gap_of_solid(self, state):
+        """Of a capped cylinder, which is a box in the half-plane of rho and z"""
+        c, w = state[3:6] - state[0:3], state[9:12] - state[6:9]
+        z, across = -(c @ self.axis), -self.across(c)
+        rho = np.sqrt(across @ across)
+        dr, dz = rho - self.ends[0], abs(z) - self.ends[1]
+        outward, up = across / rho, np.copysign(LONG(1), z) * self.axis
+        if dr > 0 and dz > 0:
+            d = np.sqrt(dr * dr + dz * dz)
+            n = -(dr * outward + dz * up) / d
+        else:
+            d, n = (dr, -outward) if dr >= dz else (dz, -up)
+        return d - self.reach, n @ w, n
 
     def force(self, gap, rate, branch):
         depth = max(-gap, LONG(0))
@@ -120,7 +137,7 @@ class HertzPair(NamedTuple):
 def precise(pair):
     vectors = {
         k: np.array(getattr(pair, k), LONG)
-        for k in ("gravity", "axis", "plane")
+        for k in ("gravity", "axis", "plane", "ends")
         if getattr(pair, k) is not None
     }
     numbers = {k: LONG(getattr(pair, k)) for k in ("stiffness", "chi", "reach")}
@@ -200,7 +217,7 @@ def dips(pair, state, then, branch, h):
     return None
 
 
-def run(pair, state, end, first=None):
+def run(pair, state, end, first=None, tolerance=TOLERANCE):
     """The state at `end` (positions, velocities, dissipated) and the events: (time, branch that begins)."""
     pair = precise(pair)
     state = np.concatenate([np.array(state, LONG), [LONG(0)]])
@@ -210,8 +227,8 @@ def run(pair, state, end, first=None):
     while time < end:
         h = min(h, end - time, end / 100)
         then, error = step_of(pair, state, branch, h)
-        if error > TOLERANCE and h > LONG("1e-12") * end:
-            h *= max(LONG("0.2"), LONG("0.8") * (TOLERANCE / error) ** (LONG(1) / 15))
+        if error > tolerance and h > LONG("1e-12") * end:
+            h *= max(LONG("0.2"), LONG("0.8") * (tolerance / error) ** (LONG(1) / 15))
             continue
         before, after = margins(pair, state, branch), margins(pair, then, branch)
         shorter = dips(pair, state, then, branch, h)
@@ -235,7 +252,7 @@ def run(pair, state, end, first=None):
             pair = pair.onset(state) if begins else pair
             continue
         state, time = then, time + h
-        h *= min(LONG(2), LONG("0.8") * (TOLERANCE / max(error, LONG("1e-30"))) ** (LONG(1) / 15))
+        h *= min(LONG(2), LONG("0.8") * (tolerance / max(error, LONG("1e-30"))) ** (LONG(1) / 15))
     return state, events
 
 
