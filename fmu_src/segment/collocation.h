@@ -30,18 +30,11 @@
 #include "math/nodal_values.h"
 #include "math/oscillator.h"
 #include "math/vec3.h"
+#include "segment/rim_local.h"
 
 enum collocation_kind { COLLOCATION_RESOLVED, COLLOCATION_AVERAGED, COLLOCATION_OVERDAMPED };
 
 enum { COLLOCATION_ACCELERATION_TERMS = 3, COLLOCATION_MISMATCH_TERMS = 4 };
-
-/* The rim of a capped cylinder (collocation_rim.h), at the start. */
-struct collocation_rim {
-    bool is;                   /* else the rest means nothing */
-    struct vec3 axis, outward; /* e and a, unit */
-    double radius;             /* r_d [m] */
-    double cosine, sine;       /* n = cosine a - sine e */
-};
 
 /* Polynomials: coefficients of time from the start. */
 struct collocation_problem {
@@ -56,7 +49,8 @@ struct collocation_problem {
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E [m/s, ...] */
     bool has_mismatch;                                        /* whether E is other than zero */
 #ifndef CONTACT_NO_CAPS
-    struct collocation_rim rim;
+    bool at_rim;          /* of a capped cylinder: n, H and f are as in rim_local.h, and the rest */
+    struct rim_start rim; /* is as it is elsewhere */
 #endif
 };
 
@@ -70,10 +64,6 @@ struct collocation_local {
     struct vec3 rate, momentum;                               /* c' [m/s] and H at the start [m^2/s] */
     bool planar;                                              /* but for rounding */
     bool head_on;                                             /* n is constant: c', A and n are parallel */
-#ifndef CONTACT_NO_CAPS
-    bool at_rim;      /* and not head-on: frame, momentum and rows are those of collocation_rim.h */
-    double rho, tilt; /* at the start [m], [rad] */
-#endif
 };
 
 /* What the iteration works with. */

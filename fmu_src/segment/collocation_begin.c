@@ -94,9 +94,6 @@ void collocation_begin(struct collocation *p, const struct collocation_problem *
     p->local.head_on = is_head_on(from);
     p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
     p->work.sweeps = 0;
-#ifndef CONTACT_NO_CAPS
-    p->local.at_rim = from->rim.is && !p->local.head_on;
-#endif
     if (collocation_at_rim(p)) {
         collocation_rim_begin(p);
     } else {

@@ -1,34 +1,22 @@
 /*
- * Collocation at the rim of a capped cylinder, a circle of radius r_d about the axis e. The normal has two
- * curvatures there: with the direction a from the axis to the centre, which turns by the azimuth, and the
- * tilt of n from it,
- *
- *   n = cos(tilt) a - sin(tilt) e,   rho = r_d + d cos(tilt)
- *   azimuth' = round / rho^2,   round' = rho b.A,   b = e x a
- *   tilt' = over / d^2,         over' = -d (sin(tilt) push + cos(tilt) e.A),   push = round^2 / rho^3 + a.A
- *   f = over^2 / d^3 + cos(tilt) push - sin(tilt) e.A
- *
- * The rows of the result are those of n and H elsewhere: n.x the azimuth times rho/d at the start, h.x
- * `round` over that; n.y the tilt, h.y `over`; n.z and h.z zero. So lengths and tolerances mean the same. The
- * frame is a, b, e.
+ * Collocation at the rim of a capped cylinder, in the coordinates of rim_local.h. The rows of the result are
+ * those of n and H elsewhere: n.x and n.y are the changes of azimuth and tilt, h.x and h.y those of their
+ * momenta; n.z and h.z are zero.
  */
 #ifndef CONTACT_SEGMENT_COLLOCATION_RIM_H
 #define CONTACT_SEGMENT_COLLOCATION_RIM_H
 
 #include "segment/collocation.h"
 
-/* Whether the step is at a rim, and turns; never, at compile time, where no cylinder has caps. */
+#ifndef CONTACT_NO_CAPS
+
+/* Whether the step is at a rim, and turns. */
 static inline bool collocation_at_rim(const struct collocation *p)
 {
-#ifdef CONTACT_NO_CAPS
-    (void)p;
-    return false;
-#else
-    return p->local.at_rim;
-#endif
+    return p->from.at_rim && !p->local.head_on;
 }
 
-/* Frame, momenta and what acts; the first guess. */
+/* Frame and what acts; f; the first guess. */
 void collocation_rim_begin(struct collocation *p);
 double collocation_rim_load_at_start(const struct collocation *p);
 void collocation_rim_guess(struct collocation *p, double half);
@@ -49,26 +37,67 @@ struct collocation_change collocation_rim_change_at(const struct collocation *p,
 
 /* Below: what the files of the rim share. */
 
-struct rim_state {
-    double d, rho, azimuth, tilt; /* [m], [rad] */
-    double round, over;           /* [m^2/s] */
-};
-
-struct rim_slopes {
-    double azimuth, tilt; /* [1/s] */
-    double round, over;   /* [m^2/s^2] */
-    double load;          /* f without mismatch [m/s^2] */
-};
-
-/* With rows of n and H as they are, or at a node, the oscillation left out. */
-struct rim_state rim_state_of(const struct collocation *p, struct vec3 n, struct vec3 h, double x);
-struct rim_state rim_state_at_start(const struct collocation *p);
-struct rim_state rim_state_at_node(const struct collocation *p, int i);
-
-struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 acceleration);
+/* From rows of n and H, or at a node, the oscillation left out. */
+struct rim_state collocation_rim_state(const struct collocation *p, struct vec3 n, struct vec3 h, double x);
+struct rim_state collocation_rim_state_at_node(const struct collocation *p, int i);
 
 /* What y adds to the rows. */
-struct collocation_correction rim_correction(const struct collocation *p, const struct rim_state *at,
-                                             struct vec3 acceleration, double y, double y_rate);
+struct collocation_correction collocation_rim_correction(const struct collocation *p,
+                                                         const struct rim_state *at, struct vec3 acceleration,
+                                                         double y, double y_rate);
 
+#else /* never, and none of these is called */
+
+static inline bool collocation_at_rim(const struct collocation *p)
+{
+    (void)p;
+    return false;
+}
+
+static inline void collocation_rim_begin(struct collocation *p)
+{
+    (void)p;
+}
+
+static inline double collocation_rim_load_at_start(const struct collocation *p)
+{
+    (void)p;
+    return 0.0;
+}
+
+static inline void collocation_rim_guess(struct collocation *p, double half)
+{
+    (void)p, (void)half;
+}
+
+static inline void collocation_rim_load(const struct collocation *p, double *values, double *softening)
+{
+    (void)p, (void)values, (void)softening;
+}
+
+static inline double collocation_rim_turn(struct collocation *p)
+{
+    (void)p;
+    return 0.0;
+}
+
+static inline void collocation_rim_mismatch(const struct collocation *p, double *values)
+{
+    (void)p, (void)values;
+}
+
+static inline void collocation_rim_at_node(const struct collocation *p, int node, struct vec3 *moved,
+                                           struct vec3 *normal)
+{
+    (void)p, (void)node;
+    *moved = *normal = vec3_make(0.0, 0.0, 0.0);
+}
+
+static inline struct collocation_change collocation_rim_change_at(const struct collocation *p, double s)
+{
+    (void)p, (void)s;
+    return (struct collocation_change){.deviation = 0.0};
+}
+
+#endif
 #endif

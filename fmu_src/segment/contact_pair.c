@@ -166,6 +166,15 @@ double pair_turning(const struct contact_pair *p, double distance)
     return vec3_dot(across, across) / distance;
 }
 
+#if SCENE_ANY_CAPS
+struct rim_start pair_rim_start(const struct contact_pair *p)
+{
+    const struct contact_solid *solid = &p->shape.solid;
+    return rim_start_of(p->shape.axis, solid->radius, solid->half_height, p->flight.c[0],
+                        contact_reach(&p->shape) + p->gap, p->flight.c[1]);
+}
+#endif
+
 double pair_load(const struct contact_pair *p)
 {
     const double distance = fmax(p->distance, 0.5 * contact_reach(&p->shape));

@@ -11,6 +11,7 @@
 #define CONTACT_SEGMENT_CONTACT_PAIR_H
 
 #include "segment/relative_path.h"
+#include "segment/rim_local.h"
 
 /* Below this [N/m] gap and rate are always known well enough: their rounding, some 1e-16 m and m/s, makes
  * forces that nobody sees beside a load. The stiffest contacts that are built have some 1e10. */
@@ -92,6 +93,11 @@ double pair_turning(const struct contact_pair *p, double distance);
 /* The force that would keep the bodies at their present distance, |m_red (|w_t|^2 / d + n.A)| [N]. Near the
  * centre half the reach stands for d, since the bodies only pass there. */
 double pair_load(const struct contact_pair *p);
+
+#if SCENE_ANY_CAPS
+/* Of a rim. */
+struct rim_start pair_rim_start(const struct contact_pair *p);
+#endif
 
 /* The part of c perpendicular to a cylinder's axis. */
 struct vec3 pair_across(const struct contact_pair *p, struct vec3 c);

@@ -33,7 +33,7 @@ static void fill_sample(const struct pair_collocation *p, const double x[4], dou
         sample->of[PAIR_GAP_RATE][i] = per_time * (x[i + 1] + normal_mismatch[i]);
     }
 #if SCENE_ANY_CAPS
-    if (p->step.from.rim.is) {
+    if (p->step.from.at_rim) {
         collocation_edges(&p->step, s, x, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
     }
 #endif

@@ -26,27 +26,6 @@ static void set_paths(const struct contact_pair *p, const struct vec3 felt[SEPAR
     }
 }
 
-#if SCENE_ANY_CAPS
-/* Where the contact is on the rim, and the load at the start [m/s^2]. */
-static double set_rim(const struct contact_pair *p, struct collocation_problem *problem)
-{
-    struct collocation_rim *rim = &problem->rim;
-    const struct vec3 c = p->flight.c[0];
-    rim->axis = p->shape.axis;
-    const double along = vec3_dot(c, rim->axis);
-    const struct vec3 across = vec3_axpy(c, -along, rim->axis);
-    const double rho = vec3_norm(across);
-    rim->radius = p->shape.solid.radius;
-    rim->outward = vec3_scale(1.0 / rho, across);
-    rim->cosine = rho - rim->radius;
-    rim->sine = -along - p->shape.solid.half_height;
-    const double d = hypot(rim->cosine, rim->sine);
-    rim->cosine /= d;
-    rim->sine /= d;
-    return pair_turning(p, p->distance);
-}
-#endif
-
 /* Where W and C' are the same but for rounding, the dashpot makes a load of the difference, and the spring an
  * oscillation. Below this part of the load it is left as it is: peaks are right to it. */
 static const double NEGLIGIBLE_LOAD = 1e-6;
@@ -97,9 +76,10 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     }
     double turning = vec3_dot(along, along) / d;
 #if SCENE_ANY_CAPS
-    problem->rim.is = contact_is_rim(&p->shape);
-    if (problem->rim.is) {
-        turning = set_rim(p, problem);
+    problem->at_rim = contact_is_rim(&p->shape);
+    if (problem->at_rim) {
+        problem->rim = pair_rim_start(p);
+        turning = pair_turning(p, d);
     }
 #endif
     const double load = turning + vec3_dot(p->normal, problem->acceleration[0]) -
