@@ -37,7 +37,7 @@ bool hertz_make(struct segment *p)
         return false;
     }
     pair_hertz_begin(made, &z, &p->pair);
-    if (p->may_be_slow && hertz_is_slow(p)) {
+    if (p->may_be_slow && hertz_is_slow(p, made->root, made->unit)) {
         return false;
     }
     p->may_be_slow = false;

@@ -1,4 +1,4 @@
-#include "segment/hertz_slow.h"
+#include "segment/hertz_slow_rim.h"
 
 #include <float.h>
 
@@ -224,6 +224,9 @@ bool slow_hertz_make(struct hertz_slow *p, const struct contact_pair *from, doub
     }
     for (int i = 0; i < SLOW_N; ++i) {
         p->depth[i] = p->depth_start;
+    }
+    if (slow_at_rim(p)) {
+        slow_rim_begin(p);
     }
     slow_note_pull(p);
     if (!slow_iterate(p, depth_tolerance) || !slow_is_accurate(p, tolerance, depth_tolerance)) {

@@ -1,8 +1,20 @@
-#include "segment/hertz_slow.h"
+#include "segment/hertz_slow_rim.h"
 
 static double slow_depth(const struct hertz_slow *p, double s)
 {
     return p->depth_start + nodal_integral(p->rate_terms, SLOW_N, s);
+}
+
+static struct slow_place slow_place_at(const struct hertz_slow *p, double s)
+{
+    struct slow_place at = {.depth = slow_depth(p, s), .rate = nodal_polynomial_at(p->rate_terms, SLOW_N, s)};
+    for (int j = 0; j < HERTZ_TURNING; ++j) {
+        at.turned[j] = p->start[j];
+        if (is_turning(p, j)) {
+            at.turned[j] += nodal_integral_to(&radau, p->turned[j], p->turning[j], s);
+        }
+    }
+    return at;
 }
 
 void slow_hertz_sample(const void *hertz_slow, double s, struct pair_sample *sample)
@@ -25,24 +37,12 @@ void slow_hertz_sample(const void *hertz_slow, double s, struct pair_sample *sam
     sample->of[PAIR_FORCE][1] = k * (spring[1] * damping[0] + spring[0] * damping[1]);
     sample->of[PAIR_FORCE][2] =
         k * (spring[2] * damping[0] + 2.0 * spring[1] * damping[1] + spring[0] * damping[2]);
-}
-
-/* n, H, delta and d delta/ds at s. */
-struct slow_place {
-    double turned[HERTZ_TURNING];
-    double depth, rate;
-};
-
-static struct slow_place slow_place_at(const struct hertz_slow *p, double s)
-{
-    struct slow_place at = {.depth = slow_depth(p, s), .rate = nodal_polynomial_at(p->rate_terms, SLOW_N, s)};
-    for (int j = 0; j < HERTZ_TURNING; ++j) {
-        at.turned[j] = p->start[j];
-        if (is_turning(p, j)) {
-            at.turned[j] += nodal_integral_to(&radau, p->turned[j], p->turning[j], s);
-        }
+#if SCENE_ANY_CAPS
+    if (contact_is_rim(&p->from->shape)) {
+        const struct slow_place at = slow_place_at(p, s);
+        slow_rim_edges(p, &at, s, sample);
     }
-    return at;
+#endif
 }
 
 static struct slow_place slow_place_of_node(const struct hertz_slow *p, int node)
@@ -58,6 +58,10 @@ static struct slow_place slow_place_of_node(const struct hertz_slow *p, int node
 static void slow_deviation(const struct hertz_slow *p, const struct slow_place *at, double s,
                            double r[HERTZ_DIMENSIONS], double r_rate[HERTZ_DIMENSIONS])
 {
+    if (slow_at_rim(p)) {
+        slow_rim_deviation(p, at, s, r, r_rate);
+        return;
+    }
     const double time = p->half * s;
     const double d = slow_distance(p, at->depth);
     const double radial = -p->from->shape.side * at->rate / p->half;
@@ -108,12 +112,18 @@ static void slow_powers(const struct hertz_slow *p, double s, struct pair_change
         const double rate = at.rate / p->half;
         const double spring = p->from->hertz_stiffness * at.depth * sqrt(at.depth);
         double rows[3][HERTZ_DIMENSIONS];
+        const double *n = at.turned;
+        double rim_normal_then[HERTZ_DIMENSIONS];
+        if (slow_at_rim(p)) {
+            slow_rim_normal(p, &at, rim_normal_then);
+            n = rim_normal_then;
+        }
         slow_deviation(p, &at, place, rows[0], rows[1]);
         change->dissipated += weight * (force - spring) * rate;
         for (int body = 0; body < PAIR_BODIES; ++body) {
             const struct pair_work *work = &p->from->work[body];
             for (int j = 0; j < p->flight.dimensions && work->order > 0; ++j) {
-                rows[2][j] = p->from->shape.side * force / p->from->reduced_mass * at.turned[j];
+                rows[2][j] = p->from->shape.side * force / p->from->reduced_mass * n[j];
                 const struct vec3 path =
                     vec3_axpy(vec3_axpy(work->path[0], time, work->path[1]), time * time, work->path[2]);
                 change->work[body] += weight * vec3_dot(path, p->flight.frame[j]) * rows[work->order][j];

@@ -68,17 +68,16 @@ static struct slow_scales slow_scales_of(const struct contact_pair *from)
 }
 
 /* What is fast in the penetration, as a part of it, by the coefficients of u = sqrt(delta). */
-static double fast_part_of(const struct pair_hertz *series, double fast)
+static double fast_part_of(const double *root, double unit, double fast)
 {
-    const double root = series->root[0];
-    const double radians = fast * series->unit * root; /* of it in a unit of s */
+    const double radians = fast * unit * root[0]; /* of it in a unit of s */
     double power = 1.0;
     double part = 0.0;
     for (int i = 1; i <= FAST_ORDER + 1; ++i) {
         power *= radians / i;
-        part = i >= FAST_ORDER ? fmax(part, fabs(series->root[i]) / power) : 0.0;
+        part = i >= FAST_ORDER ? fmax(part, fabs(root[i]) / power) : 0.0;
     }
-    return 2.0 * part / root;
+    return 2.0 * part / root[0];
 }
 
 bool hertz_slow_applies(const struct segment *p)
@@ -91,11 +90,11 @@ bool hertz_slow_applies(const struct segment *p)
     return scales.load > 0.0 && scales.fast * p->longest >= SLOW_SHORTEST;
 }
 
-bool hertz_is_slow(const struct segment *p)
+bool hertz_is_slow(const struct segment *p, const double *root, double unit)
 {
     const struct slow_scales scales = slow_scales_of(&p->pair);
     const double clearly = scales.creep > 0.0 ? DECAY_CLEARLY : FAST_CLEARLY;
-    return fast_part_of(&p->as.hertz, scales.fast) <= clearly * slow_accuracy(p);
+    return fast_part_of(root, unit, scales.fast) <= clearly * slow_accuracy(p);
 }
 
 bool hertz_slow_make(struct segment *p)

@@ -1,5 +1,5 @@
 /* How the normal turns in a slow segment, and the load that comes of it. */
-#include "segment/hertz_slow.h"
+#include "segment/hertz_slow_rim.h"
 
 /* The relative acceleration of flight at a time, in the frame [m/s^2]. */
 static void slow_acceleration(const struct hertz_flight *flight, double time, double out[HERTZ_DIMENSIONS])
@@ -50,6 +50,9 @@ double slow_sweep_turning(struct hertz_slow *p)
     if (p->flight.dimensions == 1) {
         return 0.0;
     }
+    if (slow_at_rim(p)) {
+        return slow_rim_sweep(p);
+    }
     for (int i = 0; i < SLOW_N; ++i) {
         double at[HERTZ_TURNING];
         double rate[HERTZ_DIMENSIONS];
@@ -75,6 +78,10 @@ double slow_sweep_turning(struct hertz_slow *p)
 
 void slow_load(const struct hertz_slow *p, double load[SLOW_N])
 {
+    if (slow_at_rim(p)) {
+        slow_rim_load(p, load);
+        return;
+    }
     for (int i = 0; i < SLOW_N; ++i) {
         double at[HERTZ_TURNING];
         turned_at(p, i, at);

@@ -35,8 +35,8 @@ bool hertz_make(struct segment *p);
 bool hertz_slow_applies(const struct segment *p);
 bool hertz_slow_make(struct segment *p);
 
-/* Whether nothing fast is left of the contact, by the first coefficients in p->as.hertz. */
-bool hertz_is_slow(const struct segment *p);
+/* Whether nothing fast is left of the contact, by the first coefficients of u and the unit of s. */
+bool hertz_is_slow(const struct segment *p, const double *root, double unit);
 
 /* L: the acceleration that presses the bodies together [m/s^2]. */
 double hertz_pressing_load(const struct contact_pair *from);
@@ -47,7 +47,8 @@ double hertz_coasting_time(const struct segment *p);
 void hertz_find_terminal_event(struct segment *p, double parting);
 
 #if SCENE_ANY_CAPS
-/* At the rim of a capped cylinder, under either law; under Hertz's p->terminal is known then. */
+/* At the rim of a capped cylinder, under either law; under Hertz's p->terminal is known then. False where
+ * p->may_be_slow and the first coefficients show that it is. */
 bool rim_applies(const struct segment *p);
 bool rim_make(struct segment *p);
 #endif

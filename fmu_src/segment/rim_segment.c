@@ -23,6 +23,14 @@ static bool goes_by_root(struct segment *p)
     return !(coasting > 0.0);
 }
 
+/* Whether it is for the slow kind to make. */
+static bool is_slow_at_rim(struct segment *p)
+{
+    const struct rim_series *made = &p->as.rim;
+    p->may_be_slow = p->may_be_slow && made->by_root && hertz_is_slow(p, made->root, made->unit);
+    return p->may_be_slow;
+}
+
 static double parting_at_rim(const struct rim_series *made)
 {
     return made->by_root ? pair_hertz_parting(made->root, made->step) : (double)INFINITY;
@@ -36,6 +44,12 @@ static void note_parting(struct segment *p, double parting)
 }
 #else
 static bool goes_by_root(struct segment *p)
+{
+    (void)p;
+    return false;
+}
+
+static bool is_slow_at_rim(struct segment *p)
 {
     (void)p;
     return false;
@@ -57,6 +71,9 @@ bool rim_make(struct segment *p)
 {
     struct rim_series *made = &p->as.rim;
     rim_series_make(made, &p->pair, goes_by_root(p));
+    if (is_slow_at_rim(p)) {
+        return false;
+    }
     p->unit = made->unit;
     const double parting = parting_at_rim(made);
     p->end = fmin(made->step, parting > 0.0 ? parting : made->step);

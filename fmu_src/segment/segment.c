@@ -139,12 +139,32 @@ static bool make_collocated(struct segment *p)
 }
 
 #if SCENE_ANY_CAPS
+#if SCENE_ANY_HERTZ
+/* As make_hertz. */
+static bool make_hertz_at_rim(struct segment *p)
+{
+    p->may_be_slow = hertz_slow_applies(p);
+    if (make_kind(p, SEGMENT_RIM) || make_kind(p, SEGMENT_HERTZ_SLOW)) {
+        return true;
+    }
+    p->may_be_slow = false;
+    return make_kind(p, SEGMENT_RIM);
+}
+#else /* then it is not called */
+static bool make_hertz_at_rim(struct segment *p)
+{
+    (void)p;
+    return false;
+}
+#endif
+
 static bool make_at_rim(struct segment *p)
 {
     if (!contact_is_rim(&p->pair.shape)) {
         return false;
     }
-    return (!contact_is_hertz(&p->pair.law) && make_collocated(p)) || make_kind(p, SEGMENT_RIM);
+    return contact_is_hertz(&p->pair.law) ? make_hertz_at_rim(p)
+                                          : make_collocated(p) || make_kind(p, SEGMENT_RIM);
 }
 #else
 static bool make_at_rim(struct segment *p)

@@ -80,3 +80,17 @@ def test_an_undamped_oscillation_keeps_its_phase(opened):
     """Some hundred swings, followed by the reference one by one"""
     motion, begin = scene(1e9, part=0.9)
     check(opened("SphereCylinder"), motion, begin, 8, method="DOP853", end=0.02)
+
+
+@pytest.mark.parametrize("part", [1.0, 0.4])
+@pytest.mark.parametrize("damping", [1.0, 30.0, 1e3, 1e6])
+def test_damped_under_hertz(opened, damping, part):
+    motion, begin = scene(1e9, damping, hertz=True, part=part)
+    check(opened("SphereCylinder"), motion, begin, 60)
+
+
+@pytest.mark.parametrize("stiffness", [1e10, 1e13, 1e16])
+def test_stiffness_costs_nothing_under_hertz(opened, stiffness):
+    """But the oscillation while it dies away, which at a fifth of critical damping is some twenty swings"""
+    motion, begin = scene(stiffness, 0.2, hertz=True)
+    check(opened("SphereCylinder"), motion, begin, 100)
