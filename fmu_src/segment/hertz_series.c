@@ -69,6 +69,18 @@ double pair_hertz_depth_under(const struct contact_pair *from, double accelerati
     return cbrt(ratio * ratio);
 }
 
+double pair_hertz_depth_to_come(const struct contact_pair *from, double opening)
+{
+    const double k = from->hertz_stiffness / from->reduced_mass;
+    const double load = pair_load(from) / from->reduced_mass;
+    const double speed = fabs(opening);
+    const double stops = fmin(0.5 * speed, 1.0 / from->chi); /* chi = 0: the former */
+    const double by_speed = pow(2.5 * speed * stops / k, 0.4);
+    const double creeps = sqrt(sqrt(0.5 * load) / (k * from->chi)); /* chi = 0: INFINITY, or NaN */
+    const double by_load = fmin(pair_hertz_depth_under(from, load), creeps);
+    return fmax(fmax(by_speed, by_load), -from->gap);
+}
+
 /*
  * The unit of s: at the deepest that present speed, load and penetration lead to, one radian of the contact's
  * oscillation, one decay time of its damping, or the time of passage, whichever is shortest. The order of
@@ -77,12 +89,7 @@ double pair_hertz_depth_under(const struct contact_pair *from, double accelerati
 static double hertz_unit(const struct contact_pair *from, double opening)
 {
     const double k = from->hertz_stiffness / from->reduced_mass;
-    /* of an impact without damping: delta_max^(5/2) = 5/4 v^2 / k; with much, 5/2 v / (k chi) */
-    const double speed = fabs(opening);
-    const double stops = fmin(0.5 * speed, 1.0 / from->chi); /* chi = 0: the former */
-    const double by_speed = pow(2.5 * speed * stops / k, 0.4);
-    const double by_load = pair_hertz_depth_under(from, pair_load(from) / from->reduced_mass);
-    const double depth = fmax(fmax(by_speed, by_load), -from->gap);
+    const double depth = pair_hertz_depth_to_come(from, opening);
     const double root = sqrt(depth);
     const double spring = sqrt(1.5 * k * root);
     const double dashpot = k * from->chi * depth * root;

@@ -191,9 +191,12 @@ static bool slow_is_accurate(const struct hertz_slow *p, double tolerance, doubl
 {
     const double stiffness = 1.5 * p->k * sqrt(p->depth_start);
     const double damping = p->k * p->depth_start * sqrt(p->depth_start) * p->from->chi;
-    const double fast = fmax(sqrt(stiffness), damping) * p->half;
+    /* Beyond critical damping the force is known by the rate, at which the contact settles. */
+    const bool creeps = damping * damping > 4.0 * stiffness;
+    const double fast = fmax(sqrt(stiffness), damping);
+    const double by_rate = creeps ? stiffness / damping * p->half : fmax(1.0, fast * p->half);
     double error = misses_start(p->depth, p->depth_start);
-    error = fmax(error, misses_start(p->rate, p->rate_start) / fmax(1.0, fast));
+    error = fmax(error, misses_start(p->rate, p->rate_start) / by_rate);
     if (!(error <= depth_tolerance)) {
         return false;
     }

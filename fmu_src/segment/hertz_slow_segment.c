@@ -93,7 +93,8 @@ bool hertz_slow_applies(const struct segment *p)
 bool hertz_is_slow(const struct segment *p, const double *root, double unit)
 {
     const struct slow_scales scales = slow_scales_of(&p->pair);
-    const double clearly = scales.creep > 0.0 ? DECAY_CLEARLY : FAST_CLEARLY;
+    /* beyond critical damping the force goes with the rate: a decay counts more by the ratio of the rates */
+    const double clearly = scales.creep > 0.0 ? DECAY_CLEARLY * scales.creep / scales.fast : FAST_CLEARLY;
     return fast_part_of(root, unit, scales.fast) <= clearly * slow_accuracy(p);
 }
 

@@ -64,4 +64,10 @@ struct pair_change pair_hertz_change(const void *pair_hertz, double s);
 /* Penetration at which the force balances an acceleration [m/s^2] of the reduced mass [m]. */
 double pair_hertz_depth_under(const struct contact_pair *from, double acceleration);
 
+/* The depth to which present speed, load and penetration lead before damping makes them creep, its order of
+ * magnitude [m]: of an impact delta^(5/2) = 5/4 v^2 / k, with much damping 5/2 v / (k chi), k by mass; of a
+ * load a at rest delta^(3/2) = a / k, with much damping where k chi delta^(3/2) is the time in which it has
+ * brought that about, delta^4 = a / (2 (k chi)^2). */
+double pair_hertz_depth_to_come(const struct contact_pair *from, double opening);
+
 #endif

@@ -3,6 +3,7 @@
 #include <float.h>
 
 #include "math/root.h"
+#include "segment/pair_hertz.h"
 
 /* Everything that the recurrence needs besides the results. */
 struct rim_recurrence {
@@ -144,26 +145,35 @@ static double passage_of_rim(const struct contact_pair *from)
     return fmin(size / vec3_norm(from->flight.w[0]), sqrt(size / acceleration));
 }
 
-/* One radian of the spring, one decay time of the dashpot, or the passage, whichever is shortest; under
- * Hertz's law at the deepest that speed, load and penetration lead to (as in hertz_series.c). The order of
- * magnitude is enough. */
+#if SCENE_ANY_HERTZ
+/* Under Hertz's law at the deepest that speed, load and penetration lead to (as in hertz_series.c). */
+static double hertz_unit_at_rim(const struct contact_pair *from)
+{
+    const double k = from->hertz_stiffness / from->reduced_mass;
+    const double depth = pair_hertz_depth_to_come(from, pair_gap_derivative(from));
+    const double root = sqrt(depth);
+    const double radian = 1.0 / fmax(sqrt(1.5 * k * root), k * from->chi * depth * root);
+    return fmin(passage_of_rim(from), radian) / root;
+}
+#else
+static double hertz_unit_at_rim(const struct contact_pair *from)
+{
+    (void)from;
+    return 1.0;
+}
+#endif
+
+/* One radian of the spring, one decay time of the dashpot, or the passage, whichever is shortest. The order
+ * of magnitude is enough. */
 static double rim_unit_of(const struct contact_pair *from, bool by_root)
 {
     double unit = passage_of_rim(from);
-    double root = 1.0;
     if (by_root) {
-        const double k = from->hertz_stiffness / from->reduced_mass;
-        const double opening = pair_gap_derivative(from);
-        const double by_speed = pow(1.25 * opening * opening / k, 0.4);
-        const double by_load = cbrt(pow(pair_load(from) / from->hertz_stiffness, 2.0));
-        const double depth = fmax(fmax(by_speed, by_load), -from->gap);
-        root = sqrt(depth);
-        unit = fmin(unit, 1.0 / fmax(sqrt(1.5 * k * root), k * from->chi * depth * root));
+        unit = hertz_unit_at_rim(from);
     } else if (from->coefficients.k > 0.0 || from->coefficients.c > 0.0) {
         unit = fmin(unit, fmin(sqrt(from->reduced_mass / from->coefficients.k),
                                from->reduced_mass / from->coefficients.c));
     }
-    unit /= root;
     return isfinite(unit) && unit > 0.0 ? unit : 1.0;
 }
 

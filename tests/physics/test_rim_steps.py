@@ -94,3 +94,13 @@ def test_stiffness_costs_nothing_under_hertz(opened, stiffness):
     """But the oscillation while it dies away, which at a fifth of critical damping is some twenty swings"""
     motion, begin = scene(stiffness, 0.2, hertz=True)
     check(opened("SphereCylinder"), motion, begin, 100)
+
+
+@pytest.mark.parametrize(
+    "hertz, stiffness, damping", [(False, 1e6, 1e5), (False, 1e6, 1e9), (True, 1e6, 1e5), (True, 1e6, 1e7)]
+)
+def test_an_impact_that_hardly_ends(opened, hertz, stiffness, damping):
+    """As restitution zero makes it with a dashpot that acts in approach only: then it creeps"""
+    motion, begin = scene(stiffness, hertz=hertz)
+    begin[:2] = [-1e-7, -0.24]
+    check(opened("SphereCylinder"), motion._replace(damping=damping), begin, 100)
