@@ -178,6 +178,7 @@ static void sum_up(struct collocation *p)
     if (p->from.has_mismatch) {
         collocation_keep_mismatch(p);
     }
+    collocation_keep_tilt(p);
 }
 
 bool collocation_finish(struct collocation *p, double before, double tolerance)

@@ -83,8 +83,11 @@ struct collocation_result {
     nodal_values load;                /* half^2 f, coefficients of s - 1 [m] */
     nodal_values slow;                /* x without y, likewise [m] */
     nodal_values normal_mismatch;     /* half n.E, likewise [m] */
-    nodal_values y_of_y, y_of_rate;   /* the free oscillation's basis at the nodes, if resolved */
-    int terms;                        /* coefficients of `slow` that matter */
+#ifndef CONTACT_NO_CAPS
+    nodal_values tilt_rate; /* at a rim, once the iteration has converged: n_rate.y, likewise [rad] */
+#endif
+    nodal_values y_of_y, y_of_rate; /* the free oscillation's basis at the nodes, if resolved */
+    int terms;                      /* coefficients of `slow` that matter */
     /* of y, per s; averaged: omega2 corrected by the mean of -df/dx */
     struct oscillator oscillator;
     double y, y_rate;      /* at the start [m] */

@@ -54,6 +54,7 @@ struct collocation_correction collocation_rim_correction(const struct collocatio
 void collocation_rim_begin(struct collocation *p)
 {
     memcpy(p->local.frame, p->from.rim.frame, sizeof p->local.frame);
+    memset(p->result.tilt_rate, 0, sizeof p->result.tilt_rate);
     p->local.planar = false;
     p->local.rate = vec3_make(p->from.radial, 0.0, 0.0);
     for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
@@ -91,18 +92,9 @@ void collocation_rim_load(const struct collocation *p, double *values, double *s
     for (int i = 0; i < p->nodes->points; ++i) {
         const struct rim_state at = collocation_rim_state_at_node(p, i);
         const struct rim_slopes slopes = rim_slopes_at(&at, rim_row(&p->work.drive_at, i));
-        const double spin = slopes.azimuth * cos(at.tilt);
+        const double spin = slopes.azimuth * at.cosine;
         values[i] = half2 * slopes.load;
         softening[i] = 1.5 * half2 * (spin * spin + slopes.tilt * slopes.tilt);
-    }
-}
-
-static void note_rim_rates(struct collocation *p)
-{
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const struct rim_state at = collocation_rim_state_at_node(p, i);
-        const struct rim_slopes slopes = rim_slopes_at(&at, rim_row(&p->work.acceleration_at, i));
-        put_rim_rates(p, i, p->half, &slopes, &p->result.n_rate, &p->result.h_rate);
     }
 }
 
@@ -123,10 +115,28 @@ double collocation_rim_turn(struct collocation *p)
         p->result.normal_correction = correction.normal;
         p->result.momentum_correction = correction.momentum;
     }
-    note_rim_rates(p);
+    nodal_values per_rho_squared;
+    nodal_values per_d_squared;
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const struct rim_state at = collocation_rim_state_at_node(p, i);
+        const struct rim_slopes slopes = rim_slopes_at(&at, rim_row(&p->work.acceleration_at, i));
+        put_rim_rates(p, i, p->half, &slopes, &p->result.n_rate, &p->result.h_rate);
+        per_rho_squared[i] = 1.0 / (at.rho * at.rho);
+        per_d_squared[i] = 1.0 / (at.d * at.d);
+    }
     const double by_momentum = 2.0 * p->half / distance * rim_integrate(p, &p->result.h_rate, &p->result.h);
-    note_rim_rates(p);
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const struct vec3 h = vec3_sub(rim_row(&p->result.h, i), p->result.momentum_correction);
+        const double scale = p->from.rim.rho / distance;
+        p->result.n_rate.x[i] = p->half * scale * (p->from.rim.round + scale * h.x) * per_rho_squared[i];
+        p->result.n_rate.y[i] = p->half * (p->from.rim.over + h.y) * per_d_squared[i];
+    }
     return fmax(by_momentum, distance * rim_integrate(p, &p->result.n_rate, &p->result.n));
+}
+
+void collocation_rim_keep_tilt(struct collocation *p)
+{
+    nodal_coefficients(p->nodes, p->result.n_rate.y, p->result.tilt_rate);
 }
 
 void collocation_rim_mismatch(const struct collocation *p, double *values)

@@ -27,6 +27,9 @@ void collocation_rim_load(const struct collocation *p, double *values, double *s
 /* The momenta, then the angles by them; returns the largest change [m]. */
 double collocation_rim_turn(struct collocation *p);
 
+/* Of a step whose sweeps have converged: result.tilt_rate. */
+void collocation_rim_keep_tilt(struct collocation *p);
+
 /* half n.E at the nodes [m]. */
 void collocation_rim_mismatch(const struct collocation *p, double *values);
 
@@ -79,6 +82,11 @@ static inline double collocation_rim_turn(struct collocation *p)
 {
     (void)p;
     return 0.0;
+}
+
+static inline void collocation_rim_keep_tilt(struct collocation *p)
+{
+    (void)p;
 }
 
 static inline void collocation_rim_mismatch(const struct collocation *p, double *values)

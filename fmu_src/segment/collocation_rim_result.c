@@ -54,14 +54,24 @@ struct collocation_change collocation_rim_change_at(const struct collocation *p,
 void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
                        double axial[3])
 {
-    const double none[4] = {0.0, 0.0, 0.0, 0.0};
-    struct rim_state at = rim_state_of(&p->from.rim, none, 0.0);
-    struct rim_slopes slopes = {.tilt = 0.0, .over = 0.0};
+    double tilt[3] = {p->from.rim.tilt, 0.0, 0.0};
     if (!p->local.head_on) {
-        at = rim_state_then(p, s, x);
-        slopes = rim_slopes_at(&at, acceleration_at_rim(p, p->half * s));
+        const int points = p->nodes->points;
+        tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.normal_correction.y;
+        tilt[1] = nodal_polynomial_at(p->result.tilt_rate, points, s);
+        tilt[2] = nodal_slope(p->result.tilt_rate, points, s);
+        if (p->kind != COLLOCATION_RESOLVED) { /* what y adds, as collocation_rim_correction says */
+            double slow[4];
+            collocation_averaged_deviation(p, s, slow);
+            const double by = -2.0 * tilt[1] / (p->from.reach + x[0]);
+            const double y = x[0] - slow[0];
+            const double y_rate = x[1] - slow[1];
+            tilt[0] += by * collocation_oscillation_integral(p, y, y_rate) / p->half;
+            tilt[1] += by * y;
+            tilt[2] += by * y_rate;
+        }
     }
-    rim_edges(&at, &slopes, p->half, x[1], p->from.reach, radial, axial);
+    rim_edges(tilt, p->from.reach, radial, axial);
 }
 
 #endif

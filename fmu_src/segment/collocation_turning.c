@@ -122,3 +122,10 @@ void collocation_keep_mismatch(struct collocation *p)
     }
     nodal_coefficients(p->nodes, values, p->result.normal_mismatch);
 }
+
+void collocation_keep_tilt(struct collocation *p)
+{
+    if (collocation_at_rim(p)) {
+        collocation_rim_keep_tilt(p);
+    }
+}

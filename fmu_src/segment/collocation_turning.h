@@ -10,8 +10,9 @@ void collocation_load(const struct collocation *p, double *values, double *softe
 /* H by n, then n by that H; returns the largest change [m]. */
 double collocation_turn(struct collocation *p);
 
-/* Of a step whose sweeps have converged. */
+/* Of a step whose sweeps have converged: n.E; the tilt at a rim. */
 void collocation_keep_mismatch(struct collocation *p);
+void collocation_keep_tilt(struct collocation *p);
 
 /* A vector of the world in the frame of the start, and back. */
 static inline struct vec3 collocation_in_frame(const struct collocation *p, struct vec3 a)

@@ -126,19 +126,18 @@ static struct vec3 acceleration_of_flight(const struct hertz_slow *p, double tim
 void slow_rim_edges(const struct hertz_slow *p, const struct slow_place *at, double s,
                     struct pair_sample *sample)
 {
-    const double none[RIM_ROWS] = {0.0, 0.0, 0.0, 0.0};
-    struct rim_start head_on;
-    struct rim_state state;
-    struct rim_slopes slopes = {.tilt = 0.0, .over = 0.0};
+    double tilt[3] = {0.0, 0.0, 0.0};
     if (slow_at_rim(p)) {
-        state = slow_rim_state(p, at->turned, at->depth);
-        slopes = rim_slopes_at(&state, acceleration_of_flight(p, p->half * s));
+        const struct rim_state state = slow_rim_state(p, at->turned, at->depth);
+        const struct rim_slopes slopes = rim_slopes_at(&state, acceleration_of_flight(p, p->half * s));
+        const double bend = p->half * p->half * slopes.over / (state.d * state.d);
+        tilt[0] = state.tilt;
+        tilt[1] = p->half * slopes.tilt;
+        tilt[2] = bend + 2.0 * tilt[1] * at->rate / state.d;
     } else {
-        head_on = pair_rim_start(p->from);
-        state = rim_state_of(&head_on, none, 0.0);
+        tilt[0] = pair_rim_start(p->from).tilt;
     }
-    rim_edges(&state, &slopes, p->half, -at->rate, contact_reach(&p->from->shape), sample->of[PAIR_RADIAL],
-              sample->of[PAIR_AXIAL]);
+    rim_edges(tilt, contact_reach(&p->from->shape), sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
 }
 
 #endif

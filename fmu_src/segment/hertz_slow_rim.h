@@ -1,6 +1,8 @@
-/* A slow segment under Hertz's law at the rim of a capped cylinder, in the coordinates of rim_local.h: the rows
- * of n hold the changes of azimuth and tilt, those of H the changes of their momenta; the third ones are
- * zero. */
+/*
+ * A slow segment under Hertz's law at the rim of a capped cylinder, in the coordinates of rim_local.h: the
+ * rows of n hold the changes of azimuth and tilt, those of H the changes of their momenta; the third ones are
+ * zero.
+ */
 #ifndef CONTACT_SEGMENT_HERTZ_SLOW_RIM_H
 #define CONTACT_SEGMENT_HERTZ_SLOW_RIM_H
 

@@ -29,17 +29,27 @@ static double rim_scale(const struct rim_start *start)
 
 struct rim_state rim_state_of(const struct rim_start *start, const double change[4], double grown)
 {
-    const double d = start->distance + grown;
     const double scale = rim_scale(start);
     const double tilt = start->tilt + change[1];
-    return (struct rim_state){.d = d,
-                              .rho = start->radius + d * cos(tilt),
-                              .azimuth = change[0] / scale,
-                              .tilt = tilt,
-                              .round = start->round + scale * change[2],
-                              .over = start->over + change[3],
-                              .grown = grown,
-                              .tilted = change[1]};
+    const double cosine = cos(tilt);
+    const double d = start->distance + grown;
+    struct rim_state at = {.d = d,
+                           .rho = start->radius + d * cosine,
+                           .azimuth = change[0] / scale,
+                           .tilt = tilt,
+                           .round = start->round + scale * change[2],
+                           .over = start->over + change[3],
+                           .grown = grown,
+                           .tilted = change[1],
+                           .cosine = cosine,
+                           .sine = sin(tilt),
+                           .turned_cosine = 1.0,
+                           .turned_sine = 0.0};
+    if (at.azimuth != 0.0) { /* it stays zero in a plane through the axis */
+        at.turned_cosine = cos(at.azimuth);
+        at.turned_sine = sin(at.azimuth);
+    }
+    return at;
 }
 
 void rim_change_rates(const struct rim_start *start, const struct rim_slopes *slopes, double rates[4])
@@ -58,16 +68,16 @@ struct rim_parts {
 
 static struct rim_parts rim_parts_of(const struct rim_state *at, struct vec3 a)
 {
-    const double c = cos(at->azimuth);
-    const double s = sin(at->azimuth);
+    const double c = at->turned_cosine;
+    const double s = at->turned_sine;
     return (struct rim_parts){c * a.x + s * a.y, c * a.y - s * a.x, a.z};
 }
 
 struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 acceleration)
 {
     const struct rim_parts a = rim_parts_of(at, acceleration);
-    const double c = cos(at->tilt);
-    const double s = sin(at->tilt);
+    const double c = at->cosine;
+    const double s = at->sine;
     const double spin = at->round / (at->rho * at->rho);
     const double tilting = at->over / (at->d * at->d);
     const double push = at->rho * spin * spin + a.outward;
@@ -82,19 +92,19 @@ void rim_slopes_by_distance(const struct rim_start *start, const struct rim_stat
                             struct vec3 acceleration, double slopes[4])
 {
     const struct rim_slopes here = rim_slopes_at(at, acceleration);
-    const double c = cos(at->tilt);
+    const double c = at->cosine;
     const struct rim_slopes by_distance = {.azimuth = -2.0 * here.azimuth * c / at->rho,
                                            .tilt = -2.0 * here.tilt / at->d,
                                            .round = c * here.round / at->rho,
-                                           .over = here.over / at->d + 3.0 * at->d * sin(at->tilt) * c *
-                                                                           here.azimuth * here.azimuth};
+                                           .over = here.over / at->d +
+                                                   3.0 * at->d * at->sine * c * here.azimuth * here.azimuth};
     rim_change_rates(start, &by_distance, slopes);
 }
 
 struct vec3 rim_normal(const struct rim_state *at)
 {
-    const double c = cos(at->tilt);
-    return vec3_make(c * cos(at->azimuth), c * sin(at->azimuth), -sin(at->tilt));
+    const double c = at->cosine;
+    return vec3_make(c * at->turned_cosine, c * at->turned_sine, -at->sine);
 }
 
 /* By differences that keep their digits. */
@@ -104,37 +114,33 @@ struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at)
     const double mean = start->tilt + half_angle;
     const double cosine_change = -2.0 * sin(mean) * sin(half_angle);
     const double sine_change = 2.0 * cos(mean) * sin(half_angle);
-    const double outward = at->grown * cos(at->tilt) + start->distance * cosine_change;
+    const double outward = at->grown * at->cosine + start->distance * cosine_change;
     const double half_turn = sin(0.5 * at->azimuth);
-    return vec3_make(outward * cos(at->azimuth) - 2.0 * start->rho * half_turn * half_turn,
-                     at->rho * sin(at->azimuth),
-                     -(at->grown * sin(at->tilt) + start->distance * sine_change));
+    return vec3_make(outward * at->turned_cosine - 2.0 * start->rho * half_turn * half_turn,
+                     at->rho * at->turned_sine, -(at->grown * at->sine + start->distance * sine_change));
 }
 
 struct vec3 rim_velocity(const struct rim_state *at, double radial)
 {
     const double along = at->over / at->d;
-    const double outward = radial * cos(at->tilt) - along * sin(at->tilt);
+    const double outward = radial * at->cosine - along * at->sine;
     const double hoop = at->round / at->rho;
-    const double c = cos(at->azimuth);
-    const double s = sin(at->azimuth);
+    const double c = at->turned_cosine;
+    const double s = at->turned_sine;
     return vec3_make(c * outward - s * hoop, s * outward + c * hoop,
-                     -(radial * sin(at->tilt) + along * cos(at->tilt)));
+                     -(radial * at->sine + along * at->cosine));
 }
 
-void rim_edges(const struct rim_state *at, const struct rim_slopes *slopes, double half, double d_rate,
-               double reach, double radial[3], double axial[3])
+void rim_edges(const double tilt[3], double reach, double radial[3], double axial[3])
 {
-    const double c = reach * cos(at->tilt);
-    const double s = reach * sin(at->tilt);
-    const double rate = half * slopes->tilt;
-    const double bend = half * half * slopes->over / (at->d * at->d) - 2.0 * rate * d_rate / at->d;
+    const double c = reach * cos(tilt[0]);
+    const double s = reach * sin(tilt[0]);
     radial[0] = c;
-    radial[1] = -s * rate;
-    radial[2] = -c * rate * rate - s * bend;
+    radial[1] = -s * tilt[1];
+    radial[2] = -c * tilt[1] * tilt[1] - s * tilt[2];
     axial[0] = s;
-    axial[1] = c * rate;
-    axial[2] = c * bend - s * rate * rate;
+    axial[1] = c * tilt[1];
+    axial[2] = c * tilt[2] - s * tilt[1] * tilt[1];
 }
 
 #endif

@@ -25,9 +25,11 @@ struct rim_start {
 };
 
 struct rim_state {
-    double d, rho, azimuth, tilt; /* [m], [rad] */
-    double round, over;           /* [m^2/s] */
-    double grown, tilted;         /* changes of d and of the tilt, with all their digits */
+    double d, rho, azimuth, tilt;      /* [m], [rad] */
+    double round, over;                /* [m^2/s] */
+    double grown, tilted;              /* changes of d and of the tilt, with all their digits */
+    double cosine, sine;               /* of the tilt */
+    double turned_cosine, turned_sine; /* of the azimuth */
 };
 
 struct rim_slopes {
@@ -60,10 +62,9 @@ struct vec3 rim_normal(const struct rim_state *at);
 struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at);
 struct vec3 rim_velocity(const struct rim_state *at, double radial);
 
-/* reach cos(tilt) and reach sin(tilt), which are zero where the zone of the rim ends, and two derivatives by
- * s, time = half s; d_rate is that of d. */
-void rim_edges(const struct rim_state *at, const struct rim_slopes *slopes, double half, double d_rate,
-               double reach, double radial[3], double axial[3]);
+/* reach cos(tilt) and reach sin(tilt), which are zero where the zone of the rim ends, and two derivatives,
+ * from those of the tilt. */
+void rim_edges(const double tilt[3], double reach, double radial[3], double axial[3]);
 
 #endif
 #endif
