@@ -7,8 +7,10 @@
 #include "integrator/event_driven.h"
 #include "integrator/general.h"
 #include "integrator/prescribed.h"
+#include "scene/present.h"
 #include "scene/rounding.h"
 #include "segment/flight.h"
+#include "segment/flight_apart.h"
 #include "segment/outlook.h"
 
 bool integrator_open(struct integrator *s, const struct scene_values *v,
@@ -36,6 +38,12 @@ static const double SEPARATION_TIMES = 4.0;
 static const double LONGEST_HORIZON = 1e18;
 static const double HORIZON_GROWTH = 1e3;
 
+static double horizon_of_flight(double clock, double remaining)
+{
+    const double horizon = fmax(remaining, clock);
+    return horizon > LONGEST_HORIZON ? fmin(horizon, fmax(LONGEST_HORIZON, HORIZON_GROWTH * clock)) : horizon;
+}
+
 /* The horizon of the search for regime changes [s]: the rest of the step, or the time since the phase began
  * if that is longer, so that a flight of many short steps is searched a few times only. While a contact
  * separates it is not much longer than that lasts: the conditions are then nearly linear and their roots
@@ -43,10 +51,7 @@ static const double HORIZON_GROWTH = 1e3;
 static double horizon_from(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at, double remaining)
 {
-    double horizon = fmax(remaining, q->clock);
-    if (horizon > LONGEST_HORIZON) {
-        horizon = fmin(horizon, fmax(LONGEST_HORIZON, HORIZON_GROWTH * q->clock));
-    }
+    double horizon = horizon_of_flight(q->clock, remaining);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (q->contact[j].regime == REGIME_SEPARATING) {
             const struct contact_geometry *now = &at->geometry[j];
@@ -240,4 +245,50 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     q->deferrable_clock =
         status == INTEGRATOR_DONE && !scene_is_force_element(v) ? flight_deferrable_until(v, q) : 0.0;
     return status;
+}
+
+/* The clock before which no contact changes; 0: not known. */
+static double apart_until(const struct scene_values *v, const struct scene_state *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (!flight_apart_is_known(v, q, j)) {
+            return 0.0;
+        }
+    }
+    struct scene_instant at;
+    scene_kinematics_now(v, q, &at);
+    double least = (double)INFINITY;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        least = fmin(least, flight_apart_for(v, q, &at, j));
+    }
+    return q->clock + least;
+}
+
+bool integrator_defer_further(const struct scene_values *v, struct scene_state *q, double end_time)
+{
+    const double deferrable = q->deferrable_clock;
+    q->deferrable_clock = 0.0; /* who asks again before a step has gone the long way is told so at once */
+    if (!(deferrable > 0.0 && deferrable == q->horizon_clock)) {
+        return false;
+    }
+    flight_catch_up(v, q);
+    const double before = q->clock;
+    const double apart = apart_until(v, q);
+    /* As the step would go: to the horizon, from where it looks ahead, and to its end. */
+    q->clock = deferrable;
+    const double remaining = scene_remaining(q, end_time);
+    const double further = remaining > 0.0 ? horizon_of_flight(q->clock, remaining) : 0.0;
+    const double horizon = q->clock + further;
+    if (remaining >= 0.0 && horizon < apart && q->clock + remaining <= horizon) {
+        q->horizon_clock = horizon;
+        if (flight_deferrable_until(v, q) == horizon) {
+            q->deferrable_clock = horizon;
+            q->clock += remaining;
+            q->deferred = 1;
+            return true;
+        }
+        q->horizon_clock = deferrable;
+    }
+    q->clock = before;
+    return false;
 }

@@ -52,4 +52,9 @@ void integrator_close(struct integrator *s);
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
                                       struct scene_state *q, const struct step_request *request);
 
+/* Goes on with a flight that could be deferred up to the horizon (flight.h): where no contact can begin
+ * before the next horizon, the clock advances to the end of the step and the horizon to what a search would
+ * make it, so that results have the same bits. False, and the motion as it was, where a search is needed. */
+bool integrator_defer_further(const struct scene_values *v, struct scene_state *q, double end_time);
+
 #endif

@@ -199,9 +199,16 @@ static void foresee_reading(struct model *m, double clock)
     }
 }
 
+/* Apart from motion_defer, which need not save registers for it. */
+CONTACT_NOINLINE static bool defer_further(struct model *m, double end_time)
+{
+    return integrator_defer_further(&m->state.values, &m->state.motion, end_time);
+}
+
 bool motion_defer(struct model *m, double end_time)
 {
-    if (!flight_defer(&m->state.motion, end_time)) {
+    struct scene_state *q = &m->state.motion;
+    if (!flight_defer(q, end_time) && !(q->deferrable_clock > 0.0 && defer_further(m, end_time))) {
         return false;
     }
     if (m->outputs > OUTPUTS_FIXED) {
