@@ -108,7 +108,7 @@ static bool guess_depth(struct hertz_slow *p, const double *load, double apart[S
     slow_law(p, p->depth_start, p->rate_start, law);
     const bool creeps = law[2] * law[2] > 4.0 * law[1];
     for (int i = 0; i < SLOW_N; ++i) {
-        if (!(load[i] > 0.0)) {
+        if (!creeps && !(load[i] > 0.0)) {
             return false;
         }
         const double rest = load[i] / (p->half * p->half * p->k);

@@ -2,6 +2,7 @@
 #include "math/radau.h"
 #include "segment/hertz_recurrence.h"
 #include "segment/kinds.h"
+#include "segment/terminal_event.h"
 
 /* Length of a slow segment at the finest accuracy [radians of the tangential motion]; an event may end it, so
  * that it is accurate in between too. It grows as polynomials of the stages' degree allow. */
@@ -41,6 +42,10 @@ static const double DECAY_CLEARLY = 4.0;
  * damping settles: it may have to be followed. */
 enum { SLOW_ATTEMPTS = 4, FOLLOWING = 2 };
 static const double CREEP_STEP = 2.0;
+
+/* A step of bodies that leave ends where this part of their depth is left: force and energy go with powers of
+ * it. */
+static const double LEFT_OF_DEPTH = 0.5;
 
 /* The pair as the slow motion sees it. */
 struct slow_scales {
@@ -87,7 +92,10 @@ bool hertz_slow_applies(const struct segment *p)
         return false;
     }
     const struct slow_scales scales = slow_scales_of(from);
-    return scales.load > 0.0 && scales.fast * p->longest >= SLOW_SHORTEST;
+    /* without a load that presses they are pushed out of a deep overlap at the speed 1/chi: where the dashpot
+     * may not pull that is where the law ends, to rounding */
+    const bool leaves = scales.creep > 0.0 && !terminal_event_by_law(p);
+    return (scales.load > 0.0 || leaves) && scales.fast * p->longest >= SLOW_SHORTEST;
 }
 
 bool hertz_is_slow(const struct segment *p, const double *root, double unit)
@@ -105,6 +113,10 @@ bool hertz_slow_make(struct segment *p)
     const double accuracy = slow_accuracy(p);
     const double radians = SLOW_STEP * pow(accuracy / SLOW_FINEST, 1.0 / RADAU_POINTS);
     double step = scales.along > 0.0 ? fmin(p->longest, radians / scales.along) : p->longest;
+    const double opening = pair_gap_derivative(&p->pair);
+    if (scales.creep > 0.0 && opening > 0.0) {
+        step = fmin(step, (1.0 - LEFT_OF_DEPTH) * -p->pair.gap / opening);
+    }
     const int attempts = scales.creep > 0.0 ? SLOW_ATTEMPTS : FOLLOWING;
     for (int i = 0; i < attempts && step * scales.fast >= SLOW_SHORTEST; ++i) {
         if (slow_hertz_make(made, &p->pair, step, p->tolerance, -p->pair.gap * accuracy)) {
