@@ -40,12 +40,12 @@ static const double DECAY_CLEARLY = 4.0;
 
 /* Trials, each at half the step, the third at this many of the times in which a contact beyond critical
  * damping settles: it may have to be followed. */
-enum { SLOW_ATTEMPTS = 4, FOLLOWING = 2 };
+enum { SLOW_ATTEMPTS = 6, FOLLOWING = 2 };
 static const double CREEP_STEP = 2.0;
 
-/* A step of bodies that leave ends where this part of their depth is left: force and energy go with powers of
- * it. */
-static const double LEFT_OF_DEPTH = 0.5;
+/* Force and energy go with powers of the depth: bodies that leave go no farther than this part of it; nor, at
+ * the third trial, bodies that sink. */
+static const double PART_OF_DEPTH = 0.5;
 
 /* The pair as the slow motion sees it. */
 struct slow_scales {
@@ -114,8 +114,9 @@ bool hertz_slow_make(struct segment *p)
     const double radians = SLOW_STEP * pow(accuracy / SLOW_FINEST, 1.0 / RADAU_POINTS);
     double step = scales.along > 0.0 ? fmin(p->longest, radians / scales.along) : p->longest;
     const double opening = pair_gap_derivative(&p->pair);
+    const double part_of_depth = PART_OF_DEPTH * -p->pair.gap / fabs(opening);
     if (scales.creep > 0.0 && opening > 0.0) {
-        step = fmin(step, (1.0 - LEFT_OF_DEPTH) * -p->pair.gap / opening);
+        step = fmin(step, part_of_depth);
     }
     const int attempts = scales.creep > 0.0 ? SLOW_ATTEMPTS : FOLLOWING;
     for (int i = 0; i < attempts && step * scales.fast >= SLOW_SHORTEST; ++i) {
@@ -131,7 +132,7 @@ bool hertz_slow_make(struct segment *p)
         }
         step *= 0.5;
         if (i + 1 == FOLLOWING) {
-            step = fmin(step, CREEP_STEP / scales.creep);
+            step = fmin(step, fmin(CREEP_STEP / scales.creep, part_of_depth));
         }
     }
     return false;
