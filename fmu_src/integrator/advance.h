@@ -9,6 +9,7 @@ enum advance_result { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_STEP_LIMIT, ADVANC
 
 struct advance {
     double clock_end;           /* in: not beyond this clock */
+    double clock_limit;         /* in: up to here nothing is known that would end the phase */
     long budget;                /* in: at most so many internal steps; out: what is left of it */
     struct scene_instant now;   /* the present instant, if `is_now`; see advance_now */
     bool is_now;                /* to be cleared by whoever moves the bodies */

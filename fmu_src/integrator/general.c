@@ -110,25 +110,34 @@ static void move_along_step(void *memory, double clock, struct scene_state *q)
     ode_unpack(g->ode.values, q, g->y);
 }
 
-/* Starts from the motion. */
+void general_attach(struct general *g, const struct scene_values *v, struct scene_state *q)
+{
+    g->ode.values = v;
+    g->ode.state = g->state = q;
+    g->relative = fmax(TOLERANCE_SHARE * solver_relative_tolerance(v), LEAST_TOLERANCE);
+    g->absolute = TOLERANCE_SHARE * solver_absolute_tolerance(v);
+    g->longest = q->general_length; /* of the state, so that a restored one goes on as the saved one */
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        g->output[j] =
+            (struct scene_output){.contact = j, .move = move_along_step, .mover = g, .output.latest_s = -1.0};
+    }
+}
+
+void general_set_events(struct general *g, struct scene_instant *at)
+{
+    ode_leave_centres(g->ode.values, g->state);
+    scene_now(g->ode.values, g->state, at);
+    ode_begin(&g->ode, at, g->relative, g->absolute);
+}
+
 void general_start(struct general *g, const struct scene_values *v, struct scene_state *q)
 {
     struct scene_instant at;
-    g->ode.values = v;
-    g->ode.state = g->state = q;
-    g->fully = false;
+    general_attach(g, v, q);
     g->solvable = g->simple = (double)INFINITY;
     g->step.known_length = 0.0;
-    ode_leave_centres(v, q);
-    scene_now(v, q, &at);
-    g->relative = fmax(TOLERANCE_SHARE * solver_relative_tolerance(v), LEAST_TOLERANCE);
-    g->absolute = TOLERANCE_SHARE * solver_absolute_tolerance(v);
-    ode_begin(&g->ode, &at, g->relative, g->absolute);
+    general_set_events(g, &at);
     ode_pack(&g->ode, g->y);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        g->output[j] = (struct scene_output){.contact = j, .move = move_along_step, .mover = g};
-    }
-    g->longest = q->general_length; /* of the state, so that a restored one goes on as the saved one */
     general_begin(g, q->clock, g->y);
 #if SCENE_ANY_HERTZ
     g->longest = fmin(g->longest, general_length_of_impacts(v, q, &at));

@@ -19,8 +19,9 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
 void general_close(struct general **slot);
 
 /* Integrates within fixed regimes up to the first terminal event, or step->clock_end. Keeps nothing from one
- * call to the next but what is in the motion. ADVANCE_FAILED where no step is accurate enough, with a
- * message. */
+ * call to the next but what is in the motion; there, where something turns or rubs, the last step, which may
+ * go on beyond step->clock_end up to step->clock_limit. ADVANCE_FAILED where no step is accurate enough, with
+ * a message. */
 enum advance_result general_advance(struct general *g, const struct scene_values *v, struct scene_state *q,
                                     struct advance *step);
 

@@ -1,11 +1,10 @@
-/* The general segment from one clock to another: step by step, up to an event. */
+/* The general segment from one clock to another: step by step, up to an event or within a step. */
 #include <float.h>
 #include <math.h>
 
 #include "integrator/general_memory.h"
 #include "math/compiler.h"
 #include "scene/projection.h"
-#include "segment/flight.h"
 
 /* Whether a contact ends as the gap opens, not as the source passes an end of its cylinder. */
 static bool parts_at_gap(const struct general *g, const struct scene_values *v, const struct scene_state *q,
@@ -74,35 +73,14 @@ static bool has_passed_event(struct general *g, const struct scene_values *v, st
     return false;
 }
 
-/* A step of twelve stages is five radians of an oscillation at most: parts of less than half a turn. */
-static void note_peaks_of_step(struct general *g, struct scene_state *q, double to)
-{
-    const int parts = g->step.stages->stages / 3;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime != REGIME_APART && to > q->clock) {
-            struct scene_output *output = &g->output[j];
-            output->values = g->ode.values;
-            output->state = q;
-            scene_output_note_peaks(output, q->clock, to, parts, &q->contact[j].peaks);
-            scene_output_add_torque(output, q->clock, to, parts, q);
-        }
-    }
-}
-
-/* The scene at the end of a step. */
-static void move_scene(struct general *g, struct scene_state *q, double clock, const double *y)
-{
-    ode_unpack(g->ode.values, q, y);
-    q->clock = clock;
-    flight_restore(g->ode.values, q);
-}
-
 /* A step up to its end or its first event. Where no step can be made to end at an event, one of half the way
  * to it comes first, and so on until the event is within the rounding of the clock. */
 static enum advance_result make_step(struct general *g, const struct scene_state *q, struct advance *step)
 {
     struct general_end *end = &g->end;
     const double left = step->clock_end - q->clock;
+    /* whatever does not turn stops at the end: a restored state has to go on as the saved one did */
+    const double most = g->step.problem.turns ? fmax(step->clock_limit - q->clock, left) : left;
     double longest = (double)INFINITY;
 #if SCENE_ANY_FRICTION
     if (g->step.problem.turns) {
@@ -110,7 +88,7 @@ static enum advance_result make_step(struct general *g, const struct scene_state
     }
 #endif
     for (;;) {
-        if (!general_step_make(g, fmin(left, longest), &step->budget)) {
+        if (!general_step_make(g, fmin(most, longest), left, &step->budget)) {
             return step->budget > 0 ? ADVANCE_FAILED : ADVANCE_STEP_LIMIT;
         }
         const struct general_event first = general_first_event(g);
@@ -141,8 +119,7 @@ static enum advance_result end_step(struct general *g, const struct scene_values
                                     struct advance *step)
 {
     const struct general_end *end = &g->end;
-    note_peaks_of_step(g, q, end->clock);
-    move_scene(g, q, end->clock, end->y);
+    general_move_scene(g, q, end->clock, end->y);
     if (end->event.event >= 0) {
         step->contact = end->event.event / ODE_EVENTS_EACH;
         step->event = end->event.event % ODE_EVENTS_EACH;
@@ -157,6 +134,35 @@ static enum advance_result end_step(struct general *g, const struct scene_values
     return ADVANCE_REACHED;
 }
 
+/* The step that the last call has left unfinished, up to its end. */
+static enum advance_result finish_step(struct general *g, const struct scene_values *v, struct scene_state *q,
+                                       struct advance *step)
+{
+    struct scene_instant at;
+    general_set_events(g, &at);
+    return end_step(g, v, q, step);
+}
+
+static enum advance_result make_steps(struct general *g, const struct scene_values *v, struct scene_state *q,
+                                      struct advance *step)
+{
+    enum advance_result result = ADVANCE_REACHED;
+    while (result == ADVANCE_REACHED && q->clock < step->clock_end) {
+        result = make_step(g, q, step);
+        if (result != ADVANCE_REACHED) {
+            return result;
+        }
+        counter_add(&q->counters.steps, 1);
+        general_set_peaks(g);
+        if (g->end.clock > step->clock_end) {
+            general_stop_within(g, q, step->clock_end, true);
+            return ADVANCE_REACHED;
+        }
+        result = end_step(g, v, q, step);
+    }
+    return result;
+}
+
 /* Not inline: what does not turn or rub passes by its caller, and is faster where that stays small. */
 CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const struct scene_values *v,
                                                      struct scene_state *q, struct advance *step)
@@ -164,16 +170,21 @@ CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const st
     enum advance_result result = ADVANCE_REACHED;
     g->step.evaluations = 0;
     g->rejected = 0;
-    general_start(g, v, q);
-    if ((SCENE_CONTACTS > 1 || scene_turns(v)) && has_passed_event(g, v, q, step)) {
-        return ADVANCE_EVENT;
-    }
-    while (result == ADVANCE_REACHED && q->clock < step->clock_end) {
-        result = make_step(g, q, step);
-        if (result == ADVANCE_REACHED) {
-            counter_add(&q->counters.steps, 1);
-            result = end_step(g, v, q, step);
+    if (general_take_up(g, v, q)) {
+        if (g->end.clock > step->clock_end) {
+            general_stop_within(g, q, step->clock_end, false);
+            return ADVANCE_REACHED;
         }
+        result = finish_step(g, v, q, step);
+    } else {
+        general_start(g, v, q);
+        if ((SCENE_CONTACTS > 1 || scene_turns(v)) && has_passed_event(g, v, q, step)) {
+            result = ADVANCE_EVENT;
+        }
+    }
+    q->integrator_fresh = 1;
+    if (result == ADVANCE_REACHED) {
+        result = make_steps(g, v, q, step);
     }
     q->general_length = isfinite(g->longest) ? g->longest : 0.0;
     counter_add(&q->counters.force_evaluations, g->step.evaluations);

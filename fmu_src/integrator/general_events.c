@@ -36,9 +36,15 @@ static double smooth_gap(const struct general *g, int contact, double gap)
     return isfinite(smooth) ? smooth : gap;
 }
 
-static void sample_events_at(struct general *g, double clock, double events[ODE_EVENTS])
+static void sample_events_at(struct general *g, double clock, int place)
 {
-    ode_events(&g->ode, clock, g->y, events);
+    double *events = g->events[place];
+    struct scene_instant at;
+    ode_events_at(&g->ode, clock, g->y, &at, events);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        g->loads[place][j][GENERAL_FORCE] = at.normal_force[j];
+        g->loads[place][j][GENERAL_DEPTH] = -at.geometry[j].gap;
+    }
     for (int e = 0; e < ODE_EVENTS; ++e) {
         g->event_size[e] = fmax(g->event_size[e], fabs(events[e]));
     }
@@ -55,10 +61,10 @@ static void sample_events(struct general *g)
     const struct radau_step *p = &g->step;
     memset(g->event_size, 0, sizeof g->event_size);
     memcpy(g->y, p->y, (size_t)g->size * sizeof *g->y);
-    sample_events_at(g, p->start, g->events[0]);
+    sample_events_at(g, p->start, 0);
     for (int i = 0; i < p->stages->stages; ++i) {
         radau_step_stage(p, i, g->y);
-        sample_events_at(g, p->start + p->stages->node[i] * p->length, g->events[i + 1]);
+        sample_events_at(g, p->start + p->stages->node[i] * p->length, i + 1);
     }
 }
 

@@ -13,6 +13,9 @@
 #define GENERAL_NEWTON_SHARE 0.05
 #define GENERAL_TURNING_NEWTON_SHARE 0.002
 
+/* What peaks are of. */
+enum { GENERAL_FORCE, GENERAL_DEPTH, GENERAL_LOADS };
+
 struct general_event {
     double part; /* of the step; INFINITY: none */
     int event;   /* which function */
@@ -41,11 +44,15 @@ struct general {
     double error_at_end;   /* at its end, likewise */
     double error_of_start; /* of what dies away before its first stage, likewise */
     double longest;        /* length of a step of most stages that is accurate enough, as far as known [s] */
+    double within_share;   /* of an error anywhere in the step, what is compared with that at its end */
     double *y, *size_of, *end_size; /* [size]: a state, and what errors are compared with */
     struct general_end end;
     double at_start[ODE_EVENTS];                      /* event functions */
     double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* at the start of the step and its stages, smooth */
     double event_size[ODE_EVENTS];                    /* the largest there of the functions themselves */
+    /* there, where something turns or rubs, and as Bernstein coefficients: F_n [N], -g [m] */
+    double loads[RADAU_MOST_STAGES + 1][SCENE_CONTACTS][GENERAL_LOADS];
+    double peaks[SCENE_CONTACTS][GENERAL_LOADS][BERNSTEIN_MOST];
     struct scene_output output[SCENE_CONTACTS];
     long rejected;
     void (*release)(void *memory); /* of this struct */
@@ -57,13 +64,27 @@ static inline double general_newton_share(const struct general *g)
     return g->step.problem.turns ? GENERAL_TURNING_NEWTON_SHARE : GENERAL_NEWTON_SHARE;
 }
 
-/* general.c: starts from the motion. */
+/* general.c: what is of values and state, not of a step; offsets of the events from the present instant
+ * on; both, and a step that starts from the motion. */
+void general_attach(struct general *g, const struct scene_values *v, struct scene_state *q);
+void general_set_events(struct general *g, struct scene_instant *at);
 void general_start(struct general *g, const struct scene_values *v, struct scene_state *q);
 
 /* general_step.c: begins steps at y; makes one of at most `limit` [s], accurate enough, as general->step;
- * false with a message where there is none, or where a `budget` of steps is used up. */
+ * false with a message where there is none, or where a `budget` of steps is used up. One that is longer than
+ * `left` [s] is to be accurate at places within as well. */
 void general_begin(struct general *g, double clock, const double *y);
-bool general_step_make(struct general *g, double limit, long *budget);
+bool general_step_make(struct general *g, double limit, double left, long *budget);
+
+/* general_peaks.c: what peaks are found by, after general_first_event; moves the scene to a clock within the
+ * step, or its end, and notes the peaks up to there and, where nothing turns, the impulses of torque. */
+void general_set_peaks(struct general *g);
+void general_move_scene(struct general *g, struct scene_state *q, double clock, const double *y);
+
+/* general_ahead.c: goes on with the step that q keeps, false where there is none; moves the scene to a clock
+ * within the step, where q keeps it from then on, if it `is_new`. */
+bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q);
+void general_stop_within(struct general *g, struct scene_state *q, double clock, bool is_new);
 
 /* general_length.c: how long a step may be that is the first [s], INFINITY where nothing tells: by springs
  * between the bodies at the start of general->step; by impacts under Hertz's law that begin; of any step, by

@@ -33,8 +33,8 @@ void integrator_close(struct integrator *s)
 /* Horizon of a separating contact, as a multiple of the time in which it opens at its present rate. */
 static const double SEPARATION_TIMES = 4.0;
 
-/* The horizon is at most this [s], or this many times as long as the phase has lasted. In units of a path of
- * degree four and so long bodies measure 1e-72, whose fourth power is a number still. */
+/* The horizon is at most this [s], or this many times as long as the phase has lasted; so are steps. In units
+ * of a path of degree four and so long bodies measure 1e-72, whose fourth power is a number still. */
 static const double LONGEST_HORIZON = 1e18;
 static const double HORIZON_GROWTH = 1e3;
 
@@ -178,6 +178,19 @@ static double end_after_event(const struct step_request *request, struct scene_s
     return fmin(end_time, request->at_event(request->context, end_time));
 }
 
+/* Up to which clock a step need not end for what is foreseen: the horizon, unless nothing is. Steps go on
+ * beyond the end of a communication step only where the phase has lasted before, so that inputs which change
+ * with each of them cost no steps in vain. */
+static double unforeseen_until(const struct scene_values *v, const struct scene_state *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_is_foreseen(v, q, j)) {
+            return q->horizon_clock;
+        }
+    }
+    return q->clock + HORIZON_GROWTH * q->clock;
+}
+
 static enum integrator_status run_phases(struct integrator *s, const struct scene_values *v,
                                          struct scene_state *q, struct advance *step,
                                          const struct step_request *request)
@@ -195,6 +208,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         const double change = q->contact[next].schedule.change_clock;
         const double end = q->clock + remaining;
         step->clock_end = fmin(end, fmin(change, q->horizon_clock));
+        step->clock_limit = fmax(step->clock_end, fmin(change, unforeseen_until(v, q)));
         step->event = ODE_EVENT_GAP;
         const enum advance_result result = advance_phase(s, v, q, step);
         step->is_now = false;
@@ -236,7 +250,7 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     step.budget = solver_max_internal_steps(v);
     transition_begin_step(v, q, &step.now);
     step.is_now = true;
-    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN) {
+    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_turns(v)) {
         q->integrator_fresh = 1; /* CVODE's history is in no saved state: each step does without it */
     }
     const enum integrator_status status = run_phases(s, v, q, &step, request);

@@ -120,3 +120,19 @@ double bernstein_root(const double *coefficients, int count, struct bernstein_fa
     }
     return high;
 }
+
+/* By de Casteljau's scheme, first up to `to`, then from `from` on. */
+void bernstein_restrict(double *coefficients, int count, double from, double to)
+{
+    const double start = to > 0.0 ? from / to : 0.0;
+    for (int k = 1; k < count; ++k) {
+        for (int i = count - 1; i >= k; --i) {
+            coefficients[i] = (1.0 - to) * coefficients[i - 1] + to * coefficients[i];
+        }
+    }
+    for (int k = 1; k < count; ++k) {
+        for (int i = 0; i + k < count; ++i) {
+            coefficients[i] = (1.0 - start) * coefficients[i] + start * coefficients[i + 1];
+        }
+    }
+}

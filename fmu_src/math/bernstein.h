@@ -17,6 +17,9 @@ struct bernstein_fall bernstein_first_fall(const double *coefficients, int count
 /* The place itself, to rounding. */
 double bernstein_root(const double *coefficients, int count, struct bernstein_fall fall);
 
+/* Makes them those of the polynomial between two places of [0, 1]. */
+void bernstein_restrict(double *coefficients, int count, double from, double to);
+
 double bernstein_at(const double *coefficients, int count, double place);
 
 #endif

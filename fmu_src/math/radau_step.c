@@ -207,6 +207,20 @@ void radau_step_finish(struct radau_step *p)
     }
 }
 
+void radau_step_take_over(struct radau_step *p, double start, double length, const double *y, int count,
+                          const double *chebyshev, int stride)
+{
+    const size_t bytes = (size_t)p->problem.size * sizeof *y;
+    p->stages = count == 4 ? &radau_stages_4 : count == 8 ? &radau_stages_8 : &radau_stages_12;
+    p->start = p->known_start = start;
+    p->length = p->known_length = length;
+    p->known_stages = count;
+    memcpy(p->y, y, bytes);
+    for (int k = 0; k <= count; ++k) {
+        memcpy(p->chebyshev + k * p->stride, chebyshev + k * stride, bytes);
+    }
+}
+
 void radau_step_at(const struct radau_step *p, double part, double *y)
 {
     double of[RADAU_MOST_STAGES + 1] = {1.0};

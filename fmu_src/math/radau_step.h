@@ -118,6 +118,11 @@ bool radau_step_approach(struct radau_step *p);
  * */
 double radau_step_start_error(struct radau_step *p);
 
+/* Makes a step that is known from elsewhere the last solution: its coefficients [count + 1][size] in rows of
+ * `stride`, `count` stages. */
+void radau_step_take_over(struct radau_step *p, double start, double length, const double *y, int count,
+                          const double *chebyshev, int stride);
+
 /* The polynomial of all states, once solved; the state at a part of the step, 0 to 1. */
 void radau_step_finish(struct radau_step *p);
 void radau_step_at(const struct radau_step *p, double part, double *y);

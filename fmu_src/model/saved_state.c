@@ -158,6 +158,23 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
 #endif
 }
 
+/* What event_driven goes on with unless it starts anew. */
+static bool unfinished_is_sound(const struct scene_values *v, const struct scene_state *q, bool initialized)
+{
+#if SCENE_ANY_TURNING && SCENE_ANY_FREE
+    const struct unfinished_step *step = &q->unfinished;
+    const bool is_step = (step->stages == 4 || step->stages == 8 || step->stages == 12) &&
+                         step->event >= -1 && step->event < ODE_EVENTS && step->solvable > 0.0 &&
+                         step->simple > 0.0 && step->length > 0.0 && step->start <= q->clock &&
+                         step->end >= q->clock;
+    return !initialized || q->integrator_fresh == 1 || !scene_turns(v) ||
+           (is_step && all_finite(step, &step->solvable) && all_finite(step->at_start, &step->stages));
+#else
+    (void)v, (void)q, (void)initialized;
+    return true;
+#endif
+}
+
 /* As model_save leaves it: without a history of CVODE, of which a restored state has nothing. */
 static bool motion_is_sound(const struct scene_values *v, const struct scene_state *q, bool initialized)
 {
@@ -170,9 +187,11 @@ static bool motion_is_sound(const struct scene_values *v, const struct scene_sta
     const bool clocks_are_sound = q->clock >= 0.0 && !isnan(q->horizon_clock) &&
                                   !isnan(q->deferrable_clock) && (q->deferred == 0 || q->deferred == 1);
     return counted && fresh && clocks_are_sound && paths_are_sound(q) &&
-           all_finite(q->origin, &q->counters) && all_finite(q, q->contact);
+           unfinished_is_sound(v, q, initialized) && all_finite(q->origin, &q->counters) &&
+           all_finite(q, q->contact);
 #else
-    return counted && fresh && paths_are_sound(q) && all_finite(q, q->contact);
+    return counted && fresh && paths_are_sound(q) && unfinished_is_sound(v, q, initialized) &&
+           all_finite(q, q->contact);
 #endif
 }
 

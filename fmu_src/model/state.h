@@ -9,7 +9,7 @@
 #include "scene/scene_state.h"
 
 /* Raised when struct model_state, struct scene_state or struct scene_values change their meaning. */
-#define MODEL_STATE_VERSION 11u
+#define MODEL_STATE_VERSION 12u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
 /* Who integrates: the model itself; or an integrator outside, which is in event mode or goes on. */

@@ -37,17 +37,14 @@
 #define CONTACT_SCENE_ODE_H
 
 #include "scene/evaluate.h"
+#include "scene/unfinished_step.h" /* ODE_MOST_STATES */
 
 enum ode_event { ODE_EVENT_GAP, ODE_EVENT_LAW, ODE_EVENT_STICK, ODE_EVENT_CAP, ODE_EVENT_LIFT };
 
 enum {
     ODE_EVENT_ZONE = SCENE_ANY_TURNING ? 5 : 2,
     ODE_EVENTS_EACH = ODE_EVENT_ZONE + SCENE_ANY_CAPS,
-    ODE_EVENTS = ODE_EVENTS_EACH * SCENE_CONTACTS,
-    /* states at most: 6 of motion and 7 of rotation for each body, 3 of the spring and 9 impulses for each
-     * contact, 3 energies; without rotation 6, 3 and 2 */
-    ODE_MOST_STATES = SCENE_ANY_TURNING ? 13 * SCENE_BODIES + 12 * SCENE_CONTACTS + 3
-                                        : 6 * SCENE_BODIES + 3 * SCENE_CONTACTS + 2
+    ODE_EVENTS = ODE_EVENTS_EACH * SCENE_CONTACTS
 };
 
 struct scene_ode {
@@ -105,6 +102,10 @@ void ode_split_jacobian(const struct scene_ode *ode, double clock, const double 
                         double *by_forces, double *of_forces);
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
+
+/* The same, and the instant they are of. */
+void ode_events_at(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at,
+                   double events[ODE_EVENTS]);
 
 /* The regime after an event of a contact, at the present of q. */
 enum contact_regime ode_regime_after(const struct scene_values *v, const struct scene_state *q, int contact,

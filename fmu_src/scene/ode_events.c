@@ -38,20 +38,20 @@ static void put_zone(const struct scene_ode *ode, const struct scene_instant *at
     }
 }
 
-void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS])
+void ode_events_at(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at,
+                   double events[ODE_EVENTS])
 {
     const struct scene_values *v = ode->values;
-    struct scene_instant at;
-    ode_instant(ode, clock, y, &at);
+    ode_instant(ode, clock, y, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         double *out = events + ODE_EVENTS_EACH * j;
         const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
         const struct contact_law law = scene_contact_law(v, ode->state, j);
-        const struct contact_geometry *g = &at.geometry[j];
+        const struct contact_geometry *g = &at->geometry[j];
 #if SCENE_ANY_TURNING
         if (scene_turns(v)) {
-            turning_events(ode, clock, y, &at, j, out);
-            put_zone(ode, &at, j, out);
+            turning_events(ode, clock, y, at, j, out);
+            put_zone(ode, at, j, out);
             for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
                 out[i] = not_zero(out[i]);
             }
@@ -68,8 +68,14 @@ void ode_events(const struct scene_ode *ode, double clock, const double *y, doub
             const struct contact_shape shape = scene_contact_shape(v, ode->state, j);
             coupled_events(ode, &shape, &law, g, j, out);
         }
-        put_zone(ode, &at, j, out);
+        put_zone(ode, at, j, out);
     }
+}
+
+void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS])
+{
+    struct scene_instant at;
+    ode_events_at(ode, clock, y, &at, events);
 }
 
 enum contact_regime ode_regime_after(const struct scene_values *v, const struct scene_state *q, int contact,

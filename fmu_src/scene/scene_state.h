@@ -9,12 +9,15 @@
 #define CONTACT_SCENE_SCENE_STATE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "contact/friction.h"
 #include "contact/law.h"
 #include "math/quaternion.h"
 #include "scene.h"
+#include "scene/unfinished_step.h"
 
 /* Where a free body was at clock 0. */
 struct body_origin {
@@ -201,7 +204,7 @@ struct scene_state {
 #endif
     struct body_path path[SCENE_BODIES];
     struct solver_counters counters;
-    /* 1: CVODE has no history that matters; it starts from this state */
+    /* 1: integrators start from this state: neither CVODE's history nor `unfinished` matters */
     int32_t integrator_fresh;
 #if SCENE_ANY_FREE
     /* 1: the flight is deferred: body states are those of an earlier clock, see flight_catch_up */
@@ -215,7 +218,21 @@ struct scene_state {
 #if SCENE_ANY_ROTATION
     struct body_turn turn_origin[SCENE_BODIES]; /* at clock 0, of bodies that turn */
 #endif
+#if SCENE_ANY_TURNING && SCENE_ANY_FREE
+    /* what event_driven goes on with unless `integrator_fresh`: last, see scene_state_look */
+    struct unfinished_step unfinished;
+#endif
 };
+
+/* Copies all but the unfinished step, for whoever looks at the motion and does not go on with it. */
+static inline void scene_state_look(const struct scene_state *from, struct scene_state *to)
+{
+#if SCENE_ANY_TURNING && SCENE_ANY_FREE
+    memcpy(to, from, offsetof(struct scene_state, unfinished));
+#else
+    *to = *from;
+#endif
+}
 
 /* The present time [s]. */
 double scene_time(const struct scene_state *q);

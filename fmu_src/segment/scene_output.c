@@ -14,7 +14,7 @@ static void put_terms(double of[3], const double term[JET_TERMS])
 static void scene_at(const struct scene_output *o, double clock, struct scene_state *q,
                      struct scene_instant *at)
 {
-    *q = *o->state;
+    scene_state_look(o->state, q);
     q->clock = clock;
     if (o->move) {
         o->move(o->mover, clock, q);

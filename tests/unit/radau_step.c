@@ -254,6 +254,19 @@ static void a_fall_is_the_first_change_from_above_to_below(void)
     CHECK(bernstein_first_fall(dip, 3, 1e-6).low == (double)INFINITY);
 }
 
+/* (1 - 2 s)^2 = 1 - 4 s + 4 s^2 between a quarter and a half is (1 - u)^2 / 4, at u of that part. */
+static void coefficients_between_two_places_are_those_of_the_same_polynomial(void)
+{
+    double of[3] = {1.0, -1.0, 1.0};
+    bernstein_restrict(of, 3, 0.25, 0.5);
+    CHECK_CLOSE("at its start", of[0], 0.25, 1e-16);
+    CHECK_CLOSE("between", of[1], 0.0, 1e-16);
+    CHECK_CLOSE("at its end", of[2], 0.0, 1e-16);
+    double whole[3] = {1.0, -1.0, 1.0};
+    bernstein_restrict(whole, 3, 0.0, 1.0);
+    CHECK(whole[0] == 1.0 && whole[1] == -1.0 && whole[2] == 1.0);
+}
+
 int main(void)
 {
     CHECK_TEST(an_oscillation_is_right_at_the_end_and_within);
@@ -261,5 +274,6 @@ int main(void)
     CHECK_TEST(forces_as_unknowns_give_the_same_step);
     CHECK_TEST(a_quaternion_that_turns_too_far_has_no_small_error);
     CHECK_TEST(a_fall_is_the_first_change_from_above_to_below);
+    CHECK_TEST(coefficients_between_two_places_are_those_of_the_same_polynomial);
     return check_summary("radau_step");
 }
