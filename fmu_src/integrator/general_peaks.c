@@ -84,7 +84,7 @@ static void look_for_peaks(struct general *g, struct scene_state *q, int contact
 }
 
 /* From a clock within the step to the present. */
-static void note_peaks(struct general *g, struct scene_state *q, double from)
+static void note_peaks_within(struct general *g, struct scene_state *q, double from)
 {
     struct scene_instant at;
     const bool turns = g->step.problem.turns;
@@ -113,5 +113,5 @@ void general_move_scene(struct general *g, struct scene_state *q, double clock, 
     ode_unpack(g->ode.values, q, y);
     q->clock = clock;
     flight_restore(g->ode.values, q);
-    note_peaks(g, q, from);
+    note_peaks_within(g, q, from);
 }

@@ -49,7 +49,8 @@ void motion_begin(const struct scene_values *v, struct scene_state *q)
 
 bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next)
 {
-    const struct scene_state before = *q;
+    struct scene_state before;
+    scene_state_copy(v, q, &before);
     struct scene_instant at;
     scene_now(v, q, &at);
     const double stored = energy_stored(v, q, &at);
@@ -62,7 +63,7 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     if (isfinite(q->external_work) || scene_is_force_element(v)) {
         return true;
     }
-    *q = before;
+    scene_state_copy(v, &before, q);
     return false;
 }
 
