@@ -113,6 +113,19 @@ static void note_depth_of_released(const struct scene_values *v, struct scene_st
     }
 }
 
+/* Up to which clock a step need not end for what is foreseen: the next change of a regime, and the horizon
+ * unless nothing is foreseen. Steps go on beyond the end of a communication step only where the phase has
+ * lasted before, so that inputs which change with each of them cost no steps in vain. */
+static double unforeseen_until(const struct scene_values *v, const struct scene_state *q)
+{
+    double until = q->clock + HORIZON_GROWTH * q->clock;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        until = fmin(until, q->contact[j].schedule.change_clock);
+        until = contact_is_foreseen(v, q, j) ? fmin(until, q->horizon_clock) : until;
+    }
+    return until;
+}
+
 static enum advance_result advance_phase(struct integrator *s, const struct scene_values *v,
                                          struct scene_state *q, struct advance *step)
 {
@@ -137,6 +150,7 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
             return ADVANCE_FAILED;
         }
         counter_add(&q->counters.fallbacks, 1);
+        step->clock_limit = fmax(step->clock_end, unforeseen_until(v, q));
         return general_advance(s->general, v, q, step);
     }
     return cvode_advance(s->cvode, v, q, step);
@@ -178,19 +192,6 @@ static double end_after_event(const struct step_request *request, struct scene_s
     return fmin(end_time, request->at_event(request->context, end_time));
 }
 
-/* Up to which clock a step need not end for what is foreseen: the horizon, unless nothing is. Steps go on
- * beyond the end of a communication step only where the phase has lasted before, so that inputs which change
- * with each of them cost no steps in vain. */
-static double unforeseen_until(const struct scene_values *v, const struct scene_state *q)
-{
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (contact_is_foreseen(v, q, j)) {
-            return q->horizon_clock;
-        }
-    }
-    return q->clock + HORIZON_GROWTH * q->clock;
-}
-
 static enum integrator_status run_phases(struct integrator *s, const struct scene_values *v,
                                          struct scene_state *q, struct advance *step,
                                          const struct step_request *request)
@@ -208,7 +209,6 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         const double change = q->contact[next].schedule.change_clock;
         const double end = q->clock + remaining;
         step->clock_end = fmin(end, fmin(change, q->horizon_clock));
-        step->clock_limit = fmax(step->clock_end, fmin(change, unforeseen_until(v, q)));
         step->event = ODE_EVENT_GAP;
         const enum advance_result result = advance_phase(s, v, q, step);
         step->is_now = false;
