@@ -155,10 +155,14 @@ static enum advance_result make_steps(struct general *g, const struct scene_valu
         counter_add(&q->counters.steps, 1);
         general_set_peaks(g);
         if (g->end.clock > step->clock_end) {
-            general_stop_within(g, q, step->clock_end, true);
+            general_keep_step(g, q);
+            general_follow(g, q, step->clock_end);
             return ADVANCE_REACHED;
         }
         result = end_step(g, v, q, step);
+    }
+    if (result == ADVANCE_REACHED) {
+        general_keep_step(g, q); /* the next one goes on from its polynomial */
     }
     return result;
 }
@@ -172,7 +176,7 @@ CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const st
     g->rejected = 0;
     if (general_take_up(g, v, q)) {
         if (g->end.clock > step->clock_end) {
-            general_stop_within(g, q, step->clock_end, false);
+            general_follow(g, q, step->clock_end);
             return ADVANCE_REACHED;
         }
         result = finish_step(g, v, q, step);

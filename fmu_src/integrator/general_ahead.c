@@ -6,7 +6,7 @@
 
 #if SCENE_ANY_TURNING
 
-static void keep_step(const struct general *g, struct scene_state *q)
+void general_keep_step(const struct general *g, struct scene_state *q)
 {
     const struct radau_step *p = &g->step;
     struct unfinished_step *kept = &q->unfinished;
@@ -25,6 +25,8 @@ static void keep_step(const struct general *g, struct scene_state *q)
     for (int k = 0; k <= p->stages->stages; ++k) {
         memcpy(kept->chebyshev[k], p->chebyshev + k * p->stride, bytes);
     }
+    kept->present = q->clock;
+    q->integrator_fresh = 0;
 }
 
 bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q)
@@ -47,11 +49,8 @@ bool general_take_up(struct general *g, const struct scene_values *v, struct sce
     return true;
 }
 
-void general_stop_within(struct general *g, struct scene_state *q, double clock, bool is_new)
+void general_follow(struct general *g, struct scene_state *q, double clock)
 {
-    if (is_new) {
-        keep_step(g, q);
-    }
     radau_step_at(&g->step, (clock - g->step.start) / g->step.length, g->y);
     general_move_scene(g, q, clock, g->y);
     q->unfinished.present = clock;
@@ -66,9 +65,14 @@ bool general_take_up(struct general *g, const struct scene_values *v, struct sce
     return false;
 }
 
-void general_stop_within(struct general *g, struct scene_state *q, double clock, bool is_new)
+void general_keep_step(const struct general *g, struct scene_state *q)
 {
-    (void)g, (void)q, (void)clock, (void)is_new;
+    (void)g, (void)q;
+}
+
+void general_follow(struct general *g, struct scene_state *q, double clock)
+{
+    (void)g, (void)q, (void)clock;
 }
 
 #endif

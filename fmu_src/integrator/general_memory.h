@@ -81,10 +81,11 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
 void general_set_peaks(struct general *g);
 void general_move_scene(struct general *g, struct scene_state *q, double clock, const double *y);
 
-/* general_ahead.c: goes on with the step that q keeps, false where there is none; moves the scene to a clock
- * within the step, where q keeps it from then on, if it `is_new`. */
+/* general_ahead.c: keeps the step in q; goes on with the one that q keeps, false where there is none; moves
+ * the scene along it to a clock within. Where nothing turns or rubs no step is kept. */
+void general_keep_step(const struct general *g, struct scene_state *q);
 bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q);
-void general_stop_within(struct general *g, struct scene_state *q, double clock, bool is_new);
+void general_follow(struct general *g, struct scene_state *q, double clock);
 
 /* general_length.c: how long a step may be that is the first [s], INFINITY where nothing tells: by springs
  * between the bodies at the start of general->step; by impacts under Hertz's law that begin; of any step, by
