@@ -59,7 +59,8 @@ static const struct {
     [SEGMENT_HERTZ] = {hertz_applies, hertz_make, pair_hertz_sample, pair_hertz_change},
 #endif
 #if SCENE_ANY_CAPS
-    /* At a rim, whatever the law: two radians of the contact, or a fifth of the rim. */
+    /* At a rim, whatever the law, what no collocated or slow segment takes: two radians of the contact, or a
+     * fifth of the rim. */
     [SEGMENT_RIM] = {rim_applies, rim_make, rim_series_sample, rim_series_change},
 #endif
 };
