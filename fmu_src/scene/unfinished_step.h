@@ -1,7 +1,7 @@
 /*
- * A step of the general segment (integrator/general.h) that ends at the communication point or goes on beyond: its
- * polynomial in the states of scene/ode.h, and what the steps after it start from. It is a part of the state
- * of motion, so that a saved state goes on as the instance does from which it was saved.
+ * A step of the general segment (integrator/general.h) that ends at the communication point or goes on beyond
+ * it: its polynomial in the states of scene/ode.h, and what the steps after it start from. It is a part of
+ * the state of motion, so that a saved state goes on as the instance does from which it was saved.
  */
 #ifndef CONTACT_SCENE_UNFINISHED_STEP_H
 #define CONTACT_SCENE_UNFINISHED_STEP_H

@@ -72,12 +72,19 @@ static double rim_work(const struct rim_series *p, const struct pair_work *work,
     for (int i = 0; i + 1 < TAYLOR_TERMS; ++i) {
         slope.at[i] = vec3_scale(i + 1, of->at[i + 1]);
     }
-    for (int k = 0; k < 3; ++k) {
+    int terms = 3; /* of the path that count: one where forces are steady */
+    while (terms > 0 && vec3_is_zero(work->path[terms - 1])) {
+        --terms;
+    }
+    for (int k = 0; k < terms; ++k) {
         double along[TAYLOR_TERMS];
         double next[TAYLOR_TERMS];
         for (int i = 0; i < TAYLOR_TERMS; ++i) {
             along[i] = vec3_dot(work->path[k], slope.at[i]);
-            sum[i] += taylor_multiply(along, power, i);
+            sum[i] += k == 0 ? along[i] : taylor_multiply(along, power, i);
+        }
+        if (k + 1 == terms) {
+            break;
         }
         for (int i = 0; i < TAYLOR_TERMS; ++i) {
             next[i] = taylor_multiply(power, p->time, i);
