@@ -6,17 +6,11 @@
 
 #include "math/radau_rows.h"
 
-/* Of a row of all forces, for loops that take two at a time. */
-static int padded_forces(const struct radau_problem *problem)
-{
-    return (problem->forces + LANES - 1) / LANES * LANES;
-}
-
 /* Doubles of memory for the parts of the Jacobians and what follows from a force. */
 size_t radau_forces_memory(const struct radau_problem *problem)
 {
     const size_t s = RADAU_MOST_STAGES;
-    const size_t f = (size_t)padded_forces(problem);
+    const size_t f = (size_t)radau_padded_forces(problem);
     const size_t n = (size_t)radau_padded(problem->coupled);
     const size_t t = (size_t)problem->tipping;
     return f > 0 ? 2 * n * f + s * (2 * n * f + t * n + t * f + 3 * n + f + 1) + s * s * (t * f + 1) : 0;
@@ -34,7 +28,7 @@ void radau_forces_place(struct radau_step *p, double *memory)
     const struct radau_problem *problem = &p->problem;
     struct radau_forces *to = &p->forces;
     const int s = RADAU_MOST_STAGES;
-    const int f = padded_forces(problem);
+    const int f = radau_padded_forces(problem);
     const int n = radau_padded(problem->coupled);
     const int t = problem->tipping;
     if (f == 0) {
@@ -54,15 +48,6 @@ void radau_forces_place(struct radau_step *p, double *memory)
     to->twice = take_some(&memory, s * s);
 }
 
-static double product_of(const double *a, const double *b, int count)
-{
-    double sum = 0.0;
-    for (int i = 0; i < count; ++i) {
-        sum += a[i] * b[i];
-    }
-    return sum;
-}
-
 /* The parts of the Jacobian at a stage: what a force does to the states left, a row a force; how forces
  * depend on them and on the places, a row a state; how tipping states depend on those left, a row a
  * state. */
@@ -73,7 +58,7 @@ static void take_split_stage(struct radau_step *p, int stage)
     const int n = problem->coupled;
     const int m = p->others;
     const int f = problem->forces;
-    const int wide = padded_forces(problem);
+    const int wide = radau_padded_forces(problem);
     memcpy(p->point, p->y, (size_t)problem->size * sizeof *p->point);
     radau_step_stage(p, stage, p->point);
     problem->split_jacobian(problem->context, p->start + p->length * p->stages->node[stage], p->point,
@@ -100,10 +85,14 @@ static void take_split_stage(struct radau_step *p, int stage)
     }
 }
 
-/* A^2 of the method. */
+/* A^2 of the method, unless it is there. */
 static void put_twice(struct radau_step *p)
 {
     const int s = p->stages->stages;
+    if (p->forces.twice_of == p->stages) {
+        return;
+    }
+    p->forces.twice_of = p->stages;
     const double *once = p->stages->integral;
     for (int i = 0; i < s; ++i) {
         for (int j = 0; j < s; ++j) {
@@ -130,7 +119,7 @@ static void put_tips(struct radau_step *p, int stage)
         for (int r = 0; r < t; ++r) {
             for (int g = 0; g < f; ++g) {
                 to->row[(k * t + r) * f + g] =
-                    scale * product_of(to->own + (k * t + r) * n, to->by + (stage * f + g) * n, p->others);
+                    scale * radau_product(to->own + (k * t + r) * n, to->by + (stage * f + g) * n, p->others);
             }
         }
     }
@@ -146,7 +135,26 @@ static void put_tips(struct radau_step *p, int stage)
     }
 }
 
-/* 1 - of h A by, of one pair of stages, places and tipping states included. */
+/* Four numbers from `e` on of the sum of rows `of` [count][wide], each times its own of `by`: each `apart`-th
+ * of them, or those that `among` says. */
+struct four_sums {
+    double2 low, high;
+};
+
+static inline struct four_sums sum_rows(const double *of, int wide, int e, int count, const double *by,
+                                        int apart, const int *among)
+{
+    struct four_sums sum = {{0.0}, {0.0}};
+    for (int k = 0; k < count; ++k) {
+        const double factor = by[among ? among[k] : k * apart];
+        sum.low += double2_at(of + k * wide, e) * factor;
+        sum.high += double2_at(of + k * wide, e + LANES) * factor;
+    }
+    return sum;
+}
+
+/* 1 - of h A by, of one pair of stages, places and tipping states included. Rows beyond the forces of a stage
+ * are those of the next one, which comes later, or behind the matrix. */
 static void put_block(struct radau_step *p, int i, int j)
 {
     const struct radau_forces *to = &p->forces;
@@ -155,31 +163,23 @@ static void put_block(struct radau_step *p, int i, int j)
     const int f = p->problem.forces;
     const int t = p->problem.tipping;
     const int m = p->others;
-    const double once = p->length * p->stages->integral[i * s + j];
-    const double twice = p->length * p->length * to->twice[i * s + j];
-    const int wide = padded_forces(&p->problem);
+    const double once = -p->length * p->stages->integral[i * s + j];
+    const double twice = -p->length * p->length * to->twice[i * s + j];
+    const int wide = radau_padded_forces(&p->problem);
     const double *of = to->of + i * n * wide;
+    const double *places = of + m * wide;
     const double *tips = to->tips + (i * s + j) * t * f;
     for (int g = 0; g < f; ++g) {
         const double *by = to->by + (j * f + g) * n;
         double *column = p->all.at + (j * f + g) * p->all.stride + i * f;
-        for (int e = 0; e < f; e += LANES) {
-            double2 sum = {0.0};
-            for (int k = 0; k < m; ++k) {
-                sum += double2_at(of + k * wide, e) * (once * by[k]);
-            }
-            for (int k = 0; k < p->problem.paired; ++k) {
-                sum += double2_at(of + (m + k) * wide, e) * (twice * by[p->speed_among[k]]);
-            }
-            for (int r = 0; r < t; ++r) {
-                sum += double2_at(of + (m - t + r) * wide, e) * tips[r * f + g];
-            }
-            double both[LANES];
-            double2_put(both, 0, sum);
-            for (int lane = 0; lane < LANES && e + lane < f; ++lane) {
-                column[e + lane] = (i == j && e + lane == g ? 1.0 : 0.0) - both[lane];
-            }
+        for (int e = 0; e < wide; e += 2 * LANES) {
+            const struct four_sums a = sum_rows(of, wide, e, m, by, 1, NULL);
+            const struct four_sums b = sum_rows(places, wide, e, p->problem.paired, by, 0, p->speed_among);
+            const struct four_sums c = sum_rows(places - t * wide, wide, e, t, tips + g, f, NULL);
+            double2_put(column, e, once * a.low + twice * b.low - c.low);
+            double2_put(column, e + LANES, once * a.high + twice * b.high - c.high);
         }
+        column[g] += i == j ? 1.0 : 0.0;
     }
 }
 
@@ -192,7 +192,9 @@ bool radau_forces_factor(struct radau_step *p)
     }
     put_twice(p);
     for (int j = 0; j < s; ++j) {
-        put_tips(p, j);
+        if (p->problem.tipping > 0) {
+            put_tips(p, j);
+        }
         for (int i = 0; i < s; ++i) {
             put_block(p, i, j);
         }
@@ -201,100 +203,4 @@ bool radau_forces_factor(struct radau_step *p)
         p->all.at[k * p->all.stride + p->all.rows] = 0.0;
     }
     return dense_lu_factor(p->all);
-}
-
-/* Changes of the states left, of tipping ones by the others too: A of the residual; h A of the speeds. */
-static void change_without_forces(struct radau_step *p)
-{
-    const struct radau_forces *to = &p->forces;
-    const int s = p->stages->stages;
-    const int n = p->problem.coupled;
-    const int m = p->others;
-    const int t = p->problem.tipping;
-    const int width = p->width;
-    const int places = radau_padded(p->problem.paired);
-    const double *once = p->stages->integral;
-    for (int i = 0; i < s; ++i) {
-        radau_combine(to->change + i * width, once + i * s, s, p->residual, width, width);
-    }
-    for (int i = 0; i < s; ++i) {
-        for (int r = 0; r < t; ++r) {
-            to->row[i * t + r] = p->length * product_of(to->own + (i * t + r) * n, to->change + i * width, m);
-        }
-        memset(to->moved + i * places, 0, (size_t)places * sizeof *to->moved);
-        for (int k = 0; k < p->problem.paired; ++k) {
-            to->moved[i * places + k] = p->length * to->change[i * width + p->speed_among[k]];
-        }
-    }
-    for (int i = 0; i < s; ++i) {
-        for (int r = 0; r < t; ++r) {
-            for (int j = 0; j < s; ++j) {
-                to->change[i * width + m - t + r] += once[i * s + j] * to->row[j * t + r];
-            }
-        }
-        radau_combine(to->places + i * places, once + i * s, s, to->moved, places, places);
-    }
-}
-
-/* By how much the forces at a stage change with those. */
-static void put_changes_of_forces(struct radau_step *p, int stage, double *side)
-{
-    const struct radau_forces *to = &p->forces;
-    const int n = p->problem.coupled;
-    const int f = p->problem.forces;
-    const int m = p->others;
-    const int wide = padded_forces(&p->problem);
-    const double *of = to->of + stage * n * wide;
-    const double *change = to->change + stage * p->width;
-    const double *places = to->places + stage * radau_padded(p->problem.paired);
-    for (int g = 0; g < f; ++g) {
-        double sum = 0.0;
-        for (int k = 0; k < m; ++k) {
-            sum += of[k * wide + g] * change[k];
-        }
-        for (int k = 0; k < p->problem.paired; ++k) {
-            sum += of[(m + k) * wide + g] * places[k];
-        }
-        side[g] = sum;
-    }
-}
-
-void radau_forces_correct(struct radau_step *p)
-{
-    const struct radau_forces *to = &p->forces;
-    const int s = p->stages->stages;
-    const int n = p->problem.coupled;
-    const int f = p->problem.forces;
-    const int m = p->others;
-    const int t = p->problem.tipping;
-    const int width = p->width;
-    change_without_forces(p);
-    for (int i = 0; i < s; ++i) {
-        put_changes_of_forces(p, i, to->side + i * f);
-    }
-    to->side[s * f] = 0.0;
-    dense_lu_solve(p->all, to->side);
-    for (int i = 0; i < s; ++i) {
-        double *moved = to->moved + i * width;
-        memset(moved, 0, (size_t)width * sizeof *moved);
-        for (int g = 0; g < f; ++g) {
-            const double *by = to->by + (i * f + g) * n;
-            const double change = p->length * to->side[i * f + g];
-            for (int k = 0; k < m; ++k) {
-                moved[k] += by[k] * change;
-            }
-        }
-    }
-    for (int i = 0; i < s; ++i) {
-        radau_combine(p->re, p->stages->integral + i * s, s, to->moved, width, width);
-        for (int k = 0; k < m; ++k) {
-            p->side[i * m + k] = to->change[i * width + k] + p->re[k];
-        }
-        for (int j = 0; j < s && t > 0; ++j) {
-            const double *tips = to->tips + (i * s + j) * t * f;
-            for (int r = 0; r < t; ++r) {
-                p->side[i * m + m - t + r] += product_of(tips + r * f, to->side + j * f, f);
-            }
-        }
-    }
 }

@@ -40,6 +40,23 @@ static inline void radau_polynomials_at(int count, double part, double *of)
     }
 }
 
+/* Of a row of all forces, for loops that take four at a time: columns of the matrix are as much longer than
+ * its rows, which are a multiple of the stages. */
+static inline int radau_padded_forces(const struct radau_problem *problem)
+{
+    return (problem->forces + 2 * LANES - 1) / (2 * LANES) * (2 * LANES);
+}
+
+/* The product of two rows. */
+static inline double radau_product(const double *a, const double *b, int count)
+{
+    double sum = 0.0;
+    for (int i = 0; i < count; ++i) {
+        sum += a[i] * b[i];
+    }
+    return sum;
+}
+
 /* radau_step.c: the parts of p->jacobian that are kept as by_others and by_places. */
 void radau_take_jacobian(const struct radau_step *p, double *by_others, double *by_places);
 
@@ -51,7 +68,7 @@ void radau_evaluate_residual(struct radau_step *p);
 void radau_take_stage_jacobian(struct radau_step *p, int stage);
 
 /* radau_forces.c: factors of the system of the forces at what is known of the stages, false where there are
- * none; changes of the states left by the residual, into p->side. */
+ * none. radau_forces_correct.c: changes of the states left by the residual, into p->side. */
 size_t radau_forces_memory(const struct radau_problem *problem);
 void radau_forces_place(struct radau_step *p, double *memory);
 bool radau_forces_factor(struct radau_step *p);

@@ -45,6 +45,7 @@ struct radau_forces {
     double *by_forces, *of_forces;
     double *by, *of, *own, *tips, *twice;
     double *row, *change, *places, *moved, *side;
+    const struct radau_stages *twice_of; /* whose A^2 `twice` is; NULL: nobody's */
 };
 
 struct radau_step {
