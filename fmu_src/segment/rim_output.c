@@ -1,4 +1,5 @@
 /* What a series of the rim says at a place. */
+#include "math/compiler.h"
 #include "math/root.h"
 #include "segment/rim_series.h"
 
@@ -31,89 +32,107 @@ double rim_series_place(const struct rim_series *p, double time, double end)
     return high.value > 0.0 ? root_between(rim_time_left_at, &left, low, high) : end;
 }
 
-/* Value and two derivatives. */
-static void rim_series_at(const double *a, double s, double out[3])
+/* Value and two derivatives of two series, side by side. */
+static void rim_two_at(const double *a, const double *b, double s, double of_a[3], double of_b[3])
 {
-    out[0] = out[1] = out[2] = 0.0;
+#if CONTACT_GNU_C
+    double2 value = {0.0};
+    double2 slope = {0.0};
+    double2 bend = {0.0}; /* half of it */
     for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
-        out[2] = out[2] * s + 2.0 * out[1];
-        out[1] = out[1] * s + out[0];
-        out[0] = out[0] * s + a[i];
+        const double2 next = {a[i], b[i]};
+        bend = bend * s + slope;
+        slope = slope * s + value;
+        value = value * s + next;
     }
+    for (int j = 0; j < 2; ++j) {
+        double *out = j == 0 ? of_a : of_b;
+        out[0] = value[j];
+        out[1] = slope[j];
+        out[2] = 2.0 * bend[j];
+    }
+#else
+    for (int j = 0; j < 2; ++j) {
+        double *out = j == 0 ? of_a : of_b;
+        out[0] = out[1] = out[2] = 0.0;
+        for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
+            out[2] = out[2] * s + 2.0 * out[1];
+            out[1] = out[1] * s + out[0];
+            out[0] = out[0] * s + (j == 0 ? a : b)[i];
+        }
+    }
+#endif
 }
 
 void rim_series_sample(const void *rim_series, double s, struct pair_sample *sample)
 {
     const struct rim_series *p = rim_series;
-    rim_series_at(p->gap, s, sample->of[PAIR_GAP]);
-    rim_series_at(p->rate, s, sample->of[PAIR_GAP_RATE]);
-    rim_series_at(p->force, s, sample->of[PAIR_FORCE]);
-    rim_series_at(p->radial, s, sample->of[PAIR_RADIAL]);
-    rim_series_at(p->axial, s, sample->of[PAIR_AXIAL]);
+    double u[3];
+    rim_two_at(p->rate, p->force, s, sample->of[PAIR_GAP_RATE], sample->of[PAIR_FORCE]);
+    rim_two_at(p->radial, p->axial, s, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
+    rim_two_at(p->gap, p->by_root ? p->root : p->gap, s, sample->of[PAIR_GAP], u);
     if (p->by_root) {
-        double u[3];
-        rim_series_at(p->root, s, u);
         sample->of[PAIR_GAP][0] = -u[0] * u[0];
         sample->of[PAIR_GAP][1] = -2.0 * u[0] * u[1];
         sample->of[PAIR_GAP][2] = -2.0 * (u[1] * u[1] + u[0] * u[2]);
     }
 }
 
+/* Adds those of along(s) t^k, `power` being t^k: where t = unit s, only coefficient k of it. */
+static void add_along_time(const struct rim_series *p, const double *along, const double *power, int k,
+                           double *sum)
+{
+    if (p->by_root && k > 0) {
+        for (int i = 0; i < TAYLOR_TERMS; ++i) {
+            sum[i] += taylor_multiply(along, power, i);
+        }
+        return;
+    }
+    for (int i = k; i < TAYLOR_TERMS; ++i) {
+        sum[i] += along[i - k] * power[k];
+    }
+}
+
+/* From t^k to t^(k + 1). */
+static void next_power_of_time(const struct rim_series *p, double *power, int k)
+{
+    double next[TAYLOR_TERMS];
+    if (!p->by_root) {
+        power[k + 1] = power[k] * p->time[1];
+        return;
+    }
+    for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        next[i] = taylor_multiply(power, p->time, i);
+    }
+    for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        power[i] = next[i];
+    }
+}
+
 /* The integral of pair_work over [0, s]: of path(t).r_s ds, order 1, or of path(t).r'_s ds, order 2. */
 static double rim_work(const struct rim_series *p, const struct pair_work *work, double s)
 {
-    double sum[TAYLOR_TERMS] = {0.0};
-    struct taylor_vec3 slope = {.at = {{0.0, 0.0, 0.0}}};
     const struct taylor_vec3 *of = work->order == 1 ? &p->r : &p->r_rate;
+    double sum[TAYLOR_TERMS] = {0.0};
     double power[TAYLOR_TERMS] = {1.0};
     if (work->order == 0) {
         return 0.0;
-    }
-    for (int i = 0; i + 1 < TAYLOR_TERMS; ++i) {
-        slope.at[i] = vec3_scale(i + 1, of->at[i + 1]);
     }
     int terms = 3; /* of the path that count: one where forces are steady */
     while (terms > 0 && vec3_is_zero(work->path[terms - 1])) {
         --terms;
     }
     for (int k = 0; k < terms; ++k) {
-        double along[TAYLOR_TERMS];
-        double next[TAYLOR_TERMS];
-        for (int i = 0; i < TAYLOR_TERMS; ++i) {
-            along[i] = vec3_dot(work->path[k], slope.at[i]);
-            sum[i] += k == 0 ? along[i] : taylor_multiply(along, power, i);
+        double along[TAYLOR_TERMS] = {0.0}; /* of path[k] and the slope */
+        for (int i = 0; i + 1 < TAYLOR_TERMS; ++i) {
+            along[i] = vec3_dot(work->path[k], vec3_scale(i + 1, of->at[i + 1]));
         }
-        if (k + 1 == terms) {
-            break;
-        }
-        for (int i = 0; i < TAYLOR_TERMS; ++i) {
-            next[i] = taylor_multiply(power, p->time, i);
-        }
-        for (int i = 0; i < TAYLOR_TERMS; ++i) {
-            power[i] = next[i];
+        add_along_time(p, along, power, k, sum);
+        if (k + 1 < terms) {
+            next_power_of_time(p, power, k);
         }
     }
     return taylor_integral(sum, TAYLOR_ORDER, s);
-}
-
-/* The integral of c g'^2 dt, or of -(F_n - k_h u^3) g' dt, dt = unit ds or unit u ds. */
-static double rim_dissipated(const struct rim_series *p, double s)
-{
-    double damped[TAYLOR_TERMS];
-    double power[TAYLOR_TERMS];
-    double by_s[TAYLOR_TERMS];
-    const double factor = p->by_root ? p->from->chi : p->from->coefficients.c;
-    if (!(factor > 0.0)) {
-        return 0.0;
-    }
-    for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        damped[i] = p->by_root ? p->from->hertz_stiffness * p->cube[i] - p->force[i] : factor * p->rate[i];
-        power[i] = taylor_multiply(damped, p->rate, i);
-    }
-    for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        by_s[i] = p->by_root ? taylor_multiply(power, p->root, i) : power[i];
-    }
-    return p->unit * taylor_integral(by_s, TAYLOR_TERMS, s);
 }
 
 struct pair_change rim_series_change(const void *rim_series, double s)
@@ -125,6 +144,6 @@ struct pair_change rim_series_change(const void *rim_series, double s)
         .r = taylor_at_vec3(&p->r, TAYLOR_TERMS, s),
         .r_rate = taylor_at_vec3(&p->r_rate, TAYLOR_TERMS, s),
         .gap = p->by_root ? -u * u : taylor_at(p->gap, TAYLOR_TERMS, s),
-        .dissipated = rim_dissipated(p, s),
+        .dissipated = p->damps ? p->unit * taylor_integral(p->lost, TAYLOR_TERMS, s) : 0.0,
         .work = {rim_work(p, &p->from->work[0], s), rim_work(p, &p->from->work[1], s)}};
 }

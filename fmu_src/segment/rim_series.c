@@ -19,8 +19,11 @@ struct rim_recurrence {
     double opening[TAYLOR_TERMS];                    /* dg/dt [m/s] */
     double square[TAYLOR_TERMS];                     /* u^2 */
     double damped[TAYLOR_TERMS];                     /* 1 + chi delta' */
+    double drag[TAYLOR_TERMS];                       /* less what a spring alone pushes with [N] */
+    double drag_power[TAYLOR_TERMS];                 /* [W] */
     double impulse[TAYLOR_TERMS];                    /* F_n dt/ds over the unit */
     int degree;                                      /* of C */
+    bool by_root;
 };
 
 static struct vec3 rim_product(const double *a, const struct taylor_vec3 *b, int order)
@@ -32,11 +35,14 @@ static struct vec3 rim_product(const double *a, const struct taylor_vec3 *b, int
     return sum;
 }
 
-/* Coefficient i of a polynomial of time of `terms` coefficients. */
+/* Coefficient i of a polynomial of time of `terms` coefficients. Where t = unit s, only t^i has one. */
 static struct vec3 rim_along_time(const struct rim_recurrence *z, const struct vec3 *coefficients, int terms,
                                   int i)
 {
     struct vec3 sum = {0.0, 0.0, 0.0};
+    if (!z->by_root) {
+        return i < terms ? vec3_axpy(sum, z->power[i][i], coefficients[i]) : sum;
+    }
     for (int k = 0; k < terms; ++k) {
         sum = vec3_axpy(sum, z->power[k][i], coefficients[k]);
     }
@@ -53,16 +59,28 @@ static int rim_degree_of(const struct separation_path *flight)
     return degree;
 }
 
-/* Coefficient i of c, w and of where that is. */
-static void rim_place(struct rim_series *p, struct rim_recurrence *z, int i)
+/* Coefficient i of the powers of time. */
+static void rim_powers_of_time(const struct rim_series *p, struct rim_recurrence *z, int i)
 {
-    const struct contact_pair *from = p->from;
-    const struct vec3 e = from->shape.axis;
+    if (!p->by_root) {
+        if (i <= z->degree) {
+            z->power[i][i] = i == 0 ? 1.0 : z->power[i - 1][i - 1] * p->time[1];
+        }
+        return;
+    }
     z->power[0][i] = i == 0 ? 1.0 : 0.0;
     z->power[1][i] = p->time[i];
     for (int k = 2; k <= z->degree; ++k) {
         z->power[k][i] = taylor_multiply(z->power[k - 1], p->time, i);
     }
+}
+
+/* Coefficient i of c, w and of where that is. */
+static void rim_place(struct rim_series *p, struct rim_recurrence *z, int i)
+{
+    const struct contact_pair *from = p->from;
+    const struct vec3 e = from->shape.axis;
+    rim_powers_of_time(p, z, i);
     const struct vec3 c = vec3_add(rim_along_time(z, from->flight.c, z->degree + 1, i), p->r.at[i]);
     z->w.at[i] = vec3_add(rim_along_time(z, from->flight.w, z->degree, i), p->r_rate.at[i]);
     z->c_rate.at[i] = z->w.at[i];
@@ -118,6 +136,19 @@ static void rim_force(struct rim_series *p, struct rim_recurrence *z, int i)
     p->force[i] = from->hertz_stiffness * taylor_multiply(p->cube, z->damped, i);
 }
 
+/* Coefficient i of the dissipated power: c g'^2, or -(F_n - k_h u^3) g' dt/ds. */
+static void rim_loss(struct rim_series *p, struct rim_recurrence *z, int i)
+{
+    const struct contact_pair *from = p->from;
+    if (!p->damps) {
+        return;
+    }
+    z->drag[i] =
+        p->by_root ? from->hertz_stiffness * p->cube[i] - p->force[i] : from->coefficients.c * p->rate[i];
+    z->drag_power[i] = taylor_multiply(z->drag, p->rate, i);
+    p->lost[i] = p->by_root ? taylor_multiply(z->drag_power, p->root, i) : z->drag_power[i];
+}
+
 /* Coefficient i of everything, then i + 1 of what is integrated. */
 static void rim_coefficient(struct rim_series *p, struct rim_recurrence *z, int i)
 {
@@ -125,6 +156,7 @@ static void rim_coefficient(struct rim_series *p, struct rim_recurrence *z, int 
     rim_place(p, z, i);
     rim_geometry(p, z, i);
     rim_force(p, z, i);
+    rim_loss(p, z, i);
     if (i + 1 == TAYLOR_TERMS) {
         return;
     }
@@ -132,7 +164,7 @@ static void rim_coefficient(struct rim_series *p, struct rim_recurrence *z, int 
     const double unit = p->unit / (i + 1);
     p->time[i + 1] = unit * z->speed[i];
     p->root[i + 1] = -0.5 * unit * z->opening[i];
-    p->r.at[i + 1] = vec3_scale(unit, rim_product(z->speed, &p->r_rate, i));
+    p->r.at[i + 1] = vec3_scale(unit, p->by_root ? rim_product(z->speed, &p->r_rate, i) : p->r_rate.at[i]);
     p->r_rate.at[i + 1] = vec3_scale(unit / p->from->reduced_mass, rim_product(z->impulse, &z->n, i));
 }
 
@@ -222,11 +254,13 @@ void rim_series_make(struct rim_series *p, const struct contact_pair *from, bool
     struct rim_recurrence z;
     p->from = from;
     p->by_root = by_root;
+    p->damps = (by_root ? from->chi : from->coefficients.c) > 0.0;
     p->unit = rim_unit_of(from, by_root);
     p->time[0] = 0.0;
     p->root[0] = sqrt(fmax(-from->gap, 0.0));
     p->r.at[0] = p->r_rate.at[0] = vec3_make(0.0, 0.0, 0.0);
     z.degree = rim_degree_of(&from->flight);
+    z.by_root = by_root;
     for (int i = 0; i < TAYLOR_TERMS; ++i) {
         rim_coefficient(p, &z, i);
     }

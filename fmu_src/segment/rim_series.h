@@ -17,6 +17,7 @@
 struct rim_series {
     const struct contact_pair *from;
     bool by_root;                /* whether dt/ds = unit u; else it is the unit, and the force is linear */
+    bool damps;                  /* whether the law has a dashpot */
     double unit;                 /* [s], or [s/sqrt(m)] */
     double step;                 /* the sums are exact to rounding up to this s */
     double time[TAYLOR_TERMS];   /* t since the start [s] */
@@ -25,6 +26,7 @@ struct rim_series {
     double rate[TAYLOR_TERMS];   /* g' as the law sees it [m/s] */
     double force[TAYLOR_TERMS];  /* F_n [N] */
     double cube[TAYLOR_TERMS];   /* u^3 */
+    double lost[TAYLOR_TERMS];   /* dissipated power by s over the unit */
     double radial[TAYLOR_TERMS]; /* dr [m] */
     double axial[TAYLOR_TERMS];  /* dz [m] */
     struct taylor_vec3 r;        /* deviation of the separation from flight [m] */
