@@ -161,7 +161,7 @@ static enum advance_result make_steps(struct general *g, const struct scene_valu
         }
         result = end_step(g, v, q, step);
     }
-    if (result == ADVANCE_REACHED) {
+    if (result == ADVANCE_REACHED && g->step.problem.turns) {
         general_keep_step(g, q); /* the next one goes on from its polynomial */
     }
     return result;
