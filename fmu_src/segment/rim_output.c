@@ -33,13 +33,13 @@ double rim_series_place(const struct rim_series *p, double time, double end)
 }
 
 /* Value and two derivatives of two series, side by side. */
-static void rim_two_at(const double *a, const double *b, double s, double of_a[3], double of_b[3])
+static void rim_two_at(const double *a, const double *b, int terms, double s, double of_a[3], double of_b[3])
 {
 #if CONTACT_GNU_C
     double2 value = {0.0};
     double2 slope = {0.0};
     double2 bend = {0.0}; /* half of it */
-    for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
+    for (int i = terms - 1; i >= 0; --i) {
         const double2 next = {a[i], b[i]};
         bend = bend * s + slope;
         slope = slope * s + value;
@@ -55,7 +55,7 @@ static void rim_two_at(const double *a, const double *b, double s, double of_a[3
     for (int j = 0; j < 2; ++j) {
         double *out = j == 0 ? of_a : of_b;
         out[0] = out[1] = out[2] = 0.0;
-        for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
+        for (int i = terms - 1; i >= 0; --i) {
             out[2] = out[2] * s + 2.0 * out[1];
             out[1] = out[1] * s + out[0];
             out[0] = out[0] * s + (j == 0 ? a : b)[i];
@@ -68,9 +68,9 @@ void rim_series_sample(const void *rim_series, double s, struct pair_sample *sam
 {
     const struct rim_series *p = rim_series;
     double u[3];
-    rim_two_at(p->rate, p->force, s, sample->of[PAIR_GAP_RATE], sample->of[PAIR_FORCE]);
-    rim_two_at(p->radial, p->axial, s, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
-    rim_two_at(p->gap, p->by_root ? p->root : p->gap, s, sample->of[PAIR_GAP], u);
+    rim_two_at(p->rate, p->force, p->terms, s, sample->of[PAIR_GAP_RATE], sample->of[PAIR_FORCE]);
+    rim_two_at(p->radial, p->axial, p->terms, s, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
+    rim_two_at(p->gap, p->by_root ? p->root : p->gap, p->terms, s, sample->of[PAIR_GAP], u);
     if (p->by_root) {
         sample->of[PAIR_GAP][0] = -u[0] * u[0];
         sample->of[PAIR_GAP][1] = -2.0 * u[0] * u[1];
@@ -88,7 +88,7 @@ static void add_along_time(const struct rim_series *p, const double *along, cons
         }
         return;
     }
-    for (int i = k; i < TAYLOR_TERMS; ++i) {
+    for (int i = k; i < p->terms; ++i) {
         sum[i] += along[i - k] * power[k];
     }
 }
@@ -124,7 +124,7 @@ static double rim_work(const struct rim_series *p, const struct pair_work *work,
     }
     for (int k = 0; k < terms; ++k) {
         double along[TAYLOR_TERMS] = {0.0}; /* of path[k] and the slope */
-        for (int i = 0; i + 1 < TAYLOR_TERMS; ++i) {
+        for (int i = 0; i + 1 < p->terms; ++i) {
             along[i] = vec3_dot(work->path[k], vec3_scale(i + 1, of->at[i + 1]));
         }
         add_along_time(p, along, power, k, sum);
@@ -132,18 +132,18 @@ static double rim_work(const struct rim_series *p, const struct pair_work *work,
             next_power_of_time(p, power, k);
         }
     }
-    return taylor_integral(sum, TAYLOR_ORDER, s);
+    return taylor_integral(sum, p->terms - 1, s);
 }
 
 struct pair_change rim_series_change(const void *rim_series, double s)
 {
     const struct rim_series *p = rim_series;
-    const double u = p->by_root ? taylor_at(p->root, TAYLOR_TERMS, s) : 0.0;
+    const double u = p->by_root ? taylor_at(p->root, p->terms, s) : 0.0;
     return (struct pair_change){
         .time = rim_series_time(p, s),
-        .r = taylor_at_vec3(&p->r, TAYLOR_TERMS, s),
-        .r_rate = taylor_at_vec3(&p->r_rate, TAYLOR_TERMS, s),
-        .gap = p->by_root ? -u * u : taylor_at(p->gap, TAYLOR_TERMS, s),
-        .dissipated = p->damps ? p->unit * taylor_integral(p->lost, TAYLOR_TERMS, s) : 0.0,
+        .r = taylor_at_vec3(&p->r, p->terms, s),
+        .r_rate = taylor_at_vec3(&p->r_rate, p->terms, s),
+        .gap = p->by_root ? -u * u : taylor_at(p->gap, p->terms, s),
+        .dissipated = p->damps ? p->unit * taylor_integral(p->lost, p->terms, s) : 0.0,
         .work = {rim_work(p, &p->from->work[0], s), rim_work(p, &p->from->work[1], s)}};
 }

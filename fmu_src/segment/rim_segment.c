@@ -70,7 +70,8 @@ static void note_parting(struct segment *p, double parting)
 bool rim_make(struct segment *p)
 {
     struct rim_series *made = &p->as.rim;
-    rim_series_make(made, &p->pair, goes_by_root(p));
+    const bool by_root = goes_by_root(p); /* may shorten p->longest */
+    rim_series_make(made, &p->pair, by_root, p->longest);
     if (is_slow_at_rim(p)) {
         return false;
     }

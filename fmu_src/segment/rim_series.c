@@ -2,8 +2,7 @@
 
 #include <float.h>
 
-#include "math/root.h"
-#include "segment/pair_hertz.h"
+#include "segment/rim_unit.h"
 
 /* Everything that the recurrence needs besides the results. */
 struct rim_recurrence {
@@ -168,47 +167,6 @@ static void rim_coefficient(struct rim_series *p, struct rim_recurrence *z, int 
     p->r_rate.at[i + 1] = vec3_scale(unit / p->from->reduced_mass, rim_product(z->impulse, &z->n, i));
 }
 
-/* The time in which the pair passes the rim, at its speed, or under load and force from rest [s]. */
-static double passage_of_rim(const struct contact_pair *from)
-{
-    const double size = from->distance; /* less than rho in the zone, or the circle is small beside both */
-    const double force = fabs(from->coefficients.k * from->gap) / from->reduced_mass;
-    const double acceleration = force + 2.0 * vec3_norm(from->flight.c[2]);
-    return fmin(size / vec3_norm(from->flight.w[0]), sqrt(size / acceleration));
-}
-
-#if SCENE_ANY_HERTZ
-/* Under Hertz's law at the deepest that speed, load and penetration lead to (as in hertz_series.c). */
-static double hertz_unit_at_rim(const struct contact_pair *from)
-{
-    const double k = from->hertz_stiffness / from->reduced_mass;
-    const double depth = pair_hertz_depth_to_come(from, pair_gap_derivative(from));
-    const double root = sqrt(depth);
-    const double radian = 1.0 / fmax(sqrt(1.5 * k * root), k * from->chi * depth * root);
-    return fmin(passage_of_rim(from), radian) / root;
-}
-#else
-static double hertz_unit_at_rim(const struct contact_pair *from)
-{
-    (void)from;
-    return 1.0;
-}
-#endif
-
-/* One radian of the spring, one decay time of the dashpot, or the passage, whichever is shortest. The order
- * of magnitude is enough. */
-static double rim_unit_of(const struct contact_pair *from, bool by_root)
-{
-    double unit = passage_of_rim(from);
-    if (by_root) {
-        unit = hertz_unit_at_rim(from);
-    } else if (from->coefficients.k > 0.0 || from->coefficients.c > 0.0) {
-        unit = fmin(unit, fmin(sqrt(from->reduced_mass / from->coefficients.k),
-                               from->reduced_mass / from->coefficients.c));
-    }
-    return isfinite(unit) && unit > 0.0 ? unit : 1.0;
-}
-
 /* The largest of the first coefficients, the size of a quantity within the step. */
 static double size_of_series(const double *a, int first, int count)
 {
@@ -219,10 +177,10 @@ static double size_of_series(const double *a, int first, int count)
     return size;
 }
 
-static double size_of_vectors(const struct taylor_vec3 *a, int first)
+static double size_of_vectors(const struct taylor_vec3 *a, int first, int count)
 {
     double size = 0.0;
-    for (int i = first; i < TAYLOR_TERMS; ++i) {
+    for (int i = first; i < count; ++i) {
         size = fmax(size, vec3_norm(a->at[i]));
     }
     return size;
@@ -234,22 +192,84 @@ enum { RIM_LAST = 5 };
 /* Longest step [units]: terms that are left out may have vanished below the range of numbers. */
 static const double LONGEST_RIM = 16.0;
 
+/* Sizes that terms are compared with. */
+struct rim_sizes {
+    double speed, root;
+};
+
+static struct rim_sizes rim_sizes_of(const struct rim_series *p, int terms)
+{
+    return (struct rim_sizes){fmax(fabs(p->rate[0]), size_of_vectors(&p->r_rate, 1, terms)),
+                              size_of_series(p->root, 0, 3)};
+}
+
+/* Coefficient i as a part of the whole. */
+static double rim_part(const struct rim_series *p, const struct rim_recurrence *z,
+                       const struct rim_sizes *whole, int i)
+{
+    double part = fmax(vec3_norm(z->n.at[i]), fabs(z->d[i]) / p->from->distance);
+    part = whole->speed > 0.0 ? fmax(part, vec3_norm(p->r_rate.at[i]) / whole->speed) : part;
+    return p->by_root && whole->root > 0.0 ? fmax(part, fabs(p->root[i]) / whole->root) : part;
+}
+
 /* Jorba and Zou: the step at which the last terms are a rounding of the whole. */
 static double rim_reliable_step(const struct rim_series *p, const struct rim_recurrence *z)
 {
-    const double speed = fmax(fabs(p->rate[0]), size_of_vectors(&p->r_rate, 1));
-    const double root = size_of_series(p->root, 0, 3);
+    const struct rim_sizes whole = rim_sizes_of(p, TAYLOR_TERMS);
     double radius = (double)INFINITY;
     for (int i = TAYLOR_TERMS - RIM_LAST; i < TAYLOR_TERMS; ++i) {
-        double part = fmax(vec3_norm(z->n.at[i]), fabs(z->d[i]) / p->from->distance);
-        part = speed > 0.0 ? fmax(part, vec3_norm(p->r_rate.at[i]) / speed) : part;
-        part = p->by_root && root > 0.0 ? fmax(part, fabs(p->root[i]) / root) : part;
-        radius = fmin(radius, pow(part, -1.0 / i));
+        radius = fmin(radius, pow(rim_part(p, z, &whole, i), -1.0 / i));
     }
     return fmin(LONGEST_RIM, radius * pow(0.5 * DBL_EPSILON, 1.0 / TAYLOR_TERMS));
 }
 
-void rim_series_make(struct rim_series *p, const struct contact_pair *from, bool by_root)
+/* Numbers of terms for shorter steps. The part of the radius of convergence in which they suffice is the
+ * power -53 / terms of two (rim_reliable_step), rounded down. They are tried up to the length [units] in
+ * which they would for the sine; for a step that is longer, all are made. */
+static const struct {
+    int terms;
+    double part, longest;
+} short_series[] = {{12, 0.0468, 0.16}, {16, 0.1006, 0.5}, {20, 0.159, 1.02}, {23, 0.202, 1.55}};
+enum { SHORT_SERIES = sizeof short_series / sizeof short_series[0] };
+
+/* Whether the first terms suffice up to s, the last of them being as small as rim_reliable_step asks. */
+static bool terms_suffice(const struct rim_series *p, const struct rim_recurrence *z, int terms, double part,
+                          double s)
+{
+    const struct rim_sizes whole = rim_sizes_of(p, terms);
+    double power = pow(s / part, terms - RIM_LAST);
+    for (int i = terms - RIM_LAST; i < terms; ++i) {
+        if (!(rim_part(p, z, &whole, i) * power <= 1.0)) {
+            return false;
+        }
+        power *= s / part;
+    }
+    return true;
+}
+
+/* The series up to s of as few terms as suffice. Returns false where all are made. */
+static bool make_short_series(struct rim_series *p, struct rim_recurrence *z, double s)
+{
+    p->terms = 0;
+    for (int k = 0; k < SHORT_SERIES; ++k) {
+        if (s > short_series[k].longest) {
+            continue;
+        }
+        for (; p->terms < short_series[k].terms; ++p->terms) {
+            rim_coefficient(p, z, p->terms);
+        }
+        if (terms_suffice(p, z, p->terms, short_series[k].part, s)) {
+            p->step = s;
+            return true;
+        }
+    }
+    for (; p->terms < TAYLOR_TERMS; ++p->terms) {
+        rim_coefficient(p, z, p->terms);
+    }
+    return false;
+}
+
+void rim_series_make(struct rim_series *p, const struct contact_pair *from, bool by_root, double longest)
 {
     struct rim_recurrence z;
     p->from = from;
@@ -261,8 +281,8 @@ void rim_series_make(struct rim_series *p, const struct contact_pair *from, bool
     p->r.at[0] = p->r_rate.at[0] = vec3_make(0.0, 0.0, 0.0);
     z.degree = rim_degree_of(&from->flight);
     z.by_root = by_root;
-    for (int i = 0; i < TAYLOR_TERMS; ++i) {
-        rim_coefficient(p, &z, i);
+    /* by u, how far s goes within a time is known only afterwards */
+    if (!make_short_series(p, &z, by_root ? (double)INFINITY : longest / p->unit)) {
+        p->step = rim_reliable_step(p, &z);
     }
-    p->step = rim_reliable_step(p, &z);
 }

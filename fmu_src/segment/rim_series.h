@@ -18,6 +18,7 @@ struct rim_series {
     const struct contact_pair *from;
     bool by_root;                /* whether dt/ds = unit u; else it is the unit, and the force is linear */
     bool damps;                  /* whether the law has a dashpot */
+    int terms;                   /* of all series; none beyond is defined */
     double unit;                 /* [s], or [s/sqrt(m)] */
     double step;                 /* the sums are exact to rounding up to this s */
     double time[TAYLOR_TERMS];   /* t since the start [s] */
@@ -33,8 +34,9 @@ struct rim_series {
     struct taylor_vec3 r_rate;   /* r' [m/s] */
 };
 
-/* From the start of the pair; `by_root` not from rest at delta = 0, where s stands still. */
-void rim_series_make(struct rim_series *p, const struct contact_pair *from, bool by_root);
+/* From the start of the pair over at most `longest` seconds; `by_root` not from rest at delta = 0, where s
+ * stands still. */
+void rim_series_make(struct rim_series *p, const struct contact_pair *from, bool by_root, double longest);
 
 /* The time at s [s], and the s up to `end` of a time. */
 double rim_series_time(const struct rim_series *p, double s);
