@@ -250,28 +250,30 @@ static bool terms_suffice(const struct rim_series *p, const struct rim_recurrenc
 /* The series up to s of as few terms as suffice. Returns false where all are made. */
 static bool make_short_series(struct rim_series *p, struct rim_recurrence *z, double s)
 {
-    p->terms = 0;
+    int made = 0;
     for (int k = 0; k < SHORT_SERIES; ++k) {
         if (s > short_series[k].longest) {
             continue;
         }
-        for (; p->terms < short_series[k].terms; ++p->terms) {
-            rim_coefficient(p, z, p->terms);
+        for (; made < short_series[k].terms; ++made) {
+            rim_coefficient(p, z, made);
         }
-        if (terms_suffice(p, z, p->terms, short_series[k].part, s)) {
+        if (terms_suffice(p, z, made, short_series[k].part, s)) {
+            p->terms = made;
             p->step = s;
             return true;
         }
     }
-    for (; p->terms < TAYLOR_TERMS; ++p->terms) {
-        rim_coefficient(p, z, p->terms);
+    for (; made < TAYLOR_TERMS; ++made) {
+        rim_coefficient(p, z, made);
     }
+    p->terms = TAYLOR_TERMS;
     return false;
 }
 
 void rim_series_make(struct rim_series *p, const struct contact_pair *from, bool by_root, double longest)
 {
-    struct rim_recurrence z;
+    struct rim_recurrence z = {.degree = rim_degree_of(&from->flight), .by_root = by_root};
     p->from = from;
     p->by_root = by_root;
     p->damps = (by_root ? from->chi : from->coefficients.c) > 0.0;
@@ -279,8 +281,6 @@ void rim_series_make(struct rim_series *p, const struct contact_pair *from, bool
     p->time[0] = 0.0;
     p->root[0] = sqrt(fmax(-from->gap, 0.0));
     p->r.at[0] = p->r_rate.at[0] = vec3_make(0.0, 0.0, 0.0);
-    z.degree = rim_degree_of(&from->flight);
-    z.by_root = by_root;
     /* by u, how far s goes within a time is known only afterwards */
     if (!make_short_series(p, &z, by_root ? (double)INFINITY : longest / p->unit)) {
         p->step = rim_reliable_step(p, &z);
