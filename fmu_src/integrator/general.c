@@ -11,6 +11,9 @@
 static const double TOLERANCE_SHARE = 1e-3;
 static const double LEAST_TOLERANCE = 1024.0 * DBL_EPSILON;
 
+/* Where outputs are read within a step the error there is this part of the tolerance at most. */
+static const double READ_PART = 0.1;
+
 static void rates_at_stage(const void *context, double clock, const double *y, double *rates)
 {
     ode_rates(context, clock, y, rates);
@@ -116,6 +119,7 @@ void general_attach(struct general *g, const struct scene_values *v, struct scen
     g->ode.state = g->state = q;
     g->relative = fmax(TOLERANCE_SHARE * solver_relative_tolerance(v), LEAST_TOLERANCE);
     g->absolute = TOLERANCE_SHARE * solver_absolute_tolerance(v);
+    g->read_share = g->relative / fmax(READ_PART * solver_relative_tolerance(v), g->relative);
     g->longest = q->general_length; /* of the state, so that a restored one goes on as the saved one */
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         g->output[j] =

@@ -33,9 +33,6 @@ static const double ROUNDING_OF_GAP = 0.5;
  * of it. */
 static const double WITHIN_SHARE = 1e-3;
 
-/* Where outputs are read within a step the error there is a tenth of the tolerance at most. */
-static const double READ_WITHIN_SHARE = 1e-2;
-
 /* A step of so few stages is as accurate as one of twelve that is longer by this. Of an oscillation at an
  * error of 1e-12 these are 0.18, 2 and 5 radians (scratch measurement of y'' = -y). */
 static const double REACH_OF_FOUR = 0.035;
@@ -176,7 +173,7 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
         }
         const double length = fmin(limit, g->longest);
         const struct radau_stages *stages = stages_for(length, g->longest);
-        g->within_share = length > left ? READ_WITHIN_SHARE : WITHIN_SHARE;
+        g->within_share = length > left ? g->read_share : WITHIN_SHARE;
         const double error = error_of_trial(g, stages, length);
         const double reach = length / reach_of(stages);
         if (error <= 1.0) {

@@ -261,23 +261,6 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     return status;
 }
 
-/* The clock before which no contact changes; 0: not known. */
-static double apart_until(const struct scene_values *v, const struct scene_state *q)
-{
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (!flight_apart_is_known(v, q, j)) {
-            return 0.0;
-        }
-    }
-    struct scene_instant at;
-    scene_kinematics_now(v, q, &at);
-    double least = (double)INFINITY;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        least = fmin(least, flight_apart_for(v, q, &at, j));
-    }
-    return q->clock + least;
-}
-
 bool integrator_defer_further(const struct scene_values *v, struct scene_state *q, double end_time)
 {
     const double deferrable = q->deferrable_clock;
@@ -287,7 +270,7 @@ bool integrator_defer_further(const struct scene_values *v, struct scene_state *
     }
     flight_catch_up(v, q);
     const double before = q->clock;
-    const double apart = apart_until(v, q);
+    const double apart = flight_apart_until(v, q);
     /* As the step would go: to the horizon, from where it looks ahead, and to its end. */
     q->clock = deferrable;
     const double remaining = scene_remaining(q, end_time);

@@ -144,7 +144,8 @@ struct four_sums {
 static inline struct four_sums sum_rows(const double *of, int wide, int e, int count, const double *by,
                                         int apart, const int *among)
 {
-    struct four_sums sum = {{0.0}, {0.0}};
+    const double2 none = {0.0};
+    struct four_sums sum = {none, none};
     for (int k = 0; k < count; ++k) {
         const double factor = by[among ? among[k] : k * apart];
         sum.low += double2_at(of + k * wide, e) * factor;

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "scene/present.h"
 #include "scene/rounding.h"
 #include "segment/relative_path.h"
 
@@ -39,14 +40,18 @@ static struct vec3 free_fall(const struct scene_values *v, int body)
     return body_is_free(v, body) ? gravity(v) : vec3_make(0.0, 0.0, 0.0);
 }
 
-bool flight_apart_is_known(const struct scene_values *v, const struct scene_state *q, int contact)
+/* Whether anything of the kind can be told: not of a source inside, nor of bodies whose motion is given. */
+static bool apart_is_known(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
     return shape.side > 0 && !body_is_prescribed(v, contact_source(contact)) &&
            !body_is_prescribed(v, contact_destination(contact));
 }
 
-double flight_apart_for(const struct scene_values *v, const struct scene_state *q,
+/* Seconds from the present instant `at` for which bodies that are apart cannot touch. A convex destination
+ * lies behind the plane that touches it in the point nearest to the source, so the gap is at least the
+ * source's height above that plane, a parabola of time. */
+static double apart_for(const struct scene_values *v, const struct scene_state *q,
                         const struct scene_instant *at, int contact)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
@@ -61,4 +66,20 @@ double flight_apart_for(const struct scene_values *v, const struct scene_state *
         vec3_sub(free_fall(v, contact_destination(contact)), free_fall(v, contact_source(contact)));
     return above_plane_until(fmax(now->gap, 0.0), now->gap_rate, 0.5 * vec3_dot(now->normal, bend), rounding,
                              rounding_of_rate(at, contact));
+}
+
+double flight_apart_until(const struct scene_values *v, const struct scene_state *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (!apart_is_known(v, q, j)) {
+            return 0.0;
+        }
+    }
+    struct scene_instant at;
+    scene_kinematics_now(v, q, &at);
+    double least = (double)INFINITY;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        least = fmin(least, apart_for(v, q, &at, j));
+    }
+    return q->clock + least;
 }
