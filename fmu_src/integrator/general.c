@@ -119,7 +119,7 @@ void general_attach(struct general *g, const struct scene_values *v, struct scen
     g->ode.state = g->state = q;
     g->relative = fmax(TOLERANCE_SHARE * solver_relative_tolerance(v), LEAST_TOLERANCE);
     g->absolute = TOLERANCE_SHARE * solver_absolute_tolerance(v);
-    g->read_share = g->relative / fmax(READ_PART * solver_relative_tolerance(v), g->relative);
+    g->read_share = g->relative / (READ_PART * solver_relative_tolerance(v));
     g->longest = q->general_length; /* of the state, so that a restored one goes on as the saved one */
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         g->output[j] =

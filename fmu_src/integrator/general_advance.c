@@ -79,8 +79,9 @@ static enum advance_result make_step(struct general *g, const struct scene_state
 {
     struct general_end *end = &g->end;
     const double left = step->clock_end - q->clock;
-    /* whatever does not turn stops at the end: a restored state has to go on as the saved one did */
-    const double most = g->step.problem.turns ? fmax(step->clock_limit - q->clock, left) : left;
+    /* what does not turn stops at the end, as no state keeps its steps; so does what rounding decides */
+    const double most =
+        g->step.problem.turns && g->read_share <= 1.0 ? fmax(step->clock_limit - q->clock, left) : left;
     double longest = (double)INFINITY;
 #if SCENE_ANY_FRICTION
     if (g->step.problem.turns) {

@@ -45,7 +45,7 @@ struct general {
     double error_of_start; /* of what dies away before its first stage, likewise */
     double longest;        /* length of a step of most stages that is accurate enough, as far as known [s] */
     double within_share;   /* of an error anywhere in the step, what is compared with that at its end */
-    double read_share;     /* the same where outputs are read within the step */
+    double read_share;     /* the same where outputs are read within the step; above 1 they are not */
     double *y, *size_of, *end_size; /* [size]: a state, and what errors are compared with */
     struct general_end end;
     double at_start[ODE_EVENTS];                      /* event functions */
