@@ -22,7 +22,6 @@ from support.sources import (
 
 C_FILES = HEADERS + UNITS + [file for name in ("scripts", "tests") for file in (ROOT / name).rglob("*.[ch]")]
 PROGRAMS = sorted((ROOT / "scripts").rglob("*.c"))
-FILE_LINES = 300
 FUNCTION_LINES = 60  # one screen
 LINE_COLUMNS = 110  # ColumnLimit of .clang-format
 
@@ -66,11 +65,6 @@ def test_clang_tidy_finds_nothing(unit):
         str(fmi_headers()),
     ]
     assert output("clang-tidy", "--quiet", str(unit), "--", *arguments) == ""
-
-
-@pytest.mark.parametrize("file", C_FILES + python_files(), ids=label)
-def test_a_file_is_no_longer_than_300_lines(file):
-    assert len(file.read_text().splitlines()) <= FILE_LINES
 
 
 def c_functions(text):
