@@ -8,6 +8,7 @@ import pytest
 
 from contact_fmus.__main__ import COMMANDS, main
 from support.graph import circle
+from support.programs import PATIENCE
 from support.sources import ROOT, label
 
 PACKAGE = ROOT / "scripts" / "contact_fmus"
@@ -105,8 +106,17 @@ def test_a_circle_or_an_import_that_points_back_is_found(text):
     ]
 
 
+@pytest.mark.parametrize("file", sorted((ROOT / "tests").rglob("*.py")), ids=label)
+def test_no_test_takes_times_and_only_what_hangs_is_ended(file):
+    """`time.monotonic` is for waiting. What is to take too long in a test takes no more than a second."""
+    text = file.read_text(encoding="utf-8")
+    waits = re.findall(r"\b(?:timeout|patience)=([0-9.]+)", text)
+    assert all(float(wait) <= 1.0 for wait in waits), "support.programs.PATIENCE is long enough"
+    assert not re.search(r"time\.(?:perf_counter|process_time|time)\(", text)
+
+
 def run(script, *arguments):
-    return subprocess.run([script, *arguments], capture_output=True, text=True, check=False, timeout=60)
+    return subprocess.run([script, *arguments], capture_output=True, text=True, check=False, timeout=PATIENCE)
 
 
 def options_of(script):

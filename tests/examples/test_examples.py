@@ -15,7 +15,7 @@ from nbclient import NotebookClient
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file, fmus_folder
 from support.checks import check_close
-from support.programs import environment, python
+from support.programs import PATIENCE, environment, python
 from support.sources import ROOT
 
 EXAMPLES = ROOT / "examples"
@@ -25,7 +25,9 @@ def said(script, *arguments, folder):
     """What a script prints; run in a folder of its own, without the project's modules"""
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     command = [sys.executable, str(EXAMPLES / script), *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=folder, env=environment, timeout=120)
+    done = subprocess.run(
+        command, capture_output=True, text=True, cwd=folder, env=environment, timeout=PATIENCE
+    )
     assert (done.returncode, done.stderr) == (0, "")
     return done.stdout
 
@@ -78,7 +80,7 @@ def test_the_notebook_runs(monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "agg")
     notebook = nbformat.read(EXAMPLES / "bounces.ipynb", as_version=4)
     assert not any(cell.get("outputs") for cell in notebook.cells), "kept without outputs"
-    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(EXAMPLES)}}).execute()
+    NotebookClient(notebook, timeout=PATIENCE, resources={"metadata": {"path": str(EXAMPLES)}}).execute()
     texts = ["".join(o.get("text", "") for o in cell.get("outputs", ())) for cell in notebook.cells]
     drift, bounces = map(ast.literal_eval, texts[7].splitlines())
     assert set(drift) == {"non_adhesive", "unclamped", "approach_only"}
@@ -90,7 +92,7 @@ def test_the_sweep_finds_the_restitution_of_a_damped_oscillator(tmp_path):
     """Unclamped, a contact lasts half a turn: exp(-pi z / sqrt(1 - z^2)) is left, z the damping ratio"""
     study = EXAMPLES / "sweep" / "restitution.toml"
     command = python("contact_fmus", "sweep", study, "-o", tmp_path, "--workers", 1)
-    subprocess.run(command, check=True, timeout=300, env=environment())
+    subprocess.run(command, check=True, timeout=PATIENCE, env=environment())
     text = said("sweep/read_results.py", tmp_path / "results.parquet", folder=tmp_path)
     names, _, *rows = (line.split() for line in text.splitlines())
     column = names.index("unclamped")

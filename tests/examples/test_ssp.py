@@ -9,6 +9,7 @@ from fmpy.ssp.ssd import read_ssd
 
 from contact_fmus.fmu.files import fmus_folder
 from support.checks import check_relative
+from support.programs import PATIENCE
 from support.sources import ROOT
 
 FOLDER = ROOT / "examples" / "ssp"
@@ -28,7 +29,9 @@ def modules():
 @pytest.fixture(scope="module")
 def ssp(tmp_path_factory):
     file = tmp_path_factory.mktemp("ssp") / "tube.ssp"
-    subprocess.run([sys.executable, FOLDER / "make_ssp.py", fmus_folder(), file], check=True, timeout=60)
+    subprocess.run(
+        [sys.executable, FOLDER / "make_ssp.py", fmus_folder(), file], check=True, timeout=PATIENCE
+    )
     return str(file)
 
 

@@ -1,5 +1,4 @@
-"""What an instance and a communication step cost, in instructions and in time of the processor, which do not
-know how busy the machine is. No time of a clock on the wall is taken."""
+"""What an instance and a communication step cost, in instructions: a busy machine has the same"""
 
 import re
 from pathlib import Path
@@ -9,20 +8,19 @@ import pytest
 
 from contact_fmus.bench.instructions import TUNABLES
 from support.portable_host import HEADERS, unpacked
-from support.programs import checked
+from support.programs import PATIENCE, checked
 from support.sources import BUILD
 
 PAIRS = ("SphereSphere", "SphereCylinder", "SpherePlane", "BallOnSphere")
-LIVES = 20  # batches of cost_host.c
+LIVES = 20
 STEPS = 500
-# Processors that FMUs run on make at least one instruction in a nanosecond.
-LONGEST_LIFE = 50e-6  # s
+# 50 us of a processor that makes one instruction in a nanosecond, as those that FMUs run on do at least
 MOST_INSTRUCTIONS = 50_000
 
 
 @pytest.fixture(scope="module")
 def cost(tmp_path_factory):
-    """Of an FMU and a version: CPU time of a life [s], its instructions, instructions of STEPS steps"""
+    """Of an FMU and a version: instructions of a life, and of STEPS steps"""
     folder = tmp_path_factory.mktemp("cost")
     host = folder / "cost_host"
     options = ["-std=c11", "-D_POSIX_C_SOURCE=200809L", "-Wall", "-Wextra", "-Werror", "-O1", f"-I{HEADERS}"]
@@ -34,7 +32,7 @@ def cost(tmp_path_factory):
         environment = {"GLIBC_TUNABLES": TUNABLES}
         checked(
             ["valgrind", *options, f"--callgrind-out-file={out}", *command],
-            timeout=60,
+            timeout=PATIENCE,
             environment=environment,
         )
         return int(re.search(r"^(?:summary|totals): (\d+)", out.read_text(), re.MULTILINE)[1])
@@ -50,9 +48,8 @@ def cost(tmp_path_factory):
         resources = (place / "resources").as_uri() if version == 2 else f"{place / 'resources'}/"
         token = about.guid if version == 2 else about.instantiationToken
         command = [str(host), str(library), token, resources, str(version)]
-        seconds = float(checked([*command, "lives", "200"]))
-        lives = counted("life", [*command, "lives", "1"])
-        return seconds, lives / LIVES, counted("step", [*command, "steps", str(STEPS), str(away)])
+        lives = counted("life", [*command, "lives", str(LIVES)])
+        return lives / LIVES, counted("step", [*command, "steps", str(STEPS), str(away)])
 
     return of
 
@@ -64,12 +61,11 @@ def costs(request, cost):
 
 
 @pytest.mark.parametrize("version", [2, 3])
-def test_an_instance_is_made_initialized_and_freed_in_50_microseconds(costs, version):
-    seconds, instructions, _ = costs[version]
-    assert 0.0 < seconds < LONGEST_LIFE
+def test_an_instance_is_made_initialized_and_freed_in_50_000_instructions(costs, version):
+    instructions, _ = costs[version]
     assert 1000 < instructions < MOST_INSTRUCTIONS
 
 
 def test_a_step_in_flight_by_fmi_3_takes_at_most_1_5_of_one_by_fmi_2(costs):
-    assert costs[2][2] > 50 * STEPS
-    assert costs[3][2] < 1.5 * costs[2][2]
+    assert costs[2][1] > 50 * STEPS
+    assert costs[3][1] < 1.5 * costs[2][1]

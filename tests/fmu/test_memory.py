@@ -12,6 +12,7 @@ from support.fmi2 import raw
 from support.fmi2.heap import Heap
 from support.fmi2.raw import ALLOCATE, DISCARD, ERROR, FREE, OK
 from support.fmi2.runs import RUNS, begin, go_on
+from support.programs import PATIENCE
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -162,7 +163,7 @@ def life(faults: Path, what: str, fmu: raw.Fmu, method: int = 0) -> dict[str, in
     """What the program counted; a claim of its own that broke shows in its exit code and output"""
     reference = fmu.variables["solver.method"].reference if method else 0
     command = [str(faults), what, str(fmu.library_file), fmu.guid, str(reference), str(method)]
-    result = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    result = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
     assert (result.returncode, result.stderr) == (0, ""), result.stdout
     return {name: int(count) for name, count in (part.split("=") for part in result.stdout.split())}
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from support.fmi2 import raw
-from support.programs import environment, python
+from support.programs import PATIENCE, environment, python
 
 HERE = Path(__file__).resolve().parent
 LIBRARIES = Path(os.environ.get("CONTACT_BUILD", HERE.parents[1] / "build")).resolve() / "libraries"
@@ -57,7 +57,7 @@ def test_every_failed_allocation_is_survived_but_for_those_sundials_does_not_che
         command,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=PATIENCE,
         env=environment(LD_PRELOAD=str(shim)),
     )
     assert run.returncode == 0, run.stderr

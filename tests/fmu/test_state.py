@@ -11,7 +11,7 @@ from support.fmi2 import raw, runs
 from support.fmi2.blob import HEADER_SIZE, forge, header
 from support.fmi2.raw import ERROR, OK
 from support.fmi2.runs import RUNS, begin, digest, go_on
-from support.programs import environment, python
+from support.programs import PATIENCE, environment, python
 
 
 @pytest.fixture(params=RUNS)
@@ -48,7 +48,7 @@ def test_another_process_goes_on_with_the_same_bits(run):
         blob = instance.save()
         command = python("support.fmi2.runs", name, run.saved_at)
         other = subprocess.run(
-            command, input=blob, capture_output=True, check=True, timeout=120, env=environment()
+            command, input=blob, capture_output=True, check=True, timeout=PATIENCE, env=environment()
         )
         assert other.stdout.decode().strip() == digest(go_on(instance, run, run.saved_at))
 

@@ -1,19 +1,17 @@
 """The wheel in a bare Debian 12, as root: `.venv/bin/python -m pytest tests/package/check_bare.py`
 
-From `pip install` to an animation of a new scene in under a minute, with gcc, then with zig. It takes some
+From `pip install` to an animation of a new scene, with gcc, then with zig. It takes some
 three minutes and the network, so that `scripts/test.sh` does not run it.
 """
 
 import shutil
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
 
-from support.programs import checked
+from support.programs import PATIENCE, checked
 
-MINUTE = 60.0  # s
 FROM_HERE = (
     "/etc/resolv.conf",
     "/etc/pip.conf",
@@ -27,7 +25,7 @@ def bare(tmp_path_factory, wheel):
     """Debian with Python and gcc, and the wheel in its root folder"""
     root = tmp_path_factory.mktemp("bare") / "root"
     include = "--include=gcc,libc6-dev,python3-venv,ca-certificates"
-    checked(["debootstrap", "--variant=minbase", include, "bookworm", root], timeout=900)
+    checked(["debootstrap", "--variant=minbase", include, "bookworm", root], timeout=PATIENCE)
     for file in FROM_HERE:
         if Path(file).is_file():
             shutil.copy(file, root / file[1:])
@@ -41,7 +39,7 @@ def bare(tmp_path_factory, wheel):
 
 
 def from_install_to_animation(bare, wheel, extras):
-    """Its seconds, and what it said"""
+    """What it said"""
     script = f"""set -e
         rm -rf /env /work && mkdir /work && cd /work
         python3 -m venv /env && . /env/bin/activate
@@ -52,23 +50,20 @@ def from_install_to_animation(bare, wheel, extras):
         contact-fmus run Mine.fmu --csv mine.csv
         contact-fmus animate Mine.fmu"""
     environment = {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "HOME": "/root"}
-    begin = time.monotonic()
     done = subprocess.run(
         ["chroot", bare, "bash", "-c", script], env=environment, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
     for file in ("SphereSphere.png", "Mine.fmu", "mine.csv", "Mine.html"):
         assert (bare / "work" / file).stat().st_size > 0
-    return time.monotonic() - begin, done.stdout
+    return done.stdout
 
 
 def test_with_gcc(bare, wheel):
-    seconds, said = from_install_to_animation(bare, wheel, "plot")
-    assert "gcc" in said and seconds < MINUTE
+    assert "gcc" in from_install_to_animation(bare, wheel, "plot")
 
 
 def test_with_zig_where_gcc_is_away(bare, wheel):
     for name in GCC:
         (bare / "usr/bin" / name).unlink(missing_ok=True)
-    seconds, said = from_install_to_animation(bare, wheel, "plot,zig")
-    assert "zig" in said and seconds < MINUTE
+    assert "zig" in from_install_to_animation(bare, wheel, "plot,zig")

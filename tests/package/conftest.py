@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from support.programs import PATIENCE
 from support.sources import BUILD, ROOT
 
 
@@ -68,7 +69,7 @@ def installed(wheel, far_from_clone, tmp_path_factory):
 def command(installed, far_from_clone, tmp_path):
     """contact-fmus as a user calls it, in an empty folder"""
 
-    def call(*arguments, cwd=tmp_path, timeout=300, **variables):
+    def call(*arguments, cwd=tmp_path, timeout=PATIENCE, **variables):
         run = subprocess.run(
             [installed / "contact-fmus", *map(str, arguments)],
             cwd=cwd,

@@ -17,7 +17,7 @@ from fmpy.validation import validate_fmu
 
 from support.fmi2.elf import exported, glibc_version, needed
 from support.portable_host import difference, motion, numbers
-from support.programs import checked
+from support.programs import PATIENCE, checked
 from support.release import CASES, CHECKED, FOLDERS, LIBRARIES, RUN, fmu_of, library_in
 from support.scenes.benchmarks import BENCHMARKS
 from support.sources import BUILD, ROOT
@@ -134,7 +134,7 @@ def test_the_same_sources_elsewhere_give_the_same_bytes(version, work):
     environment = {"PYTHONPATH": folders, "XDG_CACHE_HOME": str(work / "cache")}
     scenes = [clone / "modelDescription" / "scenes" / f"{name}.toml" for name in names]
     command = [sys.executable, "-S", "-m", "contact_fmus", "build", *scenes, *options]
-    checked(command, timeout=3600, environment=environment)
+    checked(command, timeout=PATIENCE, environment=environment)
     built = [file.read_text() for file in (work / "cache").rglob("build/CMakeCache.txt")]
     assert built and all(f"CMAKE_HOME_DIRECTORY:INTERNAL={clone}\n" in text for text in built)
     for name in names:

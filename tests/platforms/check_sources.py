@@ -11,7 +11,7 @@ import pytest
 
 from contact_fmus.building.compiler import find_compiler
 from support.portable_host import HEADERS, SOURCE, difference, motion, numbers, settings, unpacked
-from support.programs import checked
+from support.programs import PATIENCE, checked
 from support.release import CASES, CHECKED, CVODE, FOLDERS, MINGW, fmu_of
 from support.scenes.benchmarks import BENCHMARKS
 
@@ -117,7 +117,7 @@ def bare_root(work):
     """A Debian 12 that has only a C compiler"""
     root = work / "root"
     include = "--include=gcc,libc6-dev"
-    checked(["debootstrap", "--variant=minbase", include, "bookworm", root], timeout=900)
+    checked(["debootstrap", "--variant=minbase", include, "bookworm", root], timeout=PATIENCE)
     yield root
     shutil.rmtree(root)
 

@@ -5,6 +5,7 @@ are not.
 """
 
 import importlib.util
+import itertools
 import os
 import time
 from types import SimpleNamespace
@@ -16,6 +17,7 @@ from contact_fmus.peers import run as peers
 from contact_fmus.peers.case import Case, Run
 from contact_fmus.peers.command import main
 from contact_fmus.report.rows import PEER, SAME, SIMILAR, read_rows
+from support.programs import PATIENCE
 from support.scenes.benchmarks import BENCHMARKS
 
 CASE = Case("made up", "step size in s", 1.0, SAME)
@@ -25,7 +27,9 @@ PLAN = worker.Plan(3, 0.1, 1.0)
 @pytest.fixture(scope="module")
 def scipy_rows(tmp_path_factory):
     folder = tmp_path_factory.mktemp("peers")
-    assert main(["--output", str(folder), "--quick", "--only", "scipy"]) == 0
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(peers, "QUICK", peers.QUICK._replace(patience=PATIENCE))
+        assert main(["--output", str(folder), "--quick", "--only", "scipy"]) == 0
     return read_rows(folder / "peers.csv")
 
 
@@ -134,11 +138,12 @@ def test_a_position_that_is_no_number_is_a_note():
     assert (row.measured, row.note) == (False, "the position at the end is not finite")
 
 
-def test_repeats_end_when_it_is_enough():
-    problem = problems.problem_of("P1")
-    quick = worker.measure(peer_that(lambda: None), problem, CASE, PLAN)
-    slow = worker.measure(peer_that(lambda: time.sleep(0.11)), problem, CASE, PLAN)
-    assert (len(quick.times), len(slow.times)) == (3, 1)
+def test_repeats_end_when_it_is_enough(monkeypatch):
+    shown = itertools.count()  # each look at the clock is a second after the one before
+    monkeypatch.setattr(worker.time, "perf_counter", lambda: next(shown))
+    problem, peer = problems.problem_of("P1"), peer_that(lambda: None)
+    times = [worker.measure(peer, problem, CASE, PLAN._replace(enough=s)).times for s in (0.5, 2.0, 9.0)]
+    assert times == [[1], [1, 1], [1, 1, 1]]
 
 
 # This file as a peer's module, in a process of its own: it sleeps or dies.
@@ -167,4 +172,4 @@ def test_a_run_that_takes_too_long_is_ended_and_finer_ones_are_left_out(monkeypa
 
 
 def test_a_process_that_dies_is_a_note_and_the_next_case_has_another(monkeypatch):
-    assert trouble("P2", 20.0, monkeypatch) == ["its process ended with status 7"] * 2
+    assert trouble("P2", PATIENCE, monkeypatch) == ["its process ended with status 7"] * 2

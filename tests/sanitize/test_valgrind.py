@@ -6,6 +6,7 @@ import subprocess
 import pytest
 
 from contact_fmus.fmu.host import Case, case_arguments, host_file
+from support.programs import PATIENCE
 from support.scenes.benchmarks import BENCHMARKS
 
 VALGRIND = [
@@ -20,7 +21,9 @@ VALGRIND = [
 
 
 def checked(*command):
-    return subprocess.run([*VALGRIND, *command], capture_output=True, text=True, check=False, timeout=300)
+    return subprocess.run(
+        [*VALGRIND, *command], capture_output=True, text=True, check=False, timeout=PATIENCE
+    )
 
 
 @pytest.mark.parametrize("method", ["event_driven", "cvode_bdf"])

@@ -25,6 +25,8 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
+from support.programs import PATIENCE
+
 OPTIONS = (
     "--headless=new",
     "--remote-debugging-pipe",
@@ -42,7 +44,6 @@ OPTIONS = (
     "--enable-unsafe-swiftshader",
     "--disable-gpu-compositing",  # putting pages together by that as well would take longer than drawing
 )
-PATIENCE = 30.0  # s for one answer
 
 
 def chromium() -> str:

@@ -6,6 +6,9 @@ import sys
 
 from support.sources import ROOT
 
+# s: on a machine however busy, only a program that hangs takes so long.
+PATIENCE = 3600
+
 
 def python(module, *arguments):
     """The command"""
@@ -18,7 +21,7 @@ def environment(**more):
     return {**os.environ, "PYTHONPATH": folders, **more}
 
 
-def checked(command, cwd=None, timeout=600, status=0, environment=None):
+def checked(command, cwd=None, timeout=PATIENCE, status=0, environment=None):
     """What a program says; its status must be `status`, or any where that is None"""
     run = subprocess.run(
         [str(word) for word in command],

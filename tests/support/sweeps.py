@@ -9,7 +9,7 @@ import time
 from contact_fmus.sweep.planning import make_batch, make_work
 from contact_fmus.sweep.study import read_study
 from contact_fmus.sweep.worker import run_batch
-from support.programs import environment, python
+from support.programs import PATIENCE, environment, python
 
 # Eight parameters of a ball that bounces on a fixed sphere
 BOUNCES = {
@@ -66,7 +66,12 @@ def command(file, *options):
 def sweep(file, *options, status=0):
     """The finished command; its status is checked, and that no traceback was printed"""
     said = subprocess.run(
-        command(file, *options), capture_output=True, text=True, check=False, timeout=120, env=environment()
+        command(file, *options),
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE,
+        env=environment(),
     )
     assert said.returncode == status, said.stderr
     assert "Traceback" not in said.stderr
@@ -77,8 +82,8 @@ def read(file):
     return read_study(file)
 
 
-def wait_for(happened, seconds=60):
-    end = time.monotonic() + seconds
+def wait_for(happened):
+    end = time.monotonic() + PATIENCE
     while not happened():
         assert time.monotonic() < end, "nothing happened"
         time.sleep(0.02)

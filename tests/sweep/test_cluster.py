@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from contact_fmus.sweep.interrupts import Interrupts
-from support.programs import environment
+from support.programs import PATIENCE, environment
 from support.sweeps import Cluster, command, read, run_here, study_text, sweep, wait_for, write_study
 
 COUNT = 8_000
@@ -73,7 +73,7 @@ def test_a_killed_worker_and_an_interrupted_client_lose_nothing(tmp_path, cluste
     before = done(folder)
     wait_for(lambda: done(folder) > before or client.poll() is not None)
     client.send_signal(signal.SIGINT)
-    _, said = client.communicate(timeout=60)
+    _, said = client.communicate(timeout=PATIENCE)
     assert client.returncode == 130, said
     assert "--resume goes on" in said
     assert "Traceback" not in said
@@ -86,7 +86,7 @@ def test_a_killed_worker_and_an_interrupted_client_lose_nothing(tmp_path, cluste
     if (folder / "batches").exists():
         now = {file.name: file.stat().st_mtime_ns for file in (folder / "batches").glob("*.parquet")}
         assert not now or {name: now.get(name) for name in kept} == kept  # none is run again
-    _, said = again.communicate(timeout=60)
+    _, said = again.communicate(timeout=PATIENCE)
     assert (again.returncode, said) == (0, "")
     check_all_rows(folder / "results.parquet", read(study))
 
@@ -98,7 +98,7 @@ def test_a_full_disk_keeps_what_is_there(tmp_path, cluster, study):
     wait_for(lambda: done(folder) > 0)
     # No file of this process may grow beyond a kilobyte any more.
     resource.prlimit(client.pid, resource.RLIMIT_FSIZE, (1000, resource.RLIM_INFINITY))
-    _, said = client.communicate(timeout=60)
+    _, said = client.communicate(timeout=PATIENCE)
     assert client.returncode == 3, said
     assert said.count("\n") == 1
     assert "File too large" in said
@@ -115,7 +115,7 @@ def test_a_scheduler_that_ends_is_said_in_one_sentence(tmp_path, cluster, study)
     client = begin(study, "-o", tmp_path / "out", "--scheduler", cluster.address)
     wait_for(lambda: done(tmp_path / "out") > 0)
     cluster.processes[0].kill()
-    _, said = client.communicate(timeout=100)
+    _, said = client.communicate(timeout=PATIENCE)
     assert (client.returncode, said.count("\n")) == (3, 1), said
     assert f"{done(tmp_path / 'out'):,} of {COUNT:,} runs are kept" in said
 
@@ -154,7 +154,7 @@ def test_ctrl_c_ends_an_embedded_cluster_in_one_sentence(tmp_path, study):
     client = begin(study, "-o", folder, "--workers", "1")
     wait_for(lambda: done(folder) > 0)
     os.killpg(client.pid, signal.SIGINT)
-    _, said = client.communicate(timeout=60)
+    _, said = client.communicate(timeout=PATIENCE)
     assert client.returncode == 130
     assert said.count("\n") == 1, said
     assert f"{done(folder):,} of {COUNT:,} runs are kept" in said

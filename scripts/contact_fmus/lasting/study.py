@@ -63,7 +63,7 @@ def measure(method: Method, damping: float, penalty: float, count: int, runs: in
     arguments = [method.program, repr(penalty), repr(viscous), repr(END), str(count), str(runs)]
     given = _coefficients(method.stages) if method.stages else ""
     ran = subprocess.run(
-        [str(program()), *arguments], input=given, capture_output=True, text=True, check=True, timeout=60
+        [str(program()), *arguments], input=given, capture_output=True, text=True, check=True, timeout=3600
     )
     said = json.loads(ran.stdout)
     point = {"method": method.name, "damping": damping, "penalty": penalty, "step": END / count}

@@ -11,6 +11,8 @@ from pathlib import Path
 
 from lxml import etree, html
 
+from support.programs import PATIENCE
+
 ROOT = Path(__file__).resolve().parents[3]
 FOLDER = ROOT / "modelDescription"
 SCENES = sorted(path.stem for path in (FOLDER / "scenes").glob("*.toml"))
@@ -21,7 +23,7 @@ LARGEST = sys.float_info.max
 def run(*arguments) -> subprocess.CompletedProcess:
     """generate.py as users call it."""
     command = [sys.executable, "-B", str(FOLDER / "generate.py"), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60)
+    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
 
 
 def generate(scene: str | Path, output: Path) -> dict[str, str]:
