@@ -14,7 +14,7 @@ endif()
 file(GLOB shipped CONFIGURE_DEPENDS "modelDescription/scenes/*.toml")
 list(TRANSFORM shipped REPLACE ".*/(.+)\\.toml" "${built}/fmus/\\1.fmu")
 install(FILES ${shipped} DESTINATION build/fmus ${component})
-install(PROGRAMS "${built}/fmu_host" "${built}/lasting_contact" "${built}/contact_batch.so" "${built}/bare_loop"
+install(PROGRAMS "${built}/fmu_host" "${built}/contact_batch.so" "${built}/bare_loop"
     DESTINATION build ${component})
 
 add_custom_target(package_archives ALL)

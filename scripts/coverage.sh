@@ -2,7 +2,7 @@
 # scripts/coverage.sh [PYTEST PATHS...]: which branches of the C code the tests and the fuzzers' corpora take.
 # Builds with gcc --coverage in build-coverage, runs the C tests, the replays and the Python tests named (default: FMU,
 # physics, property), prints what each file has and each line with a branch that nothing took, and writes
-# build-coverage/coverage/index.html with every line. docs/coverage.md says why those are left.
+# build-coverage/coverage/index.html with every line.
 #   -h, --help     prints this
 source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
 help_asked "$@"

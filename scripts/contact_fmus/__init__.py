@@ -12,13 +12,13 @@ animate     results of any scene in three dimensions, as a page
 sweep       studies of many runs: parameters, batches on dask, rows as Parquet
 bench       benchmark problems, ratios of run times for developers
 report      error against run time (docs/report)
-peers, coupling, lasting
-            other simulators; the FMU as a force element; lasting contact by two methods
+peers, coupling
+            other simulators; the FMU as a force element
 stability   the atlas of stiff and extreme scenes (docs/stability)
 building    FMUs from scenes, and scenes to start from
 running     an FMU or a scenario through time
 checking    what is wrong with an FMU file
-fuzzing, mutation, whole_report
+fuzzing, whole_report
             for developers
 
 `contact-fmus --help` lists the commands.

@@ -33,11 +33,9 @@ COMMANDS = {
     "force-element": ("coupling.study:main", "the FMU beside an outer integrator: force_element.json"),
     "peers": ("peers.command:main", "other simulators: peers.csv and peers.json"),
     "page": ("report.command:page", "draw the report's page from what is in the folder"),
-    "lasting": ("lasting.study:main", "lasting stiff contact by Radau IIA and by this project's method"),
     "stability": ("stability.command:main", "the atlas of stiff and extreme scenes"),
     "beyond": ("stability.beyond:main", "random scenes far beyond the atlas"),
     "fuzz": ("fuzzing.command:main", "let fuzzers look for calls and files that break a claim"),
-    "mutate": ("mutation.command:main", "break the C code in small ways and list what no test notices"),
 }
 
 # The extra of the Python package that brings a module

@@ -27,9 +27,7 @@ PACKAGES = (
     "report",
     "peers",
     "coupling",
-    "lasting",
     "stability",
-    "mutation",
     "building",
     "running",
     "checking",
@@ -131,7 +129,7 @@ def options_of(script):
 
 def test_the_options_of_a_script_are_found():
     assert options_of(ROOT / "scripts" / "report.sh") == {"--peers", "--quick", "--output"}
-    assert "--count" in options_of(ROOT / "scripts" / "mutate.sh")
+    assert "--minutes" in options_of(ROOT / "scripts" / "fuzz.sh")
 
 
 @pytest.mark.parametrize("option", ["-h", "--help"])
