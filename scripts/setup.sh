@@ -17,8 +17,6 @@ packages=(
     default-jdk-headless maven                 # VDMCheck, a validator of model descriptions, in the tests
     chromium                                   # shows the animations in the tests
 )
-# npm brings three.js for the animations. Debian's takes hundreds of packages and does not go with those from elsewhere.
-command -v npm >/dev/null || packages+=(npm)
 
 tell() { printf 'setup: %s\n' "$*"; }
 fail() { printf 'setup: %s\n' "$*" >&2; exit 1; }
@@ -94,22 +92,19 @@ install_package() {
     printf '%s\n' "$wanted" >"$stamp"
 }
 
-# three.js for the animations: from its npm package into one file, which pages carry (package.json)
+# three.js for the animations: from its npm package into one file, which pages carry. Where there is no npm, PyPI has it
+# in one package, and Debian in hundreds.
 make_three() {
-    local wanted stamp=$root/node_modules/made-from bundle=$root/scripts/contact_fmus/animate/three.bundle.js
-    wanted=$(cat "$root/package.json" "$root/package-lock.json" "$root/scripts/contact_fmus/animate/three_parts.js" |
-        sha256sum)
-    if [[ -f $bundle && -f $stamp && $(<"$stamp") == "$wanted" ]]; then
-        tell "three.js: already installed"
-        return
-    fi
-    tell "three.js: installing package-lock.json"
-    (cd "$root" && npm ci --no-audit --no-fund --loglevel=error </dev/null && npm run --silent bundle </dev/null)
-    printf '%s\n' "$wanted" >"$stamp"
+    local python=$root/.venv/bin/python told
+    command -v npm >/dev/null ||
+        "$python" -m pip install --quiet --disable-pip-version-check --no-input \
+            "$(sed -n 's/^NODE = "\(.*\)"$/\1/p' "$root/scripts/build_backend.py")" </dev/null
+    told=$("$python" "$root/scripts/build_backend.py")
+    tell "$told"
 }
 
 install_debian_packages
 make_python_environment
-install_package
 make_three
+install_package
 tell "done"

@@ -1,7 +1,5 @@
-"""three.js, bundled from its npm package when the project is set up (scripts/setup.sh)
-
-By hand: `npm ci && npm run bundle`. The bundle is no part of the repository.
-A wheel carries it beside this file.
+"""three.js, in one file that scripts/build_backend.py makes of its npm package when the project is set up or
+the wheel is built; it is no part of the repository.
 """
 
 from __future__ import annotations
@@ -19,5 +17,5 @@ def read_three() -> str:
         # The words that would end the page's script element
         return FILE.read_text(encoding="utf-8").replace("</script", "<\\/script")
     except FileNotFoundError:
-        text = "animations need three.js: run scripts/setup.sh in the repository and install again"
+        text = f"animations need three.js: {FILE} is missing; run scripts/build_backend.py in the clone"
         raise UserError(text) from None

@@ -1,4 +1,4 @@
-// What viewer/*.js use of three.js; `npm run bundle` makes three.bundle.js of it.
+// What viewer/*.js use of three.js; scripts/build_backend.py makes three.bundle.js of it.
 export {
   AdditiveBlending, BackSide, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DirectionalLight,
   DoubleSide, FrontSide, Group, HemisphereLight, Line, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
