@@ -48,17 +48,6 @@ def _reported(result: Result, name: str) -> list[Touch]:
     return [Touch(name, float(onset[row]), float(onset[row] + lasted[row])) for row in last]
 
 
-def missed(result: Result) -> np.ndarray:
-    """Rows before which more than one onset happened since the row before: of all but the last nothing is
-    told"""
-    rows = [
-        np.flatnonzero(np.diff(result.columns[f"{name}.onsets"]) > 1) + 1
-        for name in contact_names(result)
-        if f"{name}.onsets" in result.columns
-    ]
-    return np.unique(np.concatenate(rows)).astype(int) if rows else np.array([], dtype=int)
-
-
 def _from_gap(result: Result, name: str) -> list[Touch]:
     time, gap = result.time, np.asarray(result.columns[f"{name}.gap"], dtype=float)
     touching = gap < 0.0

@@ -1,7 +1,7 @@
 """Runs an experiment and keeps everything that the FMU tells, with more points around each contact.
 
-A contact may last a millionth of the run. The run is therefore made twice: the first finds the contacts,
-whose times the FMU tells exactly, and the second stops at points that show each of them.
+A contact may last a millionth of the run: wherever bodies touch or part within a step, points before, between
+and after that are added.
 """
 
 from __future__ import annotations
@@ -13,66 +13,26 @@ import numpy as np
 
 from contact_fmus.errors import RunFailure, UserError
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError
+from contact_fmus.fmu.touching import Touching
 from contact_fmus.fmu.variables import Variable
 from contact_fmus.results import Result
 from contact_fmus.scenarios.target import Experiment
 
-from .contacts import Touch, missed, touches
-
 POINTS = 600  # of a run besides those for contacts: as many as a screen shows, and as many frames in 10 s
 DENSE = 8000  # shared by all contacts of a run
 FEWEST, MOST = 5, 32  # points of one contact
-SEARCHES, PARTS = 3, 32  # how often a step with several onsets is split, and into how many
-LEAST_STEP = 16  # roundings of the time: a shorter step could end where it began
+AHEAD = 100  # contacts that are still reckoned with: each gets this part of what is left
 
 
 def record_densely(experiment: Experiment, points: int = POINTS) -> Result:
-    """`points` of the run in all, and some inside and beside each contact"""
-    even = np.linspace(experiment.start_time, experiment.stop_time, points + 1)
-    times = even
-    for _ in range(SEARCHES):
-        result = record(experiment, times)
-        lost = missed(result)
-        if len(lost) == 0 or len(times) > DENSE:
-            break
-        parts = [np.linspace(times[row - 1], times[row], PARTS + 1) for row in lost[: DENSE // PARTS]]
-        times = _distinct(np.concatenate([times, *parts]), experiment)
-    found = touches(result)
-    if not found:
-        return result
-    count = int(np.clip(DENSE // len(found), FEWEST, MOST))
-    dense = [_around(touch, count) for touch in found[: DENSE // FEWEST]]
-    return record(experiment, _distinct(np.concatenate([even, *dense]), experiment))
-
-
-def _around(touch: Touch, count: int) -> np.ndarray:
-    """Evenly over the contact, closer after its onset (a long one begins like a short one), and beside it"""
-    inside = np.linspace(0.0, 1.0, count)
-    start = np.geomspace(1e-4, 1.0 / count, max(2, count // 4))
-    return touch.begin + touch.duration * np.concatenate([inside, start, [-1.0, -0.5, 1.5, 2.0]])
-
-
-def _distinct(times: np.ndarray, experiment: Experiment) -> np.ndarray:
-    """Rising, inside the run, no two closer than a step can be"""
-    begin, end = experiment.start_time, experiment.stop_time
-    times = np.unique(times[(times > begin) & (times < end)])
-    least = LEAST_STEP * np.spacing(max(abs(begin), abs(end)))
-    kept = [begin]
-    for time in times.tolist():
-        if time - kept[-1] > least and end - time > least:
-            kept.append(time)
-    return np.array([*kept, end])
-
-
-def record(experiment: Experiment, times: np.ndarray) -> Result:
-    """The FMU's outputs and inputs at these times, the first of which is the start"""
+    """The FMU's outputs and inputs: `points` of the run in all, and some inside and beside each contact"""
     try:
         with ContactFmu(experiment.fmu) as fmu:
             start = dict(experiment.values)
             for signal in experiment.inputs:
                 start[signal.variable] = signal.evaluate(experiment.start_time, 0)
             fmu.start(start, experiment.tolerance, experiment.start_time, experiment.stop_time)
-            return _step_through(fmu, experiment, times)
+            return _step_through(fmu, experiment, points)
     except FmuError as error:
         raise RunFailure(f"{experiment.fmu.name}: {error}") from None
     except (KeyError, ValueError) as error:
@@ -80,22 +40,32 @@ def record(experiment: Experiment, times: np.ndarray) -> Result:
         raise UserError(f"{experiment.fmu.name}: {text}") from None
 
 
-def _step_through(fmu: ContactFmu, experiment: Experiment, times: np.ndarray) -> Result:
+def _step_through(fmu: ContactFmu, experiment: Experiment, points: int) -> Result:
     kept = [one for one in fmu.variables.values() if not one.is_vector and _changes(one)]
     readers = _readers(fmu, kept)
-    rows = []
-    for index, time in enumerate(times):
+    times: list[float] = []
+    rows: list[list] = []
+
+    def row(time: float) -> None:
+        times.append(time)
+        rows.append([value for read in readers for value in read()])
+
+    touching, left = Touching(fmu), DENSE
+    for index, time in enumerate(np.linspace(experiment.start_time, experiment.stop_time, points + 1)):
         if index > 0:
-            fmu.step(time - fmu.time)
+            before = len(rows)
+            for between in touching.step(time, int(np.clip(left // AHEAD, FEWEST, MOST))):
+                row(between)
+            left -= len(rows) - before
         for signal in experiment.inputs:
             fmu[signal.variable] = signal.evaluate(time, 0)
             for order in range(1, signal.derivatives + 1):
                 fmu.set_derivative(signal.variable, signal.evaluate(time, order), order)
-        rows.append([value for read in readers for value in read()])
+        row(time)
     names = [one.name for kind in TYPES for one in kept if one.type == kind]
     columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
     units = {one.name: one.unit for one in kept}
-    return Result(times, columns, units, experiment.fmu, _parameters(fmu))
+    return Result(np.array(times), columns, units, experiment.fmu, _parameters(fmu))
 
 
 def _changes(variable: Variable) -> bool:

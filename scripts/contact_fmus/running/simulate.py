@@ -11,6 +11,7 @@ import numpy as np
 from contact_fmus.errors import RunFailure, UserError
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError
 from contact_fmus.fmu.settings import known
+from contact_fmus.fmu.touching import Touching
 from contact_fmus.fmu.variables import Variable
 from contact_fmus.results import Result
 from contact_fmus.scenarios.target import Experiment
@@ -33,7 +34,9 @@ def simulate(
     interval: float | None = None,
     advance: Callable[[float], None] = lambda time: None,
 ) -> Result:
-    """`interval`: time between rows of the result, s; a row for every communication step without it"""
+    """Rows at communication points and right before and after each onset and release. `interval`: time
+    between the former, s; a row for every communication step without it
+    """
     times = communication_points(experiment)
     every = 1 if interval is None else max(1, round(interval / experiment.step))
     with ContactFmu(experiment.fmu) as fmu:
@@ -42,9 +45,11 @@ def simulate(
         _start(fmu, experiment)
         recorder = Recorder(fmu, names)
         recorder.row()
+        touching = Touching(fmu)
         try:
             for index, time in enumerate(times[1:], 1):
-                fmu.step(time - fmu.time)
+                for _ in touching.step(time):
+                    recorder.row()
                 _set_inputs(fmu, experiment, time)
                 if index % every == 0 or index == len(times) - 1:
                     recorder.row()
