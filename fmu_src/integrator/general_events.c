@@ -4,7 +4,7 @@
 
 #include "integrator/general_memory.h"
 
-/* An event is put where a step of its own length has it; closer than this part of it, by its rate. */
+/* An event is put where a step of its own length has it; closer than this part of the step, by its rate. */
 static const double CLOSE = 1e-6;
 
 /* A dip below zero by so many roundings of the largest value, or by the error of the polynomial, is none. */
@@ -16,6 +16,9 @@ static const double ACCURATE_WITHIN = 1e-3;
 
 /* Each halves the length at least, or comes closer by its square. */
 enum { MOST_TRIALS = 40 };
+
+/* Newton's steps from a state that is CLOSE to the event to the event itself. */
+enum { MOST_MOVES = 4 };
 
 /*
  * The gap of bodies that fly past each other within a step is no polynomial: d = |c| has a kink, the sharper
@@ -224,16 +227,26 @@ static bool solve_again(struct general *g, double length)
     return true;
 }
 
-/* The state at the event, which a state close to it misses by so much. */
-static void move_to_event(struct general *g, double missing, double *clock, double *y)
+/* The state at the event, from one that is close to it. The rate is a mean over some of the step, right to a
+ * few hundredths: each time as much less is missing. The last leaves no more than rounding of the gap, so
+ * that bodies that part are apart. */
+static void move_to_event(struct general *g, int event, double rate, double *clock, double *y)
 {
     const struct radau_problem *problem = &g->step.problem;
-    problem->rates(problem->context, *clock, y, g->step.start_rates);
-    g->step.evaluations += 1;
-    for (int i = 0; i < g->size; ++i) {
-        y[i] += missing * g->step.start_rates[i];
+    const double most = CLOSE * g->step.length;
+    for (int k = 0; k < MOST_MOVES; ++k) {
+        const double back = fmin(most, *clock - g->step.start);
+        const double missing = fmin(fmax(missing_to(g, event, rate, *clock, y), -back), most);
+        if (fabs(missing) <= DBL_EPSILON * fabs(*clock)) {
+            return;
+        }
+        problem->rates(problem->context, *clock, y, g->step.start_rates);
+        g->step.evaluations += 1;
+        for (int i = 0; i < g->size; ++i) {
+            y[i] += missing * g->step.start_rates[i];
+        }
+        *clock += missing;
     }
-    *clock += missing;
 }
 
 /* A shorter step, on whose polynomial the event is looked for again; its end as `clock` and `y`. */
@@ -263,8 +276,7 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
         if (!(g->error_within > (g->step.problem.turns ? ACCURATE_WITHIN : 1.0))) {
             radau_step_at(p, found->part, y);
             *clock = p->start + length;
-            const double missing = missing_to(g, event, rate, *clock, y);
-            move_to_event(g, fmin(fmax(missing, -CLOSE * length), CLOSE * length), clock, y);
+            move_to_event(g, event, rate, clock, y);
             return true;
         }
         if (!look_again(g, length, found, clock, y)) {
@@ -276,7 +288,7 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
         const double missing = missing_to(g, event, rate, *clock, y);
         if (fabs(missing) <= CLOSE * length) {
             *found = (struct general_event){1.0, event};
-            move_to_event(g, missing, clock, y);
+            move_to_event(g, event, rate, clock, y);
             return true;
         }
         if (found->event < 0 && missing > 0.0 && missing < 0.1 * length &&

@@ -89,7 +89,12 @@ double bernstein_at(const double *coefficients, int count, double place)
     return row[0];
 }
 
-/* The Illinois method: a false position that stays on one side is halved. */
+/* Two places this close, as a part of the farther one, are not told apart. */
+static const double CLOSEST = 1e-15;
+
+/* The Illinois method: a false position that stays on one side is halved. Where the secant rounds to an end
+ * of the bracket, as that of a straight line does, the next place is one rounding farther in: only that
+ * tells on which side of it the root is. */
 double bernstein_root(const double *coefficients, int count, struct bernstein_fall fall)
 {
     double low = fall.low;
@@ -97,11 +102,10 @@ double bernstein_root(const double *coefficients, int count, struct bernstein_fa
     double above = bernstein_at(coefficients, count, low) + fall.offset;
     double below = bernstein_at(coefficients, count, high) + fall.offset;
     int side = 0;
-    for (int i = 0; i < 100 && above > 0.0 && below < 0.0; ++i) {
-        const double middle = low + (high - low) * (above / (above - below));
-        if (!(middle > low && middle < high)) {
-            break;
-        }
+    for (int i = 0; i < 100 && high - low > CLOSEST * high && above > 0.0 && below < 0.0; ++i) {
+        const double closest = 0.5 * CLOSEST * high;
+        const double secant = low + (high - low) * (above / (above - below));
+        const double middle = fmin(fmax(secant, low + closest), high - closest);
         const double value = bernstein_at(coefficients, count, middle) + fall.offset;
         if (value > 0.0) {
             low = middle;
@@ -113,9 +117,6 @@ double bernstein_root(const double *coefficients, int count, struct bernstein_fa
             below = value;
             above *= side < 0 ? 0.5 : 1.0;
             side = -1;
-        }
-        if (high - low <= 1e-15 * high) {
-            break;
         }
     }
     return high;

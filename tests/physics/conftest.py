@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-SCENES = ("ThreeBalls", "TwoPairs")
+SCENES = ("BallInCorner", "ThreeBalls", "TwoPairs")
 
 
 @pytest.fixture(scope="session")

@@ -254,6 +254,21 @@ static void a_fall_is_the_first_change_from_above_to_below(void)
     CHECK(bernstein_first_fall(dip, 3, 1e-6).low == (double)INFINITY);
 }
 
+/* The first secant of a straight line rounds to its root, on either side; the bracket is closed all the
+ * same. */
+static void a_straight_line_falls_where_it_does(void)
+{
+    for (int k = 1; k < 1000; ++k) {
+        const double root = k / 1000.0;
+        double of[BERNSTEIN_MOST];
+        for (int i = 0; i < BERNSTEIN_MOST; ++i) {
+            of[i] = 0.01 * (root - i / (BERNSTEIN_MOST - 1.0));
+        }
+        const struct bernstein_fall fall = bernstein_first_fall(of, BERNSTEIN_MOST, 0.0);
+        CHECK_CLOSE("of a straight line", bernstein_root(of, BERNSTEIN_MOST, fall), root, 1e-14);
+    }
+}
+
 /* (1 - 2 s)^2 = 1 - 4 s + 4 s^2 between a quarter and a half is (1 - u)^2 / 4, at u of that part. */
 static void coefficients_between_two_places_are_those_of_the_same_polynomial(void)
 {
@@ -274,6 +289,7 @@ int main(void)
     CHECK_TEST(forces_as_unknowns_give_the_same_step);
     CHECK_TEST(a_quaternion_that_turns_too_far_has_no_small_error);
     CHECK_TEST(a_fall_is_the_first_change_from_above_to_below);
+    CHECK_TEST(a_straight_line_falls_where_it_does);
     CHECK_TEST(coefficients_between_two_places_are_those_of_the_same_polynomial);
     return check_summary("radau_step");
 }

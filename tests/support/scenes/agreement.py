@@ -39,7 +39,8 @@ PEAKS = ("peak_force", "peak_penetration")
 class Scene:
     """`values` as of support.checks.start; `floor` replaces least scales, by a quantity's last name;
     `slack` is how many tolerances a quantity may be off (the family says why it is more than 10);
-    `each` is called with the FMU before every step, for what the importer does on the way.
+    `each` is called with the FMU before every step, for what the importer does on the way;
+    `bodies` and `contacts` are the names of those that are compared, where they are not a pair's.
     """
 
     fmu: str
@@ -48,6 +49,8 @@ class Scene:
     floor: dict = field(default_factory=dict)
     slack: float = 10.0
     each: object = None
+    bodies: tuple = ("source", "destination")
+    contacts: tuple = ("contact",)
 
 
 def seeds(default=40):
@@ -66,14 +69,15 @@ def answer(fmu, scene, tolerance, steps, readings, method="event_driven"):
         size = scene.end * (k + 1) / steps - fmu.time
         fmu.step(size)
         if readings or steps == 1:
-            for name in (f"contact.{one}" for one in SUMS):
+            for name in (f"{contact}.{one}" for contact in scene.contacts for one in SUMS):
                 if name in fmu:
                     sums[name] = sums.get(name, 0.0) + size * fmu[name]
-            for name in (f"contact.{one}" for one in PEAKS):
+            for name in (f"{contact}.{one}" for contact in scene.contacts for one in PEAKS):
                 if name in fmu:
                     peaks[name] = max(peaks.get(name, 0.0), fmu[name])
-    names = [f"{body}.{one}" for body in ("source", "destination") for one in BODY]
-    names += [f"energy.{one}" for one in ENERGY] + [f"contact.{one}" for one in CONTACT]
+    names = [f"{body}.{one}" for body in scene.bodies for one in BODY]
+    names += [f"energy.{one}" for one in ENERGY]
+    names += [f"{contact}.{one}" for contact in scene.contacts for one in CONTACT]
     return {name: fmu[name] for name in names if name in fmu} | sums | peaks
 
 
