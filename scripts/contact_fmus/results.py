@@ -7,16 +7,17 @@
     result.units["contact.gap"]              # "m"; "" where a variable has none
     result.parameters["source.radius"]       # value during the run; an enumeration's is its item's name
     result.fmu                               # the FMU that ran, None where the file does not say
+    result.warnings                          # what the FMU warned of, each once
 
-A file is a CSV table with a row of names; time comes first. Lines that start with # stand before it: one JSON
-text each for the units, the parameters and the FMU. Enumerations are written by name, Booleans as 0 and 1.
-pandas.read_csv(file, comment="#") reads it too.
+A file is a CSV table with a row of names; time comes first. Enumerations are written by name, Booleans as 0
+and 1. Units, parameters, warnings and the FMU stand in bounce.csv.json beside it.
 """
 
 from __future__ import annotations
 
 import csv
 import json
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,7 +27,10 @@ import numpy as np
 
 from .errors import UserError, similar
 
-HEADINGS = ("fmu", "units", "parameters")
+
+def notes_file(path: str | Path) -> Path:
+    """What a table does not say stands beside it: of bounce.csv in bounce.csv.json"""
+    return Path(f"{path}.json")
 
 
 @dataclass
@@ -38,6 +42,7 @@ class Result:
     units: dict[str, str] = field(default_factory=dict)
     fmu: Path | None = None
     parameters: dict[str, Any] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
 
     def column(self, name: str) -> np.ndarray:
         """UserError with likely names where there is none of this name"""
@@ -51,21 +56,22 @@ class Result:
 
     def write_csv(self, path: str | Path) -> None:
         """Numbers with all digits: reading the file gives the same bits. An OSError names the file."""
+        about = {
+            "fmu": str(self.fmu) if self.fmu is not None else None,
+            "units": {"time": "s"} | {name: self.units.get(name, "") for name in self.columns},
+            "parameters": self.parameters,
+            "warnings": self.warnings,
+        }
         try:
             with open(path, "w", newline="", encoding="utf-8") as file:
                 self._write(file)
+            if Path(path).is_file():  # there is nothing beside /dev/stdout
+                notes_file(path).write_text(json.dumps(about, indent=1, ensure_ascii=False) + "\n", "utf-8")
         except OSError as error:  # a full disk says so without a name
             error.filename = error.filename or str(path)
             raise
 
     def _write(self, file: TextIO) -> None:
-        values = {
-            "fmu": str(self.fmu) if self.fmu is not None else None,
-            "units": {"time": "s"} | {name: self.units.get(name, "") for name in self.columns},
-            "parameters": self.parameters,
-        }
-        for heading in HEADINGS:
-            file.write(f"# {heading}: {json.dumps(values[heading], ensure_ascii=False)}\n")
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["time", *self.columns])
         columns = [self.time.tolist(), *(_writable(values) for values in self.columns.values())]
@@ -79,8 +85,8 @@ class Result:
                 lines = file.read().splitlines()
         except UnicodeDecodeError:
             raise UserError(f"{path}: this is no CSV file of results, but binary") from None
-        about = _headings(path, [line for line in lines if line.startswith("#")])
-        rows = list(csv.reader(line for line in lines if line and not line.startswith("#")))
+        about = _notes(notes_file(path))
+        rows = list(csv.reader(line for line in lines if line))
         if not rows or rows[0][0] != "time":
             raise UserError(f"{path}: this is no CSV file of results: its first column is not 'time'")
         names, table = rows[0], rows[1:]
@@ -92,7 +98,13 @@ class Result:
         }
         time = columns.pop("time")
         fmu = Path(about["fmu"]) if about.get("fmu") else None
-        return cls(time, columns, about.get("units", {}), fmu, about.get("parameters", {}))
+        kept = (about.get("units", {}), fmu, about.get("parameters", {}), about.get("warnings", []))
+        return cls(time, columns, *kept)
+
+    def tell_warnings(self) -> None:
+        """On stderr, a line each"""
+        for text in self.warnings:
+            print(f"warning: {text}", file=sys.stderr)
 
 
 def _writable(values: Iterable[Any]) -> list[Any]:
@@ -100,15 +112,16 @@ def _writable(values: Iterable[Any]) -> list[Any]:
     return (array.astype(int) if array.dtype == bool else array).tolist()
 
 
-def _headings(path: str | Path, lines: list[str]) -> dict[str, Any]:
-    found = {}
-    for line in lines:
-        heading, _, text = line[1:].strip().partition(":")
-        if heading in HEADINGS:
-            try:
-                found[heading] = json.loads(text)
-            except json.JSONDecodeError as error:
-                raise UserError(f"{path}: the line '# {heading}: ...' is no JSON text: {error}") from None
+def _notes(file: Path) -> dict[str, Any]:
+    """Nothing where there is no such file: a table alone is a result too"""
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except ValueError as error:
+        raise UserError(f"{file}: this is no JSON text: {error}") from None
+    if not isinstance(found, dict):
+        raise UserError(f"{file}: these are no notes of a result: a JSON object is wanted")
     return found
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from contact_fmus.__main__ import main
 from support.programs import PATIENCE
 from support.sources import BUILD, ROOT
 
@@ -63,6 +64,22 @@ def installed(wheel, far_from_clone, tmp_path_factory):
     subprocess.run([*install, str(wheel)], check=True, env=far_from_clone)
     (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
     return folder / "bin"
+
+
+@pytest.fixture
+def ask(tmp_path, monkeypatch, capsys):
+    """The command in this process, in an empty folder: its status, stderr and stdout"""
+    monkeypatch.chdir(tmp_path)
+
+    def call(*arguments):
+        try:
+            status = main([str(one) for one in arguments])
+        except SystemExit as ended:  # argparse
+            status = ended.code
+        told = capsys.readouterr()
+        return status, told.err, told.out
+
+    return call
 
 
 @pytest.fixture

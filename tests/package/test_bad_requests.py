@@ -7,7 +7,7 @@ import zipfile
 
 import pytest
 
-from contact_fmus.__main__ import COMMANDS, main
+from contact_fmus.__main__ import COMMANDS
 from contact_fmus.fmu.files import fmu_file
 
 # A model exchange FMU, and an FMI 3.0 one, as other vendors make them
@@ -84,22 +84,6 @@ def other_fmu(folder, **bodies):
     return packed(
         folder, {"modelDescription.xml": OTHER_XML, "binaries/linux64/Other.so": library.read_bytes()}
     )
-
-
-@pytest.fixture
-def ask(tmp_path, monkeypatch, capsys):
-    """Status and the one line on stderr"""
-    monkeypatch.chdir(tmp_path)
-
-    def call(*arguments):
-        try:
-            status = main([str(one) for one in arguments])
-        except SystemExit as ended:  # argparse
-            status = ended.code
-        told = capsys.readouterr()
-        return status, told.err, told.out
-
-    return call
 
 
 def one_sentence(told):
@@ -214,10 +198,12 @@ def test_an_unknown_option_is_refused_by_every_command(name, ask):
 
 
 def test_an_fmu_of_another_kind_says_what_is_needed(ask, tmp_path):
-    for xml in (MODEL_EXCHANGE, FMI_3):
+    for xml, words in ((MODEL_EXCHANGE, "co-simulation is needed"), (FMI_3, "its library cannot be loaded")):
         file = packed(tmp_path, {"modelDescription.xml": xml})
         status, told, _ = ask("run", file)
-        assert (status, one_sentence(told)) == (2, True) and "FMI 2.0 co-simulation is needed" in told, told
+        assert (status, one_sentence(told)) == (2, True) and words in told, told
+    status, told, _ = ask("run", file, "--model-exchange")
+    assert (status, one_sentence(told)) == (2, True) and "FMI 2.0 or 3.0 model exchange is needed" in told
 
 
 def test_an_fmu_without_a_library_or_with_a_broken_one_is_named(ask, tmp_path):

@@ -1,4 +1,4 @@
-"""One contact FMU, driven through fmpy by the names of its variables.
+"""One contact FMU, of FMI 2.0 or 3.0, driven through fmpy by the names of its variables.
 
     with ContactFmu(fmu_file("SphereSphere")) as fmu:
         fmu.start({"source.radius": 0.1, "contact.method": "penalty"}, tolerance=1e-10)
@@ -12,7 +12,6 @@ names, Booleans are bool. A call the FMU refuses raises FmuError with the FMU's 
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import difflib
 import enum
 import functools
@@ -21,7 +20,6 @@ import threading
 import weakref
 from typing import Any, NamedTuple, Self
 
-import fmpy
 import numpy as np
 from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
@@ -30,7 +28,8 @@ from contact_fmus.errors import RunFailure, UserError
 
 from .files import fmu_file, fmus_folder, repository, unpack
 from .saved_state import SavedState
-from .variables import Variable, item_value, read_variables
+from .slaves import slave_of
+from .variables import Variable, is_fmi3, item_value, read_variables
 
 __all__ = ["ContactFmu", "FmuError", "Message", "Status", "Variable", "fmu_file", "fmus_folder", "repository"]
 
@@ -40,7 +39,7 @@ _loading = threading.Lock()
 
 
 class Status(enum.IntEnum):
-    """fmi2Status"""
+    """fmi2Status, fmi3Status"""
 
     OK = 0
     WARNING = 1
@@ -59,7 +58,7 @@ class Message(NamedTuple):
 
 
 class FmuError(RunFailure, FMICallException):
-    """A call that returned fmi2Discard, fmi2Error or fmi2Fatal; `messages` are those the call logged"""
+    """A call that returned Discard, Error or Fatal; `messages` are those the call logged"""
 
     def __init__(self, function: str, status: int, messages: list[Message]):
         super().__init__(function, status)
@@ -77,38 +76,25 @@ class ContactFmu:
         self.time = 0.0
         with _loading:
             self.folder, self.description = unpack(path)
-            identifier = self.description.coSimulation.modelIdentifier
             try:
-                self.slave = fmi2.FMU2Slave(
-                    guid=self.description.guid,
-                    unzipDirectory=str(self.folder),
-                    modelIdentifier=identifier,
-                    instanceName=instance_name or identifier,
-                )
+                self.slave = slave_of(self.description, self.folder, instance_name)
             except Exception as error:  # fmpy has no class of its own for a library that does not load
                 raise UserError(f"{path}: its library cannot be loaded: {error}") from None
         self.variables = read_variables(self.description)
-        self._arguments: dict[str, tuple] = {}
         self._states: weakref.WeakSet[SavedState] = weakref.WeakSet()
         self._instantiate(debug)
 
     def _instantiate(self, debug: bool) -> None:
-        # fmpy's own logger proxy is one per process; this callback is one per instance. A function without
-        # variable arguments may stand in for the logger: the FMU formats its messages itself and doubles '%'.
-        callbacks = fmi2.fmi2CallbackFunctions()
-        callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
-        callbacks.allocateMemory = ctypes.cast(fmpy.calloc, fmi2.fmi2CallbackAllocateMemoryTYPE)
-        callbacks.freeMemory = ctypes.cast(fmpy.free, fmi2.fmi2CallbackFreeMemoryTYPE)
         try:
-            self.slave.instantiate(callbacks=callbacks, loggingOn=debug)
+            self.slave.begin(self._log, debug)
         except Exception as error:
             self.slave.freeLibrary()
             self.slave = None
-            raise FmuError("fmi2Instantiate", Status.ERROR, list(self.messages)) from error
+            function = "fmi3InstantiateCoSimulation" if is_fmi3(self.description) else "fmi2Instantiate"
+            raise FmuError(function, Status.ERROR, list(self.messages)) from error
 
-    def _log(self, _environment, _instance, status, category, message) -> None:
-        text = (message or b"").decode("utf-8", "replace").replace("%%", "%")
-        self.messages.append(Message(Status(status), (category or b"").decode(), text))
+    def _log(self, status: int, category: str, text: str) -> None:
+        self.messages.append(Message(Status(status), category, text))
 
     def __enter__(self) -> Self:
         return self
@@ -137,6 +123,11 @@ class ContactFmu:
         if self.slave is None:
             text = f"This instance of {self.description.modelName} is closed; open another ContactFmu."
             raise FmuError(function, Status.ERROR, [Message(Status.ERROR, "logStatusError", text)])
+
+    def warnings(self) -> list[str]:
+        """What was logged as a warning, each text once"""
+        said = [message.text for message in self.messages if message.status == Status.WARNING]
+        return list(dict.fromkeys(said))
 
     # life cycle
 
@@ -203,15 +194,7 @@ class ContactFmu:
         return variable.items[variable.item_values.index(value)] if variable.items else value
 
     def _read_reals(self, variable: Variable) -> Any:
-        """Recording reads the same few names at every step, so their argument arrays are kept."""
-        if variable.name not in self._arguments:
-            size = len(variable.references)
-            references = (ctypes.c_uint * size)(*variable.references)
-            self._arguments[variable.name] = (references, (ctypes.c_double * size)())
-        references, values = self._arguments[variable.name]
-        self._check_open("fmi2GetReal")
-        self.call("fmi2GetReal", self.slave.component, references, len(references), values)
-        return values
+        return self.call("reals", variable.references)
 
     def __setitem__(self, name: str, value: Any) -> None:
         variable = self.variable(name)
@@ -232,7 +215,15 @@ class ContactFmu:
             self.call("setInteger", variable.references, [item_value(variable, value)])
 
     def set_derivative(self, name: str, value: Any, order: int = 1) -> None:
-        """The order-th time derivative of a Real input, from this communication point on"""
+        """The order-th time derivative of a Real input, from this communication point on. FMI 3.0 knows none:
+        `messages` says once for each input that it is held.
+        """
+        if is_fmi3(self.description):
+            text = f"{name}: FMI 3.0 has no derivatives of inputs; it is held over each communication step"
+            message = Message(Status.WARNING, "importer", text)
+            if message not in self.messages:
+                self.messages.append(message)
+            return
         references = self.variable(name).references
         values = np.atleast_1d(np.asarray(value, dtype=float)).tolist()
         self.call("setRealInputDerivatives", references, [order] * len(references), values)

@@ -14,6 +14,9 @@ import fmpy
 
 from contact_fmus.errors import UserError, similar
 
+KINDS = {"coSimulation": "co-simulation", "modelExchange": "model exchange"}
+VERSIONS = ("2.", "3.")  # of FMI, that fmpy and this package know
+FMI3 = "fmi3/"  # before the name of a shipped FMU: its FMI 3.0 build
 _unpacked: dict[tuple[Path, int, int], tuple[Path, Any]] = {}
 
 
@@ -41,10 +44,23 @@ def fmus_folder() -> Path:
     return Path(os.environ.get("CONTACT_FMUS") or repository() / "build" / "fmus")
 
 
+def fmi3_folder() -> Path:
+    """build/fmus-fmi3, beside build/fmus"""
+    return fmus_folder().with_name(f"{fmus_folder().name}-fmi3")
+
+
+def shipped_fmus() -> list[str]:
+    """Their names; those of FMI 3.0 as fmi3/NAME"""
+    names = sorted(file.stem for file in fmus_folder().glob("*.fmu"))
+    return names + sorted(f"{FMI3}{file.stem}" for file in fmi3_folder().glob("*.fmu"))
+
+
 def fmu_file(name: str) -> Path:
-    path = fmus_folder() / f"{name}.fmu"
+    """The shipped FMU of this name, of FMI 2.0, or of FMI 3.0 for fmi3/NAME"""
+    folder = fmi3_folder() if name.startswith(FMI3) else fmus_folder()
+    path = folder / f"{name.removeprefix(FMI3)}.fmu"
     if not path.is_file():
-        known = sorted(file.stem for file in fmus_folder().glob("*.fmu"))
+        known = shipped_fmus()
         if known:
             raise FileNotFoundError(
                 f"{path} does not exist{similar(name, known)}: there are {', '.join(known)}"
@@ -56,41 +72,43 @@ def fmu_file(name: str) -> Path:
     return path
 
 
-def unpack(path: str | os.PathLike, fmi: str = "2.0") -> tuple[Path, Any]:
-    """Folder of the unpacked FMU of that version of FMI and its description; unpacked once per process"""
+def unpack(path: str | os.PathLike, fmi: str = "", kind: str = "coSimulation") -> tuple[Path, Any]:
+    """Folder of the unpacked FMU and its description; unpacked once per process
+
+    UserError where it is none of that version of FMI (without one: FMI 2.0 or 3.0), or not of that kind.
+    """
     file = Path(path).resolve()
     about = file.stat()
     key = (file, about.st_mtime_ns, about.st_size)
     if key not in _unpacked:
         folder = Path(tempfile.mkdtemp(prefix=f"{file.stem}-"))
         atexit.register(_remove_if_owner, folder, os.getpid())
-        _unpacked[key] = (folder, _extract(path, folder, fmi))
-    return _unpacked[key]
+        _unpacked[key] = (folder, _extract(path, folder))
+    folder, description = _unpacked[key]
+    version = description.fmiVersion
+    if (fmi and version != fmi) or not version.startswith(VERSIONS) or getattr(description, kind) is None:
+        offered = [name for one, name in KINDS.items() if getattr(description, one) is not None]
+        raise UserError(
+            f"{path}: FMI {fmi or '2.0 or 3.0'} {KINDS[kind]} is needed, this is FMI {version}"
+            f" with {' and '.join(offered) or 'neither kind of simulation'}"
+        )
+    return folder, description
 
 
-def _extract(path: str | os.PathLike, folder: Path, fmi: str) -> Any:
-    """The description of a co-simulation FMU, of any maker; UserError where it is something else"""
+def _extract(path: str | os.PathLike, folder: Path) -> Any:
+    """The description of an FMU of any maker; UserError where it is something else"""
     if not zipfile.is_zipfile(path):
         raise UserError(f"{path}: this is no FMU: not a ZIP archive")
     try:
         fmpy.extract(path, folder)
         if not (folder / "modelDescription.xml").is_file():
             raise UserError(f"{path}: this is no FMU: it has no modelDescription.xml")
-        description = fmpy.read_model_description(folder)
+        return fmpy.read_model_description(folder)
     except (UserError, OSError):
         raise
     except Exception as error:  # fmpy has no class of its own for a bad archive or description
         text = " ".join(str(error).split())
         raise UserError(f"{path}: this is no valid FMU: {text}") from None
-    if description.fmiVersion != fmi or description.coSimulation is None:
-        kinds = [("co-simulation", description.coSimulation), ("model exchange", description.modelExchange)]
-        offered = (
-            " and ".join(name for name, kind in kinds if kind is not None) or "neither kind of simulation"
-        )
-        raise UserError(
-            f"{path}: FMI {fmi} co-simulation is needed, this is FMI {description.fmiVersion} with {offered}"
-        )
-    return description
 
 
 def _remove_if_owner(folder: Path, owner: int) -> None:

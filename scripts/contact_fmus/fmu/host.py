@@ -115,7 +115,7 @@ def run_host(
 
 def case_arguments(case: Case) -> list[str]:
     """The host's options for one case"""
-    folder, description = unpack(case.fmu)
+    folder, description = unpack(case.fmu, "2.0")
     variables = read_variables(description)
     identifier = description.coSimulation.modelIdentifier
     arguments = ["--case", case.name, "--guid", description.guid]

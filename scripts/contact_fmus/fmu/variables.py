@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 import re
+from itertools import product
 from typing import Any, NamedTuple
+
+# Types of FMI 3.0 in the words of FMI 2.0
+TYPES3 = {"Float32": "Real", "Float64": "Real"}
+TYPES3 |= {f"{sign}Int{bits}": "Integer" for sign in ("", "U") for bits in (8, 16, 32, 64)}
 
 
 class Variable(NamedTuple):
@@ -23,11 +29,45 @@ class Variable(NamedTuple):
         return len(self.references) > 1
 
 
+def is_fmi3(description: Any) -> bool:
+    return description.fmiVersion.startswith("3.")
+
+
+def entries(description: Any) -> list[tuple[Any, int, int]]:
+    """Of an FMI 3.0 description: each scalar's variable, its place there, and how many values there are"""
+    found = []
+    for variable in description.modelVariables:
+        size = 1
+        for length in variable.shape or ():
+            size *= length
+        found += [(variable, index, size) for index in range(size)]
+    return found
+
+
+def scalars(description: Any) -> list[Any]:
+    """The variables of an FMI 2.0 description, and those of an FMI 3.0 one as FMI 2.0 would describe them: an
+    array is a scalar for each of its entries, and a value reference is a place in this list.
+    """
+    if not is_fmi3(description):
+        return description.modelVariables
+    found = []
+    for variable, index, size in entries(description):
+        one = copy.copy(variable)
+        one.valueReference, one.type = len(found), TYPES3.get(variable.type, variable.type)
+        if variable.shape:
+            places = list(product(*(range(1, length + 1) for length in variable.shape)))
+            one.name = f"{variable.name}[{','.join(map(str, places[index]))}]"
+            starts = str(variable.start or "").split()
+            one.start = starts[index] if len(starts) == size else None
+        found.append(one)
+    return found
+
+
 def read_variables(description: Any) -> dict[str, Variable]:
     """All names a user may write: every scalar, and every vector without its index"""
     variables: dict[str, Variable] = {}
     components: dict[str, list[Variable]] = {}
-    for scalar in description.modelVariables:
+    for scalar in scalars(description):
         declared = scalar.declaredType
         items = declared.items if declared is not None and scalar.type == "Enumeration" else []
         unit = scalar.unit or (declared.unit if declared is not None else None) or ""

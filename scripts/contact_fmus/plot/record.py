@@ -65,7 +65,7 @@ def _step_through(fmu: ContactFmu, experiment: Experiment, points: int) -> Resul
     names = [one.name for kind in TYPES for one in kept if one.type == kind]
     columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
     units = {one.name: one.unit for one in kept}
-    return Result(np.array(times), columns, units, experiment.fmu, _parameters(fmu))
+    return Result(np.array(times), columns, units, experiment.fmu, _parameters(fmu), fmu.warnings())
 
 
 def _changes(variable: Variable) -> bool:

@@ -14,6 +14,7 @@ import numpy as np
 from contact_fmus.errors import UserError
 from contact_fmus.fmu.files import unpack
 from contact_fmus.fmu.scene import Scene, read_scene
+from contact_fmus.fmu.variables import scalars
 from contact_fmus.results import Result
 from contact_fmus.scenarios.motion import Motion
 from contact_fmus.scenarios.target import ANY, changed, drawn_runs, find
@@ -41,7 +42,10 @@ def open_runs(name: str, settings: Sequence[str], stop: float | None, fmu: Path 
         return [Run(path.stem, "", result)]
     with readable(path):
         experiments = [changed(one, settings, stop) for one in drawn_runs(path)]
-    return [Run(one.title, one.label, record_densely(one)) for one in experiments]
+    runs = [Run(one.title, one.label, record_densely(one)) for one in experiments]
+    for run in runs:
+        run.result.tell_warnings()
+    return runs
 
 
 @contextlib.contextmanager
@@ -93,7 +97,7 @@ def _check_columns(result: Result, scene: Scene) -> None:
 def _start_values(fmu: Path) -> dict[str, Any]:
     """Start values of the description: what holds where a result does not say what was set"""
     found: dict[str, Any] = {}
-    for scalar in unpack(fmu)[1].modelVariables:
+    for scalar in scalars(unpack(fmu)[1]):
         if scalar.start is None:
             continue
         value: Any = scalar.start

@@ -7,6 +7,7 @@ import dataclasses
 import json
 import math
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +18,13 @@ from contact_fmus.errors import UserError
 from contact_fmus.results import Result
 from contact_fmus.scenarios.target import Experiment, changed, find, first_run
 
+from .exchange import exchange
 from .simulate import StoppedEarly, simulate
 
 EPILOG = """examples:
   contact-fmus run SphereSphere --set contact.dashpot=unclamped --stop 1 --csv bounce.csv
   contact-fmus run My.fmu --set source.center=0,0,1.2 --plot
+  contact-fmus run fmi3/SphereSphere --model-exchange
   contact-fmus run p1_head_on_bounces --json"""
 
 
@@ -31,7 +34,8 @@ def main(arguments: list[str] | None = None) -> int:
     experiment = _experiment(options)
     _check_files(experiment, options)
     try:
-        result = _with_progress(experiment, options.output_interval)
+        runs = exchange if options.model_exchange else simulate
+        result = _with_progress(runs, experiment, options.output_interval)
     except StoppedEarly as stopped:
         _write(stopped.result, experiment, options)  # what there is until then
         raise
@@ -47,7 +51,9 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
-        "target", metavar="FMU|SCENARIO", help="file.fmu, a shipped FMU, a scenario or its .toml"
+        "target",
+        metavar="FMU|SCENARIO",
+        help="file.fmu, a shipped FMU (of FMI 3.0: fmi3/NAME), a scenario or its .toml",
     )
     parser.add_argument(
         "--set",
@@ -58,11 +64,19 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--stop", type=number, metavar="S", help="end of the run, s")
     parser.add_argument("--step", type=number, metavar="S", help="communication step, s")
-    parser.add_argument("--tolerance", type=number, metavar="R", help="relative, given to the FMU")
+    parser.add_argument("--tolerance", type=number, metavar="R", help="relative, given to the FMU or CVODE")
     parser.add_argument(
         "--output-interval", type=number, metavar="S", help="time between rows of the result, s"
     )
-    parser.add_argument("--csv", type=Path, metavar="FILE", help="writes all inputs and outputs over time")
+    parser.add_argument(
+        "--model-exchange", action="store_true", help="fmpy's CVODE integrates the FMU's states"
+    )
+    parser.add_argument(
+        "--csv",
+        type=Path,
+        metavar="FILE",
+        help="writes all inputs and outputs over time; units and parameters into FILE.json beside it",
+    )
     parser.add_argument("--json", action="store_true", help="the values at the end, as JSON")
     parser.add_argument(
         "--plot",
@@ -114,18 +128,19 @@ def _picture(experiment: Experiment, options: argparse.Namespace) -> Path:
     return Path(options.plot or f"{experiment.name}.png")
 
 
-def _with_progress(experiment: Experiment, interval: float | None) -> Result:
+def _with_progress(runs: Callable[..., Result], experiment: Experiment, interval: float | None) -> Result:
     """A bar on a terminal's stderr, nothing where there is none"""
     length = experiment.stop_time - experiment.start_time
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task(experiment.name, total=length)
-        return simulate(
+        return runs(
             experiment, interval, lambda time: progress.update(task, completed=time - experiment.start_time)
         )
 
 
 def _write(result: Result, experiment: Experiment, options: argparse.Namespace) -> None:
+    result.tell_warnings()
     if options.csv is not None:
         result.write_csv(options.csv)
     if options.json:

@@ -173,7 +173,7 @@ class Recorder:
         columns = {name: found[name][:length] for name in self.names}
         units = {name: self.fmu.variables[name].unit for name in self.names}
         time = np.array(self.times[:length])
-        return Result(time, columns, units, experiment.fmu.resolve(), self.parameters)
+        return Result(time, columns, units, experiment.fmu.resolve(), self.parameters, self.fmu.warnings())
 
     def _parameters(self) -> dict[str, Any]:
         found = {}

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_fmus.errors import UserError, similar
-from contact_fmus.fmu.files import fmu_file, fmus_folder, repository, unpack
+from contact_fmus.fmu.files import fmu_file, fmus_folder, repository, shipped_fmus, unpack
 from contact_fmus.fmu.scene import has_scene, read_scene
 from contact_fmus.fmu.settings import read_settings
 from contact_fmus.fmu.variables import read_variables
@@ -65,7 +65,7 @@ def find(name: str, suffixes: tuple[str, ...] = RUNS) -> Path:
     if path.is_file():
         raise UserError(f"{name}: {words(suffixes)} is needed")
     scenarios = {file.stem: file for file in (repository() / "scripts" / "scenarios").glob("*.toml")}
-    fmus = sorted(file.stem for file in fmus_folder().glob("*.fmu")) if ".fmu" in suffixes else []
+    fmus = shipped_fmus() if ".fmu" in suffixes else []
     if name in fmus:
         return fmu_file(name)
     if name in scenarios:

@@ -70,13 +70,16 @@ def _sweep(store, options: argparse.Namespace, drawn: tuple[Path, list[str]] | N
 
 
 def _report(store, options: argparse.Namespace, files: list[Path], done: int, seconds: float) -> None:
-    counts = store.counts()
+    counts, warned = store.counts()
     if options.json:
-        about = {"runs": store.runs, "done_now": done, "seconds": seconds, "status": counts}
+        about = {"runs": store.runs, "done_now": done, "seconds": seconds, "status": counts, "warned": warned}
         print(json.dumps(about | {"files": [str(file) for file in files]}))
         return
     states = ", ".join(f"{count:,} {name}" for name, count in sorted(counts.items(), key=lambda one: -one[1]))
     print(f"{store.runs:,} runs ({states}); {done:,} of them now, in {seconds:.3g} s")
+    if warned:
+        told = "the column warnings counts them, contact-fmus run tells what they say"
+        print(f"the FMU warned of {warned:,} runs: {told}", file=sys.stderr)
     for file in files:
         print(file)
 

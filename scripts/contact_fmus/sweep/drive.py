@@ -153,7 +153,9 @@ class Drive:
             return 0
         values = np.full((len(self.study.outputs), 1), np.nan)
         said = {0: "the FMU ended the worker's process"}
-        return self._write(flight, Rows(first, values, np.array([CRASH], np.uint8), said, 0.0))
+        return self._write(
+            flight, Rows(first, values, np.array([CRASH], np.uint8), said, 0.0, np.zeros(1, np.int32))
+        )
 
     def _explained(self, error: BaseException) -> RunFailure:
         if isinstance(error, ModuleNotFoundError):

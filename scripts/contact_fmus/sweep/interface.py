@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from contact_fmus.errors import UserError, similar
 from contact_fmus.fmu.files import unpack
-from contact_fmus.fmu.variables import Variable, read_variables
+from contact_fmus.fmu.variables import Variable, is_fmi3, read_variables, scalars
 
 from . import keys
 
@@ -26,6 +26,7 @@ class Interface(NamedTuple):
     ranges: dict[int, tuple[float, float]]  # of Real and Integer, by value reference and type's first letter
     settable: frozenset[str]
     single: bool  # one instance in a process
+    fmi3: bool
 
     def variable(self, name: str, where: str) -> Variable:
         if name not in self.variables:
@@ -93,24 +94,28 @@ def article(word: str) -> str:
 def read_interface(file: Path) -> Interface:
     try:
         _, description = unpack(file)
+    except UserError:
+        raise
     except Exception as error:  # fmpy raises what its parsers raise
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise UserError(f"{file} is no FMU that can be read: {reason}") from None
-    if description.fmiVersion != "2.0" or description.coSimulation is None:
-        kind = f"FMI {description.fmiVersion}" + (
-            "" if description.coSimulation else " without Co-Simulation"
-        )
-        raise UserError(f"{file} is {kind}; a sweep runs FMI 2.0 Co-Simulation FMUs")
-    scalars = description.modelVariables
-    settable = {one.name for one in scalars if _settable(one)}
+    variable_list = scalars(description)
+    settable = {one.name for one in variable_list if _settable(one)}
     variables = read_variables(description)
     settable |= {name for name, one in variables.items() if one.is_vector and f"{name}[1]" in settable}
-    ranges = {one.valueReference: _range(one) for one in scalars if one.type in ("Real", "Integer")}
+    ranges = {one.valueReference: _range(one) for one in variable_list if one.type in ("Real", "Integer")}
     identifier = description.coSimulation.modelIdentifier
     single = description.coSimulation.canBeInstantiatedOnlyOncePerProcess
     names = frozenset(settable)
     return Interface(
-        description.modelName, identifier, description.guid, variables, ranges, names, bool(single)
+        description.modelName,
+        identifier,
+        description.guid,
+        variables,
+        ranges,
+        names,
+        bool(single),
+        is_fmi3(description),
     )
 
 

@@ -61,6 +61,7 @@ class _Batch(ctypes.Structure):
         ("values", ctypes.c_void_p),
         ("status", ctypes.c_void_p),
         ("messages", ctypes.c_void_p),
+        ("warnings", ctypes.c_void_p),
     )
 
 
@@ -89,7 +90,7 @@ def run(plan: Plan, batch: Batch, library: Path, resources: str, loop: Path) -> 
     """`library` and `resources` are the FMU's. Other threads may go on meanwhile."""
     clock = Clock()
     values = np.empty((len(plan.outputs), batch.runs))
-    status = np.zeros(batch.runs, np.uint8)
+    status, warnings = np.zeros(batch.runs, np.uint8), np.zeros(batch.runs, np.int32)
     messages = np.zeros(batch.runs, f"S{MESSAGE_SIZE}")  # memory that nothing is written to costs nothing
     columns = (batch.real, batch.integer, batch.boolean)
     sets = [
@@ -121,11 +122,12 @@ def run(plan: Plan, batch: Batch, library: Path, resources: str, loop: Path) -> 
         _at(values),
         _at(status),
         _at(messages),
+        _at(warnings),
     )
     if _function(loop)(ctypes.byref(described)) != 0:
         raise RunFailure(f"the FMU's library cannot be used: {_text(messages[0])}")
     said = {int(place): _text(messages[place]) for place in np.flatnonzero(status != OK)}
-    return Rows(batch.first, values, status, said, clock.seconds())
+    return Rows(batch.first, values, status, said, clock.seconds(), warnings)
 
 
 def _at(array: np.ndarray) -> int:

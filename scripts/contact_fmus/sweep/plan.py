@@ -25,6 +25,7 @@ class Plan:
 
     identifier: str
     guid: str
+    fmi3: bool
     start_time: float
     tolerance: float | None
     points: np.ndarray  # float64, s
@@ -58,6 +59,7 @@ class Rows:
     status: np.ndarray  # uint8, fmi2Status
     messages: dict[int, str]  # of runs that failed, by their place in the batch
     seconds: float  # that it took, see Clock
+    warnings: np.ndarray  # int32: how many messages of status warning a run logged
 
 
 class Clock:

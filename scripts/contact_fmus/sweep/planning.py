@@ -33,6 +33,7 @@ def make_plan(study: Study) -> Plan:
     return Plan(
         study.interface.identifier,
         study.interface.guid,
+        study.interface.fmi3,
         study.start_time,
         study.tolerance,
         np.array(study.points),

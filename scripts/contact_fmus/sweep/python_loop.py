@@ -1,16 +1,17 @@
-"""A batch of runs by fmpy, where the compiled loop is not there: the same calls, the same bits, slower"""
+"""A batch of runs by fmpy, where the compiled loop is not there, and of FMI 3.0: the same calls, slower"""
 
 from __future__ import annotations
 
-import ctypes
 import math
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import fmpy
 import numpy as np
-from fmpy import fmi2
 from fmpy.fmi1 import FMICallException
+
+from contact_fmus.fmu.slaves import slave_of
 
 from .native import MESSAGE_SIZE
 from .plan import AT, MAX, MEAN, MIN, Batch, Clock, Plan, Rows
@@ -23,7 +24,7 @@ class _Instance:
 
     def __init__(self, plan: Plan, folder: Path):
         self.plan, self.folder = plan, folder
-        self.message = ""
+        self.message, self.warnings = "", 0
         self.slave: Any = None
 
     def ready(self) -> Any:
@@ -33,19 +34,10 @@ class _Instance:
             except FMICallException as error:
                 self.drop(error.status)
         if self.slave is None:
-            callbacks = fmi2.fmi2CallbackFunctions()
-            callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
-            callbacks.allocateMemory = ctypes.cast(fmpy.calloc, fmi2.fmi2CallbackAllocateMemoryTYPE)
-            callbacks.freeMemory = ctypes.cast(fmpy.free, fmi2.fmi2CallbackFreeMemoryTYPE)
-            slave = fmi2.FMU2Slave(
-                guid=self.plan.guid,
-                unzipDirectory=str(self.folder),
-                modelIdentifier=self.plan.identifier,
-                instanceName=self.plan.identifier,
-            )
-            slave.instantiate(callbacks=callbacks)
+            slave = slave_of(_described(self.folder), self.folder, self.plan.identifier)
+            slave.begin(self._log, debug=False)
             self.slave = slave
-        self.message = ""
+        self.message, self.warnings = "", 0
         return self.slave
 
     def drop(self, status: int) -> None:
@@ -54,14 +46,21 @@ class _Instance:
             self.slave.freeInstance()
         self.slave = None
 
-    def _log(self, _environment, _instance, status, _category, message) -> None:
+    def _log(self, status: int, _category: str, text: str) -> None:
+        self.warnings += status == WARNING
         if status > WARNING and not self.message:
-            text = (message or b"")[: MESSAGE_SIZE - 1].decode("utf-8", "replace")
-            self.message = text.replace("\N{REPLACEMENT CHARACTER}", "").replace("%%", "%")
+            cut = text.replace("%", "%%").encode()[: MESSAGE_SIZE - 1].decode("utf-8", "ignore")
+            self.message = cut.replace("%%", "%")  # as the compiled loop cuts it
+
+
+@cache
+def _described(folder: Path) -> Any:
+    return fmpy.read_model_description(folder, validate=False)
 
 
 def run(plan: Plan, batch: Batch, folder: Path) -> Rows:
     """`folder` is the unpacked FMU"""
+    warnings = np.zeros(batch.runs, np.int32)
     clock = Clock()
     values = np.full((len(plan.outputs), batch.runs), math.nan)
     status = np.zeros(batch.runs, np.uint8)
@@ -75,8 +74,9 @@ def run(plan: Plan, batch: Batch, folder: Path) -> Rows:
             messages[place] = instance.message
             if error.status >= ERROR:
                 instance.drop(error.status)
+        warnings[place] = instance.warnings
     instance.drop(OK)
-    return Rows(batch.first, values, status, messages, clock.seconds())
+    return Rows(batch.first, values, status, messages, clock.seconds(), warnings)
 
 
 def _run_once(plan: Plan, batch: Batch, place: int, slave: Any) -> list[float]:

@@ -15,10 +15,12 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from contact_fmus.errors import RunFailure, UserError
+from contact_fmus.results import notes_file
 
 from .study import Study, fmu_digest
 from .table import schema_of
@@ -196,7 +198,7 @@ class Store:
         shutil.rmtree(self.batches)
 
     def write_csv(self) -> Path:
-        """The same rows as text; lines that start with # say the units and the study"""
+        """The same rows as text; units and the study stand in a .json beside it"""
         from pyarrow import csv
 
         target, part = self.folder / "results.csv", self.folder / "results.csv.part"
@@ -204,8 +206,6 @@ class Store:
         with self._room():
             try:
                 with open(part, "wb") as file, pq.ParquetFile(self.results) as rows:
-                    file.write(f"# units: {json.dumps(units, ensure_ascii=False)}\n".encode())
-                    file.write(f"# study_digest: {self.study.digest()}\n".encode())
                     plain = pa.schema([_plain(one) for one in self.schema])
                     with csv.CSVWriter(file, plain) as writer:
                         for index in range(rows.num_row_groups):
@@ -214,17 +214,21 @@ class Store:
                 part.unlink(missing_ok=True)
                 raise
             part.replace(target)
+            about = {"units": units, "study_digest": self.study.digest()}
+            notes_file(target).write_text(json.dumps(about, ensure_ascii=False) + "\n", encoding="utf-8")
         return target
 
-    def counts(self) -> dict[str, int]:
-        """Runs by status"""
+    def counts(self) -> tuple[dict[str, int], int]:
+        """Runs by status, and how many the FMU warned of"""
         found: dict[str, int] = {}
+        warned = 0
         with pq.ParquetFile(self.results) as rows:
             for index in range(rows.num_row_groups):
-                column = rows.read_row_group(index, columns=["status"])["status"]
-                for one in column.value_counts().to_pylist():
+                group = rows.read_row_group(index, columns=["status", "warnings"])
+                for one in group["status"].value_counts().to_pylist():
                     found[one["values"]] = found.get(one["values"], 0) + one["counts"]
-        return found
+                warned += int(np.count_nonzero(group["warnings"].to_numpy()))
+        return found, warned
 
 
 def _plain(field: pa.Field) -> pa.Field:

@@ -241,7 +241,7 @@ def point_of(time: float, start: float, points: Any) -> int | None:
 
 def _check_columns(study: Study) -> None:
     names = ["run", *(column for one in study.parameters for column in one.columns)]
-    names += [one.name for one in study.outputs] + ["status", "message"]
+    names += [one.name for one in study.outputs] + ["status", "warnings", "message"]
     for name in names:
         if names.count(name) > 1:
             said = "two columns of the results have this name; call the output otherwise"

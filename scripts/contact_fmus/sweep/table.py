@@ -33,6 +33,8 @@ def schema_of(study: Study) -> pa.Schema:
         fields.append(_field(output.name, output_type(output), _output_about(output)))
     words = pa.dictionary(pa.int8(), pa.string())
     fields.append(_field("status", words, {"description": ", ".join(STATUSES)}))
+    told = {"description": "how many warnings the FMU logged"}
+    fields.append(_field("warnings", pa.int32(), told, nullable=False))
     fields.append(_field("message", pa.string(), {"description": "what the FMU said of a run that failed"}))
     metadata = {
         "contact_fmus.study": json.dumps(study.content, default=str, ensure_ascii=False),
@@ -89,6 +91,7 @@ def make_table(study: Study, schema: pa.Schema, values: dict[str, np.ndarray], r
     # fmi2Error and fmi2Fatal are one to a user
     codes = np.select([~failed, rows.status == DISCARD, rows.status == CRASH], [0, 1, 3], 2).astype(np.int8)
     columns.append(pa.DictionaryArray.from_arrays(_numbers(codes, pa.int8(), None), _texts(STATUSES)))
+    columns.append(_numbers(rows.warnings, pa.int32(), None))
     if rows.messages:
         columns.append(pa.array([_words(rows.messages.get(place)) for place in range(count)], pa.string()))
     else:

@@ -36,7 +36,7 @@ def work(made: Work) -> Work:
 
 def run_batch(given: Work, batch: Batch) -> Rows:
     folder = unpacked(given.fmu)
-    loop = native.library_file() if given.compiled else None
+    loop = native.library_file() if given.compiled and not given.plan.fmi3 else None
     if not given.single:
         return _run(given.plan, batch, folder, loop)
     with _one_instance:

@@ -17,6 +17,7 @@ struct worker {
     bool fresh;                      /* not run since it was instantiated or reset */
     fmi2CallbackFunctions callbacks; /* lives as long as the instance */
     char *message;                   /* of the present run, BATCH_MESSAGE_SIZE bytes */
+    int32_t *warnings;               /* of the present run */
     fmi2Real *real;                  /* start values, those that vary first */
     fmi2Integer *integer, *boolean;
     double *read;              /* values read at the present communication point: Real, Integer, Boolean */
@@ -25,13 +26,15 @@ struct worker {
     fmi2Integer *read_integer; /* room for one call */
 };
 
-/* The first message of a run that is worse than fmi2OK is kept; the component environment is the worker. */
+/* Warnings are counted, and the first message of a run that is worse is kept. The component environment is
+   the worker. */
 static void log_message(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
                         fmi2String category, fmi2String format, ...)
 {
     struct worker *worker = environment;
     (void)instance;
     (void)category;
+    *worker->warnings += status == fmi2Warning;
     if (status == fmi2OK || status == fmi2Warning || !format || worker->message[0] != '\0') {
         return;
     }
@@ -267,7 +270,7 @@ static fmi2Status run_once(struct worker *worker, int64_t run)
 
 int contact_batch_run(const struct batch *batch)
 {
-    struct worker worker = {.batch = batch, .message = batch->messages};
+    struct worker worker = {.batch = batch, .message = batch->messages, .warnings = batch->warnings};
     bool loaded = functions_load(&worker.functions, batch->library, batch->messages, BATCH_MESSAGE_SIZE);
     if (!loaded || !allocate(&worker)) {
         if (loaded) {
@@ -281,6 +284,7 @@ int contact_batch_run(const struct batch *batch)
     place_constants(worker.boolean, &batch->boolean, sizeof(fmi2Integer));
     for (int64_t run = 0; run < batch->runs; run++) {
         worker.message = batch->messages + run * BATCH_MESSAGE_SIZE;
+        worker.warnings = batch->warnings + run;
         fmi2Status status = run_once(&worker, run);
         bool done = good(status);
         if (done) {
@@ -293,7 +297,9 @@ int contact_batch_run(const struct batch *batch)
     }
     /* fmi2FreeInstance may log, and the run it would be told of is over. */
     char scratch[BATCH_MESSAGE_SIZE] = "";
+    int32_t ignored = 0;
     worker.message = scratch;
+    worker.warnings = &ignored;
     free_all(&worker);
     return 0;
 }

@@ -55,8 +55,9 @@ struct batch {
     int64_t runs;
     double
         *values; /* `runs` values for each output, column after column; not a number where the run failed */
-    uint8_t *status; /* of each run: an fmi2Status; fmi2Warning counts as fmi2OK */
-    char *messages;  /* BATCH_MESSAGE_SIZE bytes for each run, empty where it went well */
+    uint8_t *status;   /* of each run: an fmi2Status; fmi2Warning counts as fmi2OK */
+    char *messages;    /* BATCH_MESSAGE_SIZE bytes for each run, empty where it went well */
+    int32_t *warnings; /* messages of status fmi2Warning of each run */
 };
 
 /* Does all runs. 0: each has its status; 1: the library is none, and `messages` begins with the reason. */
