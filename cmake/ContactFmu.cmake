@@ -6,7 +6,9 @@
 #               scene.cmake (SCENE_NAME, SCENE_ANY_FREE, SCENE_HAS_CVODE, SCENE_HAS_CYLINDER, SCENE_HAS_CAPS,
 #               SCENE_HAS_PLANE, SCENE_HAS_HERTZ, SCENE_HAS_RESTITUTION, SCENE_HAS_ROTATION, SCENE_HAS_FRICTION);
 #               units.txt there lists the sources that the scene has
-#   compile     all of fmu_src as one unit against that scene.h -> <build>/libraries/<Scene>.so, libraries/fmi3/<Scene>.so
+#   compile     all of fmu_src, with the adapters of both versions, as one unit against that scene.h
+#   link        the unit once for each version, which exports its own functions and drops what only the other one calls
+#               -> <build>/libraries/<Scene>.so, libraries/fmi3/<Scene>.so
 #   sources     the same code as one file -> <Scene folder>/sources/, sources3/ (cmake/amalgamate.py)
 #   pack        the library, stripped, with description, documentation and sources into a ZIP
 #
@@ -22,13 +24,22 @@ set(contact_description_folder "${PROJECT_SOURCE_DIR}/modelDescription")
 get_filename_component(contact_compiler "${CMAKE_C_COMPILER}" NAME_WE)
 string(COMPARE EQUAL "${contact_compiler}" zig CONTACT_ZIG)
 
+# gcc takes the unit for the whole program, which optimizes it as link-time optimization would in three quarters of the
+# time. clang has only that.
 set(CONTACT_IPO OFF)
-if(NOT CONTACT_ZIG)
+string(COMPARE EQUAL "${CMAKE_C_COMPILER_ID}" GNU CONTACT_GCC)
+if(NOT CONTACT_ZIG AND NOT CONTACT_GCC)
     include(CheckIPOSupported)
     check_ipo_supported(RESULT CONTACT_IPO OUTPUT contact_ipo_complaint LANGUAGES C)
     if(NOT CONTACT_IPO)
         message(STATUS "No link-time optimization: the libraries keep some code for what their scenes pin")
     endif()
+endif()
+
+# Only tests read debug information, and only before the libraries are stripped; it is a tenth of the time of compiling.
+set(CONTACT_DEBUG_INFORMATION ON)
+if(CONTACT_STRIP AND (CONTACT_SCENES OR NOT BUILD_TESTING))
+    set(CONTACT_DEBUG_INFORMATION OFF)
 endif()
 
 # The folder for binaries inside an FMU, FMI 2.0.5 section 2.2 and FMI 3.0.2 section 2.5.1.4, and the ending of their names.
@@ -160,8 +171,8 @@ function(add_contact_fmu scene)
     file(CONFIGURE OUTPUT "${folder}/units3.txt" CONTENT "${model}\n${fmi3}\n" @ONLY)
 
     contact_fmu_sources(${SCENE_NAME} "${folder}" 2 units.txt sources ${sources} ${CONTACT_FMI2_SOURCES})
-    contact_fmu_library(${SCENE_NAME} "${folder}" fmi2 "${CONTACT_LIBRARY_FOLDER}"
-        ${sources} ${CONTACT_FMI2_SOURCES})
+    contact_scene_units("${folder}" ${sources})
+    contact_fmu_library(${SCENE_NAME} "${folder}" fmi2 "${CONTACT_LIBRARY_FOLDER}")
     contact_fmu_reference(${SCENE_NAME} "${folder}" reference)
     contact_pack_fmu(${SCENE_NAME} "${folder}" "${CONTACT_FMU_FOLDER}/${SCENE_NAME}.fmu"
         "binaries/${contact_platform_fmi2}" modelDescription.xml
@@ -169,34 +180,74 @@ function(add_contact_fmu scene)
         "terminalsAndIcons=${folder}/terminals2" ${reference})
     if(CONTACT_FMI3)
         contact_fmu_sources(${SCENE_NAME}_fmi3 "${folder}" 3 units3.txt sources3 ${sources} ${CONTACT_FMI3_SOURCES})
-        contact_fmu_library(${SCENE_NAME}_fmi3 "${folder}" fmi3 "${CONTACT_LIBRARY_FOLDER}/fmi3"
-            ${sources} ${CONTACT_FMI3_SOURCES})
+        contact_fmu_library(${SCENE_NAME}_fmi3 "${folder}" fmi3 "${CONTACT_LIBRARY_FOLDER}/fmi3")
         contact_pack_fmu(${SCENE_NAME}_fmi3 "${folder}" "${CONTACT_FMI3_FMU_FOLDER}/${SCENE_NAME}.fmu"
             "binaries/${contact_platform_fmi3}" modelDescription3.xml
             "sources=${folder}/sources3" "terminalsAndIcons=${folder}/terminals3")
     endif()
 endfunction()
 
-# contact_fmu_library(target scene_folder fmi2|fmi3 output_folder source...): the library of the scene of SCENE_NAME.
+# contact_scene_units(scene_folder source...): the code of the scene of SCENE_NAME, target <Scene>_code, as one unit, so that
+# what the scene pins reaches every function and what nobody calls any more goes. It serves both versions of FMI, as
+# <Scene>_code_fmi2 and <Scene>_code_fmi3 do each where only the marks in the headers say what is exported.
+function(contact_scene_units folder)
+    if(WIN32 OR APPLE)
+        contact_scene_unit(${SCENE_NAME}_code_fmi2 "${folder}" ${ARGN} ${CONTACT_FMI2_SOURCES})
+        if(CONTACT_FMI3)
+            contact_scene_unit(${SCENE_NAME}_code_fmi3 "${folder}" ${ARGN} ${CONTACT_FMI3_SOURCES})
+        endif()
+        return()
+    endif()
+    set(sources ${ARGN} ${CONTACT_FMI2_SOURCES})
+    if(CONTACT_FMI3)
+        list(APPEND sources ${CONTACT_FMI3_SOURCES})
+        list(REMOVE_DUPLICATES sources)
+    endif()
+    contact_scene_unit(${SCENE_NAME}_code "${folder}" ${sources})
+endfunction()
+
+function(contact_scene_unit target folder)
+    add_library(${target} OBJECT EXCLUDE_FROM_ALL ${ARGN})
+    contact_library_options(${target} "${folder}")
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
+    foreach(fmi fmi2 fmi3)
+        if(TARGET contact::${fmi}_headers)
+            target_link_libraries(${target} PRIVATE contact::${fmi}_headers)
+        endif()
+    endforeach()
+    if(CONTACT_GCC)
+        target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-fwhole-program>)
+    endif()
+endfunction()
+
+# contact_fmu_library(target scene_folder fmi2|fmi3 output_folder): the library of the scene of SCENE_NAME.
 function(contact_fmu_library target folder fmi output)
     set(exports "${PROJECT_SOURCE_DIR}/cmake/${fmi}_exports.map")
+    set(unit ${SCENE_NAME}_code)
+    if(TARGET ${unit}_${fmi})
+        set(unit ${unit}_${fmi})
+    endif()
     set(kind MODULE)
     if(APPLE) # whose modules are no libraries that an importer may link
         set(kind SHARED)
     endif()
-    add_library(${target} ${kind} ${ARGN})
-    contact_scene_options(${target} "${folder}" ${SCENE_HAS_CVODE})
-    target_link_libraries(${target} PRIVATE contact::${fmi}_headers)
-    set_target_properties(${target} PROPERTIES
+    add_library(${target} ${kind} $<TARGET_OBJECTS:${unit}>)
+    contact_library_options(${target} "${folder}")
+    set_target_properties(${target} PROPERTIES LINKER_LANGUAGE C
         OUTPUT_NAME ${SCENE_NAME} PREFIX "" SUFFIX ${contact_ending} LIBRARY_OUTPUT_DIRECTORY "${output}"
-        # One unit, so that what the scene pins reaches every function and what nobody calls any more goes.
-        UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0
-        # The linker tells the optimizer from the version script that no one else calls the inner functions: only
-        # then may their parameters become constants.
-        INTERPROCEDURAL_OPTIMIZATION_RELEASE ${CONTACT_IPO}
         LINK_DEPENDS "${exports}")
-    # Debug information goes when the library is stripped; until then tests read from it which lines have code
-    # (format 4: readelf of Debian 12 mixes up the file names of clang's format 5).
+    contact_link_options(${target} "${exports}")
+    if(CONTACT_ZIG AND WIN32)
+        contact_link_windows(${target})
+    endif()
+endfunction()
+
+# What the unit and the libraries made of it are compiled and linked with.
+function(contact_library_options target folder)
+    contact_scene_options(${target} "${folder}" ${SCENE_HAS_CVODE})
+    # The linker tells clang's optimizer from the version script that no one else calls the inner functions: only
+    # then may their parameters become constants.
+    set_target_properties(${target} PROPERTIES INTERPROCEDURAL_OPTIMIZATION_RELEASE ${CONTACT_IPO})
     # Nothing here throws or is thrown through: no unwind tables, a tenth of a force element. The debug information
     # has its own. The linker's optimizer is told too. Windows wants the tables of every function.
     set(no_unwinding -fno-asynchronous-unwind-tables -fno-unwind-tables)
@@ -204,10 +255,10 @@ function(contact_fmu_library target folder fmi output)
         set(no_unwinding "")
     endif()
     # zig: no debug information, since there may be no program that strips it. Its linker for macOS has no link-time
-    # optimization.
-    if(NOT CONTACT_ZIG)
+    # optimization. Format 4: readelf of Debian 12 mixes up the file names of clang's format 5.
+    if(NOT CONTACT_ZIG AND CONTACT_DEBUG_INFORMATION)
         target_compile_options(${target} PRIVATE -gdwarf-4)
-    elseif(NOT APPLE)
+    elseif(CONTACT_ZIG AND NOT APPLE)
         target_compile_options(${target} PRIVATE -flto)
         target_link_options(${target} PRIVATE -flto)
     endif()
@@ -222,10 +273,6 @@ function(contact_fmu_library target folder fmi output)
     endif()
     target_compile_options(${target} PRIVATE -ffunction-sections -fdata-sections ${no_unwinding})
     target_link_options(${target} PRIVATE ${no_unwinding})
-    contact_link_options(${target} "${exports}")
-    if(CONTACT_ZIG AND WIN32)
-        contact_link_windows(${target})
-    endif()
 endfunction()
 
 # The C library of Windows itself, and nothing of the compiler's: windows_runtime.c says why.

@@ -18,11 +18,11 @@ static enum model_status check_input_derivative(struct instance *instance, fmi2V
                                                 fmi2Integer order, fmi2Real value)
 {
     const struct variable *variable =
-        find_real(instance, CALL(SetRealInputDerivatives), reference, VARIABLE_INPUT);
+        find_real(instance, CALL2(SetRealInputDerivatives), reference, VARIABLE_INPUT);
     if (variable == NULL) {
         return MODEL_ERROR;
     }
-    const enum model_status status = check_order(instance, CALL(SetRealInputDerivatives), variable, order);
+    const enum model_status status = check_order(instance, CALL2(SetRealInputDerivatives), variable, order);
     if (status == MODEL_OK && !isfinite(value)) {
         return log_report(
             instance, MODEL_DISCARD,
@@ -36,13 +36,13 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
                                        const fmi2Integer order[], const fmi2Real value[])
 {
     struct instance *instance = c;
-    if (!arrays_given(instance, CALL(SetRealInputDerivatives), vr, nvr, order, value)) {
+    if (!arrays_given(instance, CALL2(SetRealInputDerivatives), vr, nvr, order, value)) {
         return fmi2Error;
     }
     for (size_t i = 0; i < nvr; ++i) {
         const enum model_status status = check_input_derivative(instance, vr[i], order[i], value[i]);
         if (status != MODEL_OK) {
-            return status_of(status);
+            return fmi2_status(status);
         }
     }
     enum model_status worst = MODEL_OK;
@@ -52,16 +52,16 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
             model_set_input_derivative(instance->model, variable, order[i], value[i]);
         worst = status > worst ? status : worst;
     }
-    return status_of(worst);
+    return fmi2_status(worst);
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                                         const fmi2Integer order[], fmi2Real value[])
 {
     struct instance *instance = c;
-    return arrays_given(instance, CALL(GetRealOutputDerivatives), vr, nvr, order, value)
-               ? status_of(
-                     output_derivatives(instance, CALL(GetRealOutputDerivatives), vr, order, nvr, value))
+    return arrays_given(instance, CALL2(GetRealOutputDerivatives), vr, nvr, order, value)
+               ? fmi2_status(
+                     output_derivatives(instance, CALL2(GetRealOutputDerivatives), vr, order, nvr, value))
                : fmi2Error;
 }
 
@@ -70,7 +70,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
                                         const fmi2Real dvKnown[], fmi2Real dvUnknown[])
 {
     struct instance *instance = c;
-    const struct call *call = CALL(GetDirectionalDerivative);
+    const struct call *call = CALL2(GetDirectionalDerivative);
     if (!call_allowed(instance, call) ||
         !call_array_given(instance, call, "vUnknown_ref", vUnknown_ref, nUnknown) ||
         !call_array_given(instance, call, "vKnown_ref", vKnown_ref, nKnown) ||
@@ -84,8 +84,8 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
         status = status == MODEL_OK ? check_seed(instance, call, vKnown_ref[i], dvKnown[i]) : status;
     }
     if (status != MODEL_OK) {
-        return status_of(status);
+        return fmi2_status(status);
     }
-    return status_of(model_get_directional_derivative(instance->model, vUnknown_ref, nUnknown, vKnown_ref,
-                                                      nKnown, dvKnown, dvUnknown));
+    return fmi2_status(model_get_directional_derivative(instance->model, vUnknown_ref, nUnknown, vKnown_ref,
+                                                        nKnown, dvKnown, dvUnknown));
 }

@@ -17,7 +17,7 @@ _Static_assert((int)MODEL_OK == (int)fmi2OK && (int)MODEL_WARNING == (int)fmi2Wa
 _Static_assert((int)MODEL_DISCARD == (int)fmi2Discard && (int)MODEL_ERROR == (int)fmi2Error, "status order");
 _Static_assert((int)MODEL_FATAL == (int)fmi2Fatal, "status order");
 
-static inline fmi2Status status_of(enum model_status status)
+static inline fmi2Status fmi2_status(enum model_status status)
 {
     return (fmi2Status)status;
 }

@@ -86,31 +86,31 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nC
     struct instance *instance = c;
     unsigned chosen = 0;
     const enum model_status status =
-        instance_categories(instance, CALL(SetDebugLogging), nCategories, categories, &chosen);
+        instance_categories(instance, CALL2(SetDebugLogging), nCategories, categories, &chosen);
     if (status == MODEL_OK) {
         /* Switching off means: no more than what everybody gets, never silence by accident. */
         const bool all = loggingOn == fmi2False || nCategories == 0;
         instance->log_categories = all ? log_default_categories(loggingOn != fmi2False) : chosen;
     }
-    return status_of(status);
+    return fmi2_status(status);
 }
 
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance,
                                fmi2Real startTime, fmi2Boolean stopTimeDefined, fmi2Real stopTime)
 {
-    return status_of(instance_set_up(c, CALL(SetupExperiment), toleranceDefined != fmi2False, tolerance,
-                                     startTime, stopTimeDefined != fmi2False, stopTime));
+    return fmi2_status(instance_set_up(c, CALL2(SetupExperiment), toleranceDefined != fmi2False, tolerance,
+                                       startTime, stopTimeDefined != fmi2False, stopTime));
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component c)
 {
     struct instance *instance = c;
-    if (!call_allowed(instance, CALL(EnterInitializationMode))) {
+    if (!call_allowed(instance, CALL2(EnterInitializationMode))) {
         return fmi2Error;
     }
     if (!instance->experiment.set_up) {
-        return status_of(log_report(instance, MODEL_ERROR,
-                                    "fmi2EnterInitializationMode called before fmi2SetupExperiment"));
+        return fmi2_status(log_report(instance, MODEL_ERROR,
+                                      "fmi2EnterInitializationMode called before fmi2SetupExperiment"));
     }
     instance->phase = PHASE_INITIALIZATION;
     return fmi2OK;
@@ -120,16 +120,16 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c)
 {
     const struct instance *instance = c;
     const bool exchange = instance != NULL && instance->host.exchange;
-    return status_of(
-        instance_exit_initialization(c, CALL(ExitInitializationMode), exchange ? PHASE_EVENT : PHASE_STEP));
+    return fmi2_status(
+        instance_exit_initialization(c, CALL2(ExitInitializationMode), exchange ? PHASE_EVENT : PHASE_STEP));
 }
 
 fmi2Status fmi2Terminate(fmi2Component c)
 {
-    return status_of(instance_enter(c, CALL(Terminate), PHASE_TERMINATED));
+    return fmi2_status(instance_enter(c, CALL2(Terminate), PHASE_TERMINATED));
 }
 
 fmi2Status fmi2Reset(fmi2Component c)
 {
-    return status_of(instance_reset(c, CALL(Reset)));
+    return fmi2_status(instance_reset(c, CALL2(Reset)));
 }

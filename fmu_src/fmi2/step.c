@@ -7,17 +7,17 @@
 
 /* Any step, with messages. Apart from fmi2DoStep, so that a deferred flight does not save registers for
  * it. */
-CONTACT_NOINLINE static fmi2Status do_step(struct instance *instance, double point, double size)
+CONTACT_NOINLINE static fmi2Status fmi2_do_step(struct instance *instance, double point, double size)
 {
-    if (!call_allowed_in_steps(instance, CALL(DoStep))) {
+    if (!call_allowed_in_steps(instance, CALL2(DoStep))) {
         return fmi2Error;
     }
-    enum model_status status = step_check(instance, CALL(DoStep), point, size);
+    enum model_status status = step_check(instance, CALL2(DoStep), point, size);
     if (status == MODEL_OK) {
         status = step_end(instance, model_step(instance->model, point + size));
     }
     instance->step_status = status;
-    return status_of(status);
+    return fmi2_status(status);
 }
 
 /*
@@ -37,12 +37,12 @@ CONTACT_FLATTEN fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunica
         model_step_deferred(instance->model, currentCommunicationPoint + communicationStepSize)) {
         return fmi2OK; /* as the step before, so that step_status need not be written */
     }
-    return do_step(instance, currentCommunicationPoint, communicationStepSize);
+    return fmi2_do_step(instance, currentCommunicationPoint, communicationStepSize);
 }
 
 fmi2Status fmi2CancelStep(fmi2Component c)
 {
-    return status_of(call_refuse(c, CALL(CancelStep), "no step is ever in progress here"));
+    return fmi2_status(call_refuse(c, CALL2(CancelStep), "no step is ever in progress here"));
 }
 
 static const char *status_kind_name(fmi2StatusKind kind)
@@ -68,8 +68,8 @@ static fmi2Status ask_status(struct instance *instance, const struct call *call,
         return fmi2Error;
     }
     if (!known) {
-        return status_of(log_report(instance, MODEL_DISCARD, "%s: %s is not available, allowed: %s",
-                                    call->name, status_kind_name(kind), answered));
+        return fmi2_status(log_report(instance, MODEL_DISCARD, "%s: %s is not available, allowed: %s",
+                                      call->name, status_kind_name(kind), answered));
     }
     return fmi2OK;
 }
@@ -78,9 +78,9 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *va
 {
     struct instance *instance = c;
     const fmi2Status asked =
-        ask_status(instance, CALL(GetStatus), s, "fmi2DoStepStatus", s == fmi2DoStepStatus, value);
+        ask_status(instance, CALL2(GetStatus), s, "fmi2DoStepStatus", s == fmi2DoStepStatus, value);
     if (asked == fmi2OK) {
-        *value = status_of(instance->step_status);
+        *value = fmi2_status(instance->step_status);
     }
     return asked;
 }
@@ -90,7 +90,7 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *
     struct instance *instance = c;
     const bool known = s == fmi2LastSuccessfulTime;
     const fmi2Status asked =
-        ask_status(instance, CALL(GetRealStatus), s, "fmi2LastSuccessfulTime", known, value);
+        ask_status(instance, CALL2(GetRealStatus), s, "fmi2LastSuccessfulTime", known, value);
     if (asked == fmi2OK) {
         *value = model_time(instance->model);
     }
@@ -99,13 +99,13 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *
 
 fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind s, fmi2Integer *value)
 {
-    return ask_status(c, CALL(GetIntegerStatus), s, "none", false, value);
+    return ask_status(c, CALL2(GetIntegerStatus), s, "none", false, value);
 }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value)
 {
     const fmi2Status asked =
-        ask_status(c, CALL(GetBooleanStatus), s, "fmi2Terminated", s == fmi2Terminated, value);
+        ask_status(c, CALL2(GetBooleanStatus), s, "fmi2Terminated", s == fmi2Terminated, value);
     if (asked == fmi2OK) {
         *value = fmi2False; /* the model never ends a run by itself */
     }
@@ -114,5 +114,5 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
 
 fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind s, fmi2String *value)
 {
-    return ask_status(c, CALL(GetStringStatus), s, "none", false, value);
+    return ask_status(c, CALL2(GetStringStatus), s, "none", false, value);
 }

@@ -10,8 +10,8 @@
 enum { TYPES_WHOLE = TYPES_INTEGER | TYPES_ENUMERATION };
 
 /* What every get and set function asks first. */
-static inline bool ready(struct instance *instance, const struct call *call, const fmi2ValueReference vr[],
-                         size_t nvr, const void *value)
+static inline bool fmi2_ready(struct instance *instance, const struct call *call,
+                              const fmi2ValueReference vr[], size_t nvr, const void *value)
 {
     return call_allowed(instance, call) && call_array_given(instance, call, "vr", vr, nvr) &&
            call_array_given(instance, call, "value", value, nvr);
@@ -30,14 +30,15 @@ static inline fmi2Status read_values(struct instance *instance, const struct cal
     for (size_t i = 0; i < nvr && status == MODEL_OK; ++i) {
         status = model_read(instance->model, scene_variable(vr[i]), (char *)value + i * size);
     }
-    return status_of(status);
+    return fmi2_status(status);
 }
 
-static fmi2Status get_values(struct instance *instance, const struct call *call, unsigned types,
-                             const fmi2ValueReference vr[], size_t nvr, void *value, size_t size)
+static fmi2Status fmi2_get_values(struct instance *instance, const struct call *call, unsigned types,
+                                  const fmi2ValueReference vr[], size_t nvr, void *value, size_t size)
 {
-    return ready(instance, call, vr, nvr, value) ? read_values(instance, call, types, vr, nvr, value, size)
-                                                 : fmi2Error;
+    return fmi2_ready(instance, call, vr, nvr, value)
+               ? read_values(instance, call, types, vr, nvr, value, size)
+               : fmi2Error;
 }
 
 /* Any number, with messages. Apart from fmi2GetReal, so that reading a vector does not save registers for
@@ -45,13 +46,13 @@ static fmi2Status get_values(struct instance *instance, const struct call *call,
 CONTACT_NOINLINE static fmi2Status get_reals(struct instance *instance, const fmi2ValueReference vr[],
                                              size_t nvr, fmi2Real value[])
 {
-    if (!ready(instance, CALL(GetReal), vr, nvr, value)) {
+    if (!fmi2_ready(instance, CALL2(GetReal), vr, nvr, value)) {
         return fmi2Error;
     }
     if (instance->phase == PHASE_STEP && model_get_reals(instance->model, vr, nvr, value) == nvr) {
         return fmi2OK;
     }
-    return read_values(instance, CALL(GetReal), TYPES_REAL, vr, nvr, value, sizeof *value);
+    return read_values(instance, CALL2(GetReal), TYPES_REAL, vr, nvr, value, sizeof *value);
 }
 
 /* Vectors are mostly read as a whole. Flattened, because calls would be a good part of what that costs. */
@@ -70,24 +71,24 @@ CONTACT_FLATTEN fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference
 
 fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[])
 {
-    return get_values(c, CALL(GetInteger), TYPES_WHOLE, vr, nvr, value, sizeof *value);
+    return fmi2_get_values(c, CALL2(GetInteger), TYPES_WHOLE, vr, nvr, value, sizeof *value);
 }
 
 fmi2Status fmi2GetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Boolean value[])
 {
-    return get_values(c, CALL(GetBoolean), TYPES_BOOLEAN, vr, nvr, value, sizeof *value);
+    return fmi2_get_values(c, CALL2(GetBoolean), TYPES_BOOLEAN, vr, nvr, value, sizeof *value);
 }
 
 /* There are no string variables, so that every reference is a wrong one. */
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[])
 {
-    return get_values(c, CALL(GetString), TYPES_NONE, vr, nvr, (void *)value, sizeof *value);
+    return fmi2_get_values(c, CALL2(GetString), TYPES_NONE, vr, nvr, (void *)value, sizeof *value);
 }
 
-static fmi2Status set_values(struct instance *instance, const struct call *call, unsigned types,
-                             const fmi2ValueReference vr[], size_t nvr, const void *value, size_t size)
+static fmi2Status fmi2_set_values(struct instance *instance, const struct call *call, unsigned types,
+                                  const fmi2ValueReference vr[], size_t nvr, const void *value, size_t size)
 {
-    if (!ready(instance, call, vr, nvr, value)) {
+    if (!fmi2_ready(instance, call, vr, nvr, value)) {
         return fmi2Error;
     }
     const char *bytes = value;
@@ -98,7 +99,7 @@ static fmi2Status set_values(struct instance *instance, const struct call *call,
         }
         const enum model_status status = model_check(instance->model, variable, bytes + i * size);
         if (status > MODEL_WARNING) {
-            return status_of(status);
+            return fmi2_status(status);
         }
     }
     for (size_t i = 0; i < nvr; ++i) {
@@ -109,22 +110,22 @@ static fmi2Status set_values(struct instance *instance, const struct call *call,
 
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[])
 {
-    return set_values(c, CALL(SetReal), TYPES_REAL, vr, nvr, value, sizeof *value);
+    return fmi2_set_values(c, CALL2(SetReal), TYPES_REAL, vr, nvr, value, sizeof *value);
 }
 
 fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                           const fmi2Integer value[])
 {
-    return set_values(c, CALL(SetInteger), TYPES_WHOLE, vr, nvr, value, sizeof *value);
+    return fmi2_set_values(c, CALL2(SetInteger), TYPES_WHOLE, vr, nvr, value, sizeof *value);
 }
 
 fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
                           const fmi2Boolean value[])
 {
-    return set_values(c, CALL(SetBoolean), TYPES_BOOLEAN, vr, nvr, value, sizeof *value);
+    return fmi2_set_values(c, CALL2(SetBoolean), TYPES_BOOLEAN, vr, nvr, value, sizeof *value);
 }
 
 fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[])
 {
-    return set_values(c, CALL(SetString), TYPES_NONE, vr, nvr, (const void *)value, sizeof *value);
+    return fmi2_set_values(c, CALL2(SetString), TYPES_NONE, vr, nvr, (const void *)value, sizeof *value);
 }

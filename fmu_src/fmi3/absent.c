@@ -14,14 +14,14 @@ fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference valueReferences
                         fmi3Clock values[])
 {
     (void)valueReferences, (void)nValueReferences, (void)values;
-    return status_of(call_refuse(c, CALL(GetClock), NO_CLOCKS));
+    return fmi3_status(call_refuse(c, CALL3(GetClock), NO_CLOCKS));
 }
 
 fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,
                         const fmi3Clock values[])
 {
     (void)valueReferences, (void)nValueReferences, (void)values;
-    return status_of(call_refuse(c, CALL(SetClock), NO_CLOCKS));
+    return fmi3_status(call_refuse(c, CALL3(SetClock), NO_CLOCKS));
 }
 
 fmi3Status fmi3GetIntervalDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[],
@@ -29,7 +29,7 @@ fmi3Status fmi3GetIntervalDecimal(fmi3Instance c, const fmi3ValueReference value
                                   fmi3IntervalQualifier qualifiers[])
 {
     (void)valueReferences, (void)nValueReferences, (void)intervals, (void)qualifiers;
-    return status_of(call_refuse(c, CALL(GetIntervalDecimal), NO_CLOCKS));
+    return fmi3_status(call_refuse(c, CALL3(GetIntervalDecimal), NO_CLOCKS));
 }
 
 fmi3Status fmi3GetIntervalFraction(fmi3Instance c, const fmi3ValueReference valueReferences[],
@@ -37,28 +37,28 @@ fmi3Status fmi3GetIntervalFraction(fmi3Instance c, const fmi3ValueReference valu
                                    fmi3IntervalQualifier qualifiers[])
 {
     (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions, (void)qualifiers;
-    return status_of(call_refuse(c, CALL(GetIntervalFraction), NO_CLOCKS));
+    return fmi3_status(call_refuse(c, CALL3(GetIntervalFraction), NO_CLOCKS));
 }
 
 fmi3Status fmi3GetShiftDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[],
                                size_t nValueReferences, fmi3Float64 shifts[])
 {
     (void)valueReferences, (void)nValueReferences, (void)shifts;
-    return status_of(call_refuse(c, CALL(GetShiftDecimal), NO_CLOCKS));
+    return fmi3_status(call_refuse(c, CALL3(GetShiftDecimal), NO_CLOCKS));
 }
 
 fmi3Status fmi3GetShiftFraction(fmi3Instance c, const fmi3ValueReference valueReferences[],
                                 size_t nValueReferences, fmi3UInt64 counters[], fmi3UInt64 resolutions[])
 {
     (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions;
-    return status_of(call_refuse(c, CALL(GetShiftFraction), NO_CLOCKS));
+    return fmi3_status(call_refuse(c, CALL3(GetShiftFraction), NO_CLOCKS));
 }
 
 fmi3Status fmi3SetIntervalDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[],
                                   size_t nValueReferences, const fmi3Float64 intervals[])
 {
     (void)valueReferences, (void)nValueReferences, (void)intervals;
-    return status_of(call_refuse(c, CALL(SetIntervalDecimal), NO_CLOCKS));
+    return fmi3_status(call_refuse(c, CALL3(SetIntervalDecimal), NO_CLOCKS));
 }
 
 fmi3Status fmi3SetIntervalFraction(fmi3Instance c, const fmi3ValueReference valueReferences[],
@@ -66,14 +66,14 @@ fmi3Status fmi3SetIntervalFraction(fmi3Instance c, const fmi3ValueReference valu
                                    const fmi3UInt64 resolutions[])
 {
     (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions;
-    return status_of(call_refuse(c, CALL(SetIntervalFraction), NO_CLOCKS));
+    return fmi3_status(call_refuse(c, CALL3(SetIntervalFraction), NO_CLOCKS));
 }
 
 fmi3Status fmi3SetShiftDecimal(fmi3Instance c, const fmi3ValueReference valueReferences[],
                                size_t nValueReferences, const fmi3Float64 shifts[])
 {
     (void)valueReferences, (void)nValueReferences, (void)shifts;
-    return status_of(call_refuse(c, CALL(SetShiftDecimal), NO_CLOCKS));
+    return fmi3_status(call_refuse(c, CALL3(SetShiftDecimal), NO_CLOCKS));
 }
 
 fmi3Status fmi3SetShiftFraction(fmi3Instance c, const fmi3ValueReference valueReferences[],
@@ -81,36 +81,36 @@ fmi3Status fmi3SetShiftFraction(fmi3Instance c, const fmi3ValueReference valueRe
                                 const fmi3UInt64 resolutions[])
 {
     (void)valueReferences, (void)nValueReferences, (void)counters, (void)resolutions;
-    return status_of(call_refuse(c, CALL(SetShiftFraction), NO_CLOCKS));
+    return fmi3_status(call_refuse(c, CALL3(SetShiftFraction), NO_CLOCKS));
 }
 
 fmi3Status fmi3ActivateModelPartition(fmi3Instance c, fmi3ValueReference clockReference,
                                       fmi3Float64 activationTime)
 {
     (void)clockReference, (void)activationTime;
-    return status_of(call_refuse(c, CALL(ActivateModelPartition), NO_PARTITIONS));
+    return fmi3_status(call_refuse(c, CALL3(ActivateModelPartition), NO_PARTITIONS));
 }
 
 fmi3Status fmi3EnterConfigurationMode(fmi3Instance c)
 {
-    return status_of(call_refuse(c, CALL(EnterConfigurationMode), NO_STRUCTURE));
+    return fmi3_status(call_refuse(c, CALL3(EnterConfigurationMode), NO_STRUCTURE));
 }
 
 fmi3Status fmi3ExitConfigurationMode(fmi3Instance c)
 {
-    return status_of(call_refuse(c, CALL(ExitConfigurationMode), NO_STRUCTURE));
+    return fmi3_status(call_refuse(c, CALL3(ExitConfigurationMode), NO_STRUCTURE));
 }
 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance c)
 {
-    return status_of(call_refuse(c, CALL(EvaluateDiscreteStates), NO_EVALUATION));
+    return fmi3_status(call_refuse(c, CALL3(EvaluateDiscreteStates), NO_EVALUATION));
 }
 
 fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReference valueReference,
                                                size_t *nDependencies)
 {
     (void)valueReference, (void)nDependencies;
-    return status_of(call_refuse(c, CALL(GetNumberOfVariableDependencies), NO_ELEMENTS));
+    return fmi3_status(call_refuse(c, CALL3(GetNumberOfVariableDependencies), NO_ELEMENTS));
 }
 
 fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference dependent,
@@ -120,5 +120,5 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference depend
 {
     (void)dependent, (void)elementIndicesOfDependent, (void)independents, (void)elementIndicesOfIndependents,
         (void)dependencyKinds, (void)nDependencies;
-    return status_of(call_refuse(c, CALL(GetVariableDependencies), NO_ELEMENTS));
+    return fmi3_status(call_refuse(c, CALL3(GetVariableDependencies), NO_ELEMENTS));
 }

@@ -5,15 +5,15 @@
 #include "fmi/call_order.h"
 #include "fmi3/instance.h"
 
-#define PHASES_SETTABLE (PHASE_INSTANTIATED | PHASE_INITIALIZATION | PHASE_STEP | PHASE_EVENT)
-#define PHASES_STEPPED (PHASE_STEP | PHASE_TERMINATED | PHASE_ERROR)
-#define PHASES_EXCHANGED (PHASE_EVENT | PHASE_CONTINUOUS)
-#define PHASES_INITIALIZED (PHASE_INITIALIZATION | PHASES_EXCHANGED | PHASES_STEPPED)
-#define PHASES_ALL (PHASE_INSTANTIATED | PHASES_INITIALIZED)
+#define PHASES3_SETTABLE (PHASE_INSTANTIATED | PHASE_INITIALIZATION | PHASE_STEP | PHASE_EVENT)
+#define PHASES3_STEPPED (PHASE_STEP | PHASE_TERMINATED | PHASE_ERROR)
+#define PHASES3_EXCHANGED (PHASE_EVENT | PHASE_CONTINUOUS)
+#define PHASES3_INITIALIZED (PHASE_INITIALIZATION | PHASES3_EXCHANGED | PHASES3_STEPPED)
+#define PHASES3_ALL (PHASE_INSTANTIATED | PHASES3_INITIALIZED)
 /* In which a state vector can be read. */
-#define PHASES_OF_STATES (PHASE_INITIALIZATION | PHASES_EXCHANGED | PHASE_TERMINATED | PHASE_ERROR)
+#define PHASES3_OF_STATES (PHASE_INITIALIZATION | PHASES3_EXCHANGED | PHASE_TERMINATED | PHASE_ERROR)
 /* In an intermediate update outputs are read, and the logger may be told of it. */
-#define PHASES_WITHIN(phases) (PHASES_READ(phases) | PHASE_INTERMEDIATE)
+#define PHASES3_WITHIN(phases) (PHASES_READ(phases) | PHASE_INTERMEDIATE)
 
 /* Rows of all types of variables but Float64, whether there are such variables or not. */
 #define CALL_TYPES(ROW, Verb, phases)                                                                        \
@@ -55,12 +55,12 @@
     ROW(CompletedIntegratorStep, PHASE_CONTINUOUS)                                                           \
     ROW(SetTime, PHASE_CONTINUOUS)                                                                           \
     ROW(SetContinuousStates, PHASE_CONTINUOUS)                                                               \
-    ROW(GetContinuousStateDerivatives, PHASES_READ(PHASES_OF_STATES))                                        \
-    ROW(GetEventIndicators, PHASES_READ(PHASES_OF_STATES))                                                   \
-    ROW(GetContinuousStates, PHASES_READ(PHASES_OF_STATES))                                                  \
-    ROW(GetNominalsOfContinuousStates, PHASES_READ(PHASES_OF_STATES))                                        \
-    ROW(GetNumberOfEventIndicators, PHASES_READ(PHASES_ALL))                                                 \
-    ROW(GetNumberOfContinuousStates, PHASES_READ(PHASES_ALL))
+    ROW(GetContinuousStateDerivatives, PHASES_READ(PHASES3_OF_STATES))                                       \
+    ROW(GetEventIndicators, PHASES_READ(PHASES3_OF_STATES))                                                  \
+    ROW(GetContinuousStates, PHASES_READ(PHASES3_OF_STATES))                                                 \
+    ROW(GetNominalsOfContinuousStates, PHASES_READ(PHASES3_OF_STATES))                                       \
+    ROW(GetNumberOfEventIndicators, PHASES_READ(PHASES3_ALL))                                                \
+    ROW(GetNumberOfContinuousStates, PHASES_READ(PHASES3_ALL))
 
 /*
  * After the state machines of FMI 3.0.2, sections 2.3, 3.2 and 4.2: an instance of Model Exchange is never in
@@ -68,38 +68,38 @@
  * read while instantiated (only those that have a start value), and between setting an input and the next
  * step; how many states and event indicators there are is always told.
  */
-#define CALL_TABLE(ROW)                                                                                      \
-    ROW(SetDebugLogging, PHASES_ALL)                                                                         \
+#define CALL3_TABLE(ROW)                                                                                     \
+    ROW(SetDebugLogging, PHASES3_ALL)                                                                        \
     ROW(EnterInitializationMode, PHASE_INSTANTIATED)                                                         \
     ROW(ExitInitializationMode, PHASE_INITIALIZATION)                                                        \
     ROW(EnterEventMode, PHASE_STEP | PHASE_CONTINUOUS)                                                       \
     ROW(UpdateDiscreteStates, PHASE_EVENT)                                                                   \
     ROW(EnterStepMode, PHASE_EVENT)                                                                          \
-    ROW(Terminate, PHASE_STEP | PHASES_EXCHANGED)                                                            \
-    ROW(Reset, PHASES_ALL)                                                                                   \
-    ROW(GetFloat64, PHASES_WITHIN(PHASES_ALL))                                                               \
-    CALL_TYPES(ROW, Get, PHASES_WITHIN(PHASES_ALL))                                                          \
-    ROW(SetFloat64, PHASES_SETTABLE | PHASE_CONTINUOUS)                                                      \
-    CALL_TYPES(ROW, Set, PHASES_SETTABLE)                                                                    \
-    ROW(GetFMUState, PHASES_ALL)                                                                             \
-    ROW(SetFMUState, PHASES_ALL)                                                                             \
-    ROW(FreeFMUState, PHASES_ALL)                                                                            \
-    ROW(SerializedFMUStateSize, PHASES_READ(PHASES_ALL))                                                     \
-    ROW(SerializeFMUState, PHASES_READ(PHASES_ALL))                                                          \
-    ROW(DeserializeFMUState, PHASES_ALL)                                                                     \
-    ROW(GetDirectionalDerivative, PHASES_READ(PHASES_INITIALIZED))                                           \
-    ROW(GetAdjointDerivative, PHASES_READ(PHASES_INITIALIZED))                                               \
-    ROW(GetOutputDerivatives, PHASES_WITHIN(PHASES_STEPPED))                                                 \
+    ROW(Terminate, PHASE_STEP | PHASES3_EXCHANGED)                                                           \
+    ROW(Reset, PHASES3_ALL)                                                                                  \
+    ROW(GetFloat64, PHASES3_WITHIN(PHASES3_ALL))                                                             \
+    CALL_TYPES(ROW, Get, PHASES3_WITHIN(PHASES3_ALL))                                                        \
+    ROW(SetFloat64, PHASES3_SETTABLE | PHASE_CONTINUOUS)                                                     \
+    CALL_TYPES(ROW, Set, PHASES3_SETTABLE)                                                                   \
+    ROW(GetFMUState, PHASES3_ALL)                                                                            \
+    ROW(SetFMUState, PHASES3_ALL)                                                                            \
+    ROW(FreeFMUState, PHASES3_ALL)                                                                           \
+    ROW(SerializedFMUStateSize, PHASES_READ(PHASES3_ALL))                                                    \
+    ROW(SerializeFMUState, PHASES_READ(PHASES3_ALL))                                                         \
+    ROW(DeserializeFMUState, PHASES3_ALL)                                                                    \
+    ROW(GetDirectionalDerivative, PHASES_READ(PHASES3_INITIALIZED))                                          \
+    ROW(GetAdjointDerivative, PHASES_READ(PHASES3_INITIALIZED))                                              \
+    ROW(GetOutputDerivatives, PHASES3_WITHIN(PHASES3_STEPPED))                                               \
     ROW(DoStep, PHASE_STEP)                                                                                  \
     CALL_EXCHANGE(ROW)                                                                                       \
     CALL_ABSENT(ROW)
 
-#define CALL_NAME(function, phases) CALL_##function,
-enum fmi3_call { CALL_TABLE(CALL_NAME) CALL_COUNT };
-#undef CALL_NAME
+#define CALL3_NAME(function, phases) CALL3_##function,
+enum fmi3_call { CALL3_TABLE(CALL3_NAME) CALL3_COUNT };
+#undef CALL3_NAME
 
 extern const struct call calls_of_fmi3[];
 
-#define CALL(function) (&calls_of_fmi3[CALL_##function])
+#define CALL3(function) (&calls_of_fmi3[CALL3_##function])
 
 #endif

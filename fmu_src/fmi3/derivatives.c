@@ -8,7 +8,7 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference vr[
                                     const fmi3Int32 orders[], fmi3Float64 values[], size_t count)
 {
     struct instance *instance = c;
-    const struct call *call = CALL(GetOutputDerivatives);
+    const struct call *call = CALL3(GetOutputDerivatives);
     if (!call_allowed_in_steps(instance, call) ||
         !call_array_given(instance, call, "valueReferences", vr, nvr) ||
         !call_array_given(instance, call, "orders", orders, nvr) ||
@@ -27,5 +27,5 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference vr[
         }
         status = output_derivatives(instance, call, chunk.references, order_of, chunk.count, values + done);
     }
-    return status_of(status);
+    return fmi3_status(status);
 }

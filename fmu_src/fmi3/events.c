@@ -10,15 +10,15 @@
 fmi3Status fmi3EnterEventMode(fmi3Instance c)
 {
     struct fmi3_instance *own = c;
-    const struct call *call = CALL(EnterEventMode);
+    const struct call *call = CALL3(EnterEventMode);
     if (!call_allowed(c, call)) {
         return fmi3Error;
     }
     if (own->shared.host.exchange) {
-        return status_of(exchange_enter(c, call, PHASE_EVENT));
+        return fmi3_status(exchange_enter(c, call, PHASE_EVENT));
     }
     if (!own->event_mode_used) {
-        return status_of(call_refuse(c, call, "instantiated with eventModeUsed = false"));
+        return fmi3_status(call_refuse(c, call, "instantiated with eventModeUsed = false"));
     }
     own->shared.phase = PHASE_EVENT;
     return fmi3OK;
@@ -26,8 +26,8 @@ fmi3Status fmi3EnterEventMode(fmi3Instance c)
 
 fmi3Status fmi3EnterStepMode(fmi3Instance c)
 {
-    const struct call *call = CALL(EnterStepMode);
-    return call_allowed_in_steps(c, call) ? status_of(instance_enter(c, call, PHASE_STEP)) : fmi3Error;
+    const struct call *call = CALL3(EnterStepMode);
+    return call_allowed_in_steps(c, call) ? fmi3_status(instance_enter(c, call, PHASE_STEP)) : fmi3Error;
 }
 
 fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesNeedUpdate,
@@ -37,7 +37,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
                                     fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime)
 {
     struct instance *instance = c;
-    const struct call *call = CALL(UpdateDiscreteStates);
+    const struct call *call = CALL3(UpdateDiscreteStates);
     if (!call_allowed(c, call) ||
         !call_array_given(c, call, "discreteStatesNeedUpdate", discreteStatesNeedUpdate, 1) ||
         !call_array_given(c, call, "terminateSimulation", terminateSimulation, 1) ||
@@ -57,5 +57,5 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
     *valuesOfContinuousStatesChanged = news.jumped;
     *nextEventTimeDefined = news.scheduled;
     *nextEventTime = news.event_time;
-    return status_of(status);
+    return fmi3_status(status);
 }

@@ -4,14 +4,14 @@
 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c)
 {
-    return status_of(exchange_enter(c, CALL(EnterContinuousTimeMode), PHASE_CONTINUOUS));
+    return fmi3_status(exchange_enter(c, CALL3(EnterContinuousTimeMode), PHASE_CONTINUOUS));
 }
 
 /* Nothing is kept for going back, so noSetFMUStatePriorToCurrentPoint is idle. */
 fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
                                        fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
 {
-    const struct call *call = CALL(CompletedIntegratorStep);
+    const struct call *call = CALL3(CompletedIntegratorStep);
     (void)noSetFMUStatePriorToCurrentPoint;
     if (!call_allowed_in_exchange(c, call) ||
         !call_array_given(c, call, "enterEventMode", enterEventMode, 1) ||
@@ -20,43 +20,44 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean noSetFMUState
     }
     *enterEventMode = fmi3False;
     *terminateSimulation = fmi3False;
-    return status_of(exchange_accept_step(c, call));
+    return fmi3_status(exchange_accept_step(c, call));
 }
 
 fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 time)
 {
-    return status_of(exchange_set_time(c, CALL(SetTime), time));
+    return fmi3_status(exchange_set_time(c, CALL3(SetTime), time));
 }
 
 fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 continuousStates[],
                                    size_t nContinuousStates)
 {
-    return status_of(exchange_set_states(c, CALL(SetContinuousStates), continuousStates, nContinuousStates));
+    return fmi3_status(
+        exchange_set_states(c, CALL3(SetContinuousStates), continuousStates, nContinuousStates));
 }
 
 fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 derivatives[],
                                              size_t nContinuousStates)
 {
-    return status_of(
-        exchange_get(c, CALL(GetContinuousStateDerivatives), EXCHANGE_RATES, derivatives, nContinuousStates));
+    return fmi3_status(exchange_get(c, CALL3(GetContinuousStateDerivatives), EXCHANGE_RATES, derivatives,
+                                    nContinuousStates));
 }
 
 fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 eventIndicators[], size_t nEventIndicators)
 {
-    return status_of(
-        exchange_get(c, CALL(GetEventIndicators), EXCHANGE_INDICATORS, eventIndicators, nEventIndicators));
+    return fmi3_status(
+        exchange_get(c, CALL3(GetEventIndicators), EXCHANGE_INDICATORS, eventIndicators, nEventIndicators));
 }
 
 fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 continuousStates[], size_t nContinuousStates)
 {
-    return status_of(
-        exchange_get(c, CALL(GetContinuousStates), EXCHANGE_STATES, continuousStates, nContinuousStates));
+    return fmi3_status(
+        exchange_get(c, CALL3(GetContinuousStates), EXCHANGE_STATES, continuousStates, nContinuousStates));
 }
 
 fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 nominals[], size_t nContinuousStates)
 {
-    return status_of(
-        exchange_get_nominals(c, CALL(GetNominalsOfContinuousStates), nominals, nContinuousStates));
+    return fmi3_status(
+        exchange_get_nominals(c, CALL3(GetNominalsOfContinuousStates), nominals, nContinuousStates));
 }
 
 static fmi3Status put_count(struct instance *instance, const struct call *call, const char *argument,
@@ -71,12 +72,12 @@ static fmi3Status put_count(struct instance *instance, const struct call *call, 
 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *nEventIndicators)
 {
-    return put_count(c, CALL(GetNumberOfEventIndicators), "nEventIndicators", model_exchange_indicators(),
+    return put_count(c, CALL3(GetNumberOfEventIndicators), "nEventIndicators", model_exchange_indicators(),
                      nEventIndicators);
 }
 
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *nContinuousStates)
 {
-    return put_count(c, CALL(GetNumberOfContinuousStates), "nContinuousStates", model_exchange_states(),
+    return put_count(c, CALL3(GetNumberOfContinuousStates), "nContinuousStates", model_exchange_states(),
                      nContinuousStates);
 }

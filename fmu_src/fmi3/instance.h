@@ -22,7 +22,7 @@ _Static_assert((int)MODEL_OK == (int)fmi3OK && (int)MODEL_WARNING == (int)fmi3Wa
 _Static_assert((int)MODEL_DISCARD == (int)fmi3Discard && (int)MODEL_ERROR == (int)fmi3Error, "status order");
 _Static_assert((int)MODEL_FATAL == (int)fmi3Fatal, "status order");
 
-static inline fmi3Status status_of(enum model_status status)
+static inline fmi3Status fmi3_status(enum model_status status)
 {
     return (fmi3Status)status;
 }

@@ -22,13 +22,13 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean loggingOn, size_t nCa
     struct instance *instance = c;
     unsigned chosen = 0;
     const enum model_status status =
-        instance_categories(instance, CALL(SetDebugLogging), nCategories, categories, &chosen);
+        instance_categories(instance, CALL3(SetDebugLogging), nCategories, categories, &chosen);
     if (status == MODEL_OK) {
         const unsigned bits = nCategories == 0 ? (unsigned)LOG_ALL : chosen;
         instance->log_categories =
             loggingOn ? instance->log_categories | bits : instance->log_categories & ~bits;
     }
-    return status_of(status);
+    return fmi3_status(status);
 }
 
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
@@ -37,12 +37,12 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefi
 {
     struct instance *instance = c;
     const enum model_status status =
-        instance_set_up(instance, CALL(EnterInitializationMode), toleranceDefined, tolerance, startTime,
+        instance_set_up(instance, CALL3(EnterInitializationMode), toleranceDefined, tolerance, startTime,
                         stopTimeDefined, stopTime);
     if (status <= MODEL_WARNING) {
         instance->phase = PHASE_INITIALIZATION;
     }
-    return status_of(status);
+    return fmi3_status(status);
 }
 
 /* With event mode the run begins there, and so it does in Model Exchange. */
@@ -51,15 +51,15 @@ fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
     const struct fmi3_instance *own = c;
     const bool events = own != NULL && (own->event_mode_used || own->shared.host.exchange);
     const enum phase next = events ? PHASE_EVENT : PHASE_STEP;
-    return status_of(instance_exit_initialization(c, CALL(ExitInitializationMode), next));
+    return fmi3_status(instance_exit_initialization(c, CALL3(ExitInitializationMode), next));
 }
 
 fmi3Status fmi3Terminate(fmi3Instance c)
 {
-    return status_of(instance_enter(c, CALL(Terminate), PHASE_TERMINATED));
+    return fmi3_status(instance_enter(c, CALL3(Terminate), PHASE_TERMINATED));
 }
 
 fmi3Status fmi3Reset(fmi3Instance c)
 {
-    return status_of(instance_reset(c, CALL(Reset)));
+    return fmi3_status(instance_reset(c, CALL3(Reset)));
 }

@@ -115,7 +115,7 @@ static fmi3Status product(struct instance *instance, const struct call *call, co
         return fmi3Error;
     }
     const enum model_status status = check_product(instance, call, p);
-    return status_of(status == MODEL_OK ? multiply(instance, p) : status);
+    return fmi3_status(status == MODEL_OK ? multiply(instance, p) : status);
 }
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,
@@ -132,7 +132,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference
                               .known_components = nSeed,
                               .seed = seed,
                               .sensitivity = sensitivity};
-    return product(c, CALL(GetDirectionalDerivative), &p);
+    return product(c, CALL3(GetDirectionalDerivative), &p);
 }
 
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns,
@@ -149,5 +149,5 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance c, const fmi3ValueReference unk
                               .known_components = nSensitivity,
                               .seed = seed,
                               .sensitivity = sensitivity};
-    return product(c, CALL(GetAdjointDerivative), &p);
+    return product(c, CALL3(GetAdjointDerivative), &p);
 }

@@ -70,7 +70,7 @@ static enum model_status take_checked_step(struct fmi3_instance *own, double end
 static bool has_room(struct instance *instance, const char *name, const void *room)
 {
     if (room == NULL) {
-        (void)call_array_given(instance, CALL(DoStep), name, NULL, 1); /* says so */
+        (void)call_array_given(instance, CALL3(DoStep), name, NULL, 1); /* says so */
     }
     return room != NULL;
 }
@@ -84,22 +84,22 @@ static bool have_room(struct instance *instance, const struct results *to)
 
 /* Any step, with messages. Apart from fmi3DoStep, so that a deferred flight does not save registers for it;
  * its arguments are so few that all of them are in registers. */
-CONTACT_NOINLINE static fmi3Status do_step(struct instance *instance, double point, double size,
-                                           fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early,
-                                           fmi3Float64 *time)
+CONTACT_NOINLINE static fmi3Status fmi3_do_step(struct instance *instance, double point, double size,
+                                                fmi3Boolean *event, fmi3Boolean *terminate,
+                                                fmi3Boolean *early, fmi3Float64 *time)
 {
     const struct results to = {event, terminate, early, time};
-    if (!call_allowed_in_steps(instance, CALL(DoStep)) || !have_room(instance, &to)) {
+    if (!call_allowed_in_steps(instance, CALL3(DoStep)) || !have_room(instance, &to)) {
         return fmi3Error;
     }
-    enum model_status status = step_check(instance, CALL(DoStep), point, size);
+    enum model_status status = step_check(instance, CALL3(DoStep), point, size);
     if (status == MODEL_OK) {
         status = take_checked_step((struct fmi3_instance *)instance, point + size, &to);
     } else {
         put_results(&to, false, false, model_time(instance->model));
     }
     instance->step_status = status;
-    return status_of(status);
+    return fmi3_status(status);
 }
 
 /*
@@ -125,6 +125,6 @@ CONTACT_FLATTEN fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommuni
         put_results(&to, false, false, model_time(instance->model));
         return fmi3OK; /* as the step before, so that step_status need not be written */
     }
-    return do_step(instance, currentCommunicationPoint, communicationStepSize, eventHandlingNeeded,
-                   terminateSimulation, earlyReturn, lastSuccessfulTime);
+    return fmi3_do_step(instance, currentCommunicationPoint, communicationStepSize, eventHandlingNeeded,
+                        terminateSimulation, earlyReturn, lastSuccessfulTime);
 }

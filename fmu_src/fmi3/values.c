@@ -121,9 +121,9 @@ static enum model_status check_readable(struct instance *instance, const struct 
     return components == count ? MODEL_OK : report_count(instance, call, count, components);
 }
 
-CONTACT_NOINLINE static enum model_status get_values(struct instance *instance, const struct call *call,
-                                                     unsigned types, const fmi3ValueReference vr[],
-                                                     size_t nvr, void *values, size_t count)
+CONTACT_NOINLINE static enum model_status fmi3_get_values(struct instance *instance, const struct call *call,
+                                                          unsigned types, const fmi3ValueReference vr[],
+                                                          size_t nvr, void *values, size_t count)
 {
     if (!ready(instance, call, vr, nvr, values, count)) {
         return MODEL_ERROR;
@@ -191,9 +191,9 @@ static enum model_status check_settable(struct instance *instance, const struct 
     return components == count ? MODEL_OK : report_count(instance, call, count, components);
 }
 
-static enum model_status set_values(struct instance *instance, const struct call *call, unsigned types,
-                                    const fmi3ValueReference vr[], size_t nvr, const void *values,
-                                    size_t count)
+static enum model_status fmi3_set_values(struct instance *instance, const struct call *call, unsigned types,
+                                         const fmi3ValueReference vr[], size_t nvr, const void *values,
+                                         size_t count)
 {
     if (!ready(instance, call, vr, nvr, values, count)) {
         return MODEL_ERROR;
@@ -228,7 +228,7 @@ CONTACT_FLATTEN fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReferen
             return fmi3OK;
         }
     }
-    return status_of(get_values(instance, CALL(GetFloat64), TYPES_REAL, vr, nvr, values, count));
+    return fmi3_status(fmi3_get_values(instance, CALL3(GetFloat64), TYPES_REAL, vr, nvr, values, count));
 }
 
 /* A function for each type that some variable has, ... */
@@ -236,13 +236,14 @@ CONTACT_FLATTEN fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReferen
     fmi3Status fmi3Get##Type(fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, fmi3##Type values[], \
                              size_t count)                                                                   \
     {                                                                                                        \
-        return status_of(get_values(c, CALL(Get##Type), types, vr, nvr, (void *)values, count));             \
+        return fmi3_status(fmi3_get_values(c, CALL3(Get##Type), types, vr, nvr, (void *)values, count));     \
     }
 #define SETTER(Type, types)                                                                                  \
     fmi3Status fmi3Set##Type(fmi3Instance c, const fmi3ValueReference vr[], size_t nvr,                      \
                              const fmi3##Type values[], size_t count)                                        \
     {                                                                                                        \
-        return status_of(set_values(c, CALL(Set##Type), types, vr, nvr, (const void *)values, count));       \
+        return fmi3_status(                                                                                  \
+            fmi3_set_values(c, CALL3(Set##Type), types, vr, nvr, (const void *)values, count));              \
     }
 SETTER(Float64, TYPES_REAL)
 GETTER(Int32, TYPES_INTEGER)
@@ -269,12 +270,13 @@ fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n
                          fmi3Binary values[], size_t count)
 {
     (void)valueSizes;
-    return status_of(get_values(c, CALL(GetBinary), TYPES_NONE, vr, nvr, (void *)values, count));
+    return fmi3_status(fmi3_get_values(c, CALL3(GetBinary), TYPES_NONE, vr, nvr, (void *)values, count));
 }
 
 fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t nvr, const size_t valueSizes[],
                          const fmi3Binary values[], size_t count)
 {
     (void)valueSizes;
-    return status_of(set_values(c, CALL(SetBinary), TYPES_NONE, vr, nvr, (const void *)values, count));
+    return fmi3_status(
+        fmi3_set_values(c, CALL3(SetBinary), TYPES_NONE, vr, nvr, (const void *)values, count));
 }

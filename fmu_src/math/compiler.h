@@ -21,6 +21,13 @@
 #define CONTACT_NOINLINE
 #endif
 
+/* A function of the standard: it stays where gcc makes all others of the unit static (-fwhole-program). */
+#if CONTACT_GNU_C && !defined __clang__
+#define CONTACT_EXPORTED __attribute__((externally_visible))
+#else
+#define CONTACT_EXPORTED
+#endif
+
 /* Seldom called: made for size. */
 #if CONTACT_GNU_C
 #define CONTACT_COLD __attribute__((cold))

@@ -9,8 +9,8 @@ from pathlib import Path
 from support.fmi2 import raw
 
 BUILD = Path(os.environ.get("CONTACT_BUILD") or raw.fmus_folder().parent).resolve()
-# Link-time optimization is not the same for both compilers; without it the code is one unit all the same.
-LEFT_OUT = ("-flto", "-fno-fat-lto", "-O", "-M", "-g")
+# Both compilers optimize whole programs in ways of their own; without that the code is one unit all the same.
+LEFT_OUT = ("-flto", "-fno-fat-lto", "-fwhole-program", "-O", "-M", "-g")
 
 
 def _commands(scene: str) -> tuple[list[str], list[str]]:
