@@ -10,6 +10,7 @@ import fcntl
 import hashlib
 import importlib.util
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -30,6 +31,11 @@ FLAGS_OF_OTHERS = ("CFLAGS", "CPPFLAGS", "LDFLAGS", "CC")
 # and for FMUs alike. -s leaves symbols out, since strip may not be installed; zig takes it when it compiles
 # as well, and CMake's first trial, which knows no flags of the linker, would else have one of its own.
 ZIG = {"CMAKE_C_FLAGS": "-O2 -s"}
+
+# What ninja prints when a step has ended
+STEP = re.compile(r"\[([1-9]\d*)/(\d+)\]")
+# CMake's names of the projects that fetch SUNDIALS
+FETCHING_FAILED = re.compile(r"sundials-(?:subbuild|populate)")
 
 
 @dataclass(frozen=True)
@@ -71,16 +77,28 @@ def check_scene(file: Path, folder: Path) -> Scene:
 
 
 def build_fmus(scenes: list[Scene], how: How, say: Callable[[str], None]) -> list[Path]:
-    """The FMUs in the cache; RunFailure with the compiler's first error where one cannot be built"""
+    """The FMUs in the cache; RunFailure with the compiler's first error where one cannot be built
+
+    `say` hears of each step, the first time before anything takes long.
+    """
     kind = "_fmi3" if how.fmi == 3 else ""
     about = ", ".join(str(scene.file) for scene in scenes)
-    with _folder(how) as folder:
+
+    def count(line: str) -> None:
+        if step := STEP.match(line):
+            say(f"compiling, {step[1]} of {step[2]} steps done")
+
+    with _folder(how, say) as folder:
         log = folder.with_suffix(".log")
         say("configuring")
-        _run(_configuration(scenes, how, folder), about, log, how)
+        status, said = _run(_configuration(scenes, how, folder), log, how)
+        if status != 0 and FETCHING_FAILED.search(said):
+            raise RunFailure(_without_sundials(scenes, how))
+        _expect_done(status, said, about, log)
         say("compiling")
         targets = [f"{scene.name}{kind}_fmu" for scene in scenes]
-        _run([_program("cmake"), "--build", str(folder), "--target", *targets], about, log, how)
+        command = [_program("cmake"), "--build", str(folder), "--target", *targets]
+        _expect_done(*_run(command, log, how, count), about, log)
         finished = [folder.with_name(f"{scene.name}{kind}.fmu") for scene in scenes]
         for scene, fmu in zip(scenes, finished, strict=True):
             shutil.copyfile(folder / f"fmus{kind.replace('_', '-')}" / f"{scene.name}.fmu", fmu)
@@ -99,10 +117,13 @@ def _configuration(scenes: list[Scene], how: How, folder: Path) -> list[str]:
         "CONTACT_SCENES": ";".join(str(scene.file.resolve()) for scene in scenes),
         "CONTACT_CHOICES": how.choices,
     }
+    needs_sundials = any(scene.has_cvode for scene in scenes)
+    values["CONTACT_SUNDIALS"] = (
+        "none" if not needs_sundials else "fetch" if how.toolchain or how.sundials else "auto"
+    )
+    values["FETCHCONTENT_SOURCE_DIR_SUNDIALS"] = str(how.sundials.resolve()) if how.sundials else ""
     if how.toolchain is not None:
         values["CMAKE_TOOLCHAIN_FILE"] = str(repository() / "cmake" / "platforms" / f"{how.toolchain}.cmake")
-        values["CONTACT_SUNDIALS"] = "fetch" if any(scene.has_cvode for scene in scenes) else "none"
-        values["FETCHCONTENT_SOURCE_DIR_SUNDIALS"] = str(how.sundials.resolve()) if how.sundials else ""
     else:
         values["CMAKE_C_COMPILER"] = ";".join(how.compiler)
         if Path(how.compiler[0]).name == "zig":
@@ -130,14 +151,18 @@ def _program(name: str) -> str:
 
 
 @contextmanager
-def _folder(how: How) -> Iterator[Path]:
+def _folder(how: How, say: Callable[[str], None]) -> Iterator[Path]:
     """The build folder of these, for one build at a time; made anew after an update"""
     about = "\n".join([str(repository()), *how.compiler, how.toolchain or "", sys.executable])
     name = hashlib.sha256(about.encode()).hexdigest()[:12]
     folder = Path(platformdirs.user_cache_path("contact-fmus")) / name / "build"
     folder.parent.mkdir(parents=True, exist_ok=True)
     with (folder.parent / "lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            say("waiting for another build")
+            fcntl.flock(lock, fcntl.LOCK_EX)
         stamp = folder.parent / "tree"
         if not stamp.is_file() or stamp.read_text(encoding="utf-8") != _tree():
             shutil.rmtree(folder, ignore_errors=True)
@@ -156,21 +181,44 @@ def _tree() -> str:
     return hashlib.sha256(about.encode()).hexdigest()
 
 
-def _run(command: list[str], about: str, log: Path, how: How) -> None:
+def _run(
+    command: list[str], log: Path, how: How, hear: Callable[[str], None] = lambda _line: None
+) -> tuple[int, str]:
+    """The status and what was printed, which `log` keeps; `hear` gets each line of it at once"""
     environment = {name: value for name, value in os.environ.items() if name not in FLAGS_OF_OTHERS}
+    environment["NINJA_STATUS"] = "[%f/%t] "
     if how.toolchain is not None:
         environment["CONTACT_ZIG_PROGRAM"] = how.compiler[0]
-    run = subprocess.run(
+    lines = []
+    with subprocess.Popen(
         command,
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        check=False,
+        errors="replace",
         env=environment,
-    )
-    log.write_text(run.stdout, encoding="utf-8")
-    if run.returncode != 0:
-        lines = [line.strip() for line in run.stdout.splitlines() if "error" in line.lower()]
-        first = lines[0] if lines else f"{Path(command[0]).name} ended with status {run.returncode}"
+    ) as process:
+        for line in process.stdout or ():
+            lines.append(line)
+            hear(line)
+    log.write_text("".join(lines), encoding="utf-8")
+    return process.returncode, "".join(lines)
+
+
+def _expect_done(status: int, said: str, about: str, log: Path) -> None:
+    if status != 0:
+        lines = [line.strip() for line in said.splitlines() if "error" in line.lower()]
+        first = lines[0] if lines else f"the build ended with status {status}"
         raise RunFailure(f"{about}: building failed: {first} (all of it: {log})")
+
+
+def _without_sundials(scenes: list[Scene], how: How) -> str:
+    """Why SUNDIALS was wanted, and both ways to do without fetching it"""
+    names = ", ".join(str(scene.file) for scene in scenes if scene.has_cvode)
+    place = f" for {how.toolchain}" if how.toolchain else ""
+    return (
+        f"{names}: solver.method is open, so the FMU{place} holds CVODE, and the sources of SUNDIALS cannot "
+        'be fetched; pin "solver.method" = "event_driven" in the scene file, or name a folder of them '
+        "with --sundials-source"
+    )

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import platform
 import shutil
+import sys
 import tempfile
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from rich.console import Console
@@ -33,11 +37,15 @@ def build(arguments: list[str] | None = None) -> int:
     compiler = find_compiler(options.compiler if wanted == [None] else "zig")
     options.output.mkdir(parents=True, exist_ok=True)
     made = []
-    with Console(stderr=True).status("FMUs") as status:
+    with _progress() as say:
         for toolchain in wanted:
-            place = ", ".join(scene.name for scene in scenes) + (f" for {toolchain}" if toolchain else "")
+            what = ", ".join(scene.name for scene in scenes) + (f" for {toolchain}" if toolchain else "")
             how = How(tuple(compiler), toolchain, options.sundials_source, options.fmi, options.choices)
-            made.append(build_fmus(scenes, how, lambda text, place=place: status.update(f"{place}: {text}")))
+            made.append(build_fmus(scenes, how, lambda text, what=what: say(f"{what}: {text}")))
+            if options.fmi == 2 and toolchain in (None, f"{platform.machine()}-{platform.system().lower()}"):
+                say(f"{what}: initializing")
+                for scene, fmu in zip(scenes, made[-1], strict=True):
+                    _expect_to_initialize(scene, fmu)
     for scene, of_platforms in zip(scenes, zip(*made, strict=True), strict=True):
         fmu = options.output / f"{scene.name}.fmu"
         if len(of_platforms) == 1:
@@ -46,6 +54,29 @@ def build(arguments: list[str] | None = None) -> int:
             join(list(of_platforms), fmu)
         _tell(fmu, compiler, time.monotonic() - begin, options.json)
     return 0
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """Tells on stderr what is being done: in a line that changes on a terminal, else line by line"""
+    console = Console(stderr=True)
+    if console.is_terminal:
+        with console.status("") as status:
+            yield status.update
+    else:
+        yield lambda text: print(text, file=sys.stderr, flush=True)
+
+
+def _expect_to_initialize(scene: Scene, fmu: Path) -> None:
+    """UserError with the FMU's own sentence where the start values of the scene contradict each other"""
+    from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError, Status
+
+    with ContactFmu(fmu) as instance:
+        try:
+            instance.start()
+        except FmuError as error:
+            told = [message.text for message in error.messages if message.status >= Status.DISCARD]
+            raise UserError(f"{scene.file}: this scene cannot run: {' '.join(told) or error}") from None
 
 
 def _asked(arguments: list[str] | None) -> argparse.Namespace:

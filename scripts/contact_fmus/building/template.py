@@ -10,48 +10,59 @@ from contact_fmus.errors import UserError
 SHAPES = ("sphere", "cylinder", "plane")
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
+# What the ball meets, by shape and side. No name is also a key of the file, as "source" is: replacing a name
+# everywhere renames the body.
+BODY = {
+    ("sphere", False): "globe",
+    ("sphere", True): "shell",
+    ("cylinder", False): "tube",
+    ("cylinder", True): "tube",
+    ("plane", False): "floor",
+}
 # The ball falls onto the body's top, or inside it onto its bottom. All bounce in the first second.
 START = {
-    ("sphere", False): {"source.center": [0.0, 0.0, 1.0]},
-    ("sphere", True): {"source.center": [0.1, 0.0, 0.0]},
-    ("cylinder", False): {"source.center": [0.0, 0.0, 1.0], "destination.axis": [0.0, 1.0, 0.0]},
-    ("cylinder", True): {"source.center": [0.1, 0.0, 0.0], "destination.axis": [0.0, 1.0, 0.0]},
-    ("plane", False): {"source.center": [0.0, 0.0, 0.5], "destination.axis": [0.0, 0.0, 1.0]},
+    ("sphere", False): {"ball.center": [0.0, 0.0, 1.0]},
+    ("sphere", True): {"ball.center": [0.1, 0.0, 0.0]},
+    ("cylinder", False): {"ball.center": [0.0, 0.0, 1.0], "{body}.axis": [0.0, 1.0, 0.0]},
+    ("cylinder", True): {"ball.center": [0.1, 0.0, 0.0], "{body}.axis": [0.0, 1.0, 0.0]},
+    ("plane", False): {"ball.center": [0.0, 0.0, 0.5], "{body}.axis": [0.0, 0.0, 1.0]},
 }
-RADIUS = '"destination.radius" = 0.5 # m'
+RADIUS = '"{body}.radius" = 0.5 # m'
 TEMPLATE = """\
 # A scene: its bodies, its contacts, and which choices are pinned.
 #   contact-fmus build {name}.toml          makes {name}.fmu
-#   contact-fmus run {name}.fmu --plot      shows what it does
+#   contact-fmus run {name}.fmu             prints where the ball ends and what it did
+#   contact-fmus run {name}.fmu --plot      draws it; pip install 'contact-fmus[plot]' brings what that needs
 name = "{name}" # of the FMU
 title = "{title}"
 description = "A free ball bounces {place} a fixed {shape}."
 
 # Every variable has a start value; those of radius, mass and the like are changed under [start].
 [[body]]
-name = "source"
+name = "ball"
 shape = "sphere"
 
 [[body]]
-name = "destination"
+name = "{body}"
 shape = "{shape}"
 
 # The source of a contact is a sphere. A scene may have more bodies and contacts, of any names.
 [[contact]]
 name = "contact"
-source = "source"
-destination = "destination"
+source = "ball"
+destination = "{body}"
 
 # Start values: SI units, vectors as lists. They may still be changed when the FMU runs.
 [start]
-"source.radius" = 0.1 # m
-"source.mass" = 1.0 # kg
+"ball.radius" = 0.1 # m
+"ball.mass" = 1.0 # kg
 {start}
 "contact.penalty_factor" = 1e6 # stiffness of the contact, N/m
 "contact.viscous_penalty_factor" = 100.0 # its damping, N s/m
 
 # Choices fixed now: what only other choices would need is left out of the FMU, variables and code.
 # Without its line a choice stays open. rotation = "free" with friction = "regularized" lets the ball roll.
+# An open solver.method brings CVODE into the FMU, to compare methods with; event_driven is the one to use.
 [pinned]
 {pinned}
 
@@ -67,30 +78,34 @@ def scene_text(name: str, shape: str, inside: bool, pinned: list[str]) -> str:
     """The text of the scene file; UserError for a name or a choice that cannot be one"""
     if not NAME.fullmatch(name):
         raise UserError(f"'{name}' is no name of a scene: a letter, then letters, digits and _")
+    if shape == "plane" and inside:
+        raise UserError("--inside goes with a sphere or a cylinder: a plane has no inside")
+    body = BODY[shape, inside]
     chosen = {
-        "source.motion": "free",
-        "destination.motion": "fixed",
-        "source.rotation": "none",
-        "destination.rotation": "none",
+        "ball.motion": "free",
+        f"{body}.motion": "fixed",
+        "ball.rotation": "none",
+        f"{body}.rotation": "none",
         "contact.friction": "none",
         "contact.location": "inside" if inside else "outside",
         "contact.method": "penalty_dynamic",
         "contact.penalty_control": "user_defined",
         "contact.viscous_control": "user_defined",
+        "solver.method": "event_driven",
     }
     if shape == "plane":  # which has no inside
-        if inside:
-            raise UserError("--inside goes with a sphere or a cylinder: a plane has no inside")
         del chosen["contact.location"]
     chosen |= dict(_choice(text) for text in pinned)
-    start = {key: value for key, value in START[shape, inside].items() if key not in chosen}
+    start = {key.format(body=body): value for key, value in START[shape, inside].items()}
+    start = {key: value for key, value in start.items() if key not in chosen}
     hollow = "hollow " if inside else ""
     return TEMPLATE.format(
         name=name,
+        body=body,
         title=f"A ball bouncing {'in' if inside else 'on'} a {hollow}{shape}",
         place="in" if inside else "on",
-        shape=f"{shape}",
-        start="\n".join(filter(None, (RADIUS if shape != "plane" else "", _lines(start)))),
+        shape=shape,
+        start="\n".join(filter(None, (RADIUS.format(body=body) if shape != "plane" else "", _lines(start)))),
         pinned=_lines(chosen),
     )
 
