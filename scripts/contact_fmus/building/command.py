@@ -42,7 +42,7 @@ def build(arguments: list[str] | None = None) -> int:
             what = ", ".join(scene.name for scene in scenes) + (f" for {toolchain}" if toolchain else "")
             how = How(tuple(compiler), toolchain, options.sundials_source, options.fmi, options.choices)
             made.append(build_fmus(scenes, how, lambda text, what=what: say(f"{what}: {text}")))
-            if options.fmi == 2 and toolchain in (None, f"{platform.machine()}-{platform.system().lower()}"):
+            if toolchain in (None, f"{platform.machine()}-{platform.system().lower()}"):
                 say(f"{what}: initializing")
                 for scene, fmu in zip(scenes, made[-1], strict=True):
                     _expect_to_initialize(scene, fmu)
