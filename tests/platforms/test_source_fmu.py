@@ -10,8 +10,9 @@ import pytest
 from support import portable_host
 from support.fmi2.elf import exported, needed
 from support.portable_host import HEADERS, SOURCE, motion
+from support.release import cases_of, few_cases_of
 from support.scenes.benchmarks import BENCHMARKS
-from support.sources import BUILD, ROOT
+from support.sources import BUILD, ROOT, SCENES
 
 WARNINGS = ["-Wall", "-Wextra", "-pedantic", "-Werror"]
 LIBRARIES = {"libc.so.6", "libm.so.6"}
@@ -181,3 +182,9 @@ def test_fmpy_compiles_the_sources(unpacked, tmp_path):
     made = fmpy.simulate_fmu(str(fmu), stop_time=0.1, output_interval=0.01)
     inside = fmpy.simulate_fmu(str(BUILD / "fmus" / "ForceElement.fmu"), stop_time=0.1, output_interval=0.01)
     assert made.tobytes() == inside.tobytes()
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_every_check_of_a_release_has_a_case_of_any_scene(scene):
+    """scripts/package.sh --check takes the scenes that it is given."""
+    assert scene in cases_of([scene]) and few_cases_of([scene])

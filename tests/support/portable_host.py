@@ -48,6 +48,13 @@ def components(name, length):
     return [f"{name}[{k + 1}]" for k in range(length)] if length else [name]
 
 
+def outputs(about):
+    """Names of what the host for FMI 2.0 prints after the time"""
+    there = {variable.name for variable in about.modelVariables}
+    names = [one for name, length in LENGTHS.items() for one in components(name, length)]
+    return [name for name in names if name in there]
+
+
 def host_arguments(folder, configuration, end):
     """Start values and outputs as the hosts take them, by value references"""
     about = fmpy.read_model_description(str(folder))
@@ -58,10 +65,8 @@ def host_arguments(folder, configuration, end):
     else:
         for variable, value in settings(about, configuration):
             words += ["r" if variable.type == "Real" else "i", variable.valueReference, value]
-        names = [one for name, length in LENGTHS.items() for one in components(name, length)]
-        for name in names:
-            if name in by_name:
-                words += ["get", by_name[name].valueReference]
+        for name in outputs(about):
+            words += ["get", by_name[name].valueReference]
     return [str(word) for word in words]
 
 

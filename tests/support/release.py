@@ -28,7 +28,20 @@ DRIVEN = {
 for friction in ("regularized", "elastic"):
     values = {**DRIVEN, "contact.friction": friction}
     CASES[f"TurningForceElement {friction}"] = ("TurningForceElement", values, 2.0, 1e-9)
-CASES = {label: case for label, case in CASES.items() if case[0] in CHECKED}
+
+
+def cases_of(scenes):
+    return {label: case for label, case in CASES.items() if case[0] in scenes}
+
+
+def few_cases_of(scenes):
+    """For what takes long: the benchmarks, or where the scenes have none all that needs no CVODE"""
+    cases = cases_of(scenes)
+    return [case for case in cases if case in BENCHMARKS] or [case for case in cases if case not in CVODE]
+
+
+CHECKED_CASES = cases_of(CHECKED)
+FEW_CASES = few_cases_of(CHECKED)
 # How the library in each platform's folder ends. FMI 2.0 has one folder for both processors of macOS.
 ENDINGS = {"linux64": "so", "win64": "dll", "aarch64-linux": "so", "darwin64": "dylib"}
 ENDINGS3 = {
