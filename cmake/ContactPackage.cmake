@@ -14,6 +14,11 @@ endif()
 file(GLOB shipped CONFIGURE_DEPENDS "modelDescription/scenes/*.toml")
 list(TRANSFORM shipped REPLACE ".*/(.+)\\.toml" "${built}/fmus/\\1.fmu")
 install(FILES ${shipped} DESTINATION build/fmus ${component})
+if(CONTACT_FMI3)
+    list(TRANSFORM shipped REPLACE "/fmus/" "/fmus-fmi3/")
+    install(FILES ${shipped} DESTINATION build/fmus-fmi3 ${component})
+endif()
+install(FILES "${built}/Idle.fmu" DESTINATION build ${component}) # what bench compares with
 install(PROGRAMS "${built}/fmu_host" "${built}/contact_batch.so" "${built}/bare_loop"
     DESTINATION build ${component})
 

@@ -3,12 +3,15 @@
 import json
 import re
 import subprocess
+import sys
 import zipfile
 
 import pytest
 
 from contact_fmus.__main__ import COMMANDS
 from contact_fmus.fmu.files import fmu_file
+from support.foreign import XML, foreign_fmu, packed
+from support.programs import PATIENCE, environment
 
 # A model exchange FMU, and an FMI 3.0 one, as other vendors make them
 MODEL_EXCHANGE = """<?xml version="1.0" encoding="UTF-8"?>
@@ -27,63 +30,6 @@ FMI_3 = """<?xml version="1.0" encoding="UTF-8"?>
   </ModelVariables>
   <ModelStructure/>
 </fmiModelDescription>"""
-# A co-simulation FMU in C, of another vendor: a falling height, a matrix-like name, a text
-OTHER_XML = """<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="Other" guid="{1}">
-  <CoSimulation modelIdentifier="Other" canHandleVariableCommunicationStepSize="true"/>
-  <ModelVariables>
-    <ScalarVariable name="m[1,2]" valueReference="0" causality="output" initial="calculated">
-      <Real/>
-    </ScalarVariable>
-    <ScalarVariable name="label" valueReference="1" causality="parameter" variability="fixed">
-      <String start="a"/>
-    </ScalarVariable>
-  </ModelVariables>
-  <ModelStructure>
-    <Outputs><Unknown index="1"/></Outputs>
-    <InitialUnknowns><Unknown index="1"/></InitialUnknowns>
-  </ModelStructure>
-</fmiModelDescription>"""
-GIVES_TIME = {"GetReal": "for (size_t i = 0; i < n; ++i) values[i] = now;", "DoStep": "now = t + h;"}
-ARGUMENTS = {
-    "GetReal": "void *c, const unsigned *refs, size_t n, double *values",
-    "DoStep": "void *c, double t, double h, int last",
-}
-
-
-def packed(folder, members):
-    file = folder / "Other.fmu"
-    with zipfile.ZipFile(file, "w") as archive:
-        for name, text in members.items():
-            archive.writestr(name, text)
-    return file
-
-
-def other_fmu(folder, **bodies):
-    """An FMU whose functions do what `bodies` says, in C, and give fmi2OK"""
-    from contact_fmus.checking.trial import CO_SIMULATION, EVERY
-
-    bodies = GIVES_TIME | bodies
-    lines = ["#include <stddef.h>", "#include <stdlib.h>", "static double now;"]
-    for name in f"{EVERY} {CO_SIMULATION}".split():
-        if name == "Instantiate":
-            lines.append("void *fmi2Instantiate(void) { return &now; }")
-        elif name == "FreeInstance":
-            lines.append("void fmi2FreeInstance(void *c) { (void)c; }")
-        elif name in ("GetVersion", "GetTypesPlatform"):
-            lines.append(
-                f'const char *fmi2{name}(void) {{ return "{"2.0" if name == "GetVersion" else "default"}"; }}'
-            )
-        elif bodies.get(name) is not None or name not in bodies:
-            lines.append(
-                f"int fmi2{name}({ARGUMENTS.get(name, 'void')}) {{ {bodies.get(name, '')} return 0; }}"
-            )
-    source, library = folder / "other.c", folder / "Other.so"
-    source.write_text("\n".join(lines))
-    subprocess.run(["gcc", "-shared", "-fPIC", "-w", "-o", library, source], check=True)
-    return packed(
-        folder, {"modelDescription.xml": OTHER_XML, "binaries/linux64/Other.so": library.read_bytes()}
-    )
 
 
 def one_sentence(told):
@@ -208,42 +154,21 @@ def test_an_fmu_of_another_kind_says_what_is_needed(ask, tmp_path):
 
 def test_an_fmu_without_a_library_or_with_a_broken_one_is_named(ask, tmp_path):
     for members in ({}, {"binaries/linux64/Other.so": "no library"}):
-        file = packed(tmp_path, {"modelDescription.xml": OTHER_XML} | members)
+        file = packed(tmp_path, {"modelDescription.xml": XML[2]} | members)
         status, told, _ = ask("run", file)
         assert (status, one_sentence(told)) == (2, True) and "cannot be loaded" in told, told
 
 
 def test_an_fmu_of_another_vendor_runs_and_is_checked(ask, tmp_path):
-    file = other_fmu(tmp_path)
+    file = foreign_fmu(tmp_path)
     status, _, told = ask("run", file, "--stop", "2", "--step", "0.5", "--json")
     assert (status, json.loads(told)["values"]) == (0, {"m[1,2]": 2.0})
     status, told, out = ask("check", file)
     assert status == 0, out
 
 
-FAULTS = {
-    "a crash": ({"DoStep": "abort();"}, "run", "signal SIGABRT"),
-    "the process's end": ({"DoStep": "exit(0);"}, "run", "ended its process"),
-    "a missing function": ({"GetStatus": None}, "exports", "fmi2GetStatus"),
-    "a number that is none": (
-        {"GetReal": "for (size_t i = 0; i < n; ++i) values[i] = 0.0 / 0.0;"},
-        "run",
-        "finite",
-    ),
-    "a refused step": ({"DoStep": "return 3;"}, "run", "fmi2DoStep"),
-}
-
-
-@pytest.mark.parametrize("fault", FAULTS)
-def test_a_faulty_fmu_is_found_out(fault, ask, tmp_path):
-    bodies, check, words = FAULTS[fault]
-    status, _, out = ask("check", other_fmu(tmp_path, **bodies), "--json")
-    found = {one["name"]: one["findings"] for one in json.loads(out)["checks"] if one["outcome"] == "found"}
-    assert status == 1 and check in found and words in " ".join(found[check]), out
-
-
 def test_a_refused_step_ends_a_run_with_status_3_and_keeps_what_there_is(ask, tmp_path):
-    file = other_fmu(tmp_path, DoStep="if (t > 0.9) return 3; now = t + h;")
+    file = foreign_fmu(tmp_path, DoStep="if (t > 0.9) return 3;")
     status, told, _ = ask("run", file, "--stop", "2", "--step", "0.5", "--csv", "kept.csv")
     assert (status, one_sentence(told)) == (3, True), told
     assert (tmp_path / "kept.csv").read_text().splitlines()[-1] == "1.0,1.0"
@@ -281,3 +206,31 @@ def test_a_damaged_copy_of_a_shipped_fmu_is_found_out(ask, tmp_path):
     status, _, out = ask("check", damaged, "--json")
     found = {one["name"] for one in json.loads(out)["checks"] if one["outcome"] == "found"}
     assert status == 1 and {"description", "binaries", "exports", "run"} <= found, out
+
+
+WITHOUT_EXTRAS = """
+import sys
+from importlib.machinery import PathFinder
+from contact_fmus.__main__ import EXTRAS, main
+class Bare(PathFinder):  # as PathFinder, but for the extras
+    @classmethod
+    def find_spec(cls, name, *where):
+        return None if name.partition(".")[0] in EXTRAS else PathFinder.find_spec(name, *where)
+sys.meta_path = [Bare if one is PathFinder else one for one in sys.meta_path]
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_tells_its_options_without_any_extra(name):
+    command = [sys.executable, "-c", WITHOUT_EXTRAS, name]
+    run = subprocess.run(
+        [*command, "--help"], capture_output=True, text=True, env=environment(), timeout=PATIENCE
+    )
+    assert (run.returncode, run.stderr) == (0, "") and f"usage: contact-fmus {name}" in run.stdout, run
+
+
+def test_what_needs_an_extra_names_it():
+    command = [sys.executable, "-c", WITHOUT_EXTRAS, "plot", "SphereSphere"]
+    run = subprocess.run(command, capture_output=True, text=True, env=environment(), timeout=PATIENCE)
+    assert run.returncode == 2 and one_sentence(run.stderr) and "'contact-fmus[plot]'" in run.stderr, run

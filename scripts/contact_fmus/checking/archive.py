@@ -9,6 +9,15 @@ from typing import Any
 
 from fmpy.validation import validate_fmu
 
+WHAT = {
+    "archive": "names and checksums in the ZIP archive",
+    "description": "XML schema, names, model structure, start values, units (fmpy)",
+    "binaries": "a library of the described name and kind for each platform",
+    "exports": "the standard's functions in this platform's library",
+    "run": "a short run by Co-Simulation: finite numbers, no error",
+    "exchange": "a short run by Model Exchange: finite numbers, no error",
+    "state": "a state that is saved and restored: outputs as they were",
+}
 # Where FMI keeps the binaries of a platform (2.0.5 section 2.3, 3.0.2 section 2.5.1.4.1), the ending of their
 # names, and how such a file begins: ELF says its machine in bytes 18 and 19, a PE file is told by MZ alone.
 PLATFORMS = {

@@ -73,6 +73,7 @@ class ContactFmu:
 
     def __init__(self, path: str | os.PathLike, instance_name: str | None = None, debug: bool = False):
         self.messages: list[Message] = []
+        self._raised: list[Message] = []  # those that errors told
         self.time = 0.0
         with _loading:
             self.folder, self.description = unpack(path)
@@ -117,6 +118,7 @@ class ContactFmu:
         try:
             return getattr(self.slave, function)(*arguments)
         except FMICallException as error:
+            self._raised += self.messages[before:]
             raise FmuError(error.function, error.status, self.messages[before:]) from None
 
     def _check_open(self, function: str) -> None:
@@ -125,9 +127,10 @@ class ContactFmu:
             raise FmuError(function, Status.ERROR, [Message(Status.ERROR, "logStatusError", text)])
 
     def warnings(self) -> list[str]:
-        """What was logged as a warning, each text once"""
-        said = [message.text for message in self.messages if message.status == Status.WARNING]
-        return list(dict.fromkeys(said))
+        """What was logged as a warning, or as an error that no call returned, each text once"""
+        told = {Status.WARNING: "", Status.DISCARD: "error logged: ", Status.ERROR: "error logged: "}
+        said = [message for message in self.messages if message not in self._raised]
+        return list(dict.fromkeys(told[one.status] + one.text for one in said if one.status in told))
 
     # life cycle
 

@@ -75,7 +75,8 @@ def fmu_file(name: str) -> Path:
 def unpack(path: str | os.PathLike, fmi: str = "", kind: str = "coSimulation") -> tuple[Path, Any]:
     """Folder of the unpacked FMU and its description; unpacked once per process
 
-    UserError where it is none of that version of FMI (without one: FMI 2.0 or 3.0), or not of that kind.
+    UserError where it is none of that version of FMI (without one: FMI 2.0 or 3.0), or not of that kind
+    (without one: of any).
     """
     file = Path(path).resolve()
     about = file.stat()
@@ -86,10 +87,11 @@ def unpack(path: str | os.PathLike, fmi: str = "", kind: str = "coSimulation") -
         _unpacked[key] = (folder, _extract(path, folder))
     folder, description = _unpacked[key]
     version = description.fmiVersion
-    if (fmi and version != fmi) or not version.startswith(VERSIONS) or getattr(description, kind) is None:
+    there = not kind or getattr(description, kind) is not None
+    if (fmi and version != fmi) or not version.startswith(VERSIONS) or not there:
         offered = [name for one, name in KINDS.items() if getattr(description, one) is not None]
         raise UserError(
-            f"{path}: FMI {fmi or '2.0 or 3.0'} {KINDS[kind]} is needed, this is FMI {version}"
+            f"{path}: FMI {fmi or '2.0 or 3.0'} {KINDS.get(kind, '')} is needed, this is FMI {version}"
             f" with {' and '.join(offered) or 'neither kind of simulation'}"
         )
     return folder, description

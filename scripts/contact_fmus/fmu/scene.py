@@ -48,12 +48,12 @@ class Scene:
 
 
 def has_scene(fmu: str | os.PathLike) -> bool:
-    return (unpack(fmu)[0] / MEMBER).is_file()
+    return (unpack(fmu, kind="")[0] / MEMBER).is_file()
 
 
 def read_scene(fmu: str | os.PathLike) -> Scene:
     """UserError where the FMU carries none: one of another vendor, or built before FMUs carried theirs"""
-    file = unpack(fmu)[0] / MEMBER
+    file = unpack(fmu, kind="")[0] / MEMBER
     if not file.is_file():
         raise UserError(f"{fmu}: no {MEMBER} inside, so nothing tells its bodies: build it again")
     try:

@@ -95,8 +95,9 @@ def drawn_runs(path: Path) -> list[Experiment]:
     return [of_scenario(scenario, path, variant) for variant in scenario.plotted()]
 
 
-def of_fmu(file: Path) -> Experiment:
-    description = unpack(file)[1]
+def of_fmu(file: Path, kind: str = "coSimulation") -> Experiment:
+    """An FMU's own default experiment; UserError where it is not of that kind of simulation"""
+    description = unpack(file, kind=kind)[1]
     default = description.defaultExperiment
 
     def number(name: str) -> float | None:
