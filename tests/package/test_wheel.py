@@ -129,3 +129,14 @@ def test_a_scenario_needs_no_claim(command, tmp_path):
     assert run.returncode == 0 and json.loads(run.stdout)["time"] == 0.5
     fallen = json.loads(run.stdout)["values"]["source.position[3]"]
     assert abs(fallen - (9.0 - 0.5 * 9.81 * 0.25)) < 1e-9
+
+
+def test_the_wheel_carries_the_fmus_of_fmi_3_and_what_bench_compares_with(installed, command):
+    two, three = (
+        json.loads(command("run", name, "--stop", "1", "--json").stdout)["values"]
+        for name in ("SphereSphere", "fmi3/SphereSphere")
+    )
+    assert two == three
+    text = "from contact_fmus.bench.ratios import idle_file, host_file; print(idle_file().is_file())"
+    told = subprocess.run([installed / "python", "-c", text], capture_output=True, text=True, check=True)
+    assert told.stdout == "True\n"
