@@ -17,6 +17,7 @@ set(CONTACT_FMU_FOLDER "${PROJECT_BINARY_DIR}/fmus")
 set(CONTACT_FMI3_FMU_FOLDER "${PROJECT_BINARY_DIR}/fmus-fmi3")
 set(CONTACT_LIBRARY_FOLDER "${PROJECT_BINARY_DIR}/libraries")
 set(CONTACT_SCENE_FOLDER "${PROJECT_BINARY_DIR}/scenes")
+add_custom_target(fmus) # all for FMI 2.0
 set(contact_description_folder "${PROJECT_SOURCE_DIR}/modelDescription")
 
 # zig's compiler is clang, but it takes fewer options: no padding of pages to choose, and link-time optimization
@@ -178,6 +179,7 @@ function(add_contact_fmu scene)
         "binaries/${contact_platform_fmi2}" modelDescription.xml
         "model.png=${folder}/model.png" "sources=${folder}/sources"
         "terminalsAndIcons=${folder}/terminals2" ${reference})
+    add_dependencies(fmus ${SCENE_NAME}_fmu)
     if(CONTACT_FMI3)
         contact_fmu_sources(${SCENE_NAME}_fmi3 "${folder}" 3 units3.txt sources3 ${sources} ${CONTACT_FMI3_SOURCES})
         contact_fmu_library(${SCENE_NAME}_fmi3 "${folder}" fmi3 "${CONTACT_LIBRARY_FOLDER}/fmi3")

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# scripts/demo.sh: installs what is missing, builds all FMUs, runs every scenario of scripts/scenarios and prints
-# what each claims, measures and expects, then what leaving out saves. Plots and an HTML page end up in
+# scripts/demo.sh: installs what the demo needs, builds the FMUs for FMI 2.0, runs every scenario of scripts/scenarios
+# and prints what each claims, measures and expects, then what leaving out saves. Plots and an HTML page end up in
 # build/scenarios. The status is 0 only when all claims hold.
 #   -h, --help     prints this
 source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
@@ -9,10 +9,10 @@ help_asked "$@"
 cd "$root"
 
 say "Set-up"
-set_up
+set_up --demo
 
 say "Build"
-build
+build_fmus
 printf 'built: %s\n' build/fmus/*.fmu
 
 claims=0

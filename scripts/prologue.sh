@@ -6,8 +6,9 @@
 #   known_options "$@"  ends with status 2 where an argument is none that the comment at the script's top names as
 #                       "#   --option VALUE ...  text", with as many values
 #   say TEXT            a heading
-#   set_up              installs what is missing (scripts/setup.sh)
+#   set_up [--demo]     installs what is missing (scripts/setup.sh)
 #   build               configures and builds the preset "default"; arguments go to the configuration
+#   build_fmus          the same, but no more than the FMUs for FMI 2.0 and what runs them
 #   contact_fmus ...    the Python package, with the FMUs just built
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -44,11 +45,21 @@ known_options() {
     done
 }
 
-set_up() { "$root/scripts/setup.sh"; }
+set_up() { "$root/scripts/setup.sh" "$@"; }
+
+configure() {
+    (cd "$root" && cmake --preset default -Wno-dev --log-level=WARNING -DPython3_EXECUTABLE="$python" "$@")
+}
 
 build() {
-    (cd "$root" && cmake --preset default -Wno-dev --log-level=WARNING -DPython3_EXECUTABLE="$python" "$@" &&
-        cmake --build --preset default -- --quiet)
+    configure "$@"
+    (cd "$root" && cmake --build --preset default -- --quiet)
+    use_build "$root/build"
+}
+
+build_fmus() {
+    configure
+    (cd "$root" && cmake --build --preset default --target fmus fmu_host)
     use_build "$root/build"
 }
 

@@ -2,18 +2,24 @@
 # scripts/setup.sh: installs what building, running and testing the contact FMUs needs on Debian 12 or later: Debian
 # packages, a Python environment in .venv, and three.js by npm. Repeatable: a second run changes nothing.
 # PYTHON=/path/to/python3 names another Python.
+#   --demo         only what building and running need, without what the tests look at the code and the pages with
 #   -h, --help     prints this
 source "$(dirname "${BASH_SOURCE[0]}")/prologue.sh"
 help_asked "$@"
-(($# == 0)) || refuse "unknown argument $1"
+known_options "$@"
+purpose=tests
+(($# == 0)) || purpose=demo
 
 packages=(
-    build-essential clang cmake ninja-build    # both compilers that are supported
-    clang-format clang-tidy                    # what the tests check the sources with
-    libclang-rt-dev valgrind                   # fuzzers, and one more look at memory
+    gcc libc6-dev cmake ninja-build
     libsundials-dev                            # CVODE
     git ca-certificates                        # where sources must be fetched instead
     python3 python3-venv
+)
+[[ $purpose == demo ]] || packages+=(
+    build-essential clang                      # the other compiler that is supported
+    clang-format clang-tidy                    # what the tests check the sources with
+    libclang-rt-dev valgrind                   # fuzzers, and one more look at memory
     default-jdk-headless maven                 # VDMCheck, a validator of model descriptions, in the tests
     chromium                                   # shows the animations in the tests
 )
@@ -57,20 +63,43 @@ find_python() {
     fail "no Python 3.11 or later with venv; name one: PYTHON=/path/to/python3 ${BASH_SOURCE[0]}"
 }
 
+# What pyproject.toml asks for to build the package, to run it and to draw; requirements.txt says which version.
+names_for_demo() {
+    "$1" - "$root/pyproject.toml" <<'END'
+import re, sys, tomllib
+from pathlib import Path
+about = tomllib.loads(Path(sys.argv[1]).read_text())
+project = about["project"]
+wanted = [*about["build-system"]["requires"], *project["dependencies"], *project["optional-dependencies"]["plot"]]
+print(*sorted({re.match(r"[\w-]+", one)[0] for one in wanted}))
+END
+}
+
+# An environment for the demo becomes one for the tests by what it lacks.
 make_python_environment() {
-    local python wanted stamp=$root/.venv/made-from
+    local python wanted has="" stamp=$root/.venv/made-from
+    local -a names
     python=$(find_python)
     wanted="$("$python" --version), requirements.txt $(sha256sum <"$root/requirements.txt")"
-    if [[ -x $root/.venv/bin/python && -f $stamp && $(<"$stamp") == "$wanted" ]]; then
+    [[ ! -x $root/.venv/bin/python || ! -f $stamp ]] || has=$(<"$stamp")
+    if [[ $has == "$wanted tests" || $has == "$wanted $purpose" ]]; then
         tell "Python environment .venv: already installed"
         return
     fi
     tell "Python environment .venv: installing requirements.txt for $("$python" --version)"
-    rm -rf "$root/.venv"
-    "$python" -m venv "$root/.venv"
-    "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-input \
-        -r "$root/requirements.txt" </dev/null
-    printf '%s\n' "$wanted" >"$stamp"    # last, so that an interrupted installation starts anew
+    if [[ $has != "$wanted demo" ]]; then
+        rm -rf "$root/.venv"
+        "$python" -m venv "$root/.venv"
+    fi
+    if [[ $purpose == tests ]]; then
+        names=(-r "$root/requirements.txt")
+    else
+        read -ra names <<<"$(names_for_demo "$python")"
+        names+=(--constraint "$root/requirements.txt")
+    fi
+    rm -f "$stamp"
+    "$root/.venv/bin/python" -m pip install --quiet --disable-pip-version-check --no-input "${names[@]}" </dev/null
+    printf '%s\n' "$wanted $purpose" >"$stamp"    # last, so that an interrupted installation starts anew
 }
 
 # The command contact-fmus, by the sources of this clone; its C code is what the scripts build. The installation notes
@@ -105,6 +134,6 @@ make_three() {
 
 install_debian_packages
 make_python_environment
-make_three
+[[ $purpose == demo ]] || make_three
 install_package
 tell "done"
