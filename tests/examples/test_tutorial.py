@@ -1,17 +1,19 @@
 """docs/tutorial.md: every command and script of the page runs, in order, and gives what the page says"""
 
 import csv
+import os
 import re
 import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
-from support.programs import environment
+from support.programs import PATIENCE, environment
 from support.sources import ROOT
 
 PAGE = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"^```(\w+)(?: (\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-LONGEST = 900  # s; a build on a busy machine
 
 
 def changed(scene, lines):
@@ -34,6 +36,7 @@ def said(tmp_path_factory):
     """What each command line of the page printed; and the folder"""
     folder = tmp_path_factory.mktemp("tutorial")
     printed = {}
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     for language, name, text in BLOCK.findall(PAGE):
         if name:
             (folder / name).write_text(text, encoding="utf-8")
@@ -46,10 +49,10 @@ def said(tmp_path_factory):
                     line,
                     shell=True,
                     cwd=folder,
-                    env=environment(),
+                    env=environment(PATH=path),
                     capture_output=True,
                     text=True,
-                    timeout=LONGEST,
+                    timeout=PATIENCE,
                 )
                 assert done.returncode == 0, f"{line}\n{done.stdout}\n{done.stderr}"
                 printed[line.split()[1]] = done.stdout
