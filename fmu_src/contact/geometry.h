@@ -163,6 +163,17 @@ static inline double contact_along_plane(struct vec3 normal, struct vec3 a)
     return fabs(along) > 4.0 * DBL_EPSILON * terms ? along : 0.0;
 }
 
+/* The part of a vector across n, in a plane; zero where that is rounding: what is along n stays along it. One
+ * projection leaves rounding of the size of what it takes away, which the second takes away too. */
+static inline struct vec3 contact_across_plane(struct vec3 normal, struct vec3 a)
+{
+    const struct vec3 once = vec3_axpy(a, -vec3_dot(normal, a), normal);
+    if (vec3_max_abs(once) <= 4.0 * DBL_EPSILON * vec3_max_abs(a)) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    return vec3_axpy(once, -vec3_dot(normal, once), normal);
+}
+
 /* The distance at which the bodies touch: r_s + r_d outside, r_d - r_s inside [m]. */
 double contact_reach(const struct contact_shape *shape);
 

@@ -7,16 +7,20 @@ static double *component(struct vec3 *a, int index)
     return index == 0 ? &a->x : index == 1 ? &a->y : &a->z;
 }
 
-/* Coefficients 0..2 of one scalar path from a signal that was set at this communication point. */
+/* Coefficients 0..2 of one scalar path from a signal that was set at this communication point. A value or
+ * a derivative ends the derivatives of higher order that are not set with it; those of lower order go on as
+ * they are at present. */
 static void put_signal(struct vec3 *path, int k, double value, const struct input_signal *signal,
                        uint8_t marks)
 {
     if (marks & SIGNAL_VALUE) {
         *component(&path[0], k) = value;
     }
+    if (marks & (SIGNAL_VALUE | SIGNAL_RATE)) {
+        *component(&path[1], k) = marks & SIGNAL_RATE ? signal->rate : 0.0;
+    }
     if (marks & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
-        *component(&path[1], k) = signal->rate;
-        *component(&path[2], k) = 0.5 * signal->curvature;
+        *component(&path[2], k) = marks & SIGNAL_CURVATURE ? 0.5 * signal->curvature : 0.0;
     }
 }
 

@@ -34,10 +34,8 @@ static void note_value(struct model *m, const struct variable *variable)
         return;
     }
     uint8_t *marks = &m->state.marks[variable->element][index];
-    struct input_signal *signal = &m->state.signals[variable->element][index];
     /* A new value without derivatives at the same communication point ends earlier derivatives. */
     if (!(*marks & (SIGNAL_RATE | SIGNAL_CURVATURE))) {
-        *signal = (struct input_signal){0.0, 0.0};
         *marks = 0;
     }
     *marks |= SIGNAL_VALUE;
@@ -72,7 +70,6 @@ enum model_status model_set_input_derivative(struct model *m, const struct varia
     struct input_signal *signal = &m->state.signals[variable->element][index];
     if (order == 1) {
         signal->rate = value;
-        signal->curvature = *marks & SIGNAL_CURVATURE ? signal->curvature : 0.0;
         *marks |= SIGNAL_RATE | SIGNAL_EXPLICIT;
     } else {
         signal->curvature = value;

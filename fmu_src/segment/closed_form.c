@@ -47,7 +47,7 @@ static bool is_event_free(const struct segment *p)
 
 bool closed_form_applies(const struct segment *p)
 {
-    return pair_oscillation_applies(&p->pair);
+    return p->pair.is_head_on;
 }
 
 bool closed_form_make(struct segment *p)
@@ -62,7 +62,7 @@ bool closed_form_make(struct segment *p)
     if (end * p->unit < p->longest) {
         end = nextafter(end, (double)INFINITY);
     }
-    p->end = fmin(end, pair_oscillation_longest(made, p->gap_rounding));
+    p->end = fmin(end, pair_oscillation_longest(made));
     dense_output_add(&p->output, 0.0);
     if (made->omega_d > 0.0) {
         /* the samples are extrema of the gap, where the rate is zero */

@@ -7,6 +7,7 @@
 #include "scene/rounding.h"
 #include "scene/singularity.h"
 #include "segment/flight.h"
+#include "segment/flight_head_on.h"
 
 static struct pair_work work_on(const struct contact_pair *p, const struct scene_values *v,
                                 const struct scene_state *q, int body, double sign)
@@ -28,6 +29,22 @@ static struct pair_work work_on(const struct contact_pair *p, const struct scene
     return work;
 }
 
+/* Across a plane's normal no work is done, whatever the path. */
+static bool is_constant(const struct contact_pair *p, const struct pair_work *work)
+{
+    if (contact_is_plane(&p->shape)) {
+        return work->order == 0 || (contact_along_plane(p->normal, work->path[1]) == 0.0 &&
+                                    contact_along_plane(p->normal, work->path[2]) == 0.0);
+    }
+    return work->order == 0 || (vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
+}
+
+bool pair_is_head_on(const struct contact_pair *p)
+{
+    return is_constant(p, &p->work[0]) && is_constant(p, &p->work[1]) &&
+           flight_is_head_on(&p->shape, &p->flight, p->normal);
+}
+
 /*
  * At d = 0, n is undefined. It becomes the direction of motion, and c, which is rounding there, is set along
  * it. At rest it keeps the direction at hand, unless the relative acceleration outweighs the contact force
@@ -45,6 +62,7 @@ static void leave_centre(struct contact_pair *p, const struct contact_geometry *
     p->gap = p->distance - reach;
     p->rounded = vec3_axpy(vec3_scale(p->distance, p->normal), -1.0, geometry->offset);
     p->flight.c[0] = p->flight.offset = vec3_scale(p->distance, p->normal);
+    p->starts_rounded = true;
 }
 
 /* Corrects w so that side n.w is `rate`, the g' carried from the segment before. */
@@ -110,7 +128,7 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
     p->reduced_mass = 1.0 / scene_inverse_mass(v, contact);
     p->rate_rounded = vec3_make(0.0, 0.0, 0.0);
     p->carried_rate = (double)NAN;
-    p->rate_is_known = false;
+    p->rate_is_known = p->starts_rounded = false;
     if (singularity_is_reached(v, at, contact, &p->shape)) {
         leave_centre(p, geometry);
     } else {
@@ -126,6 +144,7 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
                       path_contradicts(v, q, contact_destination(contact));
     p->work[0] = work_on(p, v, q, contact_source(contact), -1.0);
     p->work[1] = work_on(p, v, q, contact_destination(contact), 1.0);
+    p->is_head_on = pair_is_head_on(p);
 }
 
 struct vec3 pair_across(const struct contact_pair *p, struct vec3 c)
@@ -223,6 +242,87 @@ static inline void move_body(const struct scene_values *v, struct scene_state *q
     q->body[body].velocity = vec3_add(flown.velocity, r_rate);
 }
 
+/* The part of a vector that head-on motion leaves alone: in a plane, along a cylinder's axis; a sphere has
+ * none. */
+static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
+{
+    if (contact_is_plane(&p->shape)) {
+        return contact_across_plane(p->normal, a);
+    }
+    return contact_is_cylinder(&p->shape) ? vec3_scale(vec3_dot(p->shape.axis, a), p->shape.axis)
+                                          : vec3_make(0.0, 0.0, 0.0);
+}
+
+static struct vec3 not_aside(const struct contact_pair *p, struct vec3 a)
+{
+    return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, a), p->normal) : pair_across(p, a);
+}
+
+/* The motion that both bodies share, but for what is aside: that of the one that is not free, or that of
+ * their centre of mass. velocity[i] is the coefficient of time^i. */
+struct common_motion {
+    struct vec3 velocity[2];
+};
+
+static struct common_motion common_motion_of(const struct contact_pair *p, const struct scene_values *v,
+                                             const struct scene_state *q, const int ends[PAIR_BODIES])
+{
+    struct common_motion common = {{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
+    double inverse_mass = 0.0; /* of both together */
+    for (int end = 0; end < PAIR_BODIES; ++end) {
+        if (body_is_prescribed(v, ends[end])) {
+            struct vec3 velocity[3];
+            memcpy(velocity, q->path[ends[end]].velocity, sizeof velocity);
+            path_shift(velocity, 3, q->clock);
+            memcpy(common.velocity, velocity, sizeof common.velocity);
+        }
+    }
+    if (body_is_free(v, ends[0]) && body_is_free(v, ends[1])) {
+        inverse_mass = 1.0 / (body_mass(v, ends[0]) + body_mass(v, ends[1]));
+        common.velocity[1] = gravity(v);
+    }
+    for (int end = 0; inverse_mass > 0.0 && end < PAIR_BODIES; ++end) {
+        struct vec3 force[3];
+        flight_force(q, ends[end], q->clock, force);
+        const double part = body_mass(v, ends[end]) * inverse_mass;
+        common.velocity[0] = vec3_axpy(common.velocity[0], part, q->body[ends[end]].velocity);
+        common.velocity[1] = vec3_axpy(common.velocity[1], inverse_mass, force[0]);
+    }
+    common.velocity[0] = not_aside(p, common.velocity[0]);
+    common.velocity[1] = not_aside(p, common.velocity[1]);
+    return common;
+}
+
+/*
+ * Moves a body head-on: as the common motion, its flight aside and its share of the separation. Bodies that
+ * rest against each other for long would lose the digits of their places in a difference of two flights.
+ */
+static void move_head_on(const struct contact_pair *p, const struct pair_change *change,
+                         const struct scene_values *v, struct scene_state *q, int body, double share,
+                         const struct common_motion *common)
+{
+    struct vec3 force[3];
+    struct vec3 velocity[FLIGHT_TERMS];
+    struct body_state *state = &q->body[body];
+    const double side = p->shape.side;
+    flight_force(q, body, q->clock, force);
+    const int terms = flight_velocity(v, body, state->velocity, force, velocity);
+    for (int i = 0; i < terms; ++i) {
+        velocity[i] = aside(p, velocity[i]);
+    }
+    const struct vec3 apart = vec3_axpy(p->rounded, side * (change->gap - p->gap), p->normal);
+    const struct vec3 moved = vec3_axpy(flight_displacement(common->velocity, 2, change->time), share, apart);
+    if (!vec3_is_zero(force[0]) || !vec3_is_zero(force[1]) || !vec3_is_zero(force[2])) {
+        q->external_work +=
+            flight_work_along(velocity, terms, force, change->time) + vec3_dot(force[0], moved);
+    }
+    const struct vec3 flown = aside(p, flight_displacement(velocity, terms, change->time));
+    const struct vec3 together = path_at(common->velocity, 2, change->time);
+    state->moved = vec3_add(state->moved, vec3_add(flown, moved));
+    state->velocity = vec3_add(aside(p, path_at(velocity, terms, change->time)),
+                               vec3_axpy(together, share * side * change->gap_rate, p->normal));
+}
+
 void pair_apply(const struct contact_pair *p, const struct pair_change *change, const struct scene_values *v,
                 struct scene_state *q, int contact)
 {
@@ -231,10 +331,20 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change, 
     const struct vec3 rounded = vec3_axpy(p->rounded, change->time, p->rate_rounded);
     const struct vec3 r = vec3_add(change->r, rounded);
     const struct vec3 r_rate = vec3_add(change->r_rate, p->rate_rounded);
+    struct common_motion common = {{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
+    if (change->head_on) {
+        common = common_motion_of(p, v, q, ends);
+    }
     for (int end = 0; end < PAIR_BODIES; ++end) {
-        q->external_work += p->work[end].factor * change->work[end];
-        if (body_is_free(v, ends[end])) {
-            const double share = (end == 0 ? -1.0 : 1.0) * p->reduced_mass / body_mass(v, ends[end]);
+        if (!body_is_free(v, ends[end])) {
+            q->external_work += p->work[end].factor * change->work[end];
+            continue;
+        }
+        const double share = (end == 0 ? -1.0 : 1.0) * p->reduced_mass / body_mass(v, ends[end]);
+        if (change->head_on) {
+            move_head_on(p, change, v, q, ends[end], share, &common);
+        } else {
+            q->external_work += p->work[end].factor * change->work[end];
             move_body(v, q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
         }
     }

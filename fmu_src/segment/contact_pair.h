@@ -43,10 +43,12 @@ struct contact_pair {
     /* rounding: added to c so that its length agrees with the accumulated gap, or with the direction taken at
      * the centre [m] */
     struct vec3 rounded;
+    bool starts_rounded;      /* whether C(0) has it already, as at the centre */
     struct vec3 rate_rounded; /* rounding: added to w so that side n.w is the carried rate [m/s] */
     double carried_rate;      /* g' that is more than side n.w; NaN: that is as accurate [m/s] */
     bool rate_is_known;       /* carried, or exactly zero: without the rounding of velocities */
     bool has_mismatch;        /* whether W is other than C', by more than rounding */
+    bool is_head_on;          /* pair_is_head_on */
     double reduced_mass;      /* m_red [kg] */
     double rate_rounding;     /* of g', by rounding [m/s] */
     struct pair_work work[PAIR_BODIES];
@@ -75,9 +77,15 @@ struct pair_change {
     double time;              /* [s] */
     struct vec3 r, r_rate;    /* [m], [m/s] */
     double gap;               /* g now [m] */
+    bool head_on;             /* whether gap and gap_rate tell all of the relative motion along n */
+    double gap_rate;          /* g' now, where that is so [m/s] */
     double dissipated;        /* by the dashpot [J] */
     double work[PAIR_BODIES]; /* the integrals of pair_work [J] */
 };
+
+/* Whether the motion goes along n alone, under a constant acceleration along it; over a plane and along a
+ * cylinder's axis the bodies may move as they like. */
+bool pair_is_head_on(const struct contact_pair *p);
 
 /* From the present instant `at`, taken at q->clock, for a contact in compression or restitution. */
 void pair_make(struct contact_pair *p, const struct scene_values *v, const struct scene_state *q,

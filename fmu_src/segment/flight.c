@@ -38,22 +38,26 @@ int flight_velocity(const struct scene_values *v, int body, struct vec3 start, c
     return FLIGHT_TERMS;
 }
 
+struct vec3 flight_displacement(const struct vec3 *velocity, int terms, double time)
+{
+    struct vec3 mean[FLIGHT_TERMS];
+    for (int i = 0; i < terms; ++i) {
+        mean[i] = vec3_scale(FLIGHT_MEAN[i], velocity[i]);
+    }
+    return vec3_scale(time, path_at(mean, terms, time));
+}
+
 struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,
                               const struct vec3 force[3], double time)
 {
     struct vec3 velocity[FLIGHT_TERMS];
-    struct vec3 mean[FLIGHT_TERMS];
     const int terms = flight_velocity(v, body, start.velocity, force, velocity);
-    for (int i = 0; i < terms; ++i) {
-        mean[i] = vec3_scale(FLIGHT_MEAN[i], velocity[i]);
-    }
-    return (struct body_state){vec3_axpy(start.moved, time, path_at(mean, terms, time)),
+    return (struct body_state){vec3_add(start.moved, flight_displacement(velocity, terms, time)),
                                path_at(velocity, terms, time)};
 }
 
 /* Force times velocity has degree five: exact with three Gauss-Legendre nodes, 0 and +-sqrt(3/5). */
-double flight_work(const struct scene_values *v, int body, struct body_state start,
-                   const struct vec3 force[3], double time)
+double flight_work_along(const struct vec3 *velocity, int terms, const struct vec3 force[3], double time)
 {
     const double node = 0.77459666924148338;
     const double nodes[3] = {-node, 0.0, node};
@@ -61,10 +65,17 @@ double flight_work(const struct scene_values *v, int body, struct body_state sta
     double sum = 0.0;
     for (int i = 0; i < 3; ++i) {
         const double at = 0.5 * time * (1.0 + nodes[i]);
-        const struct body_state then = flight_from(v, body, start, force, at);
-        sum += weights[i] * vec3_dot(path_at(force, 3, at), then.velocity);
+        sum += weights[i] * vec3_dot(path_at(force, 3, at), path_at(velocity, terms, at));
     }
     return 0.5 * time * sum;
+}
+
+double flight_work(const struct scene_values *v, int body, struct body_state start,
+                   const struct vec3 force[3], double time)
+{
+    struct vec3 velocity[FLIGHT_TERMS];
+    const int terms = flight_velocity(v, body, start.velocity, force, velocity);
+    return flight_work_along(velocity, terms, force, time);
 }
 
 struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,

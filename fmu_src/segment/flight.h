@@ -23,6 +23,10 @@ int flight_velocity(const struct scene_values *v, int body, struct vec3 start, c
 /* Integral of s^i over [0, 1]: what makes displacements of velocities. */
 static const double FLIGHT_MEAN[FLIGHT_TERMS] = {1.0, 1.0 / 2.0, 1.0 / 3.0, 1.0 / 4.0};
 
+/* How far a body moves with such a velocity, and the work that a force does on it [m], [J]. */
+struct vec3 flight_displacement(const struct vec3 *velocity, int terms, double time);
+double flight_work_along(const struct vec3 *velocity, int terms, const struct vec3 force[3], double time);
+
 /* A free body's state `time` after `start`, and the work of the external force until then; `force` has its
  * origin there. */
 struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,

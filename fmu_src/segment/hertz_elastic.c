@@ -93,7 +93,7 @@ bool hertz_elastic_make(struct hertz_elastic *p, const struct contact_pair *from
 {
     const double k = from->hertz_stiffness / from->reduced_mass;
     const double depth = fmax(-from->gap, 0.0);
-    if (from->chi > 0.0 || from->has_mismatch || !pair_oscillation_applies(from)) {
+    if (from->chi > 0.0 || from->has_mismatch || !from->is_head_on) {
         return false;
     }
     const double rate = pair_gap_derivative(from);

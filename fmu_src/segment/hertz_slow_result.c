@@ -140,6 +140,8 @@ struct pair_change slow_hertz_change(const void *hertz_slow, double s)
     double r_rate[HERTZ_DIMENSIONS];
     slow_deviation(p, &at, s, r, r_rate);
     struct pair_change change = {.time = p->half * s, .gap = -at.depth};
+    change.head_on = p->from->is_head_on;
+    change.gap_rate = -at.rate / p->half;
     change.r = change.r_rate = vec3_make(0.0, 0.0, 0.0);
     for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
         change.r = vec3_axpy(change.r, r[j], p->flight.frame[j]);

@@ -9,30 +9,10 @@
  * decays below rounding within one period. */
 static const double LOWEST_FREQUENCY = 0.25;
 
-/* r is the difference between the motion and the flight without contact. The flight may exceed the largest
- * |y| by this factor, which costs three digits of sixteen; or be as long as its own rounding bound allows. */
-static const double LONGEST_FLIGHT = 1e3;
-
 /* A viscous contact drifts towards the centre. Largest |g| at which such a segment may start, and at which it
  * ends, in parts of the reach. */
 static const double DRIFT_STARTS = 0.5;
 static const double DRIFT_ENDS = 0.75;
-
-/* Across a plane's normal no work is done, whatever the path. */
-static bool is_constant(const struct contact_pair *from, const struct pair_work *work)
-{
-    if (contact_is_plane(&from->shape)) {
-        return work->order == 0 || (contact_along_plane(from->normal, work->path[1]) == 0.0 &&
-                                    contact_along_plane(from->normal, work->path[2]) == 0.0);
-    }
-    return work->order == 0 || (vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
-}
-
-bool pair_oscillation_applies(const struct contact_pair *from)
-{
-    return is_constant(from, &from->work[0]) && is_constant(from, &from->work[1]) &&
-           flight_is_head_on(&from->shape, &from->flight, from->normal);
-}
 
 static double along_normal(const struct contact_pair *from, int degree)
 {
@@ -86,27 +66,28 @@ bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair
     return has_spring ? make_of_spring(p) : make_of_dashpot(p);
 }
 
-double pair_oscillation_longest(const struct pair_oscillation *p, double gap_rounding)
+double pair_oscillation_longest(const struct pair_oscillation *p)
 {
     if (p->omega_d > 0.0) {
         return (double)INFINITY;
     }
-    const double flight = fmax(LONGEST_FLIGHT * p->amplitude, gap_rounding / DBL_EPSILON);
-    const double by_rate = flight / fabs(p->y_rate);
-    const double by_fall = sqrt(2.0 * flight / fabs(p->load));
-    const double by_time = fmin(p->overdamped.half_period, fmin(by_rate, by_fall));
+    const double longest = p->overdamped.half_period;
     if (p->from->coefficients.k > 0.0 || !contact_may_reach_centre(&p->from->shape)) {
-        return by_time;
+        return longest;
     }
     const double free = DRIFT_ENDS * contact_reach(&p->from->shape) - p->amplitude;
-    return fmin(by_time, free / fabs(p->overdamped.drift));
+    return fmin(longest, free / fabs(p->overdamped.drift));
 }
 
-/* The gap: by y itself where y has decayed, else by its increment since the start, whichever is more
- * accurate. */
+/* Whether y or y' is more accurate by itself than by its increment since the start: it has decayed. */
+static bool has_decayed(double now, double start)
+{
+    return 2.0 * fabs(now) < fabs(start);
+}
+
 static double gap_after_decay(const struct pair_oscillation *p, double y, double change)
 {
-    return 2.0 * fabs(y) < fabs(p->y) ? p->equilibrium + y : p->from->gap + change;
+    return has_decayed(y, p->y) ? p->equilibrium + y : p->from->gap + change;
 }
 
 /* How much y and y' have changed since the start. */
@@ -236,20 +217,22 @@ static double dissipated_by_dashpot(const struct pair_oscillation *p, const doub
     return p->from->coefficients.c > 0.0 ? -0.5 * p->stiffness * (by_rate + by_place) : 0.0;
 }
 
-/* The gap, and since the start that and its rate per s. */
-static double gap_grown(const struct pair_oscillation *p, double s, double grown[2])
+/* The gap and its rate per s, and how much either has grown since the start. */
+static double gap_grown(const struct pair_oscillation *p, double s, double grown[2], double *y_rate)
 {
     double y[1 + OVERDAMPED_DERIVATIVES];
     if (p->omega_d > 0.0) {
         grow(p, s, y);
         grown[0] = y[0];
         grown[1] = y[1];
+        *y_rate = p->y_rate + y[1];
         return p->from->gap + grown[0];
     }
     const struct overdamped_change since = overdamped_since(&p->overdamped, s);
     overdamped_at(&p->overdamped, s, y);
     grown[0] = since.y;
     grown[1] = since.y_rate;
+    *y_rate = has_decayed(y[1], p->y_rate) ? y[1] : p->y_rate + since.y_rate;
     return gap_after_decay(p, y[0], since.y);
 }
 
@@ -261,13 +244,16 @@ struct pair_change pair_oscillation_change(const void *pair_oscillation, double 
     const double side = from->shape.side;
     const double fall = 2.0 * along_normal(from, 2) * time;
     double grown[2];
-    const double gap = gap_grown(p, s, grown);
+    double y_rate;
+    const double gap = gap_grown(p, s, grown, &y_rate);
     const double r = grown[0] - (p->y_rate * s + 0.5 * fall * time);
     const double r_rate = p->rate * grown[1] - fall;
     struct pair_change change = {.time = time,
                                  .r = vec3_scale(side * r, from->normal),
                                  .r_rate = vec3_scale(side * r_rate, from->normal),
                                  .gap = gap,
+                                 .head_on = true,
+                                 .gap_rate = p->rate * y_rate,
                                  .dissipated = dissipated_by_dashpot(p, grown)};
     for (int end = 0; end < PAIR_BODIES; ++end) {
         const struct pair_work *work = &from->work[end];

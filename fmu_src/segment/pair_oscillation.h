@@ -28,20 +28,16 @@ struct pair_oscillation {
     double amplitude;             /* |y| stays below it, the drift left out [m] */
 };
 
-/* Whether the motion is head-on under constant acceleration. */
-bool pair_oscillation_applies(const struct contact_pair *from);
-
-/* False where it might reach the centre of solid bodies (inside a hollow body contact ends before). */
+/* Of a pair that moves head-on (pair->is_head_on). False where it might reach the centre of solid bodies (inside a hollow body contact ends before). */
 bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from);
 
 /* Whether factor quantity + offset stays positive for all s >= 0. */
 bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_quantity quantity,
                                   double factor, double offset);
 
-/* Upper bound of s for a segment with events. Where y decays, no quantity has two extrema within it, and the
- * flight is short enough that its rounding does not count: `gap_rounding` is that of the gap as positions
- * give it [m]. INFINITY where y oscillates. */
-double pair_oscillation_longest(const struct pair_oscillation *p, double gap_rounding);
+/* Upper bound of s for a segment with events. Where y decays, no quantity has two extrema within it. INFINITY
+ * where y oscillates. */
+double pair_oscillation_longest(const struct pair_oscillation *p);
 
 /* The first s > 0 at which the gap has an extremum. Further ones follow every half period pi / omega_d, and
  * so do the extrema of the other quantities. */

@@ -112,10 +112,10 @@ static void make_hertz(struct segment *p)
 }
 #endif
 
-/* Over a plane nothing turns that would end a segment. But the motion is that of the flight without contact
- * and a deviation that nearly cancels it: the flight may be as long as the gap's own rounding bound allows
- * [s]. */
-static double longest_over_plane(const struct segment *p)
+/* Where nothing turns, nothing would end a segment. But unless the bodies are head-on their motion is that of
+ * the flight without contact and a deviation that nearly cancels it: the flight may be as long as the gap's
+ * own rounding bound allows [s]. */
+static double longest_by_flight(const struct segment *p)
 {
     const double flight = p->gap_rounding / DBL_EPSILON;
     double longest = (double)INFINITY;
@@ -177,7 +177,7 @@ static bool make_at_rim(struct segment *p)
 
 static void make_up_to(struct segment *p, double longest)
 {
-    p->longest = contact_is_plane(&p->pair.shape) ? fmin(longest, longest_over_plane(p)) : longest;
+    p->longest = p->pair.is_head_on ? longest : fmin(longest, longest_by_flight(p));
     if (make_at_rim(p)) {
         /* it has kinds of its own */
     } else if (contact_is_hertz(&p->pair.law)) {
@@ -236,11 +236,32 @@ const struct pair_sample *segment_sample(struct segment *p, double s)
     return dense_output_at(&p->output, s);
 }
 
+/* Corrects r along n so that the bodies are as far apart as the gap says. Gap and r are truncated apart, and
+ * bodies that part at a gap of zero must not overlap by that. */
+static void agree_with_gap(const struct segment *p, struct pair_change *change)
+{
+    const struct contact_pair *from = &p->pair;
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    struct vec3 c = vec3_add(path_at(from->flight.c, SEPARATION_DEGREE + 1, change->time), change->r);
+    if (change->head_on) {
+        return;
+    }
+    if (!from->starts_rounded) {
+        c = vec3_add(c, from->rounded);
+    }
+    const struct contact_geometry then = contact_geometry_at(&from->shape, c, none, from->normal);
+    const double missing = change->gap - then.gap;
+    if (fabs(missing) <= p->tolerance) { /* else the gap has its sign beyond a centre */
+        change->r = vec3_axpy(change->r, from->shape.side * missing, then.normal);
+    }
+}
+
 void segment_advance(struct segment *p, double s, const struct scene_values *v, struct scene_state *q,
                      int contact)
 {
     struct contact_state *state = &q->contact[contact];
-    const struct pair_change change = kinds[p->kind].change(&p->as, s);
+    struct pair_change change = kinds[p->kind].change(&p->as, s);
+    agree_with_gap(p, &change);
     peaks_note(p, state, s);
     pair_apply(&p->pair, &change, v, q, contact);
     state->physics.rate_rounding = pair_rate_rounding_after(&p->pair, &change, v, q, contact);

@@ -166,11 +166,16 @@ static CONTACT_NOINLINE struct vec3 at_side(struct segment *p, pair_changer *cha
 static struct vec3 at_face(struct segment *p, pair_changer *changer, const struct pair_change *change,
                            double s)
 {
-    const struct vec3 *c = p->pair.flight.c;
+    struct vec3 c[SEPARATION_DEGREE + 1];
+    const bool is_rim = contact_is_rim(&p->pair.shape);
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) { /* of bodies at rest C along n is a flight, however far */
+        const struct vec3 flight = p->pair.flight.c[i];
+        c[i] = is_rim ? flight : contact_across_plane(p->pair.normal, flight);
+    }
     const bool vary = varies(c);
     bool bends = vary || !vec3_is_zero(vec3_cross(c[2], p->pair.normal));
     struct vec3 sum = boundary_terms(c, vary, change);
-    if (contact_is_rim(&p->pair.shape)) {
+    if (is_rim) {
         sum = vec3_add(sum, vec3_cross(change->r, change->r_rate));
         bends = true;
     }

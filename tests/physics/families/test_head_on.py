@@ -1,0 +1,216 @@
+"""Head-on motion, Hertz's law, coefficients of restitution and inputs: answers that do not depend on how
+a run is stepped, and the closed forms that they must agree with.
+"""
+
+import numpy as np
+import pytest
+
+from support.checks import check_close, check_relative, start
+from support.scenes.agreement import TOLERANCES, Scene, check_agreement, seeds
+
+STEPS = (1, 2, 7, 22, 100, 300)
+
+
+# A body at rest on another one for long: the force is the load, whatever the length of the steps.
+
+
+def _pick(random, *choices):
+    return choices[int(random.integers(len(choices)))]
+
+
+def _supports(random):
+    """FMU, values and the direction from the destination to the source."""
+    shape = _pick(random, "sphere", "shell", "plane", "cylinder", "tube", "cap")
+    up = np.array(_pick(random, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, -1.0, 0.0)))
+    if shape == "plane":
+        up = np.array(_pick(random, tuple(up), (0.6, 0.0, 0.8), (3 / 7, -2 / 7, 6 / 7)))
+        return "SpherePlane", {"destination.axis": list(up), "source.center": list(0.1 * up)}, up
+    if shape == "cap":
+        values = {
+            "destination.axis": list(up),
+            "destination.finite_length": True,
+            "destination.ends": "capped",
+        }
+        return "SphereCylinder", values | {"source.center": list(0.6 * up)}, up
+    inside = shape in ("shell", "tube")
+    away = -0.4 if inside else 0.6
+    values = {"source.center": list(away * up), "contact.location": "inside" if inside else "outside"}
+    if shape in ("sphere", "shell"):
+        return "SphereSphere", values, up
+    return "SphereCylinder", values | {"destination.axis": list(np.roll(up, 1))}, up
+
+
+def resting(random):
+    """A ball laid down without speed, or let fall a little, that rests until the end."""
+    fmu, values, up = _supports(random)
+    stiffness = float(_pick(random, 1e4, 1e6, 1e9, 1e12))
+    mass = float(_pick(random, 0.1, 1.0, 2.0))
+    critical = 2.0 * np.sqrt(stiffness * mass)
+    values |= {
+        "source.mass": mass,
+        "contact.penalty_factor": stiffness,
+        "contact.viscous_penalty_factor": critical * float(_pick(random, 0.1, 0.5, 1.0, 3.0)),
+        "contact.dashpot": str(_pick(random, "non_adhesive", "unclamped", "approach_only")),
+    }
+    load = 9.81 * mass
+    pushed = _pick(random, "gravity", "force", "both free")
+    if pushed == "gravity":
+        values["gravity"] = list(-9.81 * up)
+    else:
+        values["gravity"] = [0.0, 0.0, 0.0]
+        values["source.external_force"] = list(-load * up)
+    if pushed == "both free":
+        values["destination.motion"] = "free"
+        values["destination.mass"] = float(_pick(random, 1.0, 5.0))
+        values["destination.external_force"] = list(load * up)
+        reduced = mass * values["destination.mass"] / (mass + values["destination.mass"])
+        values["contact.viscous_penalty_factor"] *= np.sqrt(reduced / mass)
+    end = float(_pick(random, 10.0, 1e2, 1e3, 1e4, 1e5))
+    return Scene(fmu, values, end, floor={"velocity": 1.0}), load
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_a_body_at_rest_presses_with_its_load_however_long_it_rests(opened, seed):
+    random = np.random.default_rng(seed)
+    scene, load = resting(random)
+    fmu = start(opened(scene.fmu), scene.values, float(_pick(random, *TOLERANCES)), "event_driven")
+    before = fmu["energy.total"]
+    steps = _pick(random, *STEPS)
+    for k in range(steps):
+        fmu.step(scene.end * (k + 1) / steps - fmu.time)
+    check_relative(f"force {scene}", fmu["contact.normal_force"], load, 1e-9)
+    check_relative("gap", fmu["contact.gap"], -load / scene.values["contact.penalty_factor"], 1e-9)
+    check_close("velocity", np.asarray(fmu["source.velocity"]), np.zeros(3), 1e-9)
+    check_close("energy", fmu["energy.total"], before, 1e-11 * (1.0 + abs(before)))
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_a_body_comes_to_rest_the_same_however_it_is_stepped(opened, seed):
+    scene, _ = resting(np.random.default_rng(seed))
+    check_agreement(opened, scene, seed, runs=3)
+
+
+@pytest.mark.parametrize("end", [1e3, 1e4, 1e5, 1e6])
+@pytest.mark.parametrize("values, force", [({}, 9.81), ({"contact.law": "hertz"}, 9.81)])
+def test_a_ball_on_a_ball_presses_with_its_weight_after_one_long_step(opened, values, force, end):
+    fmu = start(opened("SphereSphere"), {"source.center": [0.0, 0.0, 0.6], **values}, None, "event_driven")
+    before = fmu["energy.total"]
+    fmu.step(end)
+    check_relative("force", fmu["contact.normal_force"], force, 1e-12)
+    check_close("energy", fmu["energy.total"], before, 1e-12)
+
+
+def test_a_stiff_contact_keeps_the_digits_of_its_depth_over_ten_seconds(opened):
+    values = {"contact.penalty_factor": 1e12, "contact.viscous_penalty_factor": 2e6}
+    fmu = start(opened("SphereSphere"), values, None, "event_driven")
+    fmu.step(10.0)
+    check_relative("force", fmu["contact.normal_force"], 9.81, 1e-12)
+
+
+# Impacts under Hertz's law: the release is the end of one contact, not the start of another.
+
+
+def hertz_impact(random):
+    """Two balls that meet in flight, head-on or not."""
+    along = np.array(_pick(random, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.6, 0.0, 0.8), (3 / 7, -2 / 7, 6 / 7)))
+    across = np.cross(along, np.roll(along, 1) + np.array([0.0, 0.5, 0.0]))
+    across /= np.linalg.norm(across)
+    offset = float(_pick(random, 0.0, 0.0, 0.1, 0.3))
+    speed = float(_pick(random, 0.1, 1.0, 5.0))
+    gap = float(_pick(random, 0.0, 0.001, 0.01))
+    values = {
+        "gravity": [0.0, 0.0, 0.0],
+        "contact.law": "hertz",
+        "contact.hertz_stiffness": float(_pick(random, 1e6, 1e9, 1e12)),
+        "contact.dashpot": str(_pick(random, "non_adhesive", "unclamped", "approach_only")),
+        "source.center": list(along * (np.sqrt(0.36 - offset**2) + gap) + offset * across),
+        "source.initial_velocity": list(-speed * along),
+        "destination.motion": str(_pick(random, "free", "fixed")),
+    }
+    if random.integers(4):
+        values["contact.viscous_control"] = "restitution"
+        values["contact.restitution"] = float(_pick(random, 0.0, 0.05, 0.5, 0.95, 1.0))
+    return Scene("SphereSphere", values, end=float(_pick(random, 1.5, 4.0)) * gap / speed + 0.05)
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_an_impact_under_hertz_s_law_is_one_contact(opened, seed):
+    random = np.random.default_rng(seed)
+    scene = hertz_impact(random)
+    check_agreement(opened, scene, seed)
+    steps = _pick(random, *STEPS)
+    fmu = start(opened(scene.fmu), scene.values, float(_pick(random, *TOLERANCES)), "event_driven")
+    for k in range(steps):
+        fmu.step(scene.end * (k + 1) / steps - fmu.time)
+    assert fmu["contact.onsets"] <= 1, scene
+
+
+@pytest.mark.parametrize("steps", [1, 33, 100, 1000])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+def test_marbles_touch_once_whatever_the_tolerance(opened, tolerance, steps):
+    fmu = start(opened("HertzImpact"), {}, tolerance, "event_driven")
+    for k in range(steps):
+        fmu.step(1e-3 * (k + 1) / steps - fmu.time)
+    assert fmu["contact.onsets"] == 1
+    check_close("onset", fmu["contact.last_onset_time"], 5e-4, 1e-14)
+    check_relative("duration", fmu["contact.last_duration"], 6.42152384898e-05, 1e-11)
+
+
+# Derivatives of an input: what is set ends higher derivatives, what is of lower order goes on.
+
+
+class Driven:
+    """The force as an importer sets it at communication points, and the velocity that it gives to 1 kg."""
+
+    def __init__(self):
+        self.value, self.rate, self.bend, self.velocity = 0.0, 0.0, 0.0, 0.0
+
+    def go_on(self, time):
+        self.velocity += time * (self.value + time * (self.rate / 2 + time * self.bend / 6))
+        self.value += time * (self.rate + time * self.bend / 2)
+        self.rate += time * self.bend
+
+    def set(self, fmu, orders, values):
+        for order, value in zip(orders, values, strict=True):
+            row = [value, 0.0, 0.0]
+            if order == 0:
+                fmu["source.external_force"] = row
+            else:
+                fmu.set_derivative("source.external_force", row, order=order)
+        if orders:
+            lowest = min(orders)
+            given = dict(zip(orders, values, strict=True))
+            self.value = given.get(0, self.value)
+            self.rate = given.get(1, 0.0 if lowest < 1 else self.rate)
+            self.bend = given.get(2, 0.0 if lowest < 2 else self.bend)
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_what_is_not_set_of_an_input_goes_on(opened, seed):
+    random = np.random.default_rng(seed)
+    values = {"source.center": [50.0, 0.0, 0.0], "gravity": [0.0, 0.0, 0.0], "source.mass": 1.0}
+    fmu = start(opened("SphereSphere"), values, float(_pick(random, *TOLERANCES)), "event_driven")
+    right = Driven()
+    for _ in range(int(random.integers(1, 8))):
+        orders = [int(order) for order in random.permutation(3)[: random.integers(4)]]
+        right.set(fmu, orders, [float(_pick(random, -1.0, 0.0, 0.5, 1.0, 4.0)) for _ in orders])
+        if random.integers(2):
+            _ = fmu["source.velocity"]
+        size = float(_pick(random, 0.1, 0.25, 1.0))
+        fmu.step(size)
+        right.go_on(size)
+        check_close(
+            "velocity", fmu["source.velocity"], [right.velocity, 0.0, 0.0], 1e-12 * (1 + abs(right.velocity))
+        )
+
+
+def test_a_second_derivative_set_alone_leaves_the_rate_in_force(opened):
+    """F = t + 2 t^2 up to 1 s, from there on with the rate that it has then, 5 N/s"""
+    values = {"source.center": [50.0, 0.0, 0.0], "gravity": [0.0, 0.0, 0.0]}
+    values["source.external_force.derivatives"] = [[1.0, 0.0, 0.0], [4.0, 0.0, 0.0]]
+    fmu = start(opened("SphereSphere"), values, None, "event_driven")
+    fmu.step(1.0)
+    before = fmu["source.velocity"][0]
+    fmu.set_derivative("source.external_force", [0.0, 0.0, 0.0], order=2)
+    fmu.step(1.0)
+    check_close("change of velocity", fmu["source.velocity"][0] - before, 5.5, 1e-12)
