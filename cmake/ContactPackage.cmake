@@ -5,6 +5,7 @@ set(component COMPONENT package EXCLUDE_FROM_ALL)
 
 install(FILES CMakeLists.txt LICENSE DESTINATION . ${component})
 install(DIRECTORY cmake fmu_src modelDescription DESTINATION . ${component} PATTERN "__pycache__" EXCLUDE)
+install(FILES docs/sweep.md DESTINATION docs ${component})
 install(DIRECTORY scripts/scenarios scripts/studies DESTINATION scripts ${component})
 
 set(built "${PROJECT_BINARY_DIR}")

@@ -46,6 +46,10 @@ EXPERIMENT_KEYS = {
 EXPERIMENT = {"start_time": 0.0, "stop_time": 1.0, "step_size": 1e-3, "tolerance": 1e-8}
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 SNAKE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+IN_WORDS = {
+    IDENTIFIER: "letters, digits and _, a letter first, such as BouncingBall",
+    SNAKE: "small letters and digits, a letter first, words joined by _, such as left_ball",
+}
 CHOICES = ("enumeration", "integer")
 LIMIT = 255  # bodies, contacts: their index is a byte in the C table
 
@@ -112,7 +116,7 @@ class _Reader:
         if not isinstance(value, str) or not value.strip():
             self.fail(where, f"'{key}' must be a text that is not empty, got {value!r}")
         if pattern and not pattern.fullmatch(value):
-            self.fail(where, f"'{key}' is {value!r}, not a name (allowed: {pattern.pattern})")
+            self.fail(where, f"'{key}' is {value!r}, not a name (allowed: {IN_WORDS[pattern]})")
         return " ".join(value.split())
 
     def table(self, data: dict, key: str) -> dict:
@@ -144,7 +148,7 @@ class _Reader:
 
 
 def read_scene(path: Path, catalogue: Catalogue) -> Scene:
-    file = f"{path.parent.name}/{path.name}"
+    file = str(path)  # as it was given
     data = read_toml(path, file)
     reader = _Reader(file, catalogue)
     reader.keys("", data, SCENE_KEYS, ("name", "title", "description", "body", "contact"), "world")

@@ -64,6 +64,14 @@ WRONG = {
     "run: nan": (["run", "SphereSphere", "--set", "source.radius=nan"], "not 'nan'"),
     "run: half a vector": (["run", "SphereSphere", "--set", "gravity=0,0"], "takes 3 numbers"),
     "run: no truth": (["run", "SphereCylinder", "--set", "destination.finite_length=2"], "true or false"),
+    "run: pinned": (
+        ["run", "BouncingBall", "--set", "contact.law=hertz"],
+        "BouncingBall.fmu has contact.law pinned to linear; SpherePlane has it open",
+    ),
+    "run: left out": (
+        ["run", "fmi3/BouncingBall", "--set", "contact.friction_coefficient=1"],
+        "SpherePlane has it open",
+    ),
     "run: no value": (["run", "SphereSphere", "--set", "source.radius"], "NAME=VALUE"),
     "run: an output": (["run", "SphereSphere", "--set", "contact.gap=1"], "of kind output"),
     "run: out of range": (["run", "SphereSphere", "--set", "source.radius=-1"], "allowed: 1e-150"),
@@ -89,6 +97,11 @@ WRONG = {
     "animate: another kind": (["animate", "picture.png"], "a result (.csv)"),
     "build: no such file": (["build", "nowhere.toml"], "nowhere.toml"),
     "build: no toml": (["build", "text.fmu"], "text.fmu"),
+    "build: an FMU": (["build", "text.fmu"], "text.fmu: this is an FMU; a scene (.toml) is needed"),
+    "build: a body's name": (
+        ["build", "sub/bad.toml"],
+        "build: sub/bad.toml: [[body]] 1: 'name' is 'a b', not a name (allowed: small letters and digits,",
+    ),
     "build: binary": (["build", "bytes.toml"], "bytes.toml"),
     "build: no compiler": (["build", "scene.toml", "--compiler", "nocc"], "nocc: not found"),
     "build: no such platform": (["build", "scene.toml", "--platforms", "amiga"], "there is no 'amiga'"),
@@ -106,6 +119,7 @@ WRONG = {
     "scenarios: no such name": (["scenarios", "restitutio"], "did you mean 'restitution'"),
     "scenarios: binary": (["scenarios", "bytes.toml"], "this is no text"),
     "picture: kind": (["picture", "restitution", "--output", "x.xyz"], "none of the formats"),
+    "sweep: no such name": (["sweep", "head_on_bounce"], "did you mean 'head_on_bounces'?"),
     "sweep: a file": (["sweep", "study.toml", "-o", "text.fmu"], "a folder is needed"),
     "sweep: plot": (["sweep", "study.toml", "--plot", "x.xyz"], "none of the formats"),
     "sweep: column": (["sweep", "study.toml", "--plot", "--x", "hight"], "did you mean 'height'"),
@@ -131,6 +145,9 @@ def test_a_bad_request_ends_in_one_sentence_and_status_2(case, ask, tmp_path):
     (tmp_path / "study.toml").write_text(STUDY)
     packed(tmp_path, {"readme.txt": "nothing"}).rename(tmp_path / "empty.fmu")
     assert ask("new", "scene")[0] == 0
+    (tmp_path / "sub").mkdir()
+    text = (tmp_path / "scene.toml").read_text()
+    (tmp_path / "sub" / "bad.toml").write_text(text.replace('name = "ball"', 'name = "a b"'))
     arguments, words = WRONG[case]
     status, told, _ = ask(*arguments)
     assert status == 2, told
@@ -234,3 +251,16 @@ def test_what_needs_an_extra_names_it():
     command = [sys.executable, "-c", WITHOUT_EXTRAS, "plot", "SphereSphere"]
     run = subprocess.run(command, capture_output=True, text=True, env=environment(), timeout=PATIENCE)
     assert run.returncode == 2 and one_sentence(run.stderr) and "'contact-fmus[plot]'" in run.stderr, run
+
+
+def test_values_at_the_end_have_no_unit_1_and_no_sign_of_0(ask):
+    _, _, out = ask("run", "BouncingBall", "--stop", "0.1")
+    lines = [line.split() for line in out.splitlines()]
+    assert ["contact.direction", "(0,", "0,", "-1)"] in lines and not re.search(r"-0[ ,)]", out), out
+    _, _, out = ask("run", "BouncingBall", "--stop", "0.1", "--json")
+    assert "-0.0," not in out and "-0.0}" not in out
+
+
+def test_a_shipped_study_goes_by_its_name(ask):
+    status, told, _ = ask("sweep", "head_on_bounces", "--plot", "--x", "nowhere")
+    assert status == 2 and "nowhere" in told, told  # a column of the study that was read

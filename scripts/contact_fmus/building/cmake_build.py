@@ -61,7 +61,9 @@ class How:
 def check_scene(file: Path, folder: Path) -> Scene:
     """What the generator says of the scene; what it warns of goes to stderr"""
     generator = repository() / "modelDescription" / "generate.py"
-    command = [sys.executable, "-B", str(generator), "--scene", str(file.resolve()), "--output", str(folder)]
+    if file.suffix == ".fmu":
+        raise UserError(f"{file}: this is an FMU; a scene (.toml) is needed")
+    command = [sys.executable, "-B", str(generator), "--scene", str(file), "--output", str(folder)]
     run = subprocess.run(command, capture_output=True, text=True, check=False)
     if run.returncode == 2:
         raise UserError(" ".join(run.stderr.split()))

@@ -2,30 +2,69 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 from contact_fmus.errors import UserError, similar
-from contact_fmus.fmu.variables import Variable
+
+from .files import fmu_file, unpack
+from .scene import Scene, has_scene, read_scene
+from .variables import Variable, read_variables
 
 SETTABLE = ("parameter", "input")
 BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 
 
-def read_settings(texts: Iterable[str], variables: dict[str, Variable], fmu: str) -> dict[str, Any]:
+# The shipped FMU that leaves everything open, by the shape that a sphere touches
+OPEN = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
+
+
+def read_settings(texts: Iterable[str], variables: dict[str, Variable], fmu: Path) -> dict[str, Any]:
     """Values by name; UserError for a name that is not there, or a value that is none of its kind"""
     return dict(_setting(text, variables, fmu) for text in texts)
 
 
-def known(name: str, variables: dict[str, Variable], fmu: str) -> Variable:
-    if name not in variables:
-        hint = similar(name, variables)
-        raise UserError(f"{fmu} has no variable '{name}'{hint}; what its scene pins is left out of an FMU")
-    return variables[name]
+def known(name: str, variables: dict[str, Variable], fmu: Path) -> Variable:
+    """UserError where there is none, with the value that the FMU's scene pins it to"""
+    if name in variables:
+        return variables[name]
+    scene = read_scene(fmu) if has_scene(fmu) else None
+    text = f"{fmu.name} has no variable '{name}'{similar(name, variables)}"
+    if scene is None:
+        raise UserError(text)
+    if name in scene.pinned:
+        text = f"{fmu.name} has {name} pinned to {_written(scene.pinned[name])}"
+    raise UserError(text + _where_open(name, scene))
 
 
-def _setting(text: str, variables: dict[str, Variable], fmu: str) -> tuple[str, Any]:
+def _where_open(name: str, scene: Scene) -> str:
+    """A shipped FMU with the same bodies that has the variable, else what a scene of one's own would do"""
+    shapes = {body.name: body.shape for body in scene.bodies}
+    if set(shapes) == {"source", "destination"}:
+        other = OPEN.get(shapes["destination"], "")
+        with contextlib.suppress(FileNotFoundError):
+            if name in read_variables(unpack(fmu_file(other))[1]):
+                return f"; {other} has it open"
+    pinned = name in scene.pinned
+    return "; a scene that does not pin it has it open" if pinned else ""
+
+
+def _written(value: Any) -> str:
+    if isinstance(value, list):
+        return ",".join(_written(one) for one in value)
+    return (
+        str(value).lower()
+        if isinstance(value, bool)
+        else f"{value:g}"
+        if isinstance(value, float)
+        else str(value)
+    )
+
+
+def _setting(text: str, variables: dict[str, Variable], fmu: Path) -> tuple[str, Any]:
     name, equals, value = (part.strip() for part in text.partition("="))
     if not equals or not name or not value:
         raise UserError(f"--set takes NAME=VALUE, such as contact.dashpot=unclamped, not '{text}'")

@@ -71,6 +71,7 @@ def read_variables(description: Any) -> dict[str, Variable]:
         declared = scalar.declaredType
         items = declared.items if declared is not None and scalar.type == "Enumeration" else []
         unit = scalar.unit or (declared.unit if declared is not None else None) or ""
+        unit = "" if unit == "1" else unit  # which a reader would take for a number
         variable = Variable(
             scalar.name,
             scalar.type,

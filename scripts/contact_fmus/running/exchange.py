@@ -40,7 +40,7 @@ def exchange(
 
     values = {**experiment.values, **_inputs(experiment, experiment.start_time)}
     for name in values:
-        known(name, variables, experiment.fmu.name)
+        known(name, variables, experiment.fmu)
     try:
         rows = fmpy.simulate_fmu(
             str(folder),

@@ -112,7 +112,7 @@ def _start(fmu: ContactFmu, experiment: Experiment) -> None:
     for signal in experiment.inputs:
         values[signal.variable] = signal.evaluate(experiment.start_time, 0)
     for name in values:
-        known(name, fmu.variables, experiment.fmu.name)
+        known(name, fmu.variables, experiment.fmu)
     try:
         fmu.start(values, experiment.tolerance, experiment.start_time, experiment.stop_time)
         _set_inputs(fmu, experiment, experiment.start_time)

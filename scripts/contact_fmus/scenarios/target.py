@@ -134,7 +134,7 @@ def of_scenario(scenario: Scenario, file: Path, variant: Variant) -> Experiment:
 
 def changed(experiment: Experiment, settings: Iterable[str], stop: float | None = None) -> Experiment:
     """With what the user asked for. `settings`: NAME=VALUE"""
-    values = read_settings(settings, read_variables(unpack(experiment.fmu)[1]), experiment.fmu.name)
+    values = read_settings(settings, read_variables(unpack(experiment.fmu, kind="")[1]), experiment.fmu)
     stop = experiment.stop_time if stop is None else stop
     if not experiment.start_time < stop < math.inf:
         raise UserError(f"--stop {stop:g}: a time after the start at {experiment.start_time:g} s is needed")

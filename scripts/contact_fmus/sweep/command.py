@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from contact_fmus.errors import DONE, INTERRUPTED, UserError
+from contact_fmus.errors import DONE, INTERRUPTED, UserError, similar
 
 from .processes import start_early
 
@@ -21,6 +21,7 @@ FOLDER = Path("results")
 
 def main(arguments: list[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
+    options.study = _study(options.study)
     if options.workers is not None and options.workers < 1:
         raise UserError(f"--workers: a whole number from 1 is wanted, not {options.workers}")
     if options.study.is_file() and not options.scheduler and not options.compare:
@@ -45,6 +46,23 @@ def main(arguments: list[str] | None = None) -> int:
         return _sweep(store, options, drawn)
     finally:
         store.close()
+
+
+def _study(given: Path) -> Path:
+    """The file, or the shipped study of this name"""
+    if given.is_file() or given.suffix:
+        return given
+    shipped = {file.stem: file for file in (_tree() / "scripts" / "studies").glob("*.toml")}
+    if given.name not in shipped:
+        known = f"{similar(given.name, shipped)}; studies: {', '.join(sorted(shipped))}"
+        raise UserError(f"'{given}' is no shipped study and no file NAME.toml{known}")
+    return shipped[given.name]
+
+
+def _tree() -> Path:
+    """As contact_fmus.fmu.files.repository, which brings fmpy: workers start meanwhile"""
+    package = Path(__file__).resolve().parents[1]
+    return share if (share := package / "share").is_dir() else package.parents[1]
 
 
 def _sweep(store, options: argparse.Namespace, drawn: tuple[Path, list[str]] | None) -> int:
@@ -131,9 +149,12 @@ def _bar(store) -> Iterator[Callable[[int], None]]:
 def _parser() -> argparse.ArgumentParser:
     text = """Runs a study: an FMU many times, with parameters over grids, lists or samples, on all processors
     of this machine or on a cluster. Every run is a row of DIR/results.parquet, those that failed too.
-    docs/sweep.md describes the study file."""
+    {guide} describes the study file."""
+    text = text.format(guide=_tree() / "docs" / "sweep.md")
     parser = argparse.ArgumentParser(prog="contact-fmus sweep", description=text)
-    parser.add_argument("study", type=Path, metavar="STUDY.toml")
+    parser.add_argument(
+        "study", type=Path, metavar="STUDY", help="a file STUDY.toml, or the name of a shipped study"
+    )
     parser.add_argument(
         "-o", "--output", type=Path, metavar="DIR", help="where results go, results/STUDY without it"
     )
