@@ -1,9 +1,10 @@
-"""Pictures of scenarios: bodies where and as they are, and no impact lost between two samples"""
+"""Pictures of scenarios: bodies where and as they are, and axes that show no rounding"""
 
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from contact_fmus.fmu.scene import Body, Contact, Scene
@@ -48,9 +49,26 @@ def test_a_cylinder_is_drawn_as_it_has_turned():
     assert isinstance(plots._outline(run, "source", 0, SIDE, {}), Circle)
 
 
-def test_the_force_of_an_impact_between_samples_is_seen():
-    run = made("plane", contact__normal_force=[0.0, 0.0, 3.0, -1.0], contact__peak_force=[0.0, 7.0, 5.0, 2.0])
-    assert list(plots._force_seen(run, "contact")) == [0.0, 7.0, 5.0, -1.0]
+def test_a_long_low_path_lies_above_the_other_panels():
+    places = [[0.0, 0.0, 0.1], [8.0, 0.0, 0.1]]
+    figure = Figure()
+    path, rows = plots._layout(figure, [made("plane", {"source.radius": 0.1}, source__position=places)], 4)
+    assert path.get_subplotspec().get_topmost_subplotspec().is_first_row()
+    assert [axes.get_subplotspec().is_first_row() for axes in rows] == [False] * 4
+
+
+@pytest.mark.parametrize("values", [[9.81, 9.81 + 1e-12], [-2.4e-5, -2.4e-5 - 1e-14], [1e-17, 9.81]])
+def test_rounding_is_no_chatter_and_labels_differ(values):
+    axes = Figure().subplots()
+    axes.plot([0.0, 1.0], values)
+    plots.calm(axes)
+    axes.figure.canvas.draw()
+    low, high = axes.get_ylim()
+    assert low <= min(values) and max(values) <= high
+    assert high - low >= plots.LEAST_SPAN * max(abs(low), abs(high))
+    texts = [label.get_text() for label in axes.get_yticklabels()]
+    assert len(set(texts)) == len(texts)
+    assert "+" not in axes.yaxis.get_offset_text().get_text()
 
 
 def test_each_energy_has_a_colour_of_its_own():

@@ -23,6 +23,7 @@ from .saved_state import SavedState
 LEAST = 16  # roundings of the time: a shorter step could end where it began
 WIDTHS = (1, 8, 64, 4096)  # of LEAST, how far beside the instant that the FMU names is looked first
 MOST = 200  # onsets and releases of one step that get rows; bodies that chatter would fill a result with them
+SEEN = 1.01  # a peak that exceeds the force at the ends of a step by less than this part does not show
 NEAR = (
     1 / 4,
     1 / 16,
@@ -55,11 +56,18 @@ class Touching:
 
     def step(self, end: float, inside: int = 0) -> Iterator[float]:
         """To `end`; yields the times in between at which the FMU stands then, in their order: both sides of
-        each onset and release. `inside`: so many points besides while bodies touch, some before and after that
+        each onset and release. `inside`: so many points besides while bodies touch, where their force
+        would not show otherwise, and some beside that
         """
-        begin = self._begin()
+        begin, forces = self._begin(), self._read("normal_force") if inside else ()
         self.fmu.step(end - self.fmu.time)
-        if begin is None or not self._changed(begin):
+        if begin is None:
+            return
+        if not self._changed(begin):
+            if self._peaks(forces):
+                state = self.fmu.save()
+                yield from self._between(begin, end, inside, (False, False))
+                self.fmu.restore(state)
             return
         goal = last = self._instant(begin)
         first = True
@@ -100,6 +108,11 @@ class Touching:
         # Where no onsets are counted, the largest overlap tells that bodies touched and parted again.
         overlaps = zip(self._read("peak_penetration"), begin.active, strict=False) if not begin.onsets else ()
         return any(depth > 0.0 and not before for depth, before in overlaps)
+
+    def _peaks(self, forces: tuple[float, ...]) -> bool:
+        """Whether a force was clearly larger within the step than at its ends; `forces`: those at its begin"""
+        ends = zip(forces, self._read("normal_force"), self._read("peak_force"), strict=False)
+        return any(peak > SEEN * max(one, other) for one, other, peak in ends)
 
     def _instant(self, begin: Instant) -> Instant:
         told = []

@@ -17,8 +17,9 @@ from .contacts import contact_names
 FAR = 1e20  # a gap beyond this stands for infinity and is not drawn
 MOST = 8  # lines of one panel, panels of a result that nobody chose from
 AXES = dict(zip("123", "xyz", strict=True))
-ENERGIES = ("kinetic", "rotational", "potential", "contact", "tangential", "dissipated", "friction")
-ENERGIES += ("external_work", "total")
+# Each energy has its colour, whichever others are drawn.
+ENERGIES = ("kinetic", "potential", "contact", "dissipated", "rotational", "friction", "tangential")
+ENERGIES += ("external_work",)
 # Penetrations are drawn next to flights: where they are less than this part of the axis, it is linear below
 # them and logarithmic above.
 SMALL = 0.05
@@ -26,8 +27,10 @@ SMALL = 0.05
 
 @dataclass(frozen=True)
 class Line:
-    name: str  # the variable
+    name: str  # the variable; |name| is the length of a vector
     label: str
+    color: int | None = None  # None: by its place among the lines
+    sum: bool = False  # drawn dashed, in the colour of text
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,7 @@ def chosen(result: Result, patterns: Iterable[str]) -> list[Panel]:
 
 
 def usual(result: Result) -> list[Panel]:
-    """Gaps, forces, positions and energies; of a result without contacts, all by unit"""
+    """Gaps, forces, positions and energies, what turns and rubs; of a result without contacts, all by unit"""
     contacts = contact_names(result)
     if not contacts:
         numbers = [name for name, column in result.columns.items() if column.dtype.kind != "U"]
@@ -61,7 +64,9 @@ def usual(result: Result) -> list[Panel]:
     panels = [
         _of_contacts(result, contacts, "gap", "gap"),
         _of_contacts(result, contacts, "normal_force", "normal force"),
+        *_rubbing(result, contacts),
         *_positions(result),
+        *_turning(result),
         _energies(result),
     ]
     return [panel for panel in panels if panel is not None]
@@ -69,7 +74,7 @@ def usual(result: Result) -> list[Panel]:
 
 def values(result: Result, name: str) -> np.ndarray:
     """As they are drawn: what stands for infinity is left out"""
-    found = result.column(name)
+    found = np.linalg.norm(result.vector(name[1:-1]), axis=1) if name.startswith("|") else result.column(name)
     if found.dtype.kind == "U":
         raise UserError(f"column {name} holds text, such as '{found[0]}', which cannot be drawn")
     found = found.astype(float)
@@ -145,12 +150,49 @@ def _positions(result: Result) -> list[Panel]:
     return [Panel(f"position, {AXES[component]}", unit, tuple(lines))]
 
 
+def _rubbing(result: Result, contacts: list[str]) -> list[Panel]:
+    """Friction and slip of contacts that rub, as sizes: their directions turn"""
+    rubbing = [one for one in contacts if _largest(result, f"{one}.friction_force") > 0.0]
+    panels = []
+    for field, title in (("friction_force", "friction force"), ("slip_velocity", "slip velocity")):
+        lines = [Line(f"|{one}.{field}|", one) for one in rubbing if f"{one}.{field}[1]" in result.columns]
+        if lines:
+            unit = result.units.get(f"{rubbing[0]}.{field}[1]", "")
+            panels.append(Panel(f"{title}, size", unit, tuple(lines)))
+    return panels
+
+
+def _turning(result: Result) -> list[Panel]:
+    """Angular velocity of bodies that turn: all components of a single one, the sizes of several"""
+    found = [name for name in result.columns if name.endswith(".angular_velocity[1]")]
+    bodies = [name.partition(".")[0] for name in found]
+    turning = [body for body in bodies if _largest(result, f"{body}.angular_velocity") > 0.0][:MOST]
+    if not turning:
+        return []
+    unit = result.units.get(f"{turning[0]}.angular_velocity[1]", "")
+    if len(turning) == 1:
+        lines = [Line(f"{turning[0]}.angular_velocity[{i}]", axis) for i, axis in AXES.items()]
+        return [Panel(f"angular velocity of {turning[0]}", unit, tuple(lines))]
+    lines = [Line(f"|{body}.angular_velocity|", body) for body in turning]
+    return [Panel("angular velocity, size", unit, tuple(lines))]
+
+
+def _largest(result: Result, vector: str) -> float:
+    """The largest component at any time; 0 where there is no such vector"""
+    columns = [result.columns[name] for i in AXES if (name := f"{vector}[{i}]") in result.columns]
+    return max((float(np.max(np.abs(column), initial=0.0)) for column in columns), default=0.0)
+
+
 def _energies(result: Result) -> Panel | None:
-    known = [name for name in ENERGIES if f"energy.{name}" in result.columns]
+    known = [name for name in (*ENERGIES, "total") if f"energy.{name}" in result.columns]
     # Work that is not done and energy that is not lost, but for rounding, are no lines worth a colour.
     largest = {name: float(np.max(np.abs(result.columns[f"energy.{name}"]), initial=0.0)) for name in known}
     seen = 1e-14 * max(largest.values(), default=0.0)
-    live = [name for name in known if largest[name] > seen]
     words = {"contact": "stored in contact", "external_work": "work done"}
-    lines = [Line(f"energy.{name}", words.get(name, name)) for name in live]
+    colors = {name: index for index, name in enumerate(ENERGIES)}
+    lines = [
+        Line(f"energy.{name}", words.get(name, name), colors.get(name), sum=name == "total")
+        for name in known
+        if largest[name] > seen
+    ]
     return Panel("energy", result.units.get("energy.kinetic", "J"), tuple(lines)) if lines else None

@@ -14,6 +14,8 @@ from contact_fmus.results import Result
 from .panels import Panel, threshold, values
 from .source import Run
 
+COLORS = 10  # --color-0 and so on of charts.css
+
 
 def numbers(array: Iterable[float] | np.ndarray) -> str:
     """Little-endian doubles: all digits, in a third of the room of text"""
@@ -41,8 +43,9 @@ def _chart(panel: Panel, runs: list[Run]) -> dict[str, Any]:
                 {
                     "label": ", ".join(label),
                     "run": number,
-                    "color": number if len(runs) > 1 else index,
-                    "dash": index if len(runs) > 1 else index // 6,
+                    "color": number if len(runs) > 1 else index if line.color is None else line.color,
+                    "sum": line.sum and len(runs) == 1,
+                    "dash": index if len(runs) > 1 else index // COLORS,
                     "values": numbers(factor * y),
                 }
             )

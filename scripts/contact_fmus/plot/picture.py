@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from contact_fmus.scenarios.plots import COLORS, EDGE, LINES, STYLE
+from contact_fmus.scenarios.plots import COLORS, EDGE, LINES, STYLE, calm
 
 from .contacts import Touch, touches
 from .panels import Panel, threshold, values
@@ -48,14 +48,18 @@ def _draw_panel(axes: Axes, panel: Panel, runs: list[Run]) -> None:
     for number, run in enumerate(runs):
         for index, line in enumerate(panel.lines):
             y = values(run.result, line.name)
-            color = COLORS[(number if len(runs) > 1 else index) % len(COLORS)]
+            place = index if line.color is None else line.color
+            color = COLORS[(number if len(runs) > 1 else place) % len(COLORS)]
             style = LINES[index % len(LINES)] if len(runs) > 1 or index >= len(COLORS) else "-"
+            if line.sum and len(runs) == 1:
+                color, style = "black", "--"
             axes.plot(run.result.time, y, style, color=color)
             drawn.append(y)
     linear = threshold(drawn)
     if linear is not None and "gap" in panel.title:
         axes.set_yscale("symlog", linthresh=linear)
         axes.axhline(0.0, color=EDGE, linewidth=0.8)
+    calm(axes)
     _explain(axes, panel, runs)
 
 

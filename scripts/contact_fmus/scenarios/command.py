@@ -11,7 +11,7 @@ from contact_fmus.fmu.files import fmus_folder, repository, results_folder
 from . import plots, runner, tables
 from .leave_out import measure_all
 from .page import write_report
-from .recording import record
+from .recording import DRAWN, record
 from .scenario import read_scenario
 from .target import SCENARIOS, find, words
 
@@ -80,7 +80,7 @@ def _picture(options: argparse.Namespace) -> int:
         known = ", ".join(PICTURES)
         raise UserError(f"{output}: '{output.suffix}' is none of the formats {known}")
     scenario = read_scenario(file)
-    plots.draw([record(scenario, variant) for variant in scenario.plotted()], output)
+    plots.draw([record(scenario, variant, inside=DRAWN) for variant in scenario.plotted()], output)
     print(output)
     return 0
 

@@ -15,7 +15,8 @@ from .experiment import Recording
 from .recording import ENERGIES
 
 # One for each run, or for each body and contact of a single run
-COLORS = ("#1f6fb4", "#d95f02", "#2b9348", "#8e44ad", "#7f7f7f", "#c9a400", "#00a0a0")
+COLORS = ("#1f6fb4", "#d95f02", "#2b9348", "#8e44ad", "#b58900", "#b4235a", "#0097a7", "#7b4f2e", "#7f7f7f")
+COLORS += ("#e0559a",)
 BODY, EDGE = "#e3e7ee", "#4a5568"
 STYLE = {
     "font.size": 9,
@@ -35,7 +36,10 @@ LINES = ("-", "--", ":", "-.")  # where several runs are compared: one for each 
 FAR = 1e20  # a gap beyond this stands for infinity and is not drawn
 THINNEST = 200.0  # a path with sides of such a ratio would be a line to scale
 LEVEL = 1e-3  # motion whose rise is less than this part of its extent both ways is seen from above
+LOWEST = 14.0  # the ratio of sides of a path's panel, at most
+WIDE = 4.0  # a path with sides of such a ratio lies above the other panels, not beside them
 STEADY = 1e-3  # a force that changes by less than this part of it is drawn with zero in sight
+LEAST_SPAN = 1e-6  # of what an axis shows: less is rounding, and is drawn as what stays the same
 
 
 def draw(runs: list[Recording], file: Path) -> Path:
@@ -45,19 +49,50 @@ def draw(runs: list[Recording], file: Path) -> Path:
         figure = Figure(figsize=(11.0, 7.2), dpi=120, layout="constrained")
         figure.suptitle(runs[0].scenario.title, fontsize=13, fontweight="bold", x=0.01, ha="left")
         panels = [_position, _gap, _force] + ([_energy] if "energy.kinetic" in runs[0].series else [])
-        grid = figure.add_gridspec(len(panels), 2, width_ratios=(1.0, 1.25))
-        _path(figure.add_subplot(grid[:, 0]), runs)
-        first = None
-        for row, panel in enumerate(panels):
-            first = axes = figure.add_subplot(grid[row, 1], sharex=first)
+        path, rows = _layout(figure, runs, len(panels))
+        _path(path, runs)
+        for axes, panel in zip(rows, panels, strict=True):
             panel(axes, runs)
+            calm(axes)
             if axes.get_legend_handles_labels()[0]:
                 axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-            axes.tick_params(labelbottom=row == len(panels) - 1)
-        axes.set_xlabel("time [s]")
+            below = axes.get_subplotspec().is_last_row()
+            axes.tick_params(labelbottom=below)
+            axes.set_xlabel("time [s]" if below else "")
         axes.set_xlim(runs[0].time[0], runs[0].time[-1])
         figure.savefig(file)
     return file
+
+
+def _layout(figure: Figure, runs: list[Recording], panels: int) -> tuple[Axes, list[Axes]]:
+    """The path's axes beside those over time, or above them where the path is long and low"""
+    plane = _drawn_plane(runs[0])
+    reach = max(runs[0].motion.radius(body) or 0.0 for body in _movers(runs[0]))
+    tracks = [run.motion.position(body) @ plane.T for run in runs for body in _movers(run)]
+    wide, high = np.ptp(np.concatenate(tracks), axis=0) + 2.0 * reach
+    if wide < WIDE * high:
+        grid = figure.add_gridspec(panels, 2, width_ratios=(1.0, 1.25))
+        path, places = figure.add_subplot(grid[:, 0]), [grid[row, 1] for row in range(panels)]
+    else:
+        half = (panels + 1) // 2
+        grid = figure.add_gridspec(1 + half, 2, height_ratios=(0.45, *[1.0] * half))
+        path = figure.add_subplot(grid[0, :])
+        places = [grid[1 + index % half, index // half] for index in range(panels)]
+    rows: list[Axes] = []
+    for place in places:
+        rows.append(figure.add_subplot(place, sharex=rows[0] if rows else None))
+    return path, rows
+
+
+def calm(axes: Axes) -> None:
+    """Rounding is not drawn as if it were motion, and labels are the values themselves"""
+    if axes.get_yscale() != "linear":
+        return
+    low, high = axes.get_ylim()
+    size = max(abs(low), abs(high))
+    if high - low < LEAST_SPAN * size:
+        axes.set_ylim(0.5 * (low + high) - 0.5 * size, 0.5 * (low + high) + 0.5 * size)
+    axes.ticklabel_format(axis="y", useOffset=False)
 
 
 def _movers(run: Recording) -> list[str]:
@@ -108,10 +143,15 @@ def _seen_from_above(run: Recording) -> bool:
     return bool(z < LEVEL * min(x, y))
 
 
+def _drawn_plane(run: Recording) -> np.ndarray:
+    """Two unit vectors as rows: to the right and up in the picture"""
+    above = _seen_from_above(run)
+    return np.array([np.eye(3)[0] if above else _horizontal(run), np.eye(3)[1 if above else 2]])
+
+
 def _path(axes: Axes, runs: list[Recording]) -> None:
-    above = _seen_from_above(runs[0])
-    horizontal = np.eye(3)[0] if above else _horizontal(runs[0])
-    plane = np.array([horizontal, np.eye(3)[1 if above else 2]])
+    above, plane = _seen_from_above(runs[0]), _drawn_plane(runs[0])
+    horizontal = plane[0]
     along = [name for name, component in zip("xyz", horizontal, strict=True) if abs(component) > 1.0 - 1e-9]
     axes.set_title("path, from above" if above else "path")
     axes.set_xlabel(
@@ -133,13 +173,16 @@ def _path(axes: Axes, runs: list[Recording]) -> None:
     if max(wide, high) > THINNEST * min(wide, high):
         axes.set_title("path, not to scale")
         axes.set_aspect("auto")
+    elif wide > LOWEST * high:  # room for the labels of a low strip
+        middle = float(np.mean(axes.get_ylim()))
+        axes.set_ylim(middle - 0.5 * wide / LOWEST, middle + 0.5 * wide / LOWEST)
 
 
 def _draw_moving(axes: Axes, run: Recording, body: str, plane: np.ndarray, color: str, ghosts: bool) -> None:
     track = run.motion.position(body) @ plane.T
     axes.plot(*track.T, color=color, label=run.variant.label or body, linewidth=1.0)
     if ghosts and not run.motion.is_hollow(body):
-        for index in np.linspace(0, len(track) - 1, 7).astype(int):
+        for index in np.searchsorted(run.time, np.linspace(run.time[0], run.time[-1], 7)):
             look = {"facecolor": color, "alpha": 0.15}
             axes.add_patch(_outline(run, body, int(index), plane, look))
     look = {"facecolor": "none", "edgecolor": color, "linewidth": 1.2}
@@ -222,20 +265,14 @@ def _gap(axes: Axes, runs: list[Recording]) -> None:
 
 def _force(axes: Axes, runs: list[Recording]) -> None:
     contacts = _contacts(runs[0])
-    drawn = [_force_seen(run, contact) for run in runs for contact in contacts]
+    drawn = [run.series[f"{contact}.normal_force"] for run in runs for contact in contacts]
     largest = max(float(np.max(np.abs(values))) for values in drawn)
-    known = all(f"{contact}.peak_force" in run.series for run in runs for contact in contacts)
-    axes.set_title("normal force, the largest of each step" if known else "normal force")
-    _compare(axes, runs, contacts, _force_seen)
+    axes.set_title("normal force")
+    _compare(axes, runs, contacts, lambda run, contact: run.series[f"{contact}.normal_force"])
     if max(float(np.ptp(values)) for values in drawn) < STEADY * largest:
-        axes.set_ylim(min(0.0, 1.3 * float(np.min(drawn))), max(0.0, 1.3 * float(np.max(drawn))))
+        least, most = min(map(np.min, drawn)), max(map(np.max, drawn))
+        axes.set_ylim(min(0.0, 1.3 * float(least)), max(0.0, 1.3 * float(most)))
     axes.set_ylabel("force [N]")
-
-
-def _force_seen(run: Recording, contact: str) -> np.ndarray:
-    """The largest of the step that ends there, which samples may miss; where a contact pulls, the sample"""
-    sampled, peak = run.series[f"{contact}.normal_force"], run.series.get(f"{contact}.peak_force")
-    return sampled if peak is None else np.where(sampled < 0.0, sampled, np.maximum(sampled, peak))
 
 
 def _contacts(run: Recording) -> list[str]:

@@ -13,7 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from . import claims, plots
 from .experiment import Claim, RunError, Scenario, Variant
-from .recording import record
+from .recording import DRAWN, record
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def run_scenario(
                     result.results.append(ClaimResult(claim, variant, outcome))
     if plot_folder is not None:
         with _failures_kept(result):
-            recordings = [record(scenario, variant, advance) for variant in scenario.plotted()]
+            recordings = [record(scenario, variant, advance, DRAWN) for variant in scenario.plotted()]
             result.plot = plots.draw(recordings, plot_folder / f"{scenario.name}.png")
     return result
 
