@@ -62,13 +62,26 @@ def _body(motion: Motion, name: str, shape: str) -> dict[str, Any]:
         "radius": motion.radius(name),
         "axis": None if axis is None else axis.tolist(),
         "length": motion.length(name),
+        "reach": _gone_along(motion, name),
         "hollow": motion.is_hollow(name),
         "moves": moves,
+        # What stands still for good is grey; what could move has a colour of its own.
+        "colored": moves or motion.value(f"{name}.motion") in ("free", "prescribed"),
         "position": numbers(position if moves else position[:1]),
         # With it the page draws the parabolas between the rows, and not straight lines.
         "velocity": _optional(velocity if moves else None),
         "orientation": _optional(motion.orientation(name)),
     }
+
+
+def _gone_along(motion: Motion, body: str) -> float | None:
+    """How far from its centre along an infinite cylinder the bodies that meet it go; None of other bodies"""
+    axis = motion.axis(body)
+    if axis is None or motion.is_plane(body) or motion.length(body) is not None:
+        return None
+    pairs = [{one.source, one.destination} - {body} for one in motion.contacts_of(body)]
+    away = [motion.position(other) - motion.position(body) for pair in pairs for other in pair]
+    return max((float(np.max(np.abs(one @ axis))) for one in away), default=0.0)
 
 
 # where to look

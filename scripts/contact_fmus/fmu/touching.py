@@ -22,6 +22,7 @@ from .saved_state import SavedState
 
 LEAST = 16  # roundings of the time: a shorter step could end where it began
 WIDTHS = (1, 8, 64, 4096)  # of LEAST, how far beside the instant that the FMU names is looked first
+TRIALS = 12  # of such times, before halves take over
 MOST = 200  # onsets and releases of one step that get rows; bodies that chatter would fill a result with them
 SEEN = 1.01  # a peak that exceeds the force at the ends of a step by less than this part does not show
 NEAR = (
@@ -110,16 +111,18 @@ class Touching:
         return any(depth > 0.0 and not before for depth, before in overlaps)
 
     def _peaks(self, forces: tuple[float, ...]) -> bool:
-        """Whether a force was clearly larger within the step than at its ends; `forces`: those at its begin"""
+        """Whether a force was clearly larger within the step than at its ends; it began with `forces`"""
         ends = zip(forces, self._read("normal_force"), self._read("peak_force"), strict=False)
         return any(peak > SEEN * max(one, other) for one, other, peak in ends)
 
     def _instant(self, begin: Instant) -> Instant:
+        state, active, changed = self.fmu.save(), self._read("active"), self._changed(begin)
         told = []
-        for onset, lasted in zip(self._read("last_onset_time"), self._read("last_duration"), strict=False):
-            told += [time for time in (onset, onset + lasted) if time > begin.time]
-        state, changed = self.fmu.save(), self._changed(begin)
-        return Instant(state, self._read("active"), self._read("onsets"), changed, tuple(sorted(told)))
+        known = zip(active, self._read("last_onset_time"), self._read("last_duration"), strict=False)
+        for touching, onset, lasted in known:
+            told += [onset] if touching else [onset, onset + lasted]
+        named = tuple(sorted(time for time in told if time >= begin.time))
+        return Instant(state, active, self._read("onsets"), changed, named)
 
     def _reach(self, begin: Instant, time: float) -> Instant:
         self.fmu.restore(begin.state)
@@ -130,17 +133,13 @@ class Touching:
         """The last instant before bodies first touch or part, and the first one after it. The times that the
         FMU names are tried; it names the last onset only, so that halves are tried where no time is of use.
         """
-        low, high = begin, goal
+        low, high, trials = begin, goal, TRIALS
         least = LEAST * np.spacing(max(abs(begin.time), abs(goal.time)))
         while high.time - low.time > 2.5 * least:
-            tried = (
-                time + way
-                for width in WIDTHS
-                for time in high.told
-                for way in (width * least, -width * least)
-            )
+            tried = (time + way * width * least for time in high.told for width in WIDTHS for way in (1, -1))
             inner = (one for one in tried if low.time + least <= one <= high.time - least)
-            found = self._reach(begin, next(inner, 0.5 * (low.time + high.time)))
+            half, trials = 0.5 * (low.time + high.time), trials - 1
+            found = self._reach(begin, next(inner, half) if trials > 0 else half)
             low, high = (low, found) if found.changed else (found, high)
         return low, high
 

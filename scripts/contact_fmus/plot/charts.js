@@ -40,6 +40,17 @@ function timeText(t, span) {
   return `${(t * factor).toFixed(span * factor >= 100 ? 2 : 3)} ${unit}`;
 }
 
+/** A tick's value with as many digits as tell it from the other ticks. */
+function tickText(value, ticks) {
+  const step = ticks.length > 1 ? ticks[1] - ticks[0] : Math.abs(value) || 1;
+  const place = Math.floor(Math.log10(step) + 1e-9);
+  const size = Math.abs(value);
+  if (size < 1e-9 * step) return "0";
+  const digits = Math.min(15, Math.max(0, Math.floor(Math.log10(size) + 1e-9) - place));
+  const text = size >= 1e5 || size < 1e-3 ? value.toExponential(digits) : value.toFixed(Math.min(15, Math.max(0, -place)));
+  return text.replace("e+", "e").replaceAll("-", "−");
+}
+
 /** Round numbers from low to high, about `count` of them. */
 function niceTicks(low, high, count) {
   const rough = (high - low) / count;
@@ -51,6 +62,7 @@ function niceTicks(low, high, count) {
   return ticks;
 }
 
+const LEAST_SPAN = 1e-6; // of what an axis shows: less is rounding, and is drawn as what stays the same
 const DASHES = [[], [6, 3], [2, 3], [8, 3, 2, 3]];
 const MARGIN = { left: 58, right: 12, top: 8, bottom: 24 };
 
@@ -76,7 +88,7 @@ class Chart {
     this.readouts = this.lines.map((line) => {
       const entry = document.createElement("span");
       entry.innerHTML = "<i></i><span></span> <output></output>";
-      entry.querySelector("i").style.cssText = `border-top:2px ${line.dash % 4 ? "dashed" : "solid"} ${colorOf(line.color)}`;
+      entry.querySelector("i").style.cssText = `border-top:2px ${line.dash % 4 || line.sum ? "dashed" : "solid"} ${lineColor(line)}`;
       entry.querySelector("span").textContent = line.label;
       caption.querySelector(".legend").append(entry);
       return entry.querySelector("output");
@@ -147,7 +159,8 @@ class Chart {
     if (!(low <= high)) [low, high] = [0, 1];
     this.bent = this.linear !== null && high > 10 * this.linear;
     [low, high] = [this.bend(low), this.bend(high)];
-    const air = 0.06 * (high - low) || 0.5 * Math.abs(high) || 1;
+    const size = Math.max(Math.abs(low), Math.abs(high));
+    const air = high - low > LEAST_SPAN * size ? 0.06 * (high - low) : 0.5 * size || 1;
     this.limits = [low - air, high + air];
   }
 
@@ -181,14 +194,15 @@ class Chart {
     pen.lineWidth = 1;
     pen.textAlign = "right";
     pen.textBaseline = "middle";
-    for (const value of this.ticks()) {
+    const ticks = this.ticks();
+    for (const value of ticks) {
       const y = this.y(value);
       pen.strokeStyle = themeColor(value === 0 ? "--axis" : "--grid");
       pen.beginPath();
       pen.moveTo(MARGIN.left, y);
       pen.lineTo(this.width - MARGIN.right, y);
       pen.stroke();
-      pen.fillText(shortNumber(Math.abs(value) < 1e-12 * Math.abs(this.limits[1]) ? 0 : value), MARGIN.left - 6, y);
+      pen.fillText(this.bent ? shortNumber(value) : tickText(value, ticks), MARGIN.left - 6, y);
     }
     this.drawTimes(pen);
   }
@@ -202,10 +216,11 @@ class Chart {
     const origin = relative ? begin : 0;
     pen.textAlign = "center";
     pen.textBaseline = "top";
-    for (const tick of niceTicks((begin - origin) * factor, (end - origin) * factor, Math.max(2, this.width / 75))) {
+    const ticks = niceTicks((begin - origin) * factor, (end - origin) * factor, Math.max(2, this.width / 75));
+    for (const tick of ticks) {
       const x = this.x(origin + tick / factor);
       if (x > this.width - MARGIN.right - 34) continue; // there stands the unit
-      pen.fillText(shortNumber(tick), x, this.height - MARGIN.bottom + 6);
+      pen.fillText(tickText(tick, ticks), x, this.height - MARGIN.bottom + 6);
     }
     pen.textAlign = "right";
     pen.fillText(relative ? `after ${begin.toPrecision(6)} s [${unit}]` : `[${unit}]`, this.width - MARGIN.right + 6, this.height - MARGIN.bottom + 6);
@@ -223,8 +238,8 @@ class Chart {
   drawLine(pen, line) {
     const times = this.times[line.run];
     const last = Math.min(times.length - 1, rowBefore(times, this.range[1]) + 1);
-    pen.strokeStyle = colorOf(line.color);
-    pen.setLineDash(DASHES[line.dash % DASHES.length]);
+    pen.strokeStyle = lineColor(line);
+    pen.setLineDash(DASHES[line.sum ? 1 : line.dash % DASHES.length]);
     pen.lineWidth = 1.6;
     pen.lineJoin = "round";
     pen.beginPath();
@@ -270,7 +285,7 @@ class Chart {
     for (const line of this.lines) {
       const y = this.y(valueAt(this.times[line.run], line.values, this.cursor));
       if (!Number.isFinite(y)) continue;
-      pen.fillStyle = colorOf(line.color);
+      pen.fillStyle = lineColor(line);
       pen.beginPath();
       pen.arc(x, y, 3.2, 0, 2 * Math.PI);
       pen.fill();
@@ -305,7 +320,7 @@ class Chart {
   }
 }
 
-const COLORS = 6; // --color-0 ... of the style
+const COLORS = 10; // --color-0 ... of the style
 let themeCache = new Map();
 
 function themeColor(name) {
@@ -315,6 +330,11 @@ function themeColor(name) {
 
 function colorOf(index) {
   return themeColor(`--color-${index % COLORS}`);
+}
+
+/** What is the sum of other lines has the colour of text. */
+function lineColor(line) {
+  return line.sum ? themeColor("--text") : colorOf(line.color);
 }
 
 /** All charts of a page, which share range and cursor. */
@@ -336,7 +356,7 @@ class Charts {
   restyle() {
     themeCache = new Map();
     for (const chart of this.all) {
-      chart.readouts.forEach((output, index) => (output.parentElement.querySelector("i").style.borderTopColor = colorOf(chart.lines[index].color)));
+      chart.readouts.forEach((output, index) => (output.parentElement.querySelector("i").style.borderTopColor = lineColor(chart.lines[index])));
       chart.draw();
     }
   }

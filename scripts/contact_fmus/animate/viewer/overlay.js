@@ -1,6 +1,8 @@
 // What is written over the picture: names, rings around bodies too small to be seen, forces in numbers, the axes.
 
 const SMALL_BODY = 5; // pixels; a body with a smaller radius gets a ring
+const FONT = "600 12px system-ui, sans-serif";
+const NAMED = [-0.85, -0.5, 0, 0.5, 0.85].flatMap((x) => [-0.85, -0.5, 0, 0.5, 0.85].map((z) => [x, z])); // of a floor
 const FIRST_LABELS = 12; // bodies with names; more would cover the picture
 
 class Overlay {
@@ -31,7 +33,7 @@ class Overlay {
     const center = world.toPixels(body.group.position);
     if (!center) return;
     const radius = world.pixelRadius(body);
-    const color = body.moves ? colorOf(body.index) : themeColor("--muted");
+    const color = body.colored ? colorOf(body.index) : themeColor("--muted");
     if (body.moves && radius < SMALL_BODY) {
       pen.strokeStyle = color;
       pen.lineWidth = 1.5;
@@ -40,14 +42,30 @@ class Overlay {
       pen.stroke();
     }
     if (!this.labels) return;
+    if (body.shape === "plane") return this.nameFloor(body, color);
     const up = Math.min(Math.max(radius, SMALL_BODY + 2), 0.42 * world.height);
     this.write(body.name, center.x, center.y - up - 8, color, "center");
+  }
+
+  /** On the plane, near the corner of it that is furthest from the middle of the picture. */
+  nameFloor(body, color) {
+    const { pen, world } = this;
+    pen.font = FONT;
+    const half = 0.5 * pen.measureText(body.name).width + 12;
+    let best = null;
+    for (const [x, z] of NAMED) {
+      const seen = world.toPixels(body.group.localToWorld(new THREE.Vector3(x, 0, z)));
+      if (!seen || seen.x < half || seen.x > world.width - half || seen.y < 60 || seen.y > world.height - 20) continue;
+      const away = Math.abs(seen.x - 0.5 * world.width) + Math.abs(seen.y - 0.5 * world.height);
+      if (!best || away > best.away) best = { ...seen, away };
+    }
+    if (best) this.write(body.name, best.x, best.y, color, "center");
   }
 
   /** Text that is readable on anything, inside the picture. */
   write(text, x, y, color, align) {
     const { pen, world } = this;
-    pen.font = "600 12px system-ui, sans-serif";
+    pen.font = FONT;
     pen.textBaseline = "middle";
     pen.textAlign = align;
     const half = align === "center" ? 0.5 * pen.measureText(text).width : 0;

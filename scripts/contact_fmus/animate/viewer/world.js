@@ -6,6 +6,11 @@ const HIGH = new THREE.Vector3(0, 0, 1);
 const NORMAL = new THREE.Vector3(0, 1, 0); // the axis of three.js's cylinders
 const FLOOR = 2; // half the side of the square that is drawn of a plane, in radii of the first view
 const FLOOR_LINES = 10; // on it, on either side of its middle
+const BEYOND = [1.6, 0.6]; // how far an infinite cylinder is drawn beyond what meets it: of its radius, of the first view's
+const FADED = 0.6; // part of that in which it fades away: it has no end
+const RINGS = 24; // of its triangles, so that fading is even
+const SHADOWED = 2.2; // half the side of the square in which shadows fall, in radii of the view
+const SHADOW_POINTS = 1024; // of the picture of shadows in each direction
 const STRIPES = 8; // of a body that turns, light and dark, between meridians
 const DARKER = 0.55; // the dark ones
 const ARROW = 0.2; // length of the longest force arrow as a part of the camera's distance
@@ -17,6 +22,11 @@ function drawnByProcessor() {
   const name = about ? probe.getParameter(about.UNMASKED_RENDERER_WEBGL) : "";
   probe?.getExtension("WEBGL_lose_context")?.loseContext();
   return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
+/** How much is seen of an infinite cylinder at this part of its half length, the last `fade` of which fades away. */
+function fading(part, fade) {
+  return Math.min(1, (1 - Math.abs(part)) / fade);
 }
 
 class World {
@@ -41,11 +51,20 @@ class World {
   }
 
   lights() {
-    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x6a7282, 2.3));
-    const sun = new THREE.DirectionalLight(0xffffff, 2.0);
-    sun.position.set(-2, -3, 4);
-    this.camera.add(sun);
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x6a7282, 1.9));
+    const lamp = new THREE.DirectionalLight(0xffffff, 1.3);
+    lamp.position.set(-2, -3, 4);
+    this.camera.add(lamp);
     this.scene.add(this.camera);
+    // From straight above: the shadow of a body lies below it, which tells how high it is.
+    const sun = new THREE.DirectionalLight(0xffffff, 1.3);
+    sun.position.set(0, 0, 4 * SHADOWED);
+    sun.castShadow = true;
+    sun.shadow.mapSize.set(SHADOW_POINTS, SHADOW_POINTS);
+    Object.assign(sun.shadow.camera, { left: -SHADOWED, right: SHADOWED, top: SHADOWED, bottom: -SHADOWED, near: SHADOWED, far: 7 * SHADOWED });
+    sun.shadow.normalBias = 0.01;
+    this.renderer.shadowMap.enabled = true;
+    this.scene.add(sun, sun.target);
   }
 
   makeBody(body, index) {
@@ -57,10 +76,14 @@ class World {
     // The frame of a body that turns has its axis along z: its orientation brings that to where the axis is.
     made.upright = axis ? new THREE.Quaternion().setFromUnitVectors(NORMAL, turning ? HIGH : axis) : new THREE.Quaternion();
     const flat = body.shape === "plane";
-    made.half = flat ? 0 : axis ? this.halfLength(body, path) : body.radius;
+    made.half = flat ? 0 : axis ? this.halfLength(body) : body.radius;
     if (flat) made.extent = FLOOR * this.data.view.radius;
     made.mesh = flat ? this.makeFloor(made) : this.makeSolid(made, axis);
-    if (turning) this.stripe(made.mesh);
+    // Parts of the half length in which an infinite cylinder fades away
+    made.fade = body.reach === null ? 0 : FADED * (1 - body.reach / made.half);
+    if (turning || made.fade) this.shade(made.mesh, Boolean(turning), made.fade);
+    made.mesh.castShadow = !body.hollow && !flat;
+    made.mesh.receiveShadow = true;
     group.add(made.mesh);
     if (body.hollow || axis || turning) group.add(this.makeNet(made, axis));
     made.trail = body.moves ? this.makeTrail(made) : null;
@@ -69,20 +92,18 @@ class World {
     return made;
   }
 
-  /** Half the length that is drawn: of an infinite cylinder, further than the bodies go and the first view. */
-  halfLength(body, path) {
+  /** Half the length that is drawn: of an infinite cylinder, somewhat further than the bodies go. */
+  halfLength(body) {
     if (body.length !== null) return 0.5 * body.length;
-    const { center, radius } = this.data.view;
-    const from = path.at(0, 0);
-    const along = body.axis.reduce((sum, one, k) => sum + one * (center[k] - from[k]), 0);
-    return Math.abs(along) + 4 * radius + 2 * body.radius;
+    return body.reach + Math.max(BEYOND[0] * body.radius, BEYOND[1] * this.data.view.radius);
   }
 
   makeSolid(body, axis) {
     const material = new THREE.MeshLambertMaterial({});
     if (body.hollow) Object.assign(material, { transparent: true, opacity: 0.3, side: THREE.BackSide, depthWrite: false });
     const open = body.hollow || body.length === null;
-    const shape = axis ? new THREE.CylinderGeometry(1, 1, 2, SEGMENTS, 1, open) : new THREE.SphereGeometry(1, SEGMENTS, SEGMENTS / 2);
+    const rings = body.reach === null ? 1 : RINGS;
+    const shape = axis ? new THREE.CylinderGeometry(1, 1, 2, SEGMENTS, rings, open) : new THREE.SphereGeometry(1, SEGMENTS, SEGMENTS / 2);
     const mesh = new THREE.Mesh(shape, material);
     mesh.renderOrder = body.hollow ? 2 : 0;
     body.materials.push(material);
@@ -90,20 +111,23 @@ class World {
   }
 
   /** Stripes between meridians of the shape's own axis, y; on a sphere the other way round on its other half, so that
-   * turning is seen from everywhere. */
-  stripe(mesh) {
+   * turning is seen from everywhere. What has no end fades away instead. */
+  shade(mesh, striped, fade) {
     const shape = mesh.geometry.index ? mesh.geometry.toNonIndexed() : mesh.geometry;
     const place = shape.getAttribute("position");
-    const colors = new Float32Array(3 * place.count);
+    const colors = new Float32Array(4 * place.count).fill(1);
     const ball = mesh.geometry.type === "SphereGeometry";
-    for (let k = 0; k < place.count; k += 3) {
-      const middle = [0, 1, 2].map((axis) => [0, 1, 2].reduce((sum, corner) => sum + place.getComponent(k + corner, axis) / 3, 0));
+    for (let k = 0; k < place.count; k++) {
+      const first = k - (k % 3);
+      const middle = [0, 1, 2].map((axis) => [0, 1, 2].reduce((sum, corner) => sum + place.getComponent(first + corner, axis) / 3, 0));
       const stripe = Math.floor((0.5 + Math.atan2(middle[2], middle[0]) / (2 * Math.PI)) * STRIPES);
-      colors.fill((stripe + (ball && middle[1] < 0 ? 1 : 0)) % 2 ? DARKER : 1, 3 * k, 3 * k + 9);
+      if (striped && (stripe + (ball && middle[1] < 0 ? 1 : 0)) % 2) colors.fill(DARKER, 4 * k, 4 * k + 3);
+      if (fade) colors[4 * k + 3] = fading(place.getY(k), fade);
     }
-    shape.setAttribute("color", new THREE.BufferAttribute(colors, 3));
+    shape.setAttribute("color", new THREE.BufferAttribute(colors, 4));
     mesh.geometry = shape;
     mesh.material.vertexColors = true;
+    if (fade) mesh.material.transparent = true;
   }
 
   /** A square of the surface of a plane, with its normal along y; it is seen from above only. */
@@ -141,10 +165,11 @@ class World {
     if (body.shape === "plane") {
       points.push(...this.floorLines());
     } else if (axis) {
-      for (const y of [-1, 0, 1]) circle((a) => [out * Math.cos(a), y, out * Math.sin(a)]);
+      const [rings, along] = body.fade ? [[0], [-1, body.fade - 1, 1 - body.fade, 1]] : [[-1, 0, 1], [-1, 1]];
+      for (const y of rings) circle((a) => [out * Math.cos(a), y, out * Math.sin(a)]);
       for (let k = 0; k < 8; k++) {
         const [x, z] = [out * Math.cos((k * Math.PI) / 4), out * Math.sin((k * Math.PI) / 4)];
-        points.push(x, -1, z, x, 1, z);
+        for (let part = 1; part < along.length; part++) points.push(x, along[part - 1], z, x, along[part], z);
       }
     } else {
       circle((a) => [out * Math.cos(a), out * Math.sin(a), 0]);
@@ -155,6 +180,11 @@ class World {
     }
     const shape = new THREE.BufferGeometry().setAttribute("position", new THREE.BufferAttribute(new Float32Array(points), 3));
     const material = new THREE.LineBasicMaterial({ transparent: true, opacity: body.hollow ? 0.35 : 0.28, depthWrite: false });
+    if (body.fade) {
+      const colors = points.flatMap((_, k) => (k % 3 === 1 ? [1, 1, 1, fading(points[k], body.fade)] : []));
+      shape.setAttribute("color", new THREE.BufferAttribute(new Float32Array(colors), 4));
+      material.vertexColors = true;
+    }
     body.materials.push(material);
     body.net = new THREE.LineSegments(shape, material);
     return body.net;
@@ -236,7 +266,7 @@ class World {
     this.background = new THREE.Color(themeColor("--stage"));
     this.scene.background = this.background;
     for (const body of this.bodies) {
-      const color = new THREE.Color(body.moves ? colorOf(body.index) : themeColor("--still"));
+      const color = new THREE.Color(body.colored ? colorOf(body.index) : themeColor("--still"));
       for (const material of body.materials) material.color.copy(color);
       if (body.net && !body.hollow) body.net.material.color.set(themeColor("--net"));
     }
