@@ -21,7 +21,11 @@ COMMANDS = {
     "run": ("running.command:main", "run an FMU or a scenario: end values, CSV, a plot"),
     "build": ("building.command:build", "make an FMU from a scene file"),
     "new": ("building.command:new", "write a commented scene file to start from"),
-    "check": ("checking.command:main", "check an FMU file: schema, binaries, validators, a short run"),
+    "check": (
+        "checking.command:main",
+        "what is wrong with FMUs of any maker: files, exports, runs, states",
+    ),
+    "compatibility": ("checking.compatibility:main", "what FMI's cross check asks of an exported FMU"),
     "importers": ("importers.command:main", "run FMUs in every importer that is installed, compare"),
     "published": ("published.command:main", "run published benchmark impacts, compare"),
     "scenarios": ("scenarios.command:run", "run scenarios, check their claims, write plots and index.html"),

@@ -23,7 +23,12 @@ def test_the_wheel_carries_what_building_and_running_need(wheel):
     sources = [path.relative_to(ROOT) for path in (ROOT / "fmu_src").rglob("*.[ch]")]
     wanted = [*sources, "CMakeLists.txt", "LICENSE", "modelDescription/variables.toml", "cmake/pack_fmu.py"]
     wanted += [f"build/fmus/{name}.fmu" for name in SHIPPED]
-    wanted += ["sundials/lib/libsundials_cvode.a", "sundials/include/cvode/cvode.h", "sundials/sundials.txt"]
+    wanted += [
+        "docs/sweep.md",
+        "sundials/lib/libsundials_cvode.a",
+        "sundials/include/cvode/cvode.h",
+        "sundials/sundials.txt",
+    ]
     assert [name for name in wanted if f"contact_fmus/share/{name}" not in names] == []
     assert [name for name in names if "__pycache__" in name or "/tests/" in name] == []
 

@@ -1,4 +1,4 @@
-"""Runs an FMU by Model Exchange: fmpy's CVODE moves its states and looks for its events"""
+"""Runs an FMU by fmpy's simulation, whose CVODE moves the states and finds the events of Model Exchange"""
 
 from __future__ import annotations
 
@@ -27,8 +27,18 @@ def exchange(
     interval: float | None = None,
     advance: Callable[[float], None] = lambda time: None,
 ) -> Result:
-    """`interval`: time between rows of the result, s; CVODE's own steps and events have rows too"""
-    folder, description = unpack(experiment.fmu, kind="modelExchange")
+    """`interval`: time between rows of the result, s; events have rows too"""
+    return by_fmpy(experiment, "modelExchange", interval, advance)
+
+
+def by_fmpy(
+    experiment: Experiment,
+    kind: str,
+    interval: float | None = None,
+    advance: Callable[[float], None] = lambda time: None,
+) -> Result:
+    """`kind`: coSimulation or modelExchange"""
+    folder, description = unpack(experiment.fmu, kind=kind)
     variables, times = read_variables(description), communication_points(experiment)
     told: list[tuple[int, str]] = []
     begun: list[float] = []
@@ -46,14 +56,14 @@ def exchange(
             str(folder),
             validate=False,
             model_description=description,
-            fmi_type="ModelExchange",
+            fmi_type=kind[0].upper() + kind[1:],
             start_time=experiment.start_time,
             stop_time=experiment.stop_time,
             start_values=_as_described(description, _by_scalar(variables, values)),
             input=_signals(experiment, times, description, variables),
             output=[one.name for one in description.modelVariables if one.causality in RECORDED],
             output_interval=experiment.step if interval is None else max(interval, experiment.step),
-            relative_tolerance=experiment.tolerance or TOLERANCE,
+            relative_tolerance=experiment.tolerance or (TOLERANCE if kind == "modelExchange" else None),
             logger=lambda *given: told.append((given[-3], text_of(given[-1]))),
             step_finished=step_finished,
         )
@@ -63,15 +73,20 @@ def exchange(
         raise (RunFailure if begun else UserError)(where + " ".join(said)) from None
     columns = _columns(rows, description, variables)
     units = {name: variables[name].unit for name in columns}
-    known_starts = {one.name: one.start for one in scalars(description) if one.causality in PARAMETERS}
-    starts = {name: _start(variables[name], text) for name, text in known_starts.items() if text is not None}
-    parameters = starts | {
+    warnings = list(dict.fromkeys(text for status, text in told if status == WARNING))
+    parameters = _parameters(description, variables, experiment)
+    return Result(np.asarray(rows["time"]), columns, units, experiment.fmu.resolve(), parameters, warnings)
+
+
+def _parameters(description: Any, variables: dict[str, Variable], experiment: Experiment) -> dict[str, Any]:
+    """Start values of the description, and those of the experiment"""
+    described = [one for one in scalars(description) if one.causality in PARAMETERS and one.start is not None]
+    given = _by_scalar(variables, experiment.values)
+    return {one.name: _start(variables[one.name], one.start) for one in described} | {
         name: plain(variables[name], value)
-        for name, value in _by_scalar(variables, experiment.values).items()
+        for name, value in given.items()
         if variables[name].causality in PARAMETERS
     }
-    warnings = list(dict.fromkeys(text for status, text in told if status == WARNING))
-    return Result(np.asarray(rows["time"]), columns, units, experiment.fmu.resolve(), parameters, warnings)
 
 
 def _inputs(experiment: Experiment, time: float) -> dict[str, Any]:
