@@ -1,13 +1,9 @@
 """Remedies: what to write instead of what a scene file says, in words."""
 
 import difflib
-import re
 
-from .catalogue import Catalogue, Row, Type
+from .catalogue import Catalogue, Row
 from .errors import allowed
-
-# A number and, after it, a unit: "50 mm", "1e3kg".
-QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*")
 
 
 def likely(name: str, known) -> str:
@@ -57,18 +53,6 @@ def unquoted(table: dict) -> str:
             name = ".".join(path)
             return f'the name {name} is not in quotes: write "{name}" = {toml(inner)}'
     return ""
-
-
-def quantity(kind: Type, units: dict, value) -> str:
-    """'; write 0.05' for the text "50 mm" of a length, '' for a text that is no number with a known unit."""
-    match = QUANTITY.fullmatch(value) if isinstance(value, str) else None
-    if match is None or kind.base != "Real":
-        return ""
-    scales = {"": 1.0, kind.unit: 1.0, **units[kind.unit].get("display", {})}
-    if match[2] not in scales:
-        return ""
-    # A display unit has its factor as a power of ten: dividing gives the digits that the user means.
-    return f"; write {float(match[1]) / scales[match[2]]!r}"
 
 
 def number_in(row: Row) -> str:

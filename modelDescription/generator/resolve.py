@@ -8,6 +8,7 @@ from .catalogue import Catalogue, Row
 from .cell import COMPONENTS, Cell, Variable
 from .conditions import may_need_cvode, may_need_general, number_of, possible, why_not
 from .errors import allowed
+from .quantity import in_unit
 from .scene import Scene
 
 
@@ -187,12 +188,16 @@ def checked(scene: Scene, catalogue: Catalogue, where: str, cell: Cell, value):
             raise scene.error(f"{said} (allowed: true, false)")
         return int(value)
     values = value if isinstance(value, list) else [value]
-    remedy = advice.quantity(row.type, catalogue.units, value)
+    low, high = row.limits
     kind = advice.number_in(row)
     if isinstance(value, list) != (row.dim > 1) or len(values) != row.dim:
         form = kind.replace("a number", f"a list of {row.dim} numbers" if row.dim > 1 else "one number")
-        raise scene.error(f"{said}{remedy} (allowed: {form})")
-    low, high = row.limits
+        raise scene.error(f"{said} (allowed: {form})")
+    if base == "Real":
+        try:
+            values = [in_unit(one, row.type.unit) if isinstance(one, str) else one for one in values]
+        except ValueError as error:
+            raise scene.error(f"{said}, {error} (allowed: {kind} from {low!r} to {high!r})") from None
     kinds = (int, float) if base == "Real" else (int,)
     for number in values:
         if (
@@ -201,9 +206,8 @@ def checked(scene: Scene, catalogue: Catalogue, where: str, cell: Cell, value):
             or not math.isfinite(number)
             or not low <= number <= high
         ):
-            remedy = advice.quantity(row.type, catalogue.units, number)
-            raise scene.error(f"{said}{remedy} (allowed: {kind} from {low!r} to {high!r})")
-    return tuple(map(float, values)) if row.dim > 1 else (float(value) if base == "Real" else value)
+            raise scene.error(f"{said} (allowed: {kind} from {low!r} to {high!r})")
+    return tuple(map(float, values)) if row.dim > 1 else (float(values[0]) if base == "Real" else value)
 
 
 def _place(cell: Cell, cells: list[Cell], constants: dict, scene: Scene) -> Cell:

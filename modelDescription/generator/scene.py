@@ -9,6 +9,7 @@ from . import advice
 from .catalogue import Catalogue
 from .errors import InputError, allowed
 from .names import refused_name
+from .quantity import in_unit
 from .variables_file import read_toml
 
 SHAPES = ("sphere", "cylinder", "plane")
@@ -229,10 +230,20 @@ def _choices(reader: _Reader, data: dict) -> str:
     return value
 
 
+def _with_unit(reader: _Reader, where: str, key: str, value):
+    if not isinstance(value, str):
+        return value
+    try:
+        return in_unit(value, "1" if key == "tolerance" else "s")
+    except ValueError as error:
+        return reader.fail(where, f"'{key}' must be a finite number, got {value!r}, {error}")
+
+
 def _experiment(reader: _Reader, data: dict) -> dict:
     table = reader.table(data, "experiment")
     where = "[experiment]"
     reader.keys(where, table, EXPERIMENT)
+    table = {key: _with_unit(reader, where, key, value) for key, value in table.items()}
     for key, value in table.items():
         if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             reader.fail(where, f"'{key}' must be a finite number, got {value!r}")

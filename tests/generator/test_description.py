@@ -1,5 +1,6 @@
 """modelDescription.xml: FMI 2.0 schema, structure of a co-simulation slave, what a scene has and has not."""
 
+import math
 import re
 import shutil
 from pathlib import Path
@@ -183,6 +184,9 @@ PREFIX = {
     "MPa": 1e-6,
     "mJ": 1e3,
     "N.mm": 1e3,
+    "rpm": 30.0 / math.pi,
+    "deg/s": 180.0 / math.pi,
+    "deg/s2": 180.0 / math.pi,
 }
 
 

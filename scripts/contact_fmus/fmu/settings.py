@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib.util
 import math
 from collections.abc import Iterable
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 
 from contact_fmus.errors import UserError, similar
 
-from .files import fmu_file, unpack
+from .files import fmu_file, repository, unpack
 from .scene import Scene, has_scene, read_scene
 from .variables import Variable, read_variables
 
@@ -97,15 +98,42 @@ def _value(variable: Variable, text: str) -> Any:
 
 
 def _reals(variable: Variable, text: str) -> Any:
-    """A number, or for a vector as many as it has: 0,0,1 or [0, 0, 1]"""
+    """A number, or for a vector as many as it has: 0,0,1 or [0, 0, 1]; each may have a unit: 50mm"""
     count, unit = len(variable.references), f" in {variable.unit}" if variable.unit else ""
-    try:
-        values = [float(part) for part in text.strip("[]()").split(",")]
-    except ValueError:
-        values = []
-    if len(values) != count or not all(math.isfinite(value) for value in values):
+    parts = text.strip("[]()").split(",")
+    values = [_number(part) for part in parts]
+    with_unit = [part for part, value in zip(parts, values, strict=True) if value is None]
+    if with_unit and len(parts) == count:
+        if any(values):  # 10,20,30mm: metres and millimetres
+            raise UserError(f"{variable.name} takes a unit with each number that is not 0, not '{text}'")
+        values = [
+            _in_unit(variable, part) if value is None else value
+            for part, value in zip(parts, values, strict=True)
+        ]
+    if len(values) != count or not all(value is not None and math.isfinite(value) for value in values):
         wanted = (
             "a number" if count == 1 else f"{count} numbers, such as {','.join('0' * (count - 1) + '1')},"
         )
         raise UserError(f"{variable.name} takes {wanted}{unit}, not '{text}'")
     return values if variable.is_vector else values[0]
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def _in_unit(variable: Variable, text: str) -> float:
+    """As scene files are read, by the module of their generator"""
+    file = repository() / "modelDescription" / "generator" / "quantity.py"
+    loader = importlib.util.spec_from_file_location("contact_quantity", file)
+    assert loader is not None and loader.loader is not None
+    quantity = importlib.util.module_from_spec(loader)
+    loader.loader.exec_module(quantity)
+    unit = variable.unit or "1"
+    try:
+        return quantity.in_unit(text, unit)
+    except ValueError as error:
+        raise UserError(f"{variable.name} takes a number in {unit}, not '{text.strip()}', {error}") from None
