@@ -1,6 +1,6 @@
-"""The path of a new user: the wheel in an environment of its own, far from any clone, and a scene from `new` to
-an animation, in both versions of FMI. What the user sees is photographed, frame by frame; the environment
-variable CONTACT_SCREENSHOTS names a folder that keeps the pictures.
+"""The path of a new user: the wheel in an environment of its own, far from any clone, and a scene from
+`new` to an animation, in both versions of FMI. What the user sees is photographed, frame by frame; the
+environment variable CONTACT_SCREENSHOTS names a folder that keeps the pictures.
 """
 
 import json
