@@ -11,9 +11,12 @@ import zipfile
 from pathlib import Path
 
 import fmpy
+import numpy as np
 import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
+from contact_fmus.scenarios import leave_out
+from contact_fmus.scenarios.leave_out import open_start
 from support.fmi2 import elf
 from support.sources import units_of
 
@@ -37,6 +40,23 @@ sphere_scenes = pytest.mark.parametrize("scene", ["SphereSphere", "BallOnSphere"
 thrown_scenes = pytest.mark.parametrize(
     "scene", ["BallOnSphere", "BallInShell", "BallOffRoller", "PinnedEvent"]
 )
+
+
+@pinned_scenes
+def test_the_universal_fmu_that_is_timed_beside_it_does_the_same(fmu_path, scene):
+    """With all start values of the scene's FMU: those of the universal one are others"""
+    ends, start = [], {}
+    for name in (scene, UNIVERSAL[scene]):
+        with ContactFmu(fmu_path(name)) as fmu:
+            fmu.start(start)
+            start = open_start(fmu, scene)
+            for _ in range(leave_out.STEPS // 10):
+                fmu.step(10 * leave_out.STEP)
+            ends.append({one: fmu[one] for one, of in fmu.variables.items() if of.causality == "output"})
+    common = [one for one in ends[0] if one in ends[1] and not one.startswith("solver.")]
+    assert len(common) > 10
+    for one in common:
+        assert np.allclose(ends[0][one], ends[1][one], rtol=1e-9, atol=1e-9), one
 
 
 @pytest.fixture(scope="session")

@@ -90,5 +90,5 @@ def _leave_out(_options: argparse.Namespace) -> int:
     if not sizes:
         raise FileNotFoundError(f"no FMU in {fmus_folder()}: build first")
     tables.make_console().print(tables.leave_out_table(sizes))
-    print("time per step: least of 5 averages over 1000 communication steps of 1 ms, fmpy's call included")
+    print("time per step: least of 5 averages over 1000 communication steps of 1 ms, in turns")
     return 0

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file, fmus_folder
+from contact_fmus.fmu.host import Case, run_host
 
 from .experiment import scene_file
 
@@ -22,7 +22,7 @@ class FmuSize:
     variables: int
     library: int  # bytes of the shared library
     state: int  # bytes of the serialized state
-    time: float  # s per communication step, fmpy's part included
+    time: float  # s per communication step
     universal: str | None  # the FMU with every choice open that does the same
     universal_time: float
 
@@ -49,13 +49,27 @@ def measure(name: str) -> FmuSize:
         variables = len(fmu.description.modelVariables)
         fmu.start()
         state = len(bytes(fmu.save()))
-        own = time_per_step(fmu, {})
-    other = 0.0
-    if universal is not None:
-        scene = scene_file(name)
-        with ContactFmu(fmu_file(universal)) as fmu:
-            other = time_per_step(fmu, scene.get("start", {}) | _constants(scene.get("pinned", {})))
+        start = open_start(fmu, name)
+    own, other = times_per_step(name, universal, start)
     return FmuSize(name, variables, library, state, own, universal, other)
+
+
+def times_per_step(name: str, universal: str | None, start: dict[str, Any]) -> tuple[float, float]:
+    """The least of several averages over STEPS steps, in turns: what the machine does besides only adds"""
+    cases = [Case(name, fmu_file(name), STEP * STEPS, STEPS)]
+    if universal is not None:
+        cases.append(Case(universal, fmu_file(universal), STEP * STEPS, STEPS, start=start))
+    times = [result.least / STEPS for result in run_host(cases, REPETITIONS)]
+    return times[0], times[1] if universal is not None else 0.0
+
+
+def open_start(fmu: ContactFmu, name: str) -> dict[str, Any]:
+    """What lets the FMU with every choice open do the same: what the scene pins, and all parameters, whose
+    start values are others there
+    """
+    given = [one for one, variable in fmu.variables.items() if variable.causality == "parameter"]
+    whole = {one: fmu[one] for one in given if not one.endswith("]")}
+    return whole | _constants(scene_file(name).get("pinned", {}))
 
 
 def _constants(pinned: dict[str, Any]) -> dict[str, Any]:
@@ -65,17 +79,3 @@ def _constants(pinned: dict[str, Any]) -> dict[str, Any]:
         for name, value in pinned.items()
         if not (isinstance(value, list) and isinstance(value[0], str))
     }
-
-
-def time_per_step(fmu: ContactFmu, start: dict[str, Any]) -> float:
-    """The least of several averages over STEPS steps: what the machine does besides only ever adds"""
-    averages = []
-    for _ in range(REPETITIONS):
-        fmu.reset()
-        fmu.start(start)
-        do_step, component = fmu.slave.fmi2DoStep, fmu.slave.component
-        begin = time.perf_counter()
-        for index in range(STEPS):
-            do_step(component, index * STEP, STEP, True)
-        averages.append((time.perf_counter() - begin) / STEPS)
-    return min(averages)
