@@ -19,10 +19,16 @@ function rowBefore(times, t) {
   return low;
 }
 
+/** Where t lies on the way from a row to the next one, from 0 to 1. An event of Model Exchange has two rows at one time. */
+function shareOf(times, row, t) {
+  const step = times[row + 1] - times[row];
+  return step > 0 ? Math.min(1, Math.max(0, (t - times[row]) / step)) : 1;
+}
+
 /** A value between the rows by a straight line. */
 function valueAt(times, values, t) {
   const row = Math.min(rowBefore(times, t), times.length - 2);
-  const share = Math.min(1, Math.max(0, (t - times[row]) / (times[row + 1] - times[row])));
+  const share = shareOf(times, row, t);
   return values[row] + share * (values[row + 1] - values[row]);
 }
 

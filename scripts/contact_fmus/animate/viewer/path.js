@@ -16,7 +16,7 @@ class Path {
   at(t, row, out = [0, 0, 0]) {
     if (this.still) return [out[0], out[1], out[2]] = this.positions;
     const step = this.times[row + 1] - this.times[row];
-    const share = Math.min(1, Math.max(0, (t - this.times[row]) / step));
+    const share = shareOf(this.times, row, t);
     for (let k = 0; k < 3; k++) {
       const from = this.positions[3 * row + k];
       const way = this.positions[3 * row + 3 + k] - from;

@@ -285,7 +285,7 @@ class World {
   draw() {
     const t = this.playback.time;
     const row = Math.min(rowBefore(this.times, t), this.times.length - 2);
-    const share = (t - this.times[row]) / (this.times[row + 1] - this.times[row]);
+    const share = shareOf(this.times, row, t);
     for (const body of this.bodies) body.path.at(t, row, body.at);
     this.origin = this.followed ? this.followed.at : this.data.view.center;
     for (const body of this.bodies) this.placeBody(body, row, share);
