@@ -44,7 +44,7 @@ def folder(tmp_path):
 @pytest.mark.parametrize("fmi", ["2", "3"])
 def test_from_a_new_scene_to_its_animation(fmi, command, folder, tmp_path):
     assert command("new", "Mine", "--shape", "plane").returncode == 0
-    built = command("build", "Mine.toml", "--fmi", fmi, XDG_CACHE_HOME=str(tmp_path / "cache"), timeout=1800)
+    built = command("build", "Mine.toml", "--fmi", fmi, XDG_CACHE_HOME=str(tmp_path / "cache"))
     assert built.returncode == 0, built.stderr
     run = command("run", "Mine.fmu", "--csv", "mine.csv", "--json")
     assert run.returncode == 0, run.stderr

@@ -97,7 +97,7 @@ def _report(store, options: argparse.Namespace, files: list[Path], done: int, se
     print(f"{store.runs:,} runs ({states}); {done:,} of them now, in {seconds:.3g} s")
     if warned:
         told = "the column warnings counts them, contact-fmus run tells what they say"
-        print(f"the FMU warned of {warned:,} runs: {told}", file=sys.stderr)
+        print(f"the FMU warned in {warned:,} of {store.runs:,} runs: {told}", file=sys.stderr)
     for file in files:
         print(file)
 
