@@ -129,6 +129,8 @@ struct tumbling_result tumbling_first(const struct tumbling_path *path, enum tum
                 axis_motion_move_on(&moving.axis, time);
             }
             step = step_from(&search, &at, time, horizon, &length);
+            /* where rounding has it below zero at the start: half-way it is above, or it stays within that */
+            step *= before < 0.0 ? 0.5 : 1.0;
         }
         if (!(time < horizon)) {
             return (struct tumbling_result){(double)INFINITY, 0.0, horizon, evaluations};
