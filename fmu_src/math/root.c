@@ -105,3 +105,37 @@ double root_between(root_function *f, const void *data, struct root_bracket_end 
 {
     return root_from(f, data, low.s, high.s, low.value < 0.0 ? 1.0 : -1.0, root_guess(low, high));
 }
+
+bool root_may_dip(const struct root_place place[3])
+{
+    const double left = place[1].s - place[0].s;
+    const double right = place[2].s - place[1].s;
+    const double value = place[1].value;
+    const double fall = (value - place[0].value) / left;
+    const double rise = (place[2].value - value) / right;
+    if (!(value > 0.0 && fall < 0.0 && rise > 0.0)) {
+        return false;
+    }
+    const double bend = (rise - fall) / (left + right);
+    const double slope = (fall * right + rise * left) / (left + right);
+    return 0.25 * slope * slope / bend > 0.5 * value;
+}
+
+double root_lowest(root_function *f, const void *data, const struct root_place place[3])
+{
+    enum { SECTIONS = 80 };                   /* each leaves 0.62 of the bracket before: down to rounding */
+    const double golden = 0.3819660112501051; /* (3 - sqrt(5)) / 2 */
+    struct root_place low = place[1];
+    double from = place[0].s;
+    double to = place[2].s;
+    for (int i = 0; i < SECTIONS && low.value > 0.0; ++i) {
+        const bool later = to - low.s > low.s - from;
+        struct root_place trial = {.s = low.s + golden * (later ? to - low.s : from - low.s)};
+        double slope;
+        f(data, trial.s, &trial.value, &slope);
+        const bool lower = trial.value < low.value;
+        *(lower == later ? &from : &to) = lower ? low.s : trial.s;
+        low = lower ? trial : low;
+    }
+    return low.s;
+}

@@ -2,6 +2,8 @@
 #ifndef CONTACT_MATH_ROOT_H
 #define CONTACT_MATH_ROOT_H
 
+#include <stdbool.h>
+
 /* Writes f(s) and f'(s) for the function that `data` describes. */
 typedef void root_function(const void *data, double s, double *value, double *slope);
 
@@ -21,5 +23,17 @@ double root_guess(struct root_bracket_end low, struct root_bracket_end high);
 /* The root where f is known at both ends, other than zero at the first. */
 double root_between(root_function *f, const void *data, struct root_bracket_end low,
                     struct root_bracket_end high);
+
+/* A place and the value there. */
+struct root_place {
+    double s, value;
+};
+
+/* Whether a function that is positive at three ascending places, and lowest at the second, may fall below
+ * zero about it: where the parabola through the three falls by at least half of that value. */
+bool root_may_dip(const struct root_place place[3]);
+
+/* Then where it is lowest between the first and the third, by golden sections, or below zero. */
+double root_lowest(root_function *f, const void *data, const struct root_place place[3]);
 
 #endif

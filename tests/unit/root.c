@@ -112,11 +112,50 @@ static void the_root_lies_inside_even_the_smallest_bracket(void)
     }
 }
 
+/* (s - place)^2 - depth */
+static void parabola(const void *data, double s, double *value, double *slope)
+{
+    const struct root_place *lowest = data;
+    *value = (s - lowest->s) * (s - lowest->s) + lowest->value;
+    *slope = 2.0 * (s - lowest->s);
+}
+
+static struct root_place on_parabola(const struct root_place *lowest, double s)
+{
+    double value;
+    double slope;
+    parabola(lowest, s, &value, &slope);
+    return (struct root_place){s, value};
+}
+
+/* Three places about a dip, positive at each: it is found if and only if the parabola goes below zero. */
+static void a_dip_between_places_is_found(void)
+{
+    struct random r = {55};
+    for (int i = 0; i < 2000; ++i) {
+        const double middle = random_between(&r, -0.2, 0.2);
+        const struct root_place lowest = {1.0 + middle, random_between(&r, -0.04, 0.04)};
+        const struct root_place place[3] = {on_parabola(&lowest, 0.7), on_parabola(&lowest, 1.0),
+                                            on_parabola(&lowest, 1.4)};
+        if (!(place[1].value > 0.0 && place[1].value < place[0].value && place[1].value < place[2].value)) {
+            continue;
+        }
+        if (lowest.value < 0.0) {
+            CHECK(root_may_dip(place));
+        }
+        if (root_may_dip(place)) {
+            const struct root_place found = on_parabola(&lowest, root_lowest(parabola, &lowest, place));
+            CHECK(lowest.value < 0.0 ? found.value < 0.0 : found.value - lowest.value < 1e-14);
+        }
+    }
+}
+
 int main(void)
 {
     CHECK_TEST(the_root_is_found_to_rounding_whatever_the_slope);
     CHECK_TEST(powers_are_solved_to_the_rounding_of_their_value);
     CHECK_TEST(tiny_roots_keep_their_relative_accuracy);
     CHECK_TEST(the_root_lies_inside_even_the_smallest_bracket);
+    CHECK_TEST(a_dip_between_places_is_found);
     return check_summary("bracket");
 }
