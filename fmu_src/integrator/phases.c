@@ -101,13 +101,20 @@ static int contact_changing_first(const struct scene_state *q)
     return first;
 }
 
+/* Whether the axis of the destination may turn. The paths of regime_change_note_depth have a fixed one. */
+static bool tilts(const struct scene_values *v, int contact)
+{
+    const int destination = contact_destination(contact);
+    return scene_turns(v) && body_turns(v, destination) && body_shape(destination) != SHAPE_SPHERE;
+}
+
 /* A separating contact opens, unless a prescribed displacement goes another way than its velocity says. */
 static void note_depth_of_released(const struct scene_values *v, struct scene_state *q, struct advance *step)
 {
     for (int j = 0; SCENE_ANY_PRESCRIBED && j < SCENE_CONTACTS; ++j) {
         const bool led =
             body_is_prescribed(v, contact_source(j)) || body_is_prescribed(v, contact_destination(j));
-        if (led && q->contact[j].regime == REGIME_SEPARATING) {
+        if (led && q->contact[j].regime == REGIME_SEPARATING && !tilts(v, j)) {
             regime_change_note_depth(v, q, advance_now(step, v, q), j, step->clock_end);
         }
     }
@@ -192,12 +199,17 @@ static double end_after_event(const struct step_request *request, struct scene_s
     return fmin(end_time, request->at_event(request->context, end_time));
 }
 
+/* Changes of regimes at one instant, beyond which they have no end: some hundredths of a second. */
+enum { MOST_AT_ONCE = 10000 };
+
 static enum integrator_status run_phases(struct integrator *s, const struct scene_values *v,
                                          struct scene_state *q, struct advance *step,
                                          const struct step_request *request)
 {
     const double start = scene_time(q);
     double end_time = request->end_time;
+    double latest = -(double)INFINITY; /* event */
+    int at_once = 0;
     for (;;) {
         bool begins_or_ends = false;
         const double remaining = scene_remaining(q, end_time);
@@ -226,8 +238,8 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         case ADVANCE_EVENT:
             begins_or_ends = take_event(v, q, step);
             break;
-        case ADVANCE_STEP_LIMIT:
-            return INTEGRATOR_STEP_LIMIT;
+        case ADVANCE_STEP_LIMIT: /* a quadrature (prescribed.c) has a limit of its own */
+            return step->budget > 0 ? INTEGRATOR_STALLED : INTEGRATOR_STEP_LIMIT;
         case ADVANCE_FAILED:
         default:
             return INTEGRATOR_FAILED;
@@ -235,6 +247,11 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         if (begins_or_ends) {
             end_time = end_after_event(request, q, start, end_time);
         }
+        at_once = scene_time(q) > latest ? 0 : at_once + 1;
+        if (at_once == MOST_AT_ONCE) {
+            return INTEGRATOR_STALLED;
+        }
+        latest = scene_time(q);
         /* An event counts as a step, so that the limit of steps ends any number of events. */
         if (--step->budget <= 0) {
             return INTEGRATOR_STEP_LIMIT;

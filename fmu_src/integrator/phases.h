@@ -21,6 +21,7 @@
 enum integrator_status {
     INTEGRATOR_DONE,       /* arrived at the end time */
     INTEGRATOR_STEP_LIMIT, /* solver.max_internal_steps reached; q holds the time and state so far */
+    INTEGRATOR_STALLED,    /* contacts change without end, or nearly so; q holds the time and state so far */
     INTEGRATOR_FAILED      /* the method gave up; q holds the last good state, integrator_message says why */
 };
 

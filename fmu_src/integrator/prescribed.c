@@ -209,12 +209,15 @@ static void note_depth(const struct scene_values *v, struct scene_state *q, doub
     }
 }
 
+/* So many panels at most between two changes of a regime, some tenths of a second; some dozens are usual. */
+static const long MOST_PANELS = 20000;
+
 static double integrate_until(const struct scene_values *v, struct scene_state *q, double end, long *budget)
 {
     double clock = q->clock;
     double width = end - clock;
-    while (clock < end) {
-        if ((*budget)-- <= 0) {
+    for (long panels = 0; clock < end; ++panels) {
+        if ((*budget)-- <= 0 || panels == MOST_PANELS) {
             return clock;
         }
         const double to = clock + width < end ? clock + width : end;

@@ -114,16 +114,13 @@ static enum model_status advance_given(struct model *m, const struct step_reques
     struct scene_state *q = &m->state.motion;
     const struct scene_state before = *q;
     const double length = scene_remaining(q, request->end_time);
-    long budget = solver_max_internal_steps(v);
+    const long limit = solver_max_internal_steps(v);
     struct scene_instant at;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        driven_turning_settle(v, q, j);
-    }
     transition_begin_step(v, q, &at);
-    if (!driven_turning_over(v, q, length, &budget)) {
-        *q = before;
+    if (!driven_turning_over(v, q, length, limit < DRIVEN_PANELS ? limit : DRIVEN_PANELS)) {
         const struct step_request whole = {.end_time = request->end_time, .whole = true};
-        return report_step_limit(m, &whole);
+        *q = before;
+        return limit < DRIVEN_PANELS ? report_step_limit(m, &whole) : model_report_stalled(m, &whole);
     }
     q->clock += length;
     q->step_length = length;
@@ -148,6 +145,8 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
         break;
     case INTEGRATOR_STEP_LIMIT:
         return report_step_limit(m, request);
+    case INTEGRATOR_STALLED:
+        return model_report_stalled(m, request);
     case INTEGRATOR_FAILED:
     default:
         return model_report(m, MODEL_ERROR, "The step to %s s failed at %s s: %s",

@@ -100,6 +100,13 @@ static double put_energies(struct scene_values *v, const struct scene_state *q,
     return total;
 }
 
+const struct scene_state *motion_shown(const struct scene_values *v, const struct scene_state *q,
+                                       struct scene_state *settled)
+{
+    (void)v, (void)settled;
+    return q;
+}
+
 double motion_show(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
 {
     double sum = put_energies(v, q, at);

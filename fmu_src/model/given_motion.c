@@ -73,8 +73,9 @@ enum model_status motion_advance(struct model *m, const struct step_request *req
 {
     struct scene_state *q = &m->state.motion;
     const double length = scene_remaining(q, request->end_time);
-    if (SUMS_UP_STEPS) {
-        given_force_over(&m->state.values, q, length);
+    if (SUMS_UP_STEPS && !given_force_over(&m->state.values, q, length)) {
+        const struct step_request whole = {.end_time = request->end_time, .whole = true};
+        return model_report_stalled(m, &whole);
     }
     q->clock += length;
     scene_rebase(&m->state.values, q);
@@ -113,6 +114,14 @@ double motion_least_speed(const struct scene_values *v)
 {
     (void)v;
     return 1e-12; /* the start value of solver.absolute_tolerance in scenes with a solver */
+}
+
+const struct scene_state *motion_shown(const struct scene_values *v, const struct scene_state *q,
+                                       struct scene_state *settled)
+{
+    scene_state_copy(v, q, settled);
+    given_force_settle(v, settled);
+    return settled;
 }
 
 double motion_show(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)

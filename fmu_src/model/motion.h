@@ -50,6 +50,11 @@ double motion_energy(const struct scene_values *v, const struct scene_state *q,
 /* Speeds below it are none [m/s]. */
 double motion_least_speed(const struct scene_values *v);
 
+/* The state that outputs show: q, or `settled`, a copy with the regimes that the present inputs ask for. A
+ * reading leaves q as it is. */
+const struct scene_state *motion_shown(const struct scene_values *v, const struct scene_state *q,
+                                       struct scene_state *settled);
+
 /* Shows the outputs of this motion: history of the contacts, energies, counters. The sum is finite only if
  * all of them are. */
 double motion_show(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at);

@@ -4,9 +4,7 @@
 #include "contact/zone.h"
 #include "model/motion.h"
 #include "model/shortest.h"
-#include "scene/onset.h"
 #include "scene/zones.h"
-#include "segment/driven_turning.h"
 
 /* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d
  * n, also where it is capped. */
@@ -85,9 +83,9 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     return force + distance + g->gap_rate + factors.k + factors.c + put_hertz(v, contact, &law);
 }
 
-static void warn_of_missing_direction(struct model *m, const struct scene_instant *at)
+static void warn_of_missing_direction(struct model *m, const struct scene_state *q,
+                                      const struct scene_instant *at)
 {
-    struct scene_state *q = &m->state.motion;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (at->geometry[j].degenerate && q->contact[j].regime != REGIME_APART &&
             !m->state.warned_of_direction[j]) {
@@ -115,36 +113,20 @@ static void update_bodies(struct model *m)
     m->outputs = OUTPUTS_BODIES;
 }
 
-/* The regime of a contact of a force element; `at` remains its present instant. */
-static void settle_given(const struct scene_values *v, struct scene_state *q, struct scene_instant *at,
-                         int contact)
-{
-#if SCENE_ANY_TURNING
-    if (scene_turns(v)) {
-        driven_turning_settle(v, q, contact);
-        scene_now(v, q, at);
-        return;
-    }
-#endif
-    q->contact[contact].regime = (int32_t)onset_note(v, q, at, contact, scene_regime(v, q, at, contact));
-}
-
 static void update_all(struct model *m)
 {
     struct scene_values *v = &m->state.values;
-    struct scene_state *q = &m->state.motion;
+    struct scene_state settled;
+    const struct scene_state *q = motion_shown(v, &m->state.motion, &settled);
     struct scene_instant at;
     double sum = 0.0;
     scene_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (scene_is_force_element(v) && !(SCENE_STATES > 0 && m->host.exchange)) {
-            settle_given(v, q, &at, j);
-        }
-        q->contact[j].normal = at.geometry[j].normal;
+        m->state.motion.contact[j].normal = at.geometry[j].normal;
         sum += put_contact(v, q, &at, j);
     }
     sum += motion_show(v, q, &at) + model_show_turning(v, q, &at);
-    warn_of_missing_direction(m, &at);
+    warn_of_missing_direction(m, q, &at);
     /* What is no number has to be looked at one by one. */
     m->outputs = isfinite(sum) ? OUTPUTS_ALL : OUTPUTS_BODIES;
 }

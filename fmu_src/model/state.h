@@ -93,6 +93,9 @@ void model_forget_outputs(struct model *m);
 enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)
     CONTACT_PRINTF_LIKE(3, 4);
 
+/* MODEL_DISCARD of a step within which contacts change without end, or nearly so. */
+enum model_status model_report_stalled(const struct model *m, const struct step_request *request);
+
 /* Puts the motion at the start that the present parameters and inputs describe. */
 void model_prepare(struct model *m);
 

@@ -83,7 +83,8 @@ static struct quaternion rotation_over(const struct vec3 omega[3], double clock,
 {
     struct vec3 rest[3] = {omega[0], omega[1], omega[2]};
     double left = clock;
-    while (left > 0.0) {
+    double before = (double)INFINITY;
+    while (left > 0.0 && left < before) { /* turning_prescribed_steps tells how often */
         const double w[3] = {vec3_norm(rest[0]), vec3_norm(rest[1]), vec3_norm(rest[2])};
         double step = left;
         double far = SERIES_REACH * step;
@@ -104,6 +105,7 @@ static struct quaternion rotation_over(const struct vec3 omega[3], double clock,
         }
         q = quaternion_unit(q);
         path_shift(rest, 3, step);
+        before = left;
         left -= step;
     }
     return q;
@@ -124,6 +126,19 @@ static struct quaternion turned_by(const struct vec3 omega[3], double clock, str
         return quaternion_unit(quaternion_product(quaternion_of_rotation(vec3_scale(clock, omega[0])), q));
     }
     return rotation_over(omega, clock, q);
+}
+
+double turning_prescribed_steps(const struct scene_values *v, const struct scene_state *q, double length)
+{
+    double steps = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        const struct vec3 *omega = q->path[i].angular_velocity;
+        if (body_turn_is_prescribed(v, i) && !is_around_one_direction(omega)) {
+            steps += length * (vec3_norm(omega[0]) +
+                               length * (vec3_norm(omega[1]) / 2.0 + length * vec3_norm(omega[2]) / 3.0));
+        }
+    }
+    return steps;
 }
 
 struct body_turn turning_prescribed_at(const struct scene_values *v, const struct scene_state *q,
@@ -194,6 +209,12 @@ static struct body_turn turn_at(const struct scene_values *v, const struct scene
 }
 
 #else /* nothing turns, but contacts may rub */
+
+double turning_prescribed_steps(const struct scene_values *v, const struct scene_state *q, double length)
+{
+    (void)v, (void)q, (void)length;
+    return 0.0;
+}
 
 static struct body_turn turn_at(const struct scene_values *v, const struct scene_state *q, double clock,
                                 const struct turning_state *turning, int body)

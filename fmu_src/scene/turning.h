@@ -31,6 +31,10 @@ struct friction_law scene_friction_law(const struct scene_values *v, const struc
 /* The orientation that a body starts with: the smallest rotation that takes z to its axis. */
 struct quaternion turning_start_orientation(const struct scene_values *v, int body);
 
+/* How many steps of a series it takes to say where the bodies whose rotation is prescribed have turned to
+ * after `length` seconds: none around one direction, else as many as radians. */
+double turning_prescribed_steps(const struct scene_values *v, const struct scene_state *q, double length);
+
 /* Where a body of prescribed rotation has turned to at a clock. */
 struct body_turn turning_prescribed_at(const struct scene_values *v, const struct scene_state *q,
                                        double clock, int body);

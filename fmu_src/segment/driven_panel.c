@@ -8,19 +8,9 @@
 void driven_instant(const struct driven_contact *c, double clock, struct vec3 spring,
                     struct scene_instant *at)
 {
-    struct contact_state *state = &c->q->contact[c->contact];
     scene_kinematics(c->v, c->q, clock, free_bodies_now(c->q), at);
-    const enum contact_regime regime = scene_regime_of_touching(c->v, c->q, at, c->contact);
-    state->regime = (int32_t)regime;
 #if SCENE_ANY_FRICTION
     c->q->turning.spring[c->contact] = spring;
-    if (contact_rubs(c->v, c->contact) && !contact_rubs_elastically(c->v, c->contact)) {
-        const struct contact_law law = scene_contact_law(c->v, c->q, c->contact);
-        const struct friction_law friction = scene_friction_law(c->v, c->q, c->contact);
-        const struct contact_geometry *g = &at->geometry[c->contact];
-        state->friction_regime =
-            (int32_t)friction_sliding_regime(&friction, contact_force(&law, regime, g->gap, g->gap_rate));
-    }
 #else
     (void)spring;
 #endif
@@ -56,9 +46,15 @@ static void driven_rates(const struct driven_contact *c, const struct scene_inst
     const double speed =
         vec3_norm(at->velocity[contact_source(j)]) + vec3_norm(at->velocity[contact_destination(j)]) +
         arm * (vec3_norm(source->angular_velocity) + vec3_norm(destination->angular_velocity));
-    for (int k = 0; k < DRIVEN_TERMS; ++k) {
+    for (int k = 0; k < DRIVEN_EVENT; ++k) {
         scale[k] = force * (k < DRIVEN_SOURCE_TORQUE ? 1.0 : k < DRIVEN_DISSIPATED ? arm : speed);
     }
+    const enum contact_regime regime = (enum contact_regime)c->q->contact[j].regime;
+    /* a spring may lose energy while the force is clipped to zero */
+    scale[DRIVEN_DISSIPATED] += fabs(contact_stored_slope(&law, regime, g->gap)) * speed;
+    const struct contact_slopes slopes = contact_event_slopes(&law, regime, g->gap, g->gap_rate);
+    rate[DRIVEN_EVENT] = contact_has_events(&law) ? contact_event(&law, regime, g->gap, g->gap_rate) : 0.0;
+    scale[DRIVEN_EVENT] = fabs(slopes.by_gap * g->gap) + fabs(slopes.by_rate) * vec3_norm(at->rate[j]);
 }
 
 #if SCENE_ANY_ELASTIC_FRICTION
@@ -245,7 +241,9 @@ bool driven_panel_make(const struct driven_contact *c, double from, double to, s
             panel->sum[k] += weight * rate[k];
             panel->size[k] += weight * scale[k];
         }
-        panel->slipped += weight * vec3_norm(at.turning.slip[c->contact]);
+        panel->node[i].normal = at.geometry[c->contact].normal;
+        panel->node[i].slip = at.turning.slip[c->contact];
+        panel->slipped += weight * vec3_norm(panel->node[i].slip);
     }
     return true;
 }

@@ -12,7 +12,9 @@
 #if SCENE_ANY_TURNING
 
 /* Where the integrals are: impulse of the force on the source [N s], of the torques on source and destination
- * [N m s]; energies that the normal law dissipates, that friction takes, that is supplied [J]. */
+ * [N m s]; energies that the normal law dissipates, that friction takes, that is supplied [J]. The event
+ * function of the law is integrated only to tell whether the panel resolves it: it may change where no force
+ * acts. */
 enum {
     DRIVEN_FORCE = 0,
     DRIVEN_SOURCE_TORQUE = 3,
@@ -20,11 +22,12 @@ enum {
     DRIVEN_DISSIPATED = 9,
     DRIVEN_FRICTION,
     DRIVEN_WORK,
+    DRIVEN_EVENT,
     DRIVEN_TERMS
 };
 
-/* One contact whose motion is given; q serves as working memory: its regimes and spring are those of the last
- * instant looked at. */
+/* One contact whose motion is given; q serves as working memory: its spring is that of the last instant that
+ * was looked at. */
 struct driven_contact {
     const struct scene_values *v;
     struct scene_state *q;
@@ -39,12 +42,11 @@ struct driven_panel {
     double slipped;            /* the path of the slip [m] */
     struct {
         double clock;
-        struct vec3 spring;
+        struct vec3 spring, slip, normal;
     } node[GAUSS_NODES];
 };
 
-/* The instant of a contact that touches, in the regimes that its law has there; those of elastic friction
- * stay. */
+/* The instant of a contact in its present regimes, whose formulas are smooth beyond their ends too. */
 void driven_instant(const struct driven_contact *c, double clock, struct vec3 spring,
                     struct scene_instant *at);
 

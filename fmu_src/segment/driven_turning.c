@@ -1,10 +1,9 @@
 #include "segment/driven_turning.h"
 
 #include "scene/free_bodies.h"
-#include "scene/onset.h"
 #include "scene/rounding.h"
-#include "segment/driven_friction.h"
 #include "segment/driven_quadrature.h"
+#include "segment/driven_regime.h"
 #include "segment/relative_path.h"
 #include "segment/tumbling_touch.h"
 
@@ -43,47 +42,48 @@ static struct tumbling_path path_from(const struct driven_span *s, double clock)
     return path;
 }
 
-/* So many evaluations of the gap at most; some dozens are usual. */
+/* So many evaluations of the gap in search of touches and partings, some tenths of a second; some dozens are
+ * usual. */
 static const long SEARCH_BUDGET = 1000000;
 
-/* The clock of the next change, `end` where there is none. */
-static double next_change(const struct driven_span *s, double clock, double end, enum tumbling_change change)
+/* The clock of the next change, `end` where there is none. False where that is not found out. */
+static bool finds_change(const struct driven_span *s, double clock, double end, enum tumbling_change change,
+                         double *next)
 {
     const struct tumbling_path path = path_from(s, clock);
-    const struct tumbling_result found = tumbling_first(&path, change, end - clock, SEARCH_BUDGET);
-    return found.after < end - clock ? clock + found.after : end;
+    if (*s->evaluations <= 0) {
+        return false;
+    }
+    const struct tumbling_result found = tumbling_first(&path, change, end - clock, *s->evaluations);
+    *s->evaluations -= found.evaluations;
+    *next = found.after < end - clock ? clock + found.after : end;
+    return *next < end || !(found.searched < end - clock);
 }
 
 static void begin_contact(struct driven_span *s, double clock)
 {
-    const int j = s->c.contact;
     struct scene_state *q = s->c.q;
-    struct scene_instant at;
-    scene_kinematics(s->c.v, q, clock, free_bodies_now(q), &at);
-    (void)onset_note(s->c.v, q, &at, j, scene_regime_of_touching(s->c.v, q, &at, j));
-    q->contact[j].regime = (int32_t)scene_regime_of_touching(s->c.v, q, &at, j);
-    driven_friction_begin(s->c.v, q, clock, j);
-    s->total.spring = driven_spring(q, j);
+    driven_begin(&s->c, clock);
+    s->total.spring = driven_spring(q, s->c.contact);
 #if SCENE_ANY_FREE
-    counter_add(&q->contact[j].record.onsets, 1);
-    q->contact[j].record.onset_time = q->base + (q->base_tail + clock);
-    q->contact[j].record.touch_clock = clock;
+    struct contact_record *record = &q->contact[s->c.contact].record;
+    counter_add(&record->onsets, 1);
+    record->onset_time = q->base + (q->base_tail + clock);
+    record->touch_clock = clock;
 #endif
     counter_add(&q->counters.events, 1);
 }
 
 static void end_contact(struct driven_span *s, double clock)
 {
-    struct scene_state *q = s->c.q;
-    const int j = s->c.contact;
-    q->contact[j].regime = (int32_t)REGIME_APART;
-    driven_friction_end(q, j);
+    driven_end(&s->c);
 #if SCENE_ANY_FREE
-    q->contact[j].record.last_duration = clock - q->contact[j].record.touch_clock;
+    struct contact_record *record = &s->c.q->contact[s->c.contact].record;
+    record->last_duration = clock - record->touch_clock;
 #else
     (void)clock;
 #endif
-    counter_add(&q->counters.events, 1);
+    counter_add(&s->c.q->counters.events, 1);
 }
 
 /* What a finite cylinder's end or a jump leaves of the stored energy is dissipated. */
@@ -104,8 +104,10 @@ static bool span_over(struct driven_span *s, double end)
     s->total.spring = driven_spring(q, j);
     while (clock < end) {
         const bool touches = q->contact[j].regime != (int32_t)REGIME_APART;
-        const double next = next_change(s, clock, end, touches ? TUMBLING_PARTING : TUMBLING_TOUCH);
-        if (touches && !driven_integrate(s, clock, next)) {
+        double next;
+        if ((*s->panels)-- <= 0 || /* any number of changes ends */
+            !finds_change(s, clock, end, touches ? TUMBLING_PARTING : TUMBLING_TOUCH, &next) ||
+            (touches && !driven_integrate(s, clock, next))) {
             return false;
         }
         if (next < end && touches) {
@@ -150,10 +152,19 @@ static void book_span(const struct driven_span *s, double length)
 #endif
 }
 
-bool driven_turning_over(const struct scene_values *v, struct scene_state *q, double length, long *budget)
+/* So many steps of turning_prescribed_steps in all of its evaluations take as long as a panel does else. */
+static const double STEPS_OF_PANEL = 5.0;
+
+bool driven_turning_over(const struct scene_values *v, struct scene_state *q, double length, long panels)
 {
+    long evaluations = SEARCH_BUDGET;
+    const double steps = turning_prescribed_steps(v, q, q->clock + length);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct driven_span s = {.c = {v, q, j}, .elastic = contact_rubs_elastically(v, j), .budget = budget};
+        struct driven_span s = {.c = {v, q, j},
+                                .elastic = contact_rubs_elastically(v, j),
+                                .panels = &panels,
+                                .evaluations = &evaluations,
+                                .panel_cost = 1 + (long)fmin(steps / STEPS_OF_PANEL, DRIVEN_PANELS)};
         if (!contact_is_driven(v, j)) {
             continue;
         }
@@ -163,28 +174,6 @@ bool driven_turning_over(const struct scene_values *v, struct scene_state *q, do
         book_span(&s, length);
     }
     return true;
-}
-
-void driven_turning_settle(const struct scene_values *v, struct scene_state *q, int contact)
-{
-    struct scene_instant at;
-    scene_kinematics(v, q, q->clock, free_bodies_now(q), &at);
-    const bool touched = q->contact[contact].regime != (int32_t)REGIME_APART;
-    const enum contact_regime regime = scene_regime(v, q, &at, contact);
-    const enum contact_regime next = onset_note(v, q, &at, contact, regime);
-    q->contact[contact].regime = (int32_t)next;
-    if (next == REGIME_APART) {
-        driven_friction_end(q, contact);
-    } else if (!touched) {
-        driven_friction_begin(v, q, q->clock, contact);
-    } else {
-#if SCENE_ANY_FRICTION
-        if (contact_rubs_elastically(v, contact)) {
-            driven_friction_settle(v, q, contact);
-        }
-#endif
-        driven_instant(&(struct driven_contact){v, q, contact}, q->clock, driven_spring(q, contact), &at);
-    }
 }
 
 #endif

@@ -10,14 +10,13 @@
 
 #if SCENE_ANY_TURNING
 
-/* Over `length` seconds from the present. Regimes and spring of q become those at the end; impulses, or means
- * in scenes without free bodies, peaks, energies and onsets are booked. False: `budget` panels were not
- * enough. */
-bool driven_turning_over(const struct scene_values *v, struct scene_state *q, double length, long *budget);
+/* So many panels a step may take: about a second. A contact takes some dozens. */
+enum { DRIVEN_PANELS = 20000 };
 
-/* Puts the regimes of contact and friction to what the present asks for: at the start, and after inputs have
- * jumped. */
-void driven_turning_settle(const struct scene_values *v, struct scene_state *q, int contact);
+/* Over `length` seconds from the present. Regimes and spring of q become those at the end; impulses, or means
+ * in scenes without free bodies, peaks, energies and onsets are booked. False, q being undefined: so many
+ * panels, or what a search for touches may take, were not enough. */
+bool driven_turning_over(const struct scene_values *v, struct scene_state *q, double length, long panels);
 
 #endif
 #endif

@@ -1,6 +1,7 @@
 #include "segment/given_force.h"
 
 #include "scene/onset.h"
+#include "segment/driven_regime.h"
 #include "segment/driven_turning.h"
 #include "segment/flight_candidates.h"
 #include "segment/given_quadrature.h"
@@ -59,19 +60,23 @@ static void integrate(struct given_step *step, const struct contact_shape *shape
 
 #if SCENE_ANY_CAPS
 
+/* A path changes the regime at a rim a dozen times at most; what changes more often is rounding, and its
+ * law is then looked at in the middle of what is left. */
+enum { MOST_RIM_CHANGES = 100 };
+
 /* A part of the step at a rim, from change to change of the regime. */
 static void integrate_at_rim(struct given_step *step, const struct contact_shape *shape,
                              const struct separation_path *path, double from, double end)
 {
     const double soon = 1e-9; /* of the part: a place right after its start */
-    while (from < end) {
+    for (int changes = 0; from < end; ++changes) {
         struct scene_instant at;
         const struct contact_law law = scene_contact_law(step->v, step->q, step->contact);
         given_instant(step, from + soon * (end - from), &at);
         const enum contact_regime present = scene_regime(step->v, step->q, &at, step->contact);
         const struct rim_change change =
             rim_first_change(shape, &law, path, 0.0, present, from * step->length, end * step->length);
-        const double to = fmin(change.time / step->length, end);
+        const double to = changes < MOST_RIM_CHANGES ? fmin(change.time / step->length, end) : end;
         if (!(to > from)) {
             from += soon * (end - from);
         } else if (!takes_damping(step, from, to)) {
@@ -116,18 +121,6 @@ static bool is_steady(const struct separation_path *path)
     return path_is_steady(path->c, SEPARATION_DEGREE + 1) && path_is_steady(path->w, SEPARATION_DEGREE);
 }
 
-static void note_regime(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
-                        int contact)
-{
-#if SCENE_ANY_TURNING
-    if (scene_turns(v)) {
-        driven_turning_settle(v, q, contact);
-        return;
-    }
-#endif
-    q->contact[contact].regime = (int32_t)onset_note(v, q, at, contact, scene_regime(v, q, at, contact));
-}
-
 /* On the destination, where nothing turns or rubs. */
 static void put_mean_torque(struct contact_state *state, struct vec3 torque)
 {
@@ -138,52 +131,64 @@ static void put_mean_torque(struct contact_state *state, struct vec3 torque)
 #endif
 }
 
-/* The force of an instant that lasts; returns it on the source. */
-static struct vec3 note_present(const struct scene_values *v, struct scene_state *q, int contact)
+void given_force_settle(const struct scene_values *v, struct scene_state *q)
 {
     struct scene_instant at;
-    struct contact_state *state = &q->contact[contact];
     scene_kinematics_now(v, q, &at);
-    note_regime(v, q, &at, contact);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+#if SCENE_ANY_TURNING
+        if (scene_turns(v)) {
+            driven_turning_settle(v, q, j);
+            continue;
+        }
+#endif
+        q->contact[j].regime = (int32_t)onset_note(v, q, &at, j, scene_regime(v, q, &at, j));
+    }
+}
+
+/* The force of an instant that lasts; returns it on the source. */
+static struct vec3 note_present(const struct scene_values *v, struct scene_state *q, struct scene_instant *at,
+                                int contact)
+{
+    struct contact_state *state = &q->contact[contact];
     state->peaks = (struct contact_peaks){0.0, 0.0};
     state->mean_force = vec3_make(0.0, 0.0, 0.0);
     put_mean_torque(state, state->mean_force);
     if (state->regime == REGIME_APART) {
         return vec3_make(0.0, 0.0, 0.0);
     }
-    scene_forces(v, q, q->clock, &at);
-    contact_peaks_note(&state->peaks, at.normal_force[contact], -at.geometry[contact].gap);
-    return at.source_force[contact];
+    scene_forces(v, q, q->clock, at);
+    contact_peaks_note(&state->peaks, at->normal_force[contact], -at->geometry[contact].gap);
+    return at->source_force[contact];
 }
 
 #if SCENE_ANY_TURNING
-/* Panels of a step; a contact takes some dozens, a jump of its law some hundreds. */
-static const long MOST_PANELS = 1000000;
-
 /* Where something turns or rubs. */
-static void given_turning_over(const struct scene_values *v, struct scene_state *q, double length)
+static bool given_turning_over(const struct scene_values *v, struct scene_state *q, double length)
 {
-    long budget = MOST_PANELS;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        (void)note_present(v, q, j);
+    const struct scene_state before = *q;
+    given_force_begin(v, q);
+    if (driven_turning_over(v, q, length, DRIVEN_PANELS)) {
+        return true;
     }
-    (void)driven_turning_over(v, q, length, &budget);
+    *q = before;
+    return false;
 }
 #endif
 
-void given_force_over(const struct scene_values *v, struct scene_state *q, double length)
+bool given_force_over(const struct scene_values *v, struct scene_state *q, double length)
 {
 #if SCENE_ANY_TURNING
     if (scene_turns(v)) {
-        given_turning_over(v, q, length);
-        return;
+        return given_turning_over(v, q, length);
     }
 #endif
+    given_force_settle(v, q);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct scene_instant at;
         scene_kinematics_now(v, q, &at);
         const struct separation_path separation = separation_path_of(v, q, &at, q->clock, j);
-        const struct vec3 present = note_present(v, q, j);
+        const struct vec3 present = note_present(v, q, &at, j);
         if (is_steady(&separation)) {
             q->contact[j].mean_force = present;
             at.source_force[j] = present;
@@ -203,11 +208,15 @@ void given_force_over(const struct scene_values *v, struct scene_state *q, doubl
             integrate(&step, &shape, &path, 0.0, 1.0);
         }
     }
+    return true;
 }
 
 void given_force_begin(const struct scene_values *v, struct scene_state *q)
 {
+    struct scene_instant at;
+    given_force_settle(v, q);
+    scene_kinematics_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        (void)note_present(v, q, j);
+        (void)note_present(v, q, &at, j);
     }
 }

@@ -9,8 +9,12 @@
 #include "scene/present.h"
 
 /* Mean force, peak force and peak penetration of all contacts from the present until `length` seconds later,
- * into q->contact[]. The regimes of q become those at the end. */
-void given_force_over(const struct scene_values *v, struct scene_state *q, double length);
+ * into q->contact[]. The regimes of q become those at the end. False, and q as it was: that takes more than
+ * about a second. */
+bool given_force_over(const struct scene_values *v, struct scene_state *q, double length);
+
+/* Puts the regimes of q to what the present instant asks for. */
+void given_force_settle(const struct scene_values *v, struct scene_state *q);
 
 /* Those of the present instant alone, with a mean force of zero: before the first step. */
 void given_force_begin(const struct scene_values *v, struct scene_state *q);

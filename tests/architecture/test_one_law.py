@@ -20,7 +20,7 @@ OF_FRICTION = {
     "fmu_src/scene/turning.c",
     "fmu_src/scene/turning_events.c",  # of friction alone; the normal law it asks
     "fmu_src/scene/turning_transition.c",
-    "fmu_src/segment/driven_friction.c",
+    "fmu_src/segment/driven_regime.c",
 }
 # The recurrences of Hertz's law: its series is made with k_h, as closed forms are with p_n.
 HERTZ = {label(file) for file in UNITS if re.fullmatch(r"(?:pair_)?hertz(?:_\w+)?\.c", file.name)}
