@@ -61,6 +61,8 @@ def seeds(default=40):
 
 def answer(fmu, scene, tolerance, steps, readings, method="event_driven"):
     """What the run says at its end; sums and maxima too where there were readings or one step."""
+    if "solver.method" not in fmu:  # a force element
+        tolerance, method = None, None
     start(fmu, scene.values, tolerance, method)
     sums, peaks = {}, {}
     for k in range(steps):

@@ -1,0 +1,334 @@
+"""Contact between bodies that the importer moves: random scenes of numbers that people type, and the scenes
+in which a run once hung, was changed by a reading, or missed a change of the law.
+"""
+
+import numpy as np
+import pytest
+
+from support.checks import check_close, start
+from support.scenes.agreement import Scene, answer, check_agreement, seeds
+
+DASHPOTS = ("non_adhesive", "unclamped", "approach_only")
+UNITS = [np.array(e, float) for e in np.vstack([np.eye(3), -np.eye(3)])]
+# Impulses, torques and energies come from quadratures to the tolerance; of what they are a fraction the
+# scene's stiffness times a length says, once.
+PENALTY = (1e3, 1e4, 1e6)
+
+
+def pick(random, *values):
+    return values[random.integers(len(values))]
+
+
+def typed(vector):
+    return [float(round(x, 12)) for x in vector]
+
+
+def law(random, values):
+    values["contact.dashpot"] = pick(random, *DASHPOTS, "non_adhesive")
+    values["contact.penalty_factor"] = pick(random, *PENALTY)
+    values["contact.viscous_penalty_factor"] = pick(random, 0.0, 10.0, 100.0, 1000.0)
+    return values["contact.penalty_factor"]
+
+
+def motion(values, body, velocity, acceleration):
+    """A body that starts with this velocity and keeps this acceleration."""
+    values[f"{body}.motion"] = "prescribed"
+    values[f"{body}.prescribed_velocity"] = typed(velocity)
+    values[f"{body}.prescribed_displacement.derivatives"] = [typed(velocity), typed(acceleration)]
+    values[f"{body}.prescribed_velocity.derivatives"] = [typed(acceleration)]
+
+
+def pass_by(random, values, middle, speeds=(0.5, 1.0, 2.0)):
+    """The source comes to `middle` after 0.5 or 0.4 of the run, straight or on a parabola that turns there;
+    the end of the run, which often puts events on communication points.
+    """
+    end = pick(random, 0.5, 1.0, 2.0)
+    speed = pick(random, *speeds)
+    along = UNITS[random.integers(6)] if random.random() < 0.7 else np.array([0.6, 0.8, 0.0])
+    # A parabola across the normal has a top of the fourth order, which peaks are not searched for.
+    bends = random.random() < 0.5 and abs(along @ middle) > 1e-9
+    velocity = speed * along
+    turn = (0.4 if bends else 0.5) * end
+    acceleration = -velocity / turn if bends else np.zeros(3)
+    at = np.asarray(middle, float) - turn * velocity - 0.5 * turn**2 * acceleration
+    values["source.center"] = typed(at)
+    motion(values, "source", velocity, acceleration)
+    if random.random() < 0.3:  # the world moves along
+        drift = UNITS[random.integers(6)] * pick(random, 0.5, 1.0)
+        motion(values, "source", velocity + drift, acceleration)
+        motion(values, "destination", drift, np.zeros(3))
+    return end
+
+
+def scales(stiffness, **more):
+    """A force is known to the tolerance as a part of what a penetration of a tenth of a metre makes."""
+    force = 0.1 * stiffness
+    energies = dict.fromkeys(("contact", "dissipated", "external_work", "total", "friction"), 0.1 * force)
+    forces = dict.fromkeys(("mean_force", "peak_force"), force)
+    torques = dict.fromkeys(("mean_source_torque", "mean_destination_torque"), force)
+    return energies | forces | torques | {"peak_penetration": 0.1} | more
+
+
+def at_a_face(random, fmu):
+    """Places of the source near which it touches: on axes, at equal radii, at edges, in the centre."""
+    values = {"gravity": [0.0, 0.0, 0.0], "source.radius": pick(random, 0.1, 0.5)}
+    depth = pick(random, 1e-3, 0.01, 0.05)  # a graze of exactly zero is whatever rounding makes of it
+    if fmu == "SpherePlane":
+        return values, [0.0, 0.0, values["source.radius"] - depth]
+    values["destination.radius"] = 0.5
+    reach = values["source.radius"] + 0.5 - depth
+    direction = UNITS[random.integers(6)] if random.random() < 0.7 else np.array([0.6, 0.0, 0.8])
+    if fmu == "SphereCylinder":
+        values["destination.axis"] = typed(UNITS[random.integers(6)])
+        axis = np.array(values["destination.axis"])
+        direction = direction - (direction @ axis) * axis
+        if not direction.any():
+            direction = np.roll(axis, 1)
+        if random.random() < 0.6:
+            values |= {"destination.finite_length": True, "destination.length": pick(random, 0.5, 1.0)}
+    return values, typed(reach * direction)
+
+
+def straight_or_bent(random):
+    """Nothing turns: universal FMUs and the force element, events often on communication points."""
+    fmu = pick(random, "SphereSphere", "SphereCylinder", "SpherePlane")
+    values, middle = at_a_face(random, fmu)
+    stiffness = law(random, values)
+    return Scene(fmu, values, pass_by(random, values, middle), floor=scales(stiffness))
+
+
+def over_a_rim(random):
+    """A capped cylinder, whose rim the source passes once or twice, shallow or deep."""
+    values = {
+        "gravity": [0.0, 0.0, 0.0],
+        "destination.axis": [0.0, 0.0, 1.0],
+        "destination.finite_length": True,
+        "destination.length": 1.0,
+        "destination.ends": "capped",
+        "source.radius": pick(random, 0.05, 0.1, 0.5),
+    }
+    across = np.array([1.0, 0.0, 0.0]) if random.random() < 0.7 else np.array([0.6, 0.8, 0.0])
+    depth = values["source.radius"] * pick(random, 0.01, 0.1, 0.5, 0.9)
+    height = 0.5 + values["source.radius"] - depth
+    middle = pick(random, 0.0, 0.4, 0.5, 0.55) * across + np.array([0.0, 0.0, height])
+    stiffness = law(random, values)
+    return Scene("SphereCylinder", values, pass_by(random, values, middle), floor=scales(stiffness))
+
+
+def turning_and_rubbing(random):
+    """Both bodies may turn, the normal of plane or cylinder with them; friction of every kind."""
+    fmu = pick(random, "SphereSphere", "SphereCylinder", "SpherePlane", "TurningForceElement")
+    values, middle = at_a_face(random, "SphereCylinder" if fmu.startswith("Turning") else fmu)
+    stiffness = law(random, values)
+    end = pass_by(random, values, middle)
+    if fmu.startswith("Turning"):
+        values = {name: value for name, value in values.items() if name != "gravity"}
+    values["contact.location"] = "outside"
+    if fmu == "SpherePlane":
+        del values["contact.location"]
+    for body in ("source", "destination"):
+        spin = UNITS[random.integers(6)] * pick(random, 0.0, 0.5, 1.0, 10.0)
+        if body == "destination" and np.linalg.norm(spin) > 1.0:
+            spin = spin / 10.0
+        values[f"{body}.rotation"] = "prescribed"
+        values[f"{body}.prescribed_angular_velocity"] = typed(spin)
+    values["destination.prescribed_axis"] = values.get("destination.axis", [0.0, 0.0, 1.0])
+    if fmu == "SphereSphere":
+        del values["destination.prescribed_axis"]
+    values["contact.friction"] = pick(random, "none", "regularized", "elastic")
+    if values["contact.friction"] == "elastic":
+        values |= {
+            "contact.tangential_stiffness": 0.5 * stiffness,
+            "contact.tangential_damping": pick(random, 1.0, 100.0),
+            "contact.static_friction_coefficient": 0.5,
+        }
+    values["contact.friction_coefficient"] = pick(random, 0.0, 0.5)
+    if fmu.startswith("Turning"):
+        pinned = ("source.motion", "destination.motion", "source.rotation", "destination.rotation")
+        values = {name: value for name, value in values.items() if name not in pinned}
+    return Scene(fmu, values, end, floor=scales(stiffness))
+
+
+def force_element(random):
+    """Without any state: means and peaks of one step are those of many."""
+    values, middle = at_a_face(random, "SphereCylinder")
+    stiffness = law(random, values)
+    end = pass_by(random, values, middle)
+    given = {name: value for name, value in values.items() if name not in ("gravity", "source.motion")}
+    given.pop("destination.motion", None)
+    return Scene("ForceElement", given | {"contact.location": "outside"}, end, floor=scales(stiffness))
+
+
+FAMILIES = [straight_or_bent, over_a_rim, turning_and_rubbing, force_element]
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.__name__)
+@pytest.mark.parametrize("seed", seeds())
+def test_a_given_motion_has_one_answer(opened, family, seed):
+    check_agreement(opened, family(np.random.default_rng([seed, FAMILIES.index(family)])), seed)
+
+
+# The source is prescribed; it goes straight on with this velocity from this displacement.
+def straight(center, velocity, **more):
+    values = {"source.motion": "prescribed", "source.center": center, "source.prescribed_velocity": velocity}
+    return values | {name.replace("__", "."): value for name, value in more.items()}
+
+
+END_PLANE = {
+    "destination.axis": [0.0, 1.0, 0.0],
+    "destination.finite_length": True,
+    "destination.length": 1.0,
+    "contact.penalty_factor": 1e4,
+    "contact.method": "penalty",
+}
+
+
+def stepped(fmu, values, steps, size, read):
+    start(fmu, values)
+    for _ in range(steps):
+        fmu.step(size)
+        if read:
+            fmu["contact.gap"], fmu["energy.total"], fmu["contact.active"]
+    return fmu
+
+
+@pytest.mark.parametrize("read", [False, True])
+def test_a_source_that_leaves_by_the_end_between_two_readings(opened, read):
+    values = straight([0.0, 0.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE
+    fmu = stepped(opened("SphereCylinder"), values, 10, 0.1, read)
+    check_close("dissipated", fmu["energy.dissipated"], 0.5, 1e-12)
+    check_close("total", fmu["energy.total"], 0.5, 1e-12)
+
+
+@pytest.mark.parametrize("read", [False, True])
+def test_a_source_that_passes_both_ends_on_communication_points(opened, read):
+    values = straight([0.0, -1.0, 0.59], [0.0, 1.0, 0.0]) | END_PLANE
+    fmu = stepped(opened("SphereCylinder"), values, 8, 0.25, read)
+    assert fmu["contact.onsets"] == 1
+    check_close("duration", fmu["contact.last_duration"], 1.0, 1e-12)
+    check_close("dissipated", fmu["energy.dissipated"], 0.0, 1e-12)
+
+
+@pytest.mark.parametrize("read", [False, True])
+def test_a_touch_on_a_communication_point_is_one_onset(opened, read):
+    values = straight([0.0, 0.0, 0.6], [0.0, 0.0, -1.0])
+    fmu = stepped(opened("SpherePlane"), values, 4, 0.25, read)
+    assert fmu["contact.onsets"] == 1
+    check_close("onset", fmu["contact.last_onset_time"], 0.5, 1e-12)
+
+
+@pytest.mark.parametrize("read", [False, True])
+def test_a_parting_on_a_communication_point_has_its_duration(opened, read):
+    """The source comes at -1.5 m/s and turns back: z = 1.1 - 1.5 t + t^2 is 0.6 at 0.5 s and at 1 s."""
+    values = straight([0.0, 0.0, 1.1], [0.0, 0.0, -1.5], contact__viscous_penalty_factor=10.0)
+    values["source.prescribed_displacement.derivatives"] = [[0.0, 0.0, -1.5], [0.0, 0.0, 2.0]]
+    values["source.prescribed_velocity.derivatives"] = [[0.0, 0.0, 2.0]]
+    fmu = stepped(opened("SphereSphere"), values, 8, 0.25, read)
+    assert fmu["contact.onsets"] == 1
+    check_close("onset", fmu["contact.last_onset_time"], 0.5, 1e-12)
+    check_close("duration", fmu["contact.last_duration"], 0.5, 1e-12)
+
+
+@pytest.mark.parametrize("axial", [0.5, -0.5])
+@pytest.mark.parametrize("velocity", [[0.0, 0.0, 0.0], [0.0, 1e-3, 0.0]])
+def test_a_force_element_in_the_plane_of_an_open_end_agrees_with_itself(opened, axial, velocity):
+    """|c.e_d| = L/2 is within: what is active has a mean and a peak."""
+    values = {
+        "destination.axis": [0.0, 0.0, 1.0],
+        "destination.finite_length": True,
+        "destination.length": 1.0,
+        "source.center": [0.599, 0.0, axial],
+        "source.prescribed_displacement.derivatives": [velocity],
+        "contact.viscous_penalty_factor": 0.0,
+    }
+    fmu = start(opened("ForceElement"), values)
+    fmu.step(0.1)
+    assert fmu["contact.active"] and fmu["contact.within_extents"]
+    check_close("peak", fmu["contact.peak_force"], 1000.0, 1e-3)
+    check_close("mean", fmu["contact.mean_force"][0], 1000.0, 1.0)
+
+
+def test_the_dashpot_is_clipped_as_the_source_leaves_by_a_rim(opened):
+    values = straight([-1.0, 0.0, 0.55], [1.0, 0.0, 0.0]) | {
+        "destination.axis": [0.0, 0.0, 1.0],
+        "destination.finite_length": True,
+        "destination.ends": "capped",
+    }
+    fmu = start(opened("SphereCylinder"), values, 1e-10)
+    fmu.step(2.0)
+    check_close("mean force", fmu["contact.mean_force"], [-3.422391823, 0.0, 27254.663548], 1e-5)
+    check_close("dissipated", fmu["energy.dissipated"], 6.844783647, 1e-8)
+
+
+HANGING = {
+    "source.radius": 0.1,
+    "destination.radius": 0.5,
+    "destination.axis": [0.0, 0.0, 1.0],
+    "contact.location": "outside",
+    "contact.penalty_factor": 1e4,
+    "contact.viscous_penalty_factor": 200.0,
+    "source.center": [0.0, 0.0, 0.0],
+    "source.prescribed_displacement": [0.59, 0.0, 0.0],
+    "contact.friction": "none",
+}
+
+
+@pytest.mark.parametrize("steps", [1, 10, 30])
+@pytest.mark.parametrize("speed", [1.0, 0.4])
+@pytest.mark.parametrize("spin", [0.0, 1.0])
+def test_a_clipped_dashpot_of_what_turns_holds_up_no_step(opened, steps, speed, spin):
+    """gap = speed t - 0.01: at 1 m/s the dashpot would pull from the start; at 0.4 m/s from 2 mm on,
+    where 1e4 N/m 2 mm = 200 N s/m 0.4 m/s / 4: clipped from 1e4 (0.01 - 0.4 t) = 80, t = 5 ms, on.
+    """
+    values = HANGING | {
+        "source.prescribed_velocity": [speed, 0.0, 0.0],
+        "source.prescribed_displacement.derivatives": [[speed, 0.0, 0.0]],
+        "source.prescribed_angular_velocity": [0.0, 0.0, spin],
+    }
+    fmu, end = start(opened("TurningForceElement"), values), 0.03
+    impulse = np.zeros(3)
+    for k in range(steps):
+        size = end * (k + 1) / steps - fmu.time
+        fmu.step(size)
+        impulse += size * fmu["contact.mean_force"]
+    until = max(0.0, (0.01 - 200.0 * speed / 1e4) / speed)
+    expected = (100.0 - 200.0 * speed) * until - 0.5e4 * speed * until**2
+    check_close("impulse", impulse, [expected, 0.0, 0.0], 1e-12)
+
+
+def test_what_changes_without_end_is_refused_with_a_message(opened):
+    """A wheel that goes round a million times in one step, about a direction that turns."""
+    values = HANGING | {
+        "source.prescribed_velocity": [0.0, 0.0, 0.0],
+        "destination.prescribed_angular_velocity": [1e6, 0.0, 0.0],
+        "destination.prescribed_angular_velocity.derivatives": [[0.0, 1e6, 0.0]],
+    }
+    fmu = start(opened("TurningForceElement"), values)
+    with pytest.raises(Exception, match="more often than can be followed"):
+        fmu.step(10.0)
+    assert fmu.time == 0.0
+    fmu.step(1e-6)
+
+
+def test_a_plane_that_moves_and_turns_away_has_no_deeper_penetration_than_samples_show(opened):
+    """A contact that separates was once followed along the plane's first normal."""
+    values = {
+        "gravity": [0.0, 0.0, 0.0],
+        "source.center": [-0.32, 0.0, 0.15],
+        "source.initial_velocity": [0.0, 0.0, -0.46],
+        "contact.penalty_factor": 6.1e4,
+        "contact.viscous_penalty_factor": 64.0,
+        "destination.motion": "prescribed",
+        "destination.rotation": "prescribed",
+        "destination.axis": [0.0, 0.0, 1.0],
+        "destination.prescribed_axis": [0.0, 0.0, 1.0],
+        "destination.prescribed_velocity": [0.33, 0.04, 0.11],
+        "destination.prescribed_displacement.derivatives": [[0.33, 0.04, 0.11]],
+        "destination.prescribed_angular_velocity": [0.0, -0.9, 0.17],
+    }
+    scene = Scene("SpherePlane", values, 0.5)
+    whole = answer(opened("SpherePlane"), scene, 1e-10, 1, readings=True)
+    parts = answer(opened("SpherePlane"), scene, 1e-10, 400, readings=True)
+    peak = parts["contact.peak_penetration"]
+    assert peak > 1e-4
+    check_close("peak penetration", whole["contact.peak_penetration"], peak, 1e-8 * peak)
