@@ -239,7 +239,8 @@ void driven_margins_at(const struct driven_contact *c, double clock, struct vec3
 enum driven_event driven_event_passed(const struct driven_margins *now, const struct driven_margins *start)
 {
     for (int i = 0; i < DRIVEN_EVENTS; ++i) {
-        const double floor = start ? fmin(start->value[i], 0.0) : 0.0;
+        /* the law's may jump, in the centre, so that it starts below zero on the other side */
+        const double floor = start && i != DRIVEN_LAW ? fmin(start->value[i], 0.0) : 0.0;
         if (now->value[i] < floor - now->noise[i]) {
             return (enum driven_event)i;
         }

@@ -23,8 +23,8 @@ struct driven_margins {
 void driven_margins_at(const struct driven_contact *c, double clock, struct vec3 spring,
                        struct driven_margins *margins);
 
-/* The first event whose function is below zero, and below what it was at `start`, by more than rounding;
- * DRIVEN_EVENTS: none is. */
+/* The first event whose function is below zero by more than rounding, of friction below what it was at `start`
+ * too; DRIVEN_EVENTS: none is. */
 enum driven_event driven_event_passed(const struct driven_margins *now, const struct driven_margins *start);
 
 /* The regimes and the spring after an event at an instant; what sticks again keeps the spring that sliding
