@@ -1,5 +1,7 @@
 /* What is refused at the end of initialization, and what is warned of. */
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "contact/hertz_stiffness.h"
 #include "model/motion.h"
@@ -234,6 +236,116 @@ static enum model_status warn_of_conforming(struct model *m)
         }
     }
     return status;
+}
+
+/* Whether one of the bodies or contacts from `first` to before `last` has an item that would do. */
+static bool has_item(const struct scene_values *v, const struct scene_use *use, int first, int last)
+{
+    for (int i = first; i < last; ++i) {
+        if ((1 << scene_choice(v, use->choice, i)) & use->items) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Whose choice counts: from `first` to before `last`. */
+static void owners_of_choice(const struct scene_use *use, int element, int *first, int *last)
+{
+    *first = use->whose == USE_OF_SOURCE        ? contact_source(element)
+             : use->whose == USE_OF_DESTINATION ? contact_destination(element)
+             : use->whose == USE_OF_ANY         ? 0
+                                                : element;
+    *last = use->whose == USE_OF_ANY ? use->owners : *first + 1;
+}
+
+/* The variable of a choice: that of the first body or contact that has it. */
+static const char *name_of_choice(const struct scene_use *use, int first)
+{
+    for (int i = 0; i < scene_variable_count; ++i) {
+        const struct variable *variable = &scene_variables[i];
+        if (variable->row == use->choice && variable->element >= first) {
+            return variable->name;
+        }
+    }
+    return "";
+}
+
+/* Room for the choices that a message names. */
+enum { REMEDY_SIZE = 200 };
+
+/* What of one alternative does not hold, "contact.friction = elastic and ..."; how much that is. */
+static int missing_of(const struct scene_values *v, const struct scene_use *from, int element, char *remedy)
+{
+    int missing = 0;
+    size_t used = 0;
+    for (const struct scene_use *use = from; use->row == from->row && use->alternative == from->alternative;
+         ++use) {
+        int first;
+        int last;
+        owners_of_choice(use, element, &first, &last);
+        if (has_item(v, use, first, last)) {
+            continue;
+        }
+        const int length = snprintf(remedy + used, REMEDY_SIZE - used, "%s%s = %s",
+                                    missing > 0 ? " and " : "", name_of_choice(use, first), use->wanted);
+        used = length > 0 && used + (size_t)length < REMEDY_SIZE ? used + (size_t)length : used;
+        missing += 1;
+    }
+    return missing;
+}
+
+/* Whether nothing reads a parameter, and by which choices something would: those of the alternative of which
+ * the least is missing. */
+static bool is_idle(const struct scene_values *v, const struct variable *variable, char *remedy)
+{
+    int least = 0;
+    for (const struct scene_use *use = scene_uses; use->row != ROW_COUNT; ++use) {
+        char found[REMEDY_SIZE];
+        if (use->row != variable->row ||
+            (use > scene_uses && use[-1].row == use->row && use[-1].alternative == use->alternative)) {
+            continue;
+        }
+        const int missing = missing_of(v, use, variable->element, found);
+        if (missing == 0) {
+            return false;
+        }
+        if (least == 0 || missing < least) {
+            least = missing;
+            memcpy(remedy, found, sizeof found);
+        }
+    }
+    return least > 0;
+}
+
+/*
+ * A parameter that has been set while nothing reads it may be what a user meant to take effect. Set means here
+ * that it differs from its start value: some importers set every parameter to its start value, and a warning
+ * of each would hide the one that matters; what a user sets to the start value changes nothing in any case.
+ */
+void model_warn_of_idle(struct model *m)
+{
+    struct scene_values start;
+    const struct variable *warned = NULL;
+    if (!model_reports(m, MODEL_WARNING)) {
+        return;
+    }
+    scene_start(&start);
+    for (int i = 0; i < scene_variable_count; ++i) {
+        const struct variable *variable = &scene_variables[i];
+        const char *value = (const char *)&m->state.values + variable->offset;
+        const double number = variable_number(variable, value);
+        char remedy[REMEDY_SIZE];
+        if (variable->causality != VARIABLE_PARAMETER ||
+            number == variable_number(variable, (const char *)&start + variable->offset) ||
+            (warned && warned->row == variable->row && warned->element == variable->element) ||
+            !is_idle(&m->state.values, variable, remedy)) {
+            continue;
+        }
+        warned = variable; /* once a vector */
+        model_report(m, MODEL_WARNING, "%s = %s was set and is not in force: nothing reads it unless %s.",
+                     variable->name, shortest_digits(number).text, remedy);
+    }
 }
 
 enum model_status model_check_consistency(struct model *m)

@@ -78,6 +78,7 @@ enum model_status model_exit_initialization(struct model *m)
             return status;
         }
     }
+    model_warn_of_idle(m);
     m->state.initialized = 1;
     m->outputs = OUTPUTS_NONE;
     return checked;

@@ -113,6 +113,10 @@ void model_start_paths(struct model *m);
 
 /* Contradictions between parameters; reports the first. */
 enum model_status model_check_consistency(struct model *m);
+
+/* Warns of each parameter that has been set and that nothing reads, naming the choice by which something
+ * would. */
+void model_warn_of_idle(struct model *m);
 #if SCENE_ANY_ROTATION
 /* Those of one body, of how it turns; a part of it. */
 enum model_status model_check_rotation(struct model *m, int body);

@@ -79,6 +79,27 @@ extern const uint32_t scene_reals[];
 extern const struct variable scene_variables[];
 extern const int scene_variable_count;
 
+/* Whose choice it is: of the body or contact that has the variable, of that contact's bodies, or of any. */
+enum use_whose { USE_OF_OWN, USE_OF_SOURCE, USE_OF_DESTINATION, USE_OF_ANY };
+
+/* Something reads the parameters of a row only while a choice has one of some items: `when` of variables.toml.
+ * A parameter is in force where all that stands for one of its alternatives holds, or nothing stands. */
+struct scene_use {
+    uint16_t row, choice; /* enum variable_row; ROW_COUNT ends the table */
+    uint8_t items;        /* a bit for the number of each */
+    uint8_t whose;        /* enum use_whose */
+    uint8_t alternative;  /* from 0, ascending within a row */
+    uint8_t owners;       /* how many bodies or contacts there are to have that choice */
+    char wanted[25];      /* the items by name */
+};
+
+extern const struct scene_use scene_uses[];
+
+struct scene_values;
+
+/* The number of a choice's item, of a body or contact; a constant where the scene pins it. */
+int scene_choice(const struct scene_values *v, int row, int element);
+
 /* Where in scene_variables the SCENE_STATES states are, their rates, the SCENE_INDICATORS event indicators;
  * and the nominal values of the states. */
 extern const uint16_t scene_states[], scene_rates[], scene_indicators[];

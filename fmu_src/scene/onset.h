@@ -4,8 +4,8 @@
  *
  * A start in overlap counts with the speed that its motion and its stored energy together would have at the
  * touch. Where the bodies touch without speed, v is the largest that their load gives them while it presses
- * them together from rest; so it is in place of any smaller one, of which a load leaves no trace. Bodies that
- * touch with no speed and no load have no damping.
+ * them together from rest; so it is in place of any smaller one, of which a load leaves no trace. The load
+ * leaves out what a plane adds that turns. Bodies that touch with no speed and no load have no damping.
  */
 #ifndef CONTACT_SCENE_ONSET_H
 #define CONTACT_SCENE_ONSET_H

@@ -6,7 +6,8 @@
  * truncation errors do not change the regime of a contact at rest. */
 static const double HYSTERESIS = 1e-8;
 
-/* Separation slower than this part of the largest speed in the segment is not accepted at g = 0. Contact then
+/* Separation slower than this part of the largest speed in the segment is not accepted at g = 0 where a load
+ * presses the bodies together again at once. Contact then
  * lasts until the gap exceeds its rounding bound, or 1e-6 of the penetration where a stiff contact is
  * compressed by less than rounding. Otherwise a ball that oscillates about g = 0 would bounce on rounding. */
 static const double CLEAR_SEPARATION = 1e-3;
@@ -118,14 +119,26 @@ struct event_function terminal_event_margin(const struct segment *p)
                                            : (struct event_function){PAIR_GAP_RATE, -1.0, separating};
 }
 
+/* Whether bodies that part at this speed are pressed together again before the gap has grown to
+ * GAP_HYSTERESIS of the penetration. */
+static bool comes_back_at_once(const struct segment *p, double speed)
+{
+    const struct contact_pair *from = &p->pair;
+    const double pressing = -from->shape.side * (pair_turning(from, fmax(from->distance, DBL_MIN)) +
+                                                 2.0 * vec3_dot(from->normal, from->flight.c[2]));
+    return pressing > 0.0 && speed * speed <= 2.0 * pressing * GAP_HYSTERESIS * largest_size(p, PAIR_GAP);
+}
+
 static struct terminal_event parting(struct segment *p)
 {
     struct terminal_event terminal = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
     terminal.s = dense_output_first_event(&p->output, &terminal.function);
     if (terminal.s < (double)INFINITY) {
         const struct pair_sample *then = dense_output_at(&p->output, terminal.s);
-        const double clean = fmax(CLEAR_SEPARATION * largest_size(p, PAIR_GAP_RATE), p->pair.rate_rounding);
-        if (contact_is_hertz(&p->pair.law) || !(then->of[PAIR_GAP_RATE][0] > clean)) {
+        const double speed = then->of[PAIR_GAP_RATE][0];
+        const double clean = CLEAR_SEPARATION * largest_size(p, PAIR_GAP_RATE);
+        if (contact_is_hertz(&p->pair.law) || !(speed > p->pair.rate_rounding) ||
+            (speed <= clean && comes_back_at_once(p, speed))) {
             terminal.function.offset = terminal_event_gap_tolerance(p);
             terminal.s = dense_output_first_event(&p->output, &terminal.function);
         }

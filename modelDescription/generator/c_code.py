@@ -207,6 +207,48 @@ def table(resolved: Resolved) -> list[str]:
     return lines
 
 
+@dataclass(frozen=True)
+class Use:
+    """A choice on which it depends whether a parameter is in force; rows with the same `alternative` must all
+    hold, and one alternative is enough."""
+
+    row: Row
+    alternative: int
+    whose: str  # OWN, SOURCE, DESTINATION or ANY
+    choice: Row
+    items: int  # a bit for the number of each item
+    owners: int  # how many bodies or contacts may have that choice
+    wanted: str  # the items as a user writes them
+
+
+def uses(resolved: Resolved) -> list[Use]:
+    """What `when` says of the parameters that are open, as far as the scene leaves it open."""
+    result = []
+    for row in resolved.catalogue.rows.values():
+        if row.causality != "parameter" or not any(cell.open for cell in resolved.of(row.key)):
+            continue
+        for number, alternative in enumerate(row.when):
+            for choice, items in alternative.items():
+                whose, key = _whose(row, choice)
+                other = resolved.catalogue.rows[key]
+                there = [item for item in items if not other.type.items or other.type.item(item)]
+                mask = sum(1 << number_of(other, item) for item in there)
+                wanted = " or ".join(str(item).lower() for item in there)
+                owners = len(_cells(resolved, other))
+                result.append(Use(row, number, whose, other, mask, owners, wanted))
+    return result
+
+
+def _whose(row: Row, choice: str) -> tuple[str, str]:
+    """Whose choice `when` speaks of, and the key of its row."""
+    group, _, field = choice.removeprefix("any ").partition(".")
+    if choice.startswith("any "):
+        return "ANY", f"{group}.{field}"
+    if row.owner == "contact" and group in ("source", "destination"):
+        return group.upper(), f"body.{field}"
+    return "OWN", choice
+
+
 def positions(resolved: Resolved) -> dict[str, list[int]]:
     """Where the states, their rates and the event indicators are in the table of variables, from 0."""
     lists = {

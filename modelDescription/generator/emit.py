@@ -190,6 +190,8 @@ def _context(resolved: Resolved) -> dict:
         "start_statements": c_code.start_statements(resolved),
         "table": c_code.table(resolved),
         "reals": c_code.reals(resolved),
+        "uses": (uses := c_code.uses(resolved)),
+        "choices": list({use.choice.key: use.choice for use in uses}.values()),
         "positions": c_code.positions(resolved),
         "nominals": c_code.nominals(resolved),
         "state_of": _state_of(resolved),

@@ -31,6 +31,28 @@ const uint32_t scene_reals[SCENE_REFERENCES] = {
 {% endfor %}
 };
 
+/* Row, choice, the items of it that would do (bits), whose choice, alternative, of how many it
+ * may be, the items by name. */
+const struct scene_use scene_uses[] = {
+{% for use in uses %}
+    {ROW_{{ use.row.c_name }}, ROW_{{ use.choice.c_name }}, {{ use.items }}, USE_OF_{{ use.whose }}, {{ use.alternative }}, {{ use.owners }}, "{{ use.wanted }}"},
+{% endfor %}
+    {ROW_COUNT, ROW_COUNT, 0, USE_OF_OWN, 0, 0, ""},
+};
+
+int scene_choice(const struct scene_values *v, int row, int element)
+{
+    (void)v, (void)element;
+    switch (row) {
+{% for choice in choices %}
+    case ROW_{{ choice.c_name }}:
+        return {{ choice.c_name }}(v{{ ", element" if choice.owner != "world" }});
+{% endfor %}
+    default:
+        return 0;
+    }
+}
+
 {% for name, places in positions.items() %}
 const uint16_t scene_{{ name }}[] = { {{- places | join(", ") or "0" -}} };
 {% endfor %}

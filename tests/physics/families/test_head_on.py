@@ -214,3 +214,43 @@ def test_a_second_derivative_set_alone_leaves_the_rate_in_force(opened):
     fmu.set_derivative("source.external_force", [0.0, 0.0, 0.0], order=2)
     fmu.step(1.0)
     check_close("change of velocity", fmu["source.velocity"][0] - before, 5.5, 1e-12)
+
+
+# Coefficients of restitution of the linear law, by which bodies without load part at e times their speed.
+
+
+def rebound(random):
+    """A free head-on impact; the coefficient may be near zero."""
+    scene = str(_pick(random, "SphereSphere", "SpherePlane", "SphereCylinder"))
+    touching = 0.1 if scene == "SpherePlane" else 0.6
+    gap = float(_pick(random, 0.0, 0.1, 0.5))
+    coefficient = float(_pick(random, 1e-5, 1e-4, 1e-3, 0.01, 0.1, 0.5, 0.9, 1.0))
+    axis = [1.0, 0.0, 0.0] if scene == "SphereCylinder" else [0.0, 0.0, 1.0]
+    values = {
+        "gravity": [0.0, 0.0, 0.0],
+        "source.center": [0.0, 0.0, touching + gap],
+        "source.initial_velocity": [0.0, 0.0, -1.0],
+        "source.mass": float(_pick(random, 0.1, 1.0, 5.0)),
+        "contact.viscous_control": "restitution",
+        "contact.restitution": coefficient,
+        "contact.penalty_factor": float(_pick(random, 1e4, 1e6, 1e9)),
+        "contact.dashpot": str(_pick(random, "non_adhesive", "unclamped", "approach_only")),
+    }
+    if scene != "SphereSphere":
+        values["destination.axis"] = axis
+    elif random.integers(2):
+        values["destination.motion"] = "free"
+    return Scene(scene, values, end=gap + 1.0), coefficient
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_bodies_part_at_the_coefficient_of_restitution_however_small(opened, seed):
+    random = np.random.default_rng(seed)
+    scene, coefficient = rebound(random)
+    fmu = start(opened(scene.fmu), scene.values, float(_pick(random, *TOLERANCES)), "event_driven")
+    steps = _pick(random, *STEPS)
+    for k in range(steps):
+        fmu.step(scene.end * (k + 1) / steps - fmu.time)
+    parting = fmu["source.velocity"][2] - fmu["destination.velocity"][2]
+    assert fmu["contact.onsets"] == 1, scene
+    check_close(f"speed {scene}", parting, coefficient, 1e-12)
