@@ -63,7 +63,10 @@ static enum model_status take_checked_step(struct fmi3_instance *own, double end
     const enum model_status status = step_end(instance, model_step_requested(instance->model, &request));
     const double time = model_time(instance->model);
     const bool early = status <= MODEL_WARNING && end - time > 4.0 * DBL_EPSILON * fabs(end);
-    put_results(to, own->event_mode_used && own->event_time == time, early, time);
+    /* The model's time is a sum, which may differ from the end by a rounding: who goes on while its own time
+     * is before the stop time is told the time that it asked for. */
+    const bool reached = status <= MODEL_WARNING && !early;
+    put_results(to, own->event_mode_used && own->event_time == time, early, reached ? end : time);
     return status;
 }
 
@@ -122,7 +125,7 @@ CONTACT_FLATTEN fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommuni
         step_plainly_in_order(instance, currentCommunicationPoint, communicationStepSize) &&
         model_step_deferred(instance->model, currentCommunicationPoint + communicationStepSize)) {
         const struct results to = {eventHandlingNeeded, terminateSimulation, earlyReturn, lastSuccessfulTime};
-        put_results(&to, false, false, model_time(instance->model));
+        put_results(&to, false, false, currentCommunicationPoint + communicationStepSize);
         return fmi3OK; /* as the step before, so that step_status need not be written */
     }
     return fmi3_do_step(instance, currentCommunicationPoint, communicationStepSize, eventHandlingNeeded,

@@ -47,7 +47,7 @@ enum model_status model_exchange_set_time(struct model *m, double time)
 void model_exchange_set_state(struct model *m, const struct variable *state, double value)
 {
     motion_set_state(&m->state.motion, state, value);
-    m->state.booked_energy = motion_booked(&m->state.motion);
+    m->state.booked = motion_booked(&m->state.motion);
     model_forget_outputs(m);
 }
 
@@ -96,7 +96,7 @@ enum model_status model_exchange_get(struct model *m, enum exchange_values which
                                variable->name);
     }
     if (which == EXCHANGE_STATES) {
-        m->state.booked_energy = motion_booked(&m->state.motion);
+        m->state.booked = motion_booked(&m->state.motion);
     }
     return status;
 }
@@ -106,7 +106,7 @@ void model_exchange_get_nominals(double *values)
     memcpy(values, scene_state_nominals, SCENE_STATES * sizeof *values);
 }
 
-/* Energies are what events make jump. */
+/* Energies and springs of friction are what events make jump. */
 enum model_status model_exchange_update(struct model *m, bool *changed, bool *jumped)
 {
     struct scene_state *q = &m->state.motion;
@@ -115,7 +115,7 @@ enum model_status model_exchange_update(struct model *m, bool *changed, bool *ju
     if (status == MODEL_OK) {
         *changed = motion_change_regimes(&m->state.values, q);
     }
-    *jumped = motion_booked(q) != m->state.booked_energy;
+    *jumped = motion_booked(q) != m->state.booked;
     if (*changed) {
         model_report(m, MODEL_OK, "Changes of contact at %.17g s; since initialization: %d.", scene_time(q),
                      (int)q->counters.events);

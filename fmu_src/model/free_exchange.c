@@ -87,9 +87,10 @@ double motion_local(const struct scene_values *v, const struct scene_state *q, c
     }
 }
 
-double motion_booked(const struct scene_state *q)
+uint64_t motion_booked(const struct scene_state *q)
 {
-    return q->dissipated - q->external_work + turning_exchange_booked(q);
+    const double energies[2] = {q->dissipated, q->external_work};
+    return turning_exchange_booked(q, mark_of(0, energies, 2));
 }
 
 /* What only integration within the model knows. */

@@ -195,10 +195,10 @@ bool motion_change_regimes(const struct scene_values *v, struct scene_state *q)
     return false;
 }
 
-double motion_booked(const struct scene_state *q)
+uint64_t motion_booked(const struct scene_state *q)
 {
     (void)q;
-    return 0.0;
+    return 0;
 }
 
 double motion_touch_after(const struct scene_values *v, const struct scene_state *q)

@@ -83,7 +83,8 @@ void motion_move_state(const struct scene_values *v, const struct scene_state *q
 double motion_local_slope(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_jet *along, const struct variable *variable);
 bool motion_change_regimes(const struct scene_values *v, struct scene_state *q);
-double motion_booked(const struct scene_state *q);
+/* A mark of the states that events make jump: another one where any bit of them is another. */
+uint64_t motion_booked(const struct scene_state *q);
 /* How soon bodies in free flight touch, under the forces of the present [s]; INFINITY: not foreseen. */
 double motion_touch_after(const struct scene_values *v, const struct scene_state *q);
 

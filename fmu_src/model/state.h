@@ -9,7 +9,7 @@
 #include "scene/scene_state.h"
 
 /* Raised when struct model_state, struct scene_state or struct scene_values change their meaning. */
-#define MODEL_STATE_VERSION 12u
+#define MODEL_STATE_VERSION 13u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
 /* Who integrates: the model itself; or an integrator outside, which is in event mode or goes on. */
@@ -51,7 +51,7 @@ struct model_state {
     struct scene_state motion;
     double importer_tolerance; /* 0: none given */
     double start_time;
-    double booked_energy;           /* motion_booked when the importer last set or read the states */
+    uint64_t booked;                /* motion_booked when the importer last set or read the states */
     struct tunable_values in_force; /* while `tuned`: the parameters that `values` has others for by now */
     uint8_t marks[SCENE_BODIES][SIGNALS_EACH];
     uint8_t signals_changed; /* some mark is set that model_apply_inputs has not seen */

@@ -234,18 +234,19 @@ bool turning_exchange_get(const struct scene_values *v, const struct scene_state
 }
 
 /* Springs jump where sliding begins or ends; different factors tell their components apart. */
-double turning_exchange_booked(const struct scene_state *q)
+uint64_t turning_exchange_booked(const struct scene_state *q, uint64_t mark)
 {
-    double sum = 0.0;
 #if SCENE_ANY_FRICTION
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct vec3 spring = q->turning.spring[j];
-        sum += spring.x + 2.0 * spring.y + 3.0 * spring.z;
+        const double values[3] = {spring.x, spring.y, spring.z};
+        mark = mark_of(mark, values, 3);
     }
+    return mark_of(mark, &q->friction_energy, 1);
 #else
     (void)q;
+    return mark;
 #endif
-    return sum;
 }
 
 bool turning_exchange_move(const struct scene_values *v, const struct scene_state *q,

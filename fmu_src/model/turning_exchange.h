@@ -12,8 +12,19 @@ bool turning_exchange_set(struct scene_state *q, const struct variable *state, d
 bool turning_exchange_get(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, const struct variable *variable, double *value);
 
-/* Changes when a state jumps by an event; its value means nothing. */
-double turning_exchange_booked(const struct scene_state *q);
+/* Mixes the bits of numbers into a mark (FNV-1a, by words). */
+static inline uint64_t mark_of(uint64_t mark, const double *values, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        uint64_t bits;
+        memcpy(&bits, values + i, sizeof bits);
+        mark = (mark ^ bits) * UINT64_C(1099511628211);
+    }
+    return mark;
+}
+
+/* The mark with the states of what rubs that events make jump. */
+uint64_t turning_exchange_booked(const struct scene_state *q, uint64_t mark);
 
 /* Along a path: a change of a state; what a rate changes by. */
 bool turning_exchange_move(const struct scene_values *v, const struct scene_state *q,

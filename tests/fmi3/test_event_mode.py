@@ -204,3 +204,23 @@ def test_a_force_element_has_no_event_mode():
     with Instance(raw.load("ForceElement"), event_mode=True) as instance:
         assert instance.component is None
         assert "eventModeUsed" in instance.texts()[0] and "hasEventMode" in instance.texts()[0]
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("event_mode", [False, True])
+def test_a_step_that_is_not_cut_short_tells_the_end_that_was_asked_for(seed, event_mode):
+    """Deferred flights and impacts: a master that goes on while t < T, by the times it is told, gets to T."""
+    random = np.random.default_rng(seed)
+    stop = float(random.uniform(0.5, 1.5))
+    options = {"event_mode": event_mode, "early_return": event_mode}
+    with with_events("sphere", head_on("sphere", "outside"), **options) as instance:
+        time, steps = 0.0, 0
+        while time < stop:
+            size = min(float(random.uniform(1e-4, 1e-2)), stop - time)
+            told = instance.step(time, size)
+            assert told.status == OK, instance.texts()
+            assert told.time == time + size or (told.early and told.event)
+            if told.event:
+                instance.handle_event()
+            time, steps = told.time, steps + 1
+            assert steps < 20_000  # two hundred times as many as it takes

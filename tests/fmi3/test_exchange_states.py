@@ -208,3 +208,16 @@ def test_termination_and_reset():
         got(instance.call("GetContinuousStates", raw.reals([0.0] * count), count))
     Outside(instance.initialize(CONTACT)).begin()
     assert instance.get("contact.active")
+
+
+def test_a_state_that_jumps_by_less_than_another_one_rounds_is_told():
+    """An overlap that is given stores 5e-10 J, booked as dissipated, beside external work of 1e9 J"""
+    outside = begun("SphereSphere", CONTACT | {"source.center": [0.0, 0.0, 0.601]})
+    instance = outside.instance
+    instance.set({"source.displacement_state": [0.0, 0.0, -0.001001], "energy.external_work_state": 1e9})
+    before = outside.states()
+    instance.ok("EnterEventMode")
+    jumped = outside.update()
+    changed = not np.array_equal(outside.states(), before)
+    assert instance.get("contact.active") and changed
+    assert jumped == changed
