@@ -126,9 +126,13 @@ static void book_flights(const struct scene_values *v, struct scene_state *q, do
     }
 }
 
+/* A step that ends where it begins moves nothing: a segment is right to its tolerance there, not exact. */
 static void synchronized_step_apply(struct synchronized_step *all, const struct scene_values *v,
                                     struct scene_state *q)
 {
+    if (!(all->time > 0.0)) {
+        return;
+    }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (has_segment(v, q, j)) {
             struct segment *p = &all->segment[j];

@@ -128,19 +128,28 @@ static void search_swinging(struct search *f)
     }
     for (int i = 0; i < w->count; ++i) {
         const int node = i == 0 ? best : i <= best ? i - 1 : i;
-        if (dense_output_is_larger(w, -left[node], f->largest)) {
+        if (dense_output_is_larger(w, -left[node], f->largest) && !(w->s[node] > f->end)) {
             climb_about(f, w->s[node], &w->at[node]);
         }
+    }
+    if (f->end < f->p->end) { /* and about the end, which is no node then */
+        struct pair_sample slow;
+        pair_collocation_sample_averaged(&f->p->as.collocation, f->end, &slow);
+        climb_about(f, f->end, &slow);
     }
 }
 
 /* Of the slow part alone. */
-static double largest_of_slow(struct segment *p, const struct event_function *what)
+static double largest_of_slow(struct segment *p, const struct event_function *what, double end)
 {
     struct dense_output *w = &p->output;
     dense_output_sampler *whole = w->sampler;
+    struct pair_sample then = w->at[w->count - 1];
     w->sampler = pair_collocation_sample_averaged;
-    const double largest = dense_output_largest(w, what, p->end, &w->at[w->count - 1], -(double)INFINITY);
+    if (end < p->end) {
+        w->sampler(w->segment, end, &then);
+    }
+    const double largest = dense_output_largest(w, what, end, &then, -(double)INFINITY);
     w->sampler = whole;
     return largest;
 }
@@ -149,7 +158,7 @@ static double largest_of_swinging(struct segment *p, const struct event_function
                                   double end, double known)
 {
     struct search f = search_of(p, what, omega, end, known);
-    const double slow = largest_of_slow(p, what);
+    const double slow = largest_of_slow(p, what, end);
     if (!dense_output_is_larger(&p->output, fabs(slow) + f.envelope.amplitude, fabs(slow))) {
         return fmax(f.largest, slow);
     }
@@ -163,26 +172,27 @@ static double largest_of_swinging(struct segment *p, const struct event_function
  * exponentials do, what follows the load as the nodes show. In portions of the places that there is room
  * for. */
 static double largest_of_decaying(const struct segment *p, const struct event_function *what, double faster,
-                                  double largest)
+                                  double end, double largest)
 {
     struct dense_output w = {p->output.sampler, p->output.segment, p->output.worth_a_search, .count = 0};
     double place = 0.0;
     int next = 0;
     for (;;) {
         dense_output_add(&w, place);
-        if (w.count == DENSE_OUTPUT_POINTS || !(place < p->end)) {
+        if (w.count == DENSE_OUTPUT_POINTS || !(place < end)) {
             largest = dense_output_largest(&w, what, place, &w.at[w.count - 1], largest);
             w.s[0] = w.s[w.count - 1];
             w.at[0] = w.at[w.count - 1];
             w.count = 1;
         }
-        if (!(place < p->end)) {
+        if (!(place < end)) {
             return largest;
         }
         while (next < p->output.count && !(p->output.s[next] > place)) {
             next += 1;
         }
-        place = fmin(fmax(0.5 / faster, 2.0 * place), next < p->output.count ? p->output.s[next] : p->end);
+        place = fmin(fmin(fmax(0.5 / faster, 2.0 * place), end),
+                     next < p->output.count ? p->output.s[next] : end);
     }
 }
 
@@ -197,7 +207,7 @@ static double largest_of(struct segment *p, const struct event_function *what, d
     const double omega_d2 = o->omega2 - decay_square;
     return omega_d2 > HARDLY_TURNS * decay_square
                ? largest_of_swinging(p, what, sqrt(omega_d2), end, known)
-               : largest_of_decaying(p, what, oscillator_rates_of(o).faster, known);
+               : largest_of_decaying(p, what, oscillator_rates_of(o).faster, end, known);
 }
 
 void peaks_note(struct segment *p, struct contact_state *state, double end)

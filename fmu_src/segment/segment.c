@@ -202,7 +202,7 @@ static const double BEYOND_EDGE = 1e-6;
 static void note_zone_end(struct segment *p)
 {
     zone_end_note(p);
-    if (p->leaves_zone && is_collocated(p) && contact_is_rim(&p->pair.shape)) {
+    if (p->leaves_zone && p->terminal.s > 0.0 && is_collocated(p) && contact_is_rim(&p->pair.shape)) {
         make_up_to(p, p->terminal.s * p->unit * (1.0 + BEYOND_EDGE));
         zone_end_note(p);
     }

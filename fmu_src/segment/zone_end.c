@@ -5,12 +5,23 @@
 
 #if SCENE_ANY_CAPS
 
-/* At a rim: where the centre is no longer beyond the side, or the cap. */
-static double end_at_rim(struct segment *p)
+/* Where the centre is no longer beyond the side, or the cap, as far as `beyond` says at the start [m]: a
+ * segment is right to its tolerance there. It may be within a face up to `rounding` outside. */
+static double end_of_rim_by(const struct segment *p, enum pair_quantity quantity, double beyond,
+                            double rounding)
 {
-    const struct event_function radial = {PAIR_RADIAL, 1.0, 0.0};
-    const struct event_function axial = {PAIR_AXIAL, 1.0, 0.0};
-    return fmin(dense_output_first_event(&p->output, &radial), dense_output_first_event(&p->output, &axial));
+    const double missing = beyond - p->output.at[0].of[quantity][0];
+    const struct event_function margin = {quantity, 1.0, fmax(missing, 0.0) - rounding};
+    return dense_output_first_event(&p->output, &margin);
+}
+
+static double end_at_rim(const struct segment *p)
+{
+    const struct contact_solid *solid = &p->pair.shape.solid;
+    const double rounding = zone_path_rounding(solid, &p->pair.flight);
+    const struct solid_place place = contact_place_at(solid, p->pair.flight.c[0]);
+    return fmin(end_of_rim_by(p, PAIR_RADIAL, place.radial, rounding),
+                end_of_rim_by(p, PAIR_AXIAL, place.axial, rounding));
 }
 
 /* The force has no part along the side, nor across the axis at a cap: the centre leaves either by its flight,

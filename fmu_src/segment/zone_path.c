@@ -60,27 +60,31 @@ static double steady_touch(const struct separation_path *path, struct vec3 n, do
 enum { TOUCH_STEPS = 10000 };
 
 double zone_path_first_touch(const struct contact_shape *shape, const struct separation_path *path,
-                             double settled, double horizon)
+                             double gap, double settled, double horizon)
 {
+    const struct vec3 none = {0.0, 0.0, 0.0};
     const bool is_steady = vec3_is_zero(path->c[3]) && vec3_is_zero(path->c[4]);
+    const double better_by = gap - contact_geometry_at(shape, path->c[0], path->c[1], none).gap;
     double time = settled;
     for (int i = 0; i < TOUCH_STEPS && time <= horizon; ++i) {
         const struct separation_path from = zone_path_from(path, time);
-        const struct contact_geometry at =
-            contact_geometry_at(shape, from.c[0], from.c[1], vec3_make(0.0, 0.0, 0.0));
-        if (!(at.gap > 0.0)) {
+        const struct contact_geometry at = contact_geometry_at(shape, from.c[0], from.c[1], none);
+        const double above = at.gap + better_by;
+        if (!(above > 0.0)) {
             return time;
         }
         const double left = horizon - time;
-        const double step = is_steady ? steady_touch(&from, at.normal, at.gap, left)
-                                      : plane_touch(&from, at.normal, at.gap, left);
+        const double step = is_steady ? steady_touch(&from, at.normal, above, left)
+                                      : plane_touch(&from, at.normal, above, left);
         if (!(step < (double)INFINITY)) {
             return (double)INFINITY;
         }
-        if (!(time + step > time * (1.0 + DBL_EPSILON))) {
-            return time;
-        }
+        const bool closes = vec3_dot(at.normal, from.c[1]) < 0.0;
+        const double before = time;
         time += step;
+        if (!(time > before) || (closes && above <= zone_path_rounding(&shape->solid, &from))) {
+            return time; /* another step would know no more */
+        }
     }
     return (double)INFINITY;
 }

@@ -19,9 +19,10 @@
 /* Roundings of the gap [m]. */
 double zone_path_rounding(const struct contact_solid *solid, const struct separation_path *path);
 
-/* The first touch after `settled` seconds, INFINITY if there is none within the horizon [s]. */
+/* The first touch after `settled` seconds, INFINITY if there is none within the horizon [s]; `gap` is that at
+ * the start of the path, which may be known better than by positions [m]. */
 double zone_path_first_touch(const struct contact_shape *shape, const struct separation_path *path,
-                             double settled, double horizon);
+                             double gap, double settled, double horizon);
 
 /* When the path leaves the zone solid->zone [s]; INFINITY: not within the horizon. */
 double zone_path_end(const struct contact_solid *solid, const struct separation_path *path, double horizon);
