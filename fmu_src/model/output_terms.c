@@ -2,6 +2,7 @@
 
 #include "contact/zone.h"
 #include "model/motion.h"
+#include "scene/present.h"
 #include "scene/turning_jet.h"
 
 #if SCENE_ANY_TURNING
@@ -65,13 +66,12 @@ static double contact_term(const struct model *m, const struct scene_instant *at
     const int j = variable->element;
     const struct contact_shape shape = scene_shape_met(v, &m->state.motion, at, j);
     const struct contact_jet *contact = &along->contact[j];
-    const struct contact_geometry *g = &at->geometry[j];
     struct vec3 vector = {0.0, 0.0, 0.0};
     switch (variable->row) {
     case ROW_contact_gap:
-        return scene_within_extents(&shape, g) ? contact->gap[order] : 0.0;
+        return scene_shown_within(v, &m->state.motion, at, j, &shape) ? contact->gap[order] : 0.0;
     case ROW_contact_gap_rate:
-        return scene_within_extents(&shape, g) ? contact->gap_rate[order] : 0.0;
+        return scene_shown_within(v, &m->state.motion, at, j, &shape) ? contact->gap_rate[order] : 0.0;
     case ROW_contact_distance:
         return distance_term(v, &shape, at, along, j, order);
     case ROW_contact_normal_force:

@@ -4,6 +4,7 @@
 #include "contact/zone.h"
 #include "model/motion.h"
 #include "model/shortest.h"
+#include "scene/present.h"
 #include "scene/zones.h"
 
 /* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d
@@ -65,7 +66,7 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     const struct contact_law law = scene_contact_law(v, q, contact);
     const struct contact_state *state = &q->contact[contact];
     const enum contact_regime regime = (enum contact_regime)state->regime;
-    const bool within = scene_within_extents(&shape, g);
+    const bool within = scene_shown_within(v, q, at, contact, &shape);
     const double force = contact_normal_force_of(&law, regime, g->gap, g->gap_rate);
     const struct contact_coefficients factors = contact_coefficients_of(&law, REGIME_COMPRESSION);
     put_contact_effective_penalty_factor(v, contact, factors.k);

@@ -3,6 +3,7 @@
 #include <float.h>
 
 #include "scene/free_bodies.h"
+#include "scene/rounding.h"
 #include "scene/singularity.h"
 
 void scene_kinematics_now(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
@@ -15,6 +16,22 @@ void scene_now(const struct scene_values *v, const struct scene_state *q, struct
 {
     scene_kinematics_now(v, q, at);
     scene_forces(v, q, q->clock, at);
+}
+
+/* Bounds of the rounding error: positions at different times may be off to either side. */
+static const double END_ROUNDINGS = 4.0;
+
+bool scene_shown_within(const struct scene_values *v, const struct scene_state *q,
+                        const struct scene_instant *at, int contact, const struct contact_shape *shape)
+{
+    const struct contact_geometry *g = &at->geometry[contact];
+    const bool within = scene_within_extents(shape, g);
+    if (!SCENE_ANY_CYLINDER || !isfinite(shape->half_length) ||
+        fabs(scene_beyond_ends(shape, g)) > END_ROUNDINGS * rounding_of_axial(v, at, contact, shape)) {
+        return within;
+    }
+    const bool overlaps = g->gap < -rounding_of_gap(v, at, contact);
+    return q->contact[contact].regime != (int32_t)REGIME_APART || (within && !overlaps);
 }
 
 /* By the law alone, of a contact with this gap, within the destination's extents or not. */

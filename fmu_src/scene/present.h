@@ -19,6 +19,11 @@ bool scene_gap_is_accumulated(const struct scene_state *q, const struct scene_in
 /* Whether g' there is the carried one. */
 bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact);
 
+/* Whether the source is within the extents of the destination, as users see it. In the plane of an open end
+ * rounding takes either side of it, and the regime that is in force decides. */
+bool scene_shown_within(const struct scene_values *v, const struct scene_state *q,
+                        const struct scene_instant *at, int contact, const struct contact_shape *shape);
+
 /* The regime that the geometry of the instant asks for. */
 enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
                                  const struct scene_instant *at, int contact);

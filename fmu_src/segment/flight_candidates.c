@@ -127,7 +127,9 @@ int candidates_of_ends(const struct relative_path *path, double *candidates, int
         plane.a[0] += end * path->half_length;
         count = add_candidates(&plane, candidates, count);
     }
-    return count;
+    return path->ends_settle > 0.0 && path->ends_settle < 1.0
+               ? insert_candidate(path->ends_settle, candidates, count)
+               : count;
 }
 
 /* All instants at which the regime may change: a superset, sorted. */

@@ -5,7 +5,8 @@
 #include "math/root.h"
 #include "segment/relative_path.h"
 
-/* Touching, two ends, gap rate, law twice: at most so many roots together. */
+/* Touching, two ends and where their rounding ends, gap rate, law twice: so many roots together at most, as
+ * none of them has the highest degree but the law. */
 enum { MAX_CANDIDATES = 6 * POLYNOMIAL_MAX_DEGREE };
 
 /* Where the distance has its extremes: between them it is monotone. */

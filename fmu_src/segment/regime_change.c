@@ -167,8 +167,7 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
                        &next)) {
         return next;
     }
-    const struct relative_path path =
-        relative_path_make(&shape, &separation, at->geometry[contact].gap, horizon);
+    struct relative_path path = relative_path_make(&shape, &separation, at->geometry[contact].gap, horizon);
     if (present == REGIME_APART && !has_ends && path_keeps_away(&path)) {
         return first_touch_at((double)INFINITY);
     }
@@ -181,8 +180,11 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     /* Bodies that approach touch where g = 0; waiting for more than rounding would add penetration. */
     const bool approaches = present == REGIME_APART && now.gap_rate < -rounding_of_rate(at, contact);
     const double unclear = approaches ? 0.0 : gap_rounding;
-    const double settle = fmax(found, settling_time(&path, &shape, &law, &now, unclear, by_positions, axially,
+    const double settle = fmax(found, settling_time(&path, &shape, &law, &now, unclear, by_positions,
                                                     &separation, present, clock == 0.0));
+    if (has_ends) {
+        settling_at_ends(&path, &shape, &now, axially, &separation, present);
+    }
     if (ends_only) {
         double events[MAX_CANDIDATES];
         return path_first_change(&path, events, candidates_of_ends(&path, events, 0), &law, present, true,

@@ -130,6 +130,8 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
     }
     path.reach = contact_reach(shape) / path.scale;
     if (relative_path_has_ends(shape)) {
+        /* both divided alike, so that a source in the plane of an end is in it here, too */
+        path.axial.a[0] = vec3_dot(separation->c[0], shape->axis) / path.scale;
         path.half_length = shape->half_length / path.scale;
         path.has_ends = true;
     }
@@ -182,6 +184,9 @@ void relative_path_gap(const void *data, double s, double *gap, double *slope)
 
 bool relative_path_within(const struct relative_path *path, double s)
 {
-    return !SCENE_ANY_CYLINDER || !path->has_ends ||
-           fabs(polynomial_at(&path->axial, s)) <= path->half_length;
+    if (!SCENE_ANY_CYLINDER || !path->has_ends) {
+        return true;
+    }
+    return s < path->ends_settle ? path->starts_within
+                                 : fabs(polynomial_at(&path->axial, s)) <= path->half_length;
 }

@@ -41,16 +41,11 @@ double settling_margin_rounding(const struct contact_shape *shape, const struct 
 
 double settling_time(const struct relative_path *path, const struct contact_shape *shape,
                      const struct contact_law *law, const struct contact_geometry *now, double gap_rounding,
-                     double by_positions, double axially, const struct separation_path *separation,
+                     double by_positions, const struct separation_path *separation,
                      enum contact_regime present, bool just_begun)
 {
     const double closing = vec3_dot(now->normal, separation->c[1]);
     double settle = leaving_time(now->gap, gap_rounding, closing, vec3_norm(separation->c[2]));
-    if (relative_path_has_ends(shape)) {
-        const double beyond = fabs(now->axial) - shape->half_length;
-        settle = fmax(settle, leaving_time(beyond, axially, vec3_dot(separation->c[1], shape->axis),
-                                           vec3_dot(separation->c[2], shape->axis)));
-    }
     if (present == REGIME_SEPARATING) {
         const double margin = contact_event(law, present, now->gap, now->gap_rate);
         const double slope = margin_slope(shape, law, now, separation);
@@ -62,4 +57,15 @@ double settling_time(const struct relative_path *path, const struct contact_shap
         settle = fmax(settle, leaving_time(margin, noise, slope, 0.0));
     }
     return settle / path->horizon;
+}
+
+void settling_at_ends(struct relative_path *path, const struct contact_shape *shape,
+                      const struct contact_geometry *now, double rounding,
+                      const struct separation_path *separation, enum contact_regime present)
+{
+    const double beyond = fabs(now->axial) - shape->half_length;
+    const double along = vec3_dot(separation->c[1], shape->axis);
+    path->ends_settle =
+        leaving_time(beyond, rounding, along, vec3_dot(separation->c[2], shape->axis)) / path->horizon;
+    path->starts_within = present != REGIME_APART || (beyond <= 0.0 && !(now->gap < 0.0));
 }

@@ -1,0 +1,265 @@
+"""Capped cylinders and open ends: random scenes round what once went wrong there, and those very scenes."""
+
+import numpy as np
+import pytest
+
+from support.checks import check_close, run
+from support.scenes.agreement import Scene, check_agreement, seeds
+
+R_S, R_D, LENGTH = 0.1, 0.5, 2.0
+STIFFNESS, DAMPING = 1e6, 100.0
+CAPPED = {
+    "source.radius": R_S,
+    "destination.radius": R_D,
+    "destination.axis": [0.0, 0.0, 1.0],
+    "destination.finite_length": True,
+    "destination.length": LENGTH,
+    "destination.ends": "capped",
+    "gravity": [0.0, 0.0, 0.0],
+}
+# Where a ball meets the solid: the point of it, and its normal.
+PLACES = {
+    "side": ((R_D, 0.0, 0.0), (1.0, 0.0, 0.0)),
+    "cap": ((0.3, 0.1, 0.5 * LENGTH), (0.0, 0.0, 1.0)),
+    "middle of the cap": ((0.0, 0.0, 0.5 * LENGTH), (0.0, 0.0, 1.0)),
+    "rim": ((R_D, 0.0, 0.5 * LENGTH), (0.6, 0.0, 0.8)),
+    "edge of the side": ((R_D, 0.0, 0.5 * LENGTH), (1.0, 0.0, 0.0)),
+    "edge of the cap": ((R_D, 0.0, -0.5 * LENGTH), (0.0, 0.0, -1.0)),
+}
+
+
+def touching(place, gap):
+    point, normal = (np.array(of) for of in PLACES[place])
+    return point + (R_S + gap) * normal, normal
+
+
+def loaded(place, gap, order, force=10.0):
+    """At rest at a gap, under a force against the normal that grows from zero as force t^order / order!."""
+    center, normal = touching(place, gap)
+    rows = [[0.0, 0.0, 0.0]] * (order - 1) + [list(-force * normal)]
+    return CAPPED | {"source.center": list(center), "source.external_force.derivatives": rows}
+
+
+@pytest.mark.parametrize("steps", [1, 10])
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("gap", [0.0, 1e-15, -1e-15])
+@pytest.mark.parametrize("place", PLACES)
+def test_a_ball_that_touches_is_met_by_a_force_that_grows_from_zero(opened, place, gap, order, steps):
+    """From then on the depth follows the load: m x'' + c x' + k x = F has a polynomial as its solution."""
+    fmu = run(opened("SphereCylinder"), loaded(place, gap, order), 1.0, steps, 1e-10)
+    load = 10.0 / (order * STIFFNESS)
+    rate, bend = DAMPING / STIFFNESS, (DAMPING**2 / STIFFNESS - 1.0) / STIFFNESS
+    depth = load * (1.0 - order * rate + (order - 1) * 2.0 * bend)
+    check_close("gap", fmu["contact.gap"], -depth, 1e-12)
+    assert fmu["contact.onsets"] == 1
+    assert fmu["contact.last_onset_time"] < 1e-3
+
+
+def grown_load(random):
+    """At or near a touch under a force that grows from zero, moves along the surface and may turn back."""
+    place = str(random.choice(list(PLACES)))
+    gap = float(random.choice([0.0, 0.0, 1e-15, -1e-15, 1e-6, 1e-3]))
+    values = loaded(place, gap, int(random.choice([1, 2])), float(random.choice([0.1, 1.0, 10.0])))
+    normal = np.array(PLACES[place][1])
+    along = np.cross(normal, [0.0, 1.0, 0.0]) * float(random.choice([0.0, 0.0, 0.1, 0.5]))
+    along += np.array([0.0, float(random.choice([0.0, 0.0, 0.1])), 0.0])
+    values |= {
+        "source.initial_velocity": list(along),
+        "contact.penalty_factor": float(random.choice([1e3, 1e5, 1e6])),
+        "contact.dashpot": str(random.choice(["non_adhesive", "unclamped", "approach_only"])),
+    }
+    # Second and later touches are as slow as 1e-3 m/s, so that a nanometre makes a microsecond. A mean torque
+    # under a force with a second derivative is right to 3e-8 of itself only, whatever the tolerance is.
+    least = {"last_onset_time": 1e2, "last_duration": 1e2, "mean_destination_torque": 1e3}
+    return Scene("SphereCylinder", values, end=float(random.choice([0.5, 1.0])), floor=least)
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_a_load_that_grows_from_zero(opened, seed):
+    check_agreement(opened, grown_load(np.random.default_rng(seed)), seed)
+
+
+def decay(mass, stiffness, damping, speed, time):
+    """Depth of a touch with `speed`, beyond critical damping."""
+    half = 0.5 * damping / mass
+    split = np.sqrt(half**2 - stiffness / mass)
+    return speed / split * np.exp(-half * time) * np.sinh(split * time)
+
+
+def test_a_start_on_the_edge_of_cap_and_rim_goes_inward(opened):
+    values = CAPPED | {
+        "source.radius": 0.5,
+        "source.mass": 0.1,
+        "source.center": [9.910557280900008, 0.044721359549995794, 0.6],
+        "source.initial_velocity": [0.4472135954999579, -0.22360679774997896, -2.0],
+        "destination.center": [10.0, 0.0, 0.0],
+        "destination.radius": 0.1,
+        "destination.length": 0.2,
+        "contact.penalty_factor": 1e7,
+        "contact.viscous_penalty_factor": 2e4,
+        "contact.dashpot": "unclamped",
+    }
+    fmu = run(opened("SphereCylinder"), values, 0.002, 1, 1e-10)
+    check_close("gap", fmu["contact.gap"], -decay(0.1, 1e7, 2e4, 2.0, 0.002), 1e-13)
+    check_close("x", fmu["source.position"][0], 9.910557280900008 + 0.002 * 0.4472135954999579, 1e-14)
+    assert fmu["contact.zone"] == "cap"
+
+
+def edge_start(random):
+    """At, over or in a cap or side on the edge of its rim, on its way inward, outward or along the edge."""
+    r_s, r_d = float(random.choice([0.05, 0.1, 0.5])), float(random.choice([0.1, 0.5, 1.0]))
+    length = float(random.choice([0.2, 1.0, 2.0]))
+    angle = float(random.choice([0.0, 0.5 * np.pi, np.arctan2(3, 4), np.arctan2(1, -2), -0.75 * np.pi]))
+    out, up = (
+        np.array([np.cos(angle), np.sin(angle), 0.0]),
+        np.array([0.0, 0.0, float(random.choice([1, -1]))]),
+    )
+    normal, inward = (up, -out) if random.random() < 0.5 else (out, -up)
+    gap = float(random.choice([0.0, 0.0, 1e-3, -1e-3]))
+    move = -float(random.choice([0.0, 0.5, 2.0])) * normal
+    move += float(random.choice([0.5, 0.5, 0.0, -0.5])) * inward
+    move += float(random.choice([0.0, 0.5])) * np.cross(normal, inward)
+    center = np.array([float(random.choice([0.0, 10.0])), 0.0, 0.0])
+    mass = float(random.choice([0.1, 1.0]))
+    stiffness = float(random.choice([1e4, 1e6, 1e7]))
+    values = CAPPED | {
+        "source.radius": r_s,
+        "source.mass": mass,
+        "source.center": list(center + r_d * out + 0.5 * length * up + (r_s + gap) * normal),
+        "source.initial_velocity": list(move),
+        "destination.center": list(center),
+        "destination.radius": r_d,
+        "destination.length": length,
+        "gravity": list(-float(random.choice([0.0, 10.0])) * normal),
+        "contact.penalty_factor": stiffness,
+        "contact.viscous_penalty_factor": float(random.choice([0.0, 10.0, 2e3, 2e4])),
+        "contact.dashpot": str(random.choice(["non_adhesive", "unclamped", "approach_only"])),
+    }
+    # A dashpot of 2e4 N s/m makes 1e-9 N of what is rounding in a speed.
+    return Scene("SphereCylinder", values, end=float(random.choice([0.0025, 0.03, 0.1])), slack=50.0)
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_a_start_on_the_edge(opened, seed):
+    check_agreement(opened, edge_start(np.random.default_rng(seed)), seed)
+
+
+def on_a_cap(stiffness, damping):
+    return CAPPED | {
+        "gravity": [0.0, 0.0, -10.0],
+        "destination.radius": 0.3,
+        "source.center": [0.0, 0.35, 2.1],
+        "source.initial_velocity": [0.0, -1.0, -0.5],
+        "contact.penalty_factor": stiffness,
+        "contact.viscous_penalty_factor": damping,
+    }
+
+
+@pytest.mark.parametrize("stiffness", [1e12, 1e16, 1e17, 1e18, 1e20, 1e24])
+@pytest.mark.parametrize("part", [1.0, 1.5, 3.0])
+def test_a_ball_comes_to_rest_on_a_stiff_cap(opened, stiffness, part):
+    """As on a plane: its hops end, and with them the steps."""
+    fmu = run(opened("SphereCylinder"), on_a_cap(stiffness, 2.0 * part * np.sqrt(stiffness)), 0.62, 1, 1e-10)
+    check_close("depth", fmu["contact.gap"], -10.0 / stiffness, 1e-6 * 10.0 / stiffness)
+    check_close("y", fmu["source.position"][1], 0.35 - 0.62, 1e-12)
+    assert fmu["solver.events"] < 500
+
+
+def stiff_landing(random):
+    """A ball that falls on a cap, a rim's top or a side and hops to rest, in stiff contact."""
+    place = str(random.choice(["cap", "middle of the cap", "side", "edge of the cap"]))
+    center, normal = touching(place, float(random.choice([0.0, 0.01, 1.0])))
+    along = np.cross(normal, [0.6, 0.0, 0.8]) if place == "side" else np.array([0.6, -0.8, 0.0])
+    stiffness = float(random.choice([1e8, 1e12, 1e16, 1e18, 1e20]))
+    values = CAPPED | {
+        "gravity": list(-10.0 * normal),
+        "source.center": list(center),
+        "source.initial_velocity": list(
+            -float(random.choice([0.0, 0.5, 1.0])) * normal - float(random.choice([0.0, 0.0, 0.1])) * along
+        ),
+        "contact.penalty_factor": stiffness,
+        "contact.viscous_penalty_factor": float(random.choice([0.2, 1.0, 3.0])) * 2.0 * np.sqrt(stiffness),
+        "contact.dashpot": str(random.choice(["non_adhesive", "approach_only"])),
+    }
+    # Hops become smaller without end, and how many of them are seen is rounding's.
+    hops = {"onsets": np.inf, "last_onset_time": np.inf, "last_duration": np.inf}
+    return Scene("SphereCylinder", values, end=float(random.choice([0.5, 1.0])), floor=hops)
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_a_stiff_landing(opened, seed):
+    check_agreement(opened, stiff_landing(np.random.default_rng(seed)), seed)
+
+
+# A ball falls on a cylinder beside which it is exactly in the plane of an open end.
+IN_THE_PLANE = {
+    "source.radius": 1.0,
+    "source.center": [0.0, -5.0, 12.0],
+    "destination.radius": 10.0,
+    "destination.axis": [0.0, 1.0, 0.0],
+    "destination.finite_length": True,
+    "destination.length": 10.0,
+}
+
+
+@pytest.mark.parametrize("steps", [1, 10, 300])
+def test_the_plane_of_an_open_end_is_within(opened, steps):
+    """The ball bounces as on a cylinder without ends."""
+    fmu = run(
+        opened("SphereCylinder"), IN_THE_PLANE | {"destination.finite_length": False}, 1.0, steps, 1e-10
+    )
+    endless = fmu["source.position"], fmu["energy.dissipated"]
+    fmu = run(opened("SphereCylinder"), IN_THE_PLANE, 1.0, steps, 1e-10)
+    check_close("position", fmu["source.position"], endless[0], 1e-12)
+    check_close("dissipated", fmu["energy.dissipated"], endless[1], 1e-10)
+    assert fmu["contact.within_extents"] and fmu["contact.onsets"] == 1
+
+
+def at_an_end(random):
+    """In the plane of an end or next to it, to rounding; in contact or on its way, with any axis."""
+    axis = np.array(
+        [[0, 1, 0], [0, 0, 1], [3, 0, 4], [1, 1, 0], [1, 2, 2], [0, -1, 0]][int(random.integers(6))]
+    )
+    axis = axis / np.linalg.norm(axis)
+    across = np.cross(axis, [1.0, 0.0, 0.0] if abs(axis[0]) < 0.5 else [0.0, 0.0, 1.0])
+    across /= np.linalg.norm(across)
+    inside = bool(random.random() < 0.4)
+    r_s, r_d = float(random.choice([0.1, 0.5, 1.0])), float(random.choice([2.0, 10.0]))
+    length = float(random.choice([0.2, 1.0, 10.0]))
+    gap = float(random.choice([0.0, 0.01, 0.5, -0.001]))
+    over = float(random.choice([0.0, 0.0, 0.0, 1.0, -1.0, 3.0])) * np.spacing(0.5 * length)
+    center = axis * (0.5 * length + over) * float(random.choice([1.0, -1.0]))
+    center = center + across * (r_d - r_s - gap if inside else r_d + r_s + gap)
+    towards = across if inside else -across
+    values = {
+        "source.radius": r_s,
+        "source.center": list(center),
+        "source.initial_velocity": list(towards * float(random.choice([0.0, 0.0, 1.0]))),
+        "destination.radius": r_d,
+        "destination.axis": list(axis),
+        "destination.finite_length": True,
+        "destination.length": length,
+        "contact.location": "inside" if inside else "outside",
+        "contact.penalty_factor": float(random.choice([1e4, 1e6])),
+        "gravity": list(towards * float(random.choice([0.0, 10.0]))),
+    }
+    return Scene("SphereCylinder", values, end=1.0)
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_outputs_agree_at_an_end_whichever_side_rounding_takes(opened, seed):
+    random = np.random.default_rng(seed)
+    scene, fmu = at_an_end(random), opened("SphereCylinder")
+
+    def outputs_agree(fmu):
+        gap, within = fmu["contact.gap"], fmu["contact.within_extents"]
+        assert (gap > 1e29) == (not within), scene
+        if fmu["contact.active"]:
+            assert within and gap < 1e-13, scene
+        else:
+            assert not within or gap > -1e-13, scene
+            assert fmu["contact.normal_force"] == 0.0
+
+    steps = int(random.choice([1, 3, 10, 50]))
+    run(fmu, scene.values, scene.end, steps, float(random.choice([1e-4, 1e-8, 1e-12])), each=outputs_agree)
+    assert fmu["solver.events"] < 1000, scene
