@@ -183,6 +183,11 @@ double contact_push(const struct contact_law *law, double gap, double gap_rate)
                                  : contact_force(law, REGIME_COMPRESSION, gap, gap_rate);
 }
 
+bool contact_may_pull(const struct contact_law *law)
+{
+    return law->dashpot == DASHPOT_UNCLAMPED && !contact_is_elastic(law);
+}
+
 bool contact_is_elastic(const struct contact_law *law)
 {
     return !(law->damping > 0.0);

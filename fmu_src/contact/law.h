@@ -122,6 +122,10 @@ enum contact_regime contact_regime_after(const struct contact_law *law, enum con
  * with the contact, too, and has no slope there, the factor 1 + chi delta' that changes its sign [1]. */
 double contact_push(const struct contact_law *law, double gap, double gap_rate);
 
+/* Whether F_n may be negative while the bodies overlap: an unclamped dashpot pulls. What any other law says
+ * below zero is rounding. */
+bool contact_may_pull(const struct contact_law *law);
+
 /* Whether contact gives back all the energy that it takes. */
 bool contact_is_elastic(const struct contact_law *law);
 

@@ -6,12 +6,6 @@
 
 #if SCENE_ANY_TURNING
 
-/* Whether F_n of a contact may pass zero while the bodies overlap. */
-static bool may_lift(const struct contact_law *law)
-{
-    return law->dashpot == DASHPOT_UNCLAMPED && !contact_is_elastic(law);
-}
-
 /* The gap, or how far the source is beyond the ends of its cylinder where that is more [m]. */
 static double way_to_contact(const struct scene_ode *ode, const struct scene_instant *at, int contact)
 {
@@ -57,7 +51,7 @@ static void friction_events(const struct scene_ode *ode, double clock, const str
             ode->stick_offset[contact] + laws.friction.static_coefficient * rubbing.normal_force - carried;
         out[ODE_EVENT_CAP] = ode->cap_offset[contact] + laws.friction.largest - carried;
     }
-    if (may_lift(&laws.normal)) {
+    if (contact_may_pull(&laws.normal)) {
         const struct contact_geometry *g = &at->geometry[contact];
         const double push = contact_push(&laws.normal, g->gap, g->gap_rate);
         out[ODE_EVENT_LIFT] =

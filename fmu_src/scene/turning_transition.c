@@ -9,6 +9,22 @@ static void set_friction_regime(struct scene_state *q, int contact, enum frictio
     q->contact[contact].friction_regime = (int32_t)regime;
 }
 
+/* Whether the dashpot pulls. Its lift event looks at the push, so this does, too: friction that is lifted has
+ * an event that ends it. */
+static bool is_lifted(const struct scene_values *v, const struct scene_state *q,
+                      const struct scene_instant *at, int contact)
+{
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    return contact_may_pull(&law) && contact_push(&law, g->gap, g->gap_rate) < 0.0;
+}
+
+/* A force that is not above zero where nothing pulls is rounding, or about to grow. */
+static enum friction_regime sliding_regime(const struct friction_law *law, double normal_force)
+{
+    return normal_force > 0.0 ? friction_sliding_regime(law, normal_force) : FRICTION_SLIDING;
+}
+
 /* The spring is at rest; what it stored counts as dissipated from now on (energy.friction). */
 static void end_friction(struct scene_state *q, int contact)
 {
@@ -61,9 +77,6 @@ static void begin_friction(const struct scene_values *v, struct scene_state *q, 
     end_friction(q, contact);
     scene_now(v, q, &at);
     const double force = at.normal_force[contact];
-    if (force < 0.0) {
-        return; /* a dashpot that pulls */
-    }
     const struct friction_law law = scene_friction_law(v, q, contact);
     const double force_rate = turning_normal_force_rate(v, q, q->clock, &at, contact);
     const struct vec3 slip = at.turning.slip[contact];
@@ -88,8 +101,8 @@ static void break_away(const struct scene_values *v, struct scene_state *q, int 
     struct scene_instant at;
     const struct friction_law law = scene_friction_law(v, q, contact);
     scene_now(v, q, &at);
-    const enum friction_regime next = friction_sliding_regime(&law, at.normal_force[contact]);
-    if (next == FRICTION_LIFTED) {
+    const enum friction_regime next = sliding_regime(&law, at.normal_force[contact]);
+    if (is_lifted(v, q, &at, contact)) {
         end_friction(q, contact);
         return;
     }
@@ -119,7 +132,7 @@ static void keep_sliding(const struct scene_values *v, struct scene_state *q, in
     struct scene_instant at;
     const struct friction_law law = scene_friction_law(v, q, contact);
     scene_now(v, q, &at);
-    const enum friction_regime next = friction_sliding_regime(&law, at.normal_force[contact]);
+    const enum friction_regime next = sliding_regime(&law, at.normal_force[contact]);
     const struct friction_state rubbing = turning_rubbing(&q->turning, &at, contact);
     const double force_rate = turning_normal_force_rate(v, q, q->clock, &at, contact);
     set_friction_regime(q, contact, next);
@@ -128,25 +141,24 @@ static void keep_sliding(const struct scene_values *v, struct scene_state *q, in
     }
 }
 
-/* The regime that the present force asks for, of friction that goes on. */
+/* The regime that the present force asks for. */
 static void reconsider(const struct scene_values *v, struct scene_state *q, int contact)
 {
     struct scene_instant at;
     const struct friction_law law = scene_friction_law(v, q, contact);
     const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime;
     scene_now(v, q, &at);
-    const double force = at.normal_force[contact];
-    if (regime == FRICTION_STICKING) {
+    if (is_lifted(v, q, &at, contact)) {
+        end_friction(q, contact);
+    } else if (regime == FRICTION_LIFTED) {
+        begin_friction(v, q, contact);
+    } else if (regime == FRICTION_STICKING) {
         const struct friction_state rubbing = turning_rubbing(&q->turning, &at, contact);
         if (friction_stick_event(&law, regime, rubbing, 0.0) < 0.0) {
             break_away(v, q, contact);
         }
-    } else if (force > 0.0 && regime == FRICTION_LIFTED) {
-        begin_friction(v, q, contact);
-    } else if (force > 0.0) {
+    } else {
         keep_sliding(v, q, contact);
-    } else if (force < 0.0) {
-        end_friction(q, contact);
     }
 }
 
@@ -157,11 +169,11 @@ void turning_take_regime(const struct scene_values *v, struct scene_state *q, in
         return;
     }
     const bool rubbed = before == REGIME_COMPRESSION || before == REGIME_RESTITUTION;
-    if (!contact_transmits(q, contact)) {
+    const bool rubs = contact_transmits(q, contact);
+    if (!rubs || !rubbed) {
         end_friction(q, contact);
-    } else if (!rubbed) {
-        begin_friction(v, q, contact);
-    } else {
+    }
+    if (rubs) {
         reconsider(v, q, contact);
     }
 }
