@@ -1,7 +1,7 @@
 #include "contact/friction.h"
 
 #include "math/compiler.h"
-#include "math/matrix3.h"
+#include "math/vec3.h"
 
 /* A vector's length and direction; zero has none. */
 struct direction {

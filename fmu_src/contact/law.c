@@ -1,10 +1,285 @@
-#include "contact/law.h"
-
+#include <float.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stddef.h>
 
-#include "contact/hertz_law.h"
-#include "math/taylor.h"
+#include "contact/law.h"
+#include "math/compiler.h"
+#include "math/series.h"
+
+/*
+ * Hertz's force with the damping of Hunt and Crossley, for law.c.
+ *
+ *   F_n = k_h delta^(3/2) (1 + chi delta'),   delta = -g, zero for g >= 0
+ *
+ * k_h [N/m^1.5] is the stiffness, chi [s/m] the factor of the damping; 0 where a regime has none.
+ * Source: K. H. Hunt, F. R. E. Crossley, Journal of Applied Mechanics 42 (1975) 440.
+ */
+
+struct hertz_law {
+    double stiffness; /* k_h [N/m^1.5] */
+    double damping;   /* chi [s/m] */
+};
+
+/* F_n [N] and its derivatives with respect to g and g'. */
+static double hertz_force(struct hertz_law law, double gap, double gap_rate);
+static double hertz_force_by_gap(struct hertz_law law, double gap, double gap_rate);
+static double hertz_force_by_rate(struct hertz_law law, double gap);
+
+/* 2/5 k_h delta^(5/2) [J] and its first two derivatives with respect to g. */
+static double hertz_energy(double stiffness, double gap);
+static double hertz_energy_slope(double stiffness, double gap);
+static double hertz_energy_bend(double stiffness, double gap);
+
+/* Coefficients `order` of F_n, of the energy and of the spring's part of the force along a path, from
+ * coefficients 0..order of g and g'; zero where the path begins at g >= 0. */
+static double hertz_force_term(struct hertz_law law, const double *gap, const double *gap_rate, int order);
+static double hertz_energy_term(double stiffness, const double *gap, int order);
+static double hertz_spring_term(double stiffness, const double *gap, int order);
+
+/* delta^(3/2) */
+static double three_halves(double gap)
+{
+    return gap < 0.0 ? -gap * sqrt(-gap) : 0.0;
+}
+
+static double hertz_force(struct hertz_law law, double gap, double gap_rate)
+{
+    return law.stiffness * three_halves(gap) * (1.0 - law.damping * gap_rate);
+}
+
+static double hertz_force_by_gap(struct hertz_law law, double gap, double gap_rate)
+{
+    return gap < 0.0 ? -1.5 * law.stiffness * sqrt(-gap) * (1.0 - law.damping * gap_rate) : 0.0;
+}
+
+static double hertz_force_by_rate(struct hertz_law law, double gap)
+{
+    return -law.stiffness * three_halves(gap) * law.damping;
+}
+
+static double hertz_energy(double stiffness, double gap)
+{
+    return gap < 0.0 ? -0.4 * stiffness * three_halves(gap) * gap : 0.0;
+}
+
+static double hertz_energy_slope(double stiffness, double gap)
+{
+    return -stiffness * three_halves(gap);
+}
+
+static double hertz_energy_bend(double stiffness, double gap)
+{
+    return gap < 0.0 ? 1.5 * stiffness * sqrt(-gap) : 0.0;
+}
+
+/* Coefficients 0..order of delta^exponent. */
+static void power_of_depth(const double *gap, double exponent, int order, double power[TAYLOR_TERMS])
+{
+    double depth[TAYLOR_TERMS];
+    depth[0] = -gap[0];
+    power[0] = depth[0] > 0.0 ? taylor_power(depth, exponent, power, 0) : 0.0; /* there is one at least */
+    for (int i = 1; i <= order; ++i) {
+        depth[i] = -gap[i];
+        power[i] = depth[0] > 0.0 ? taylor_power(depth, exponent, power, i) : 0.0;
+    }
+}
+
+static double hertz_force_term(struct hertz_law law, const double *gap, const double *gap_rate, int order)
+{
+    double power[TAYLOR_TERMS];
+    power_of_depth(gap, 1.5, order, power);
+    return law.stiffness * (power[order] - law.damping * taylor_multiply(power, gap_rate, order));
+}
+
+static double hertz_energy_term(double stiffness, const double *gap, int order)
+{
+    double power[TAYLOR_TERMS];
+    power_of_depth(gap, 2.5, order, power);
+    return 0.4 * stiffness * power[order];
+}
+
+static double hertz_spring_term(double stiffness, const double *gap, int order)
+{
+    return hertz_force_term((struct hertz_law){stiffness, 0.0}, gap, gap, order);
+}
+
+double hertz_modulus(struct contact_material source, struct contact_material destination)
+{
+    const double nu_s = source.poissons_ratio;
+    const double nu_d = destination.poissons_ratio;
+    return 1.0 / ((1.0 - nu_s) * (1.0 + nu_s) / source.youngs_modulus +
+                  (1.0 - nu_d) * (1.0 + nu_d) / destination.youngs_modulus);
+}
+
+/* K, and (K - E)/(e^2 K) without the differences in it, which cancel in a contact that is nearly a circle. */
+struct elliptic {
+    double k, part;
+};
+
+/*
+ * By the arithmetic-geometric mean of 1 and k': K = pi / (2 agm), (K - E)/K = sum of 2^(n-1) c_n^2 with c_0 =
+ * e, c_n half the difference of the means before; c_1^2 / e^2 = (1 - k')/(4 (1 + k')). Source: Abramowitz and
+ * Stegun, 17.6.
+ */
+static struct elliptic elliptic_of(double ratio)
+{
+    double a = 0.5 * (1.0 + ratio);
+    double b = sqrt(ratio);
+    double difference = 0.5 * (1.0 - ratio);
+    double square = 0.25 * (1.0 - ratio) / (1.0 + ratio); /* c_n^2 / e^2 */
+    double part = 0.5 + square;
+    for (double power = 2.0; difference > DBL_EPSILON * a; power *= 2.0) {
+        const double shrinks = 0.5 * (a - b) / difference; /* c_(n+1) / c_n */
+        square *= shrinks * shrinks;
+        part += power * square;
+        difference = 0.5 * (a - b);
+        const double mean = 0.5 * (a + b);
+        b = sqrt(a * b);
+        a = mean;
+    }
+    return (struct elliptic){0.5 * PI / a, part};
+}
+
+/* k' for A / B, which rises with it: bisection to rounding. */
+static double axis_ratio_of(double curvature_ratio)
+{
+    double low = 0.0;
+    double high = 1.0;
+    for (;;) {
+        const double middle = 0.5 * (low + high);
+        if (!(middle > low && middle < high)) {
+            return middle;
+        }
+        const double part = elliptic_of(middle).part;
+        if (middle * middle * part < curvature_ratio * (1.0 - part)) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+}
+
+double hertz_elliptic_stiffness(double modulus, double a, double b)
+{
+    if (!(a < b)) {
+        return 4.0 / 3.0 * modulus / sqrt(2.0 * a);
+    }
+    const struct elliptic at = elliptic_of(axis_ratio_of(a / b));
+    return 2.0 / 3.0 * PI * modulus * sqrt(at.part / a) / at.k;
+}
+
+double hertz_stiffness(const struct contact_shape *shape, double modulus)
+{
+    const double r_s = shape->source_radius;
+    const double r_d = shape->other_radius;
+    const double alone = 0.5 / r_s; /* on a plane, and along a cylinder */
+    if (contact_is_plane(shape)) {
+        return hertz_elliptic_stiffness(modulus, alone, alone);
+    }
+    /* 1/r_s + 1/r_d outside, 1/r_s - 1/r_d inside, halved */
+    const double curved = 0.5 * (r_d + shape->side * r_s) / r_s / r_d;
+    const double along = contact_is_cylinder(shape) ? alone : curved;
+    return hertz_elliptic_stiffness(modulus, fmin(along, curved), fmax(along, curved));
+}
+
+/* In a hollow body that is larger by a ninth the relative radius is already ten times that of the source. */
+static const double CONFORMING = 0.9;
+
+bool hertz_is_conforming(const struct contact_shape *shape)
+{
+    return shape->side < 0 && shape->source_radius > CONFORMING * shape->other_radius;
+}
+
+/* Whether a condition is still unmet at x; it is met from some place on. */
+typedef bool restitution_condition(double x, double wanted);
+
+/* That place to rounding, by bisection: some sixty halvings, and no derivative that would lose its digits
+ * where two branches of a formula meet. */
+static double first_met(restitution_condition *unmet, double wanted, double low, double high)
+{
+    for (;;) {
+        const double middle = 0.5 * (low + high);
+        if (!(middle > low && middle < high)) {
+            return middle;
+        }
+        if (unmet(middle, wanted)) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+}
+
+/* h of the damping ratio; it rises from 0 without end. */
+static double loss_of(double ratio)
+{
+    const double square = (1.0 - ratio) * (1.0 + ratio);
+    if (square == 0.0) {
+        return 1.0;
+    }
+    return square > 0.0 ? ratio * acos(ratio) / sqrt(square) : ratio * acosh(ratio) / sqrt(-square);
+}
+
+static bool loses_less(double ratio, double loss)
+{
+    return loss_of(ratio) < loss;
+}
+
+double restitution_damping_ratio(double restitution, enum dashpot dashpot)
+{
+    if (dashpot == DASHPOT_UNCLAMPED) {
+        const double loss = 0.0 - log(restitution); /* no negative zero */
+        return restitution > 0.0 ? loss / sqrt(PI * PI + loss * loss) : 1.0;
+    }
+    const double loss = 0.0 - log(fmax(restitution, RESTITUTION_LEAST));
+    const double h = dashpot == DASHPOT_NON_ADHESIVE ? 0.5 * loss : loss;
+    /* h(cosh t) = t coth t >= t, so that the ratio is at most cosh h < exp h. */
+    return h > 0.0 ? first_met(loses_less, h, 0.0, exp(h)) : 0.0;
+}
+
+/* Below this the formulas with logarithms lose digits, and series stand for them. */
+static const double SMALL = 0.5;
+
+/* (ln(1 + x) - x + x^2/2) / x^3 = 1/3 - x/4 + x^2/5 - ... for |x| <= SMALL: 60 terms leave less than its
+ * rounding. */
+static double logarithm_rest(double x)
+{
+    double sum = 0.0;
+    for (int i = 60; i >= 0; --i) {
+        sum = 1.0 / (i + 3) - x * sum;
+    }
+    return sum;
+}
+
+/* ln((1 + y)/(1 - e y)) < y (1 + e), divided by y^2 (1 + e) where y is small. */
+static bool dissipates_too_little(double y, double e)
+{
+    if (y <= SMALL) {
+        return y * (logarithm_rest(y) + e * e * e * logarithm_rest(-e * y)) < 0.5 * (1.0 - e) * (1.0 + e);
+    }
+    return log1p(y) - log1p(-e * y) < y * (1.0 + e);
+}
+
+/* e^2 < 2 (y - ln(1 + y))/y^2 */
+static bool returns_too_fast(double y, double e)
+{
+    if (y <= SMALL) {
+        return 2.0 * y * logarithm_rest(y) < (1.0 - e) * (1.0 + e);
+    }
+    return e * e < 2.0 * (y - log1p(y)) / y / y;
+}
+
+double restitution_hunt_crossley(double restitution, enum dashpot dashpot)
+{
+    const double e = fmax(restitution, RESTITUTION_LEAST_HERTZ);
+    if (e >= 1.0) {
+        return 0.0;
+    }
+    /* 1 - e y > 0, or 2 (y - ln(1 + y))/y^2 < 2/y */
+    return dashpot == DASHPOT_APPROACH_ONLY ? first_met(returns_too_fast, e, 0.0, 2.0 / (e * e))
+                                            : first_met(dissipates_too_little, e, 0.0, 1.0 / e);
+}
 
 struct contact_coefficients contact_coefficients_of(const struct contact_law *law, enum contact_regime regime)
 {
@@ -263,4 +538,121 @@ double contact_dissipated_term(const struct contact_law *law, enum contact_regim
     return regime == REGIME_APART ? 0.0
                                   : -(taylor_multiply(normal_force, gap_rate, order) +
                                       law->stiffness * taylor_multiply(gap, gap_rate, order));
+}
+
+/* Whether the law is Hertz's, as in contact_is_hertz. */
+static bool has_hertz(const struct contact_factors *factors)
+{
+    const struct contact_law law = {.law = factors->law};
+    return contact_is_hertz(&law);
+}
+
+/* Whether damping follows from a coefficient of restitution; never, at compile time, where the build has no
+ * such choice (ContactFmu.cmake). */
+static bool is_by_restitution(const struct contact_factors *factors)
+{
+#ifdef CONTACT_NO_RESTITUTION
+    (void)factors;
+    return false;
+#else
+    return factors->viscous_control == VISCOUS_CONTROL_RESTITUTION;
+#endif
+}
+
+/* p_nv that gives the coefficient of restitution with the spring p_n; 0 between bodies that cannot
+ * rebound. */
+static double damping_by_restitution(const struct contact_factors *factors, enum dashpot dashpot, double p_n)
+{
+    if (!(factors->inverse_mass > 0.0)) {
+        return 0.0;
+    }
+    const double ratio = restitution_damping_ratio(factors->restitution, dashpot);
+    return 2.0 * ratio * sqrt(p_n) / sqrt(factors->inverse_mass);
+}
+
+/* chi, or with restitution the number chi v. */
+static double hunt_crossley_factor(const struct contact_factors *factors, enum dashpot dashpot,
+                                   double diagonal)
+{
+    if (is_by_restitution(factors)) {
+        return restitution_hunt_crossley(factors->restitution, dashpot);
+    }
+    return factors->viscous_control == VISCOUS_CONTROL_USER_DEFINED ? factors->hunt_crossley_factor
+                                                                    : factors->characteristic_time / diagonal;
+}
+
+struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot,
+                                  double diagonal)
+{
+    if (has_hertz(factors)) {
+        return (struct contact_law){.stiffness = factors->hertz_stiffness,
+                                    .damping = factors->method == METHOD_PENALTY
+                                                   ? 0.0
+                                                   : hunt_crossley_factor(factors, dashpot, diagonal),
+                                    .dashpot = dashpot,
+                                    .law = LAW_HERTZ};
+    }
+    const double scale = factors->reference_modulus * diagonal;
+    const bool viscous_only = factors->penalty_control == PENALTY_CONTROL_VISCOUS_ONLY;
+    struct contact_law law = {.stiffness = factors->penalty_factor, .dashpot = dashpot, .law = LAW_LINEAR};
+    if (factors->penalty_control == PENALTY_CONTROL_AUTOMATIC) {
+        law.stiffness = factors->multiplier * scale;
+    }
+    if (factors->viscous_control == VISCOUS_CONTROL_USER_DEFINED) {
+        law.damping = factors->viscous_penalty_factor;
+    } else if (is_by_restitution(factors)) {
+        law.damping = damping_by_restitution(factors, dashpot, law.stiffness);
+    } else {
+        law.damping = factors->characteristic_time * (viscous_only ? scale : law.stiffness);
+    }
+    if (viscous_only) {
+        law.stiffness = 0.0;
+    }
+    if (factors->method == METHOD_PENALTY) {
+        law.damping = 0.0;
+    }
+    return law;
+}
+
+struct contact_law contact_law_slope(const struct contact_factors *factors, struct contact_coefficients at,
+                                     double diagonal_slope)
+{
+    if (has_hertz(factors)) { /* chi = tau_n / diag */
+        const bool automatic =
+            factors->method != METHOD_PENALTY && factors->viscous_control == VISCOUS_CONTROL_AUTOMATIC;
+        const double by_diagonal = at.c * at.c / factors->characteristic_time;
+        return (struct contact_law){.damping = automatic && at.c > 0.0 ? -by_diagonal * diagonal_slope : 0.0,
+                                    .law = LAW_HERTZ};
+    }
+    const struct contact_law none = contact_law_of(factors, DASHPOT_UNCLAMPED, 0.0);
+    struct contact_law slope = contact_law_of(factors, DASHPOT_UNCLAMPED, diagonal_slope);
+    slope.stiffness -= none.stiffness;
+    slope.damping -= none.damping;
+    if (is_by_restitution(factors)) {
+        slope.damping = 0.5 * at.c * slope.stiffness / at.k;
+    }
+    return slope;
+}
+
+struct contact_law contact_hunt_crossley_slope(double chi_slope)
+{
+    return (struct contact_law){.damping = chi_slope, .law = LAW_HERTZ};
+}
+
+struct contact_law contact_law_with(struct contact_coefficients factors, enum method method,
+                                    enum penalty_control penalty_control, enum dashpot dashpot,
+                                    enum contact_force_law force_law)
+{
+    struct contact_law law = {.dashpot = dashpot, .law = force_law};
+    if (penalty_control != PENALTY_CONTROL_VISCOUS_ONLY) {
+        law.stiffness = factors.k;
+    }
+    if (method == METHOD_PENALTY_DYNAMIC) {
+        law.damping = factors.c;
+    }
+    /* Without a spring both let go when the bodies stop approaching; a separating contact is known to fly. */
+    if (law.dashpot == DASHPOT_APPROACH_ONLY && !(law.stiffness > 0.0)) {
+        law.dashpot = DASHPOT_NON_ADHESIVE;
+    }
+    return law;
 }

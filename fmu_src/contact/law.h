@@ -1,4 +1,88 @@
 /*
+ * The stiffness k_h of Hertz's theory, F_n = k_h delta^(3/2), from the moduli and shapes of two bodies.
+ *
+ * Near the point of contact the undeformed surfaces are A x^2 + B y^2 apart, A <= B. The contact is an
+ * ellipse with the ratio k' = b/a of its semi-axes, and with the complete elliptic integrals K and E of
+ * modulus e = sqrt(1 - k'^2)
+ *
+ *   A / B = k'^2 (K - E) / (E - k'^2 K),   k_h = (2 pi / 3) E* sqrt((K - E) / (e^2 A)) K^(-3/2)
+ *
+ * Source: K. L. Johnson, Contact Mechanics (1985), equations (4.25) to (4.28), solved for the load. Where A =
+ * B the contact is a circle and k_h = (4/3) E* sqrt(R*), R* = 1/(2 A).
+ */
+#ifndef CONTACT_CONTACT_LAW_H
+#define CONTACT_CONTACT_LAW_H
+
+#include <stdbool.h>
+
+#include "contact/choices.h"
+#include "contact/shape.h"
+#include "math/compiler.h"
+
+struct contact_material {
+    double youngs_modulus; /* E [Pa] */
+    double poissons_ratio; /* nu [1] */
+};
+
+/* E*: 1/E* = (1 - nu_s^2)/E_s + (1 - nu_d^2)/E_d [Pa]. */
+CONTACT_COLD double hertz_modulus(struct contact_material source, struct contact_material destination);
+
+/* k_h [N/m^1.5] from E* [Pa] and the two coefficients of the separation, 0 < A <= B [1/m]. */
+CONTACT_COLD double hertz_elliptic_stiffness(double modulus, double a, double b);
+
+/* k_h [N/m^1.5] of a contact; inside a destination that is larger than the source. */
+CONTACT_COLD double hertz_stiffness(const struct contact_shape *shape, double modulus);
+
+/* Whether the surfaces follow each other so closely that the contact is not small beside the bodies, as the
+ * theory wants it: inside a destination hardly larger than the source. */
+CONTACT_COLD bool hertz_is_conforming(const struct contact_shape *shape);
+
+/*
+ * The damping that gives a free head-on impact a coefficient of restitution e, the speed after it over the
+ * speed before. Free: no other force acts on either body meanwhile. Found once, when a contact is prepared.
+ */
+
+/*
+ * Smaller coefficients count as this one where none but an infinite dashpot would give 0: with all dashpots
+ * but the unclamped linear one. A ball that leaves with a millionth of its speed rises by 1e-12 of its drop.
+ */
+#define RESTITUTION_LEAST 1e-6
+
+/*
+ * The same of Hunt and Crossley's law. Its chi v is 1/e, with the approach-only dashpot 2/e^2, and
+ * integration costs steps in proportion: 2e6 take some ten thousand. A millionth of the energy is left then.
+ */
+#define RESTITUTION_LEAST_HERTZ 1e-3
+
+/*
+ * The damping ratio zeta = p_nv / (2 sqrt(p_n m_red)) of the linear law for e in [0, 1].
+ *
+ *   unclamped       contact ends at g = 0:      e = exp(-pi zeta / sqrt(1 - zeta^2)); e = 0: zeta = 1
+ *   non-adhesive    contact ends at F_n = 0:    e = exp(-2 h(zeta))
+ *   approach-only   the spring alone returns:   e = exp(-h(zeta))
+ *
+ *   h(cos t) = t cot t up to critical damping, h(cosh t) = t coth t beyond.
+ *
+ * Source: the oscillator x'' + 2 zeta x' + x = 0 from x = 0, x' = 1. Its largest x is exp(-h), and the spring
+ * alone turns that into a speed of the same number. It returns through x + 2 zeta x' = 0, where the force
+ * ends, with x' = -exp(-2 h): T. Schwager, T. Poeschel, Granular Matter 9 (2007) 465, in one formula.
+ */
+CONTACT_COLD double restitution_damping_ratio(double restitution, enum dashpot dashpot);
+
+/*
+ * The number y = chi v of Hunt and Crossley's law, with the speed v of the onset, for e in [0, 1]; it does
+ * not depend on the spring, nor on the exponent of its force.
+ *
+ *   full damping    y (1 + e) = ln((1 + y)/(1 - e y)); the force then never pulls: unclamped is non-adhesive
+ *   approach-only   e^2 = 2 (y - ln(1 + y))/y^2
+ *
+ * Source: with the energy E of the spring for a state of motion, v dv/dE = -(1 + chi v)/m; both are its
+ * integrals from the touch to the deepest point, E = (m/chi^2)(y - ln(1 + y)), and back. Marhefka and Orin,
+ * IEEE Transactions on Systems, Man, and Cybernetics A 29 (1999) 566.
+ */
+CONTACT_COLD double restitution_hunt_crossley(double restitution, enum dashpot dashpot);
+
+/*
  * The normal force law and its regimes.
  *
  *   penalty            F_n = -p_n g
@@ -15,12 +99,6 @@
  * function of the motion, of the linear law F_n = -(k g + c g') with constant k and c; the regimes change
  * where a smooth function passes through zero.
  */
-#ifndef CONTACT_CONTACT_LAW_H
-#define CONTACT_CONTACT_LAW_H
-
-#include <stdbool.h>
-
-#include "contact/choices.h"
 
 struct contact_law {
     double stiffness;     /* p_n in force [N/m], 0 for viscous only; k_h [N/m^1.5] */
@@ -143,5 +221,46 @@ double contact_dissipated_power(const struct contact_law *law, enum contact_regi
 double contact_dissipated_term(const struct contact_law *law, enum contact_regime regime,
                                const double *normal_force, const double *gap, const double *gap_rate,
                                int order);
+
+/* The factors of the force law in force, from what the user chose: p_n and p_nv, or k_h and chi. */
+
+/* What sets the penalty factors, as the user chose it. */
+struct contact_factors {
+    enum method method;
+    enum contact_force_law law;
+    enum penalty_control penalty_control;
+    enum viscous_control viscous_control;
+    double multiplier;             /* f_p [1] */
+    double penalty_factor;         /* p_n [N/m], user defined */
+    double characteristic_time;    /* tau_n [s] */
+    double viscous_penalty_factor; /* p_nv [N s/m], user defined */
+    double reference_modulus;      /* E_ref [Pa] */
+    double restitution;            /* e [1] */
+    double inverse_mass;           /* 1 / m_red: sum of the free bodies' inverse masses [1/kg] */
+    double hertz_stiffness;        /* k_h [N/m^1.5], user defined or of Hertz's theory */
+    double hunt_crossley_factor;   /* chi [s/m], user defined */
+};
+
+/* The factors in force. Automatic: p_n = f_p E_ref diag, p_nv = tau_n p_n; viscous only: p_n = 0,
+ * p_nv = tau_n E_ref diag. Restitution: p_nv = 2 zeta sqrt(p_n m_red) with zeta of restitution.h. Hertz:
+ * k_h as given, chi = tau_n / diag where it is automatic; with restitution chi times the speed of the onset,
+ * a number, stands for it. `diagonal` is that of the bounding box of both bodies [m]. */
+struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot,
+                                  double diagonal);
+
+/* The derivatives of the factors `at` the present ones where the diagonal changes at `diagonal_slope`:
+ * automatic ones are proportional to it, others do not know it, that of restitution goes with the root of
+ * p_n. */
+struct contact_law contact_law_slope(const struct contact_factors *factors, struct contact_coefficients at,
+                                     double diagonal_slope);
+
+/* The derivatives of the factors of Hertz's law where only chi changes. */
+struct contact_law contact_hunt_crossley_slope(double chi_slope);
+
+/* The law with these factors in force. The choices, constants where a scene pins them, leave out what they do
+ * not need. */
+struct contact_law contact_law_with(struct contact_coefficients factors, enum method method,
+                                    enum penalty_control penalty_control, enum dashpot dashpot,
+                                    enum contact_force_law force_law);
 
 #endif

@@ -2,10 +2,9 @@
 
 #include <float.h>
 
+#include "flight/flight.h"
 #include "integrator/prescribed.h"
-#include "segment/flight.h"
-#include "segment/segment.h"
-#include "segment/zone_end.h"
+#include "touch/segment.h"
 
 /* The error allowed in a segment [m]: a thousandth of the tolerances, because impacts amplify errors. Near
  * the centre it is cut in proportion to d, because an error e across n turns n by e / d. It is never below

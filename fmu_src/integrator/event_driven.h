@@ -1,4 +1,4 @@
-/* Event-driven integration of contact pairs, segment by segment (segment/segment.h). */
+/* Event-driven integration of contact pairs, segment by segment (touch/segment.h). */
 #ifndef CONTACT_INTEGRATOR_EVENT_DRIVEN_H
 #define CONTACT_INTEGRATOR_EVENT_DRIVEN_H
 

@@ -1,10 +1,499 @@
-#include "integrator/general.h"
-
+/* Terminal events of the general segment. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
-#include "integrator/general_memory.h"
+#include "flight/flight.h"
+#include "integrator/general.h"
+#include "integrator/general_step.h"
+#include "math/compiler.h"
+#include "scene/evaluate.h"
+#include "scene/ode.h"
+
+/* An event is put where a step of its own length has it; closer than this part of the step, by its rate. */
+static const double CLOSE = 1e-6;
+
+/* A dip below zero by so many roundings of the largest value, or by the error of the polynomial, is none. */
+static const double NOISE = 64.0 * DBL_EPSILON;
+
+/* Of the error allowed: a polynomial as accurate as this is so wherever an event of what turns is, whose
+ * momenta a thousand impacts shall keep to 1e-12. */
+static const double ACCURATE_WITHIN = 1e-3;
+
+/* Each halves the length at least, or comes closer by its square. */
+enum { MOST_TRIALS = 40 };
+
+/* Newton's steps from a state that is CLOSE to the event to the event itself. */
+enum { MOST_MOVES = 4 };
+
+/*
+ * The gap of bodies that fly past each other within a step is no polynomial: d = |c| has a kink, the sharper
+ * the nearer they come. d^2 is one wherever the motion is. Of outer surfaces, in place of g = d - R,
+ *
+ *   (d^2 - R^2) / (2 R) = g (1 + g/(2 R)),   of inner ones, g = R - d,   g (1 - g/(2 R))
+ *
+ * which has the same sign, root and slope there.
+ */
+static double smooth_gap(const struct general *g, int contact, double gap)
+{
+    const struct contact_shape shape = scene_whole_shape(g->ode.values, g->state, contact);
+    const double reach = contact_reach(&shape);
+    if (contact_is_plane(&shape) || !(reach > 0.0)) {
+        return gap;
+    }
+    const double smooth = gap * fmax(1.0 + shape.side * gap / (2.0 * reach), 0.5); /* d >= 0 */
+    return isfinite(smooth) ? smooth : gap;
+}
+
+static void sample_events_at(struct general *g, double clock, int place)
+{
+    double *events = g->events[place];
+    struct scene_instant at;
+    ode_events_at(&g->ode, clock, g->y, &at, events);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        g->loads[place][j][GENERAL_FORCE] = at.normal_force[j];
+        g->loads[place][j][GENERAL_DEPTH] = -at.geometry[j].gap;
+    }
+    for (int e = 0; e < ODE_EVENTS; ++e) {
+        g->event_size[e] = fmax(g->event_size[e], fabs(events[e]));
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (g->state->contact[j].regime == (int32_t)REGIME_APART && SCENE_CONTACTS > 1) {
+            events[ODE_EVENTS_EACH * j] = smooth_gap(g, j, events[ODE_EVENTS_EACH * j]);
+        }
+    }
+}
+
+/* Event functions at the start and at all stages. */
+static void sample_events(struct general *g)
+{
+    const struct radau_step *p = &g->step;
+    memset(g->event_size, 0, sizeof g->event_size);
+    memcpy(g->y, p->y, (size_t)g->size * sizeof *g->y);
+    sample_events_at(g, p->start, 0);
+    for (int i = 0; i < p->stages->stages; ++i) {
+        radau_step_stage(p, i, g->y);
+        sample_events_at(g, p->start + p->stages->node[i] * p->length, i + 1);
+    }
+}
+
+/* Bernstein coefficients of one event function; false where it is above zero everywhere. */
+static bool may_fall(const struct general *g, int event, double of[BERNSTEIN_MOST], double *largest)
+{
+    const struct radau_stages *stages = g->step.stages;
+    const int count = stages->stages + 1;
+    bool falls = false;
+    *largest = 0.0;
+    for (int k = 0; k < count; ++k) {
+        of[k] = 0.0;
+    }
+    for (int i = 0; i < count; ++i) {
+        const double value = g->events[i][event];
+        *largest = fmax(*largest, fabs(value));
+        for (int k = 0; k < count; ++k) {
+            of[k] += stages->bernstein[i * count + k] * value;
+        }
+    }
+    of[0] = g->events[0][event];
+    of[count - 1] = g->events[count - 1][event];
+    for (int k = 0; k < count; ++k) {
+        falls = falls || !(of[k] > 0.0);
+    }
+    return falls;
+}
+
+static bool event_is_constant(const struct general *g, int event)
+{
+    for (int i = 0; i <= g->step.stages->stages; ++i) {
+        if (g->events[i][event] != g->events[0][event]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static double event_at(struct general *g, int event, double clock, const double *y)
+{
+    double all[ODE_EVENTS];
+    ode_events(&g->ode, clock, y, all);
+    return all[event];
+}
+
+/* The event function at a part of the step, of the state that the polynomial has there. */
+static double event_within(struct general *g, int event, double part)
+{
+    const struct radau_step *p = &g->step;
+    radau_step_at(p, part, g->y);
+    return event_at(g, event, p->start + part * p->length, g->y);
+}
+
+/* Parts of the step about a root, from the samples; false where the function falls between two of them
+ * only. */
+static bool enclose_root(const struct general *g, int event, double ends[2])
+{
+    const struct radau_stages *stages = g->step.stages;
+    for (int i = 1; i <= stages->stages; ++i) {
+        if (!(g->events[i][event] > 0.0)) {
+            ends[0] = i > 1 ? stages->node[i - 2] : 0.0;
+            ends[1] = stages->node[i - 1];
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The polynomial of an event function is as good as the function is smooth; the root is that of the
+ * function itself, on the polynomial of the states. By halves and secants in turn. Of two events in a step
+ * the first is the first by these. */
+static double root_within(struct general *g, int event, double part)
+{
+    double ends[2];
+    if (!enclose_root(g, event, ends)) {
+        return part;
+    }
+    double values[2] = {event_within(g, event, ends[0]), event_within(g, event, ends[1])};
+    for (int i = 0; i < MOST_TRIALS && values[0] > 0.0 && values[1] < 0.0; ++i) {
+        const double secant = ends[0] + (ends[1] - ends[0]) * values[0] / (values[0] - values[1]);
+        const double middle = 0.5 * (ends[0] + ends[1]);
+        const bool is_guess = i == 0 && part > ends[0] && part < ends[1];
+        const double next = is_guess ? part : i % 3 == 2 ? middle : secant;
+        if (!(next > ends[0] && next < ends[1])) {
+            break;
+        }
+        const double value = event_within(g, event, next);
+        const int side = value > 0.0 ? 0 : 1;
+        const double moved = fabs(next - ends[side]);
+        ends[side] = next;
+        values[side] = value;
+        if (moved <= DBL_EPSILON) {
+            break;
+        }
+    }
+    return fabs(values[0]) < fabs(values[1]) ? ends[0] : ends[1];
+}
+
+/* No root is before, by the polynomial and, where that is not the last word, by the samples. */
+static double earliest_root(const struct general *g, int event, double by_polynomial)
+{
+    double ends[2];
+    const bool enclosed = g->step.problem.turns && enclose_root(g, event, ends);
+    return enclosed ? fmin(ends[0], by_polynomial) : by_polynomial;
+}
+
+struct general_event general_first_event(struct general *g)
+{
+    struct general_event first = {(double)INFINITY, -1};
+    const int count = g->step.stages->stages + 1;
+    const double of_polynomial = g->relative * fmax(g->error_within, 1.0);
+    sample_events(g);
+    for (int e = 0; e < ODE_EVENTS; ++e) {
+        double of[BERNSTEIN_MOST];
+        double largest;
+        if (event_is_constant(g, e) || !may_fall(g, e, of, &largest)) {
+            continue;
+        }
+        const double noise = NOISE * largest + of_polynomial * g->event_size[e];
+        const struct bernstein_fall fall = bernstein_first_fall(of, count, noise);
+        if (earliest_root(g, e, fall.low) < first.part) {
+            const double by_polynomial = bernstein_root(of, count, fall);
+            const double part = g->step.problem.turns ? root_within(g, e, by_polynomial) : by_polynomial;
+            first = part < first.part ? (struct general_event){part, e} : first;
+        }
+    }
+    return first;
+}
+
+/* Rate of the event function along the polynomial [1/s], from its values about a place. */
+static double rate_at(struct general *g, int event, double part)
+{
+    const struct radau_step *p = &g->step;
+    const double apart = 0.02 * part;
+    radau_step_at(p, part - apart, g->y);
+    const double before = event_at(g, event, p->start + (part - apart) * p->length, g->y);
+    radau_step_at(p, part, g->y);
+    return (event_at(g, event, p->start + part * p->length, g->y) - before) / (apart * p->length);
+}
+
+/* How far the event is from a state, by its rate [s]. */
+static double missing_to(struct general *g, int event, double rate, double clock, const double *y)
+{
+    return rate < 0.0 ? -event_at(g, event, clock, y) / rate : 0.0;
+}
+
+/* Solves the step again for another length, from the polynomial as guess. */
+static bool solve_again(struct general *g, double length)
+{
+    struct radau_step *p = &g->step;
+    if (!radau_step_guess_again(p, p->stages, length) ||
+        !(g->fully ? radau_step_solve_fully : radau_step_solve)(p, general_newton_share(g))) {
+        return false;
+    }
+    radau_step_finish(p);
+    g->error_within = radau_step_error(p).within;
+    return true;
+}
+
+/* The state at the event, from one that is close to it. The rate is a mean over some of the step, right to a
+ * few hundredths: each time as much less is missing. The last leaves no more than rounding of the gap, so
+ * that bodies that part are apart. */
+static void move_to_event(struct general *g, int event, double rate, double *clock, double *y)
+{
+    const struct radau_problem *problem = &g->step.problem;
+    const double most = CLOSE * g->step.length;
+    for (int k = 0; k < MOST_MOVES; ++k) {
+        const double back = fmin(most, *clock - g->step.start);
+        const double missing = fmin(fmax(missing_to(g, event, rate, *clock, y), -back), most);
+        if (fabs(missing) <= DBL_EPSILON * fabs(*clock)) {
+            return;
+        }
+        problem->rates(problem->context, *clock, y, g->step.start_rates);
+        g->step.evaluations += 1;
+        for (int i = 0; i < g->size; ++i) {
+            y[i] += missing * g->step.start_rates[i];
+        }
+        *clock += missing;
+    }
+}
+
+/* A shorter step, on whose polynomial the event is looked for again; its end as `clock` and `y`. */
+static bool look_again(struct general *g, double length, struct general_event *found, double *clock,
+                       double *y)
+{
+    if (!solve_again(g, length)) {
+        return false;
+    }
+    *found = general_first_event(g);
+    radau_step_at(&g->step, 1.0, y);
+    *clock = g->step.start + length;
+    return true;
+}
+
+/* Where the polynomial is not as accurate within as at its end, a step of that length is made; the event is
+ * where the end of that has it. Until both agree it is looked for again, on the polynomial of the shorter
+ * step. Where there is no such step, as friction has no direction where the normal force ends, one of half
+ * the length comes first. */
+bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)
+{
+    struct radau_step *p = &g->step;
+    for (int i = 0; i < MOST_TRIALS && found->event >= 0; ++i) {
+        const double rate = rate_at(g, found->event, found->part);
+        const int event = found->event;
+        double length = p->length * found->part;
+        if (!(g->error_within > (g->step.problem.turns ? ACCURATE_WITHIN : 1.0))) {
+            radau_step_at(p, found->part, y);
+            *clock = p->start + length;
+            move_to_event(g, event, rate, clock, y);
+            return true;
+        }
+        if (!look_again(g, length, found, clock, y)) {
+            if (!look_again(g, 0.5 * length, found, clock, y)) {
+                return false;
+            }
+            continue;
+        }
+        const double missing = missing_to(g, event, rate, *clock, y);
+        if (fabs(missing) <= CLOSE * length) {
+            *found = (struct general_event){1.0, event};
+            move_to_event(g, event, rate, clock, y);
+            return true;
+        }
+        if (found->event < 0 && missing > 0.0 && missing < 0.1 * length &&
+            !look_again(g, length + missing, found, clock, y)) {
+            return false;
+        }
+    }
+    return found->event < 0;
+}
+
+/* Peaks of force and penetration within a step of the general segment, as the scene moves along it. */
+
+/* Bernstein coefficients of the polynomial through the values at the start and all stages. */
+static void put_coefficients(const struct general *g, int contact, int quantity, double of[BERNSTEIN_MOST])
+{
+    const struct radau_stages *stages = g->step.stages;
+    const int count = stages->stages + 1;
+    for (int k = 0; k < count; ++k) {
+        of[k] = 0.0;
+    }
+    for (int i = 0; i < count; ++i) {
+        const double value = g->loads[i][contact][quantity];
+        for (int k = 0; k < count; ++k) {
+            of[k] += stages->bernstein[i * count + k] * value;
+        }
+    }
+}
+
+void general_set_peaks(struct general *g)
+{
+    for (int j = 0; j < SCENE_CONTACTS && g->step.problem.turns; ++j) {
+        for (int i = 0; i < GENERAL_LOADS && g->state->contact[j].regime != REGIME_APART; ++i) {
+            put_coefficients(g, j, i, g->peaks[j][i]);
+        }
+    }
+}
+
+/* The largest coefficient between two parts of the step, which no value there exceeds. */
+static double bound_between(const struct general *g, int contact, int quantity, double from, double to)
+{
+    const int count = g->step.stages->stages + 1;
+    double of[BERNSTEIN_MOST];
+    double most = -(double)INFINITY;
+    memcpy(of, g->peaks[contact][quantity], sizeof of);
+    bernstein_restrict(of, count, from, to);
+    for (int i = 0; i < count; ++i) {
+        most = fmax(most, of[i]);
+    }
+    return most;
+}
+
+/* Whether between the start of the part and its end, the present, nothing is larger than what has been noted
+ * or is at the present, but for what the error of a step allows. */
+static bool is_known(const struct general *g, const struct scene_state *q, const struct scene_instant *at,
+                     int contact, double from)
+{
+    const struct radau_step *p = &g->step;
+    const struct contact_peaks *noted = &q->contact[contact].peaks;
+    const struct contact_geometry *now = &at->geometry[contact];
+    const struct contact_law law = scene_contact_law(g->ode.values, q, contact);
+    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const double by_gap = fabs(contact_force_slopes(&law, regime, now->gap, now->gap_rate).by_gap);
+    const double rounding = rounding_of_gap(g->ode.values, at, contact);
+    const double first = (from - p->start) / p->length;
+    const double last = fmin((q->clock - p->start) / p->length, 1.0);
+    const double worth = 1.0 + fmax(g->relative, DENSE_OUTPUT_WORTH_A_SEARCH);
+    const double force = worth * noted->force + by_gap * rounding;
+    const double depth = worth * noted->penetration + rounding;
+    const struct contact_shape shape = scene_contact_shape(g->ode.values, q, contact);
+    const bool may_pass_centre = shape.side > 0 && 2.0 * depth > contact_reach(&shape);
+    return !may_pass_centre && bound_between(g, contact, GENERAL_FORCE, first, last) <= force &&
+           bound_between(g, contact, GENERAL_DEPTH, first, last) <= depth;
+}
+
+/* A step of twelve stages is five radians of an oscillation at most: parts of less than half a turn. */
+static void look_for_peaks(struct general *g, struct scene_state *q, int contact, double from)
+{
+    struct scene_output *output = &g->output[contact];
+    const double part = g->step.problem.turns ? fmin((q->clock - from) / g->step.length, 1.0) : 1.0;
+    const int parts = (int)ceil(part * g->step.stages->stages / 3);
+    if (g->step.problem.turns) {
+        output->output.count = 0; /* the last call may not have looked */
+        output->output.latest_s = -1.0;
+    }
+    output->values = g->ode.values;
+    output->state = q;
+    scene_output_note_peaks(output, from, q->clock, parts, &q->contact[contact].peaks);
+    scene_output_add_torque(output, from, q->clock, parts, q);
+}
+
+/* From a clock within the step to the present. */
+static void note_peaks_within(struct general *g, struct scene_state *q, double from)
+{
+    struct scene_instant at;
+    const bool turns = g->step.problem.turns;
+    if (!(q->clock > from)) {
+        return;
+    }
+    if (turns) {
+        scene_now(g->ode.values, q, &at);
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].regime == REGIME_APART) {
+            continue;
+        }
+        if (turns) {
+            contact_peaks_note(&q->contact[j].peaks, at.normal_force[j], -at.geometry[j].gap);
+        }
+        if (!turns || !is_known(g, q, &at, j, from)) {
+            look_for_peaks(g, q, j, from);
+        }
+    }
+}
+
+void general_move_scene(struct general *g, struct scene_state *q, double clock, const double *y)
+{
+    const double from = q->clock;
+    ode_unpack(g->ode.values, q, y);
+    q->clock = clock;
+    flight_restore(g->ode.values, q);
+    note_peaks_within(g, q, from);
+}
+
+/* Steps of the general segment that go on beyond a communication point: the motion is read there on the
+ * step's polynomial, which the state of motion keeps. */
+
+#if SCENE_ANY_TURNING
+
+void general_keep_step(const struct general *g, struct scene_state *q)
+{
+    const struct radau_step *p = &g->step;
+    struct unfinished_step *kept = &q->unfinished;
+    const size_t bytes = (size_t)g->size * sizeof(double);
+    kept->start = p->start;
+    kept->length = p->length;
+    kept->end = g->end.clock;
+    kept->solvable = g->solvable;
+    kept->simple = g->simple;
+    kept->stages = p->stages->stages;
+    kept->event = g->end.event.event;
+    memcpy(kept->at_start, p->y, bytes);
+    memcpy(kept->at_end, g->end.y, bytes);
+    memcpy(kept->weight, p->weight, bytes);
+    memcpy(kept->peaks, g->peaks, sizeof kept->peaks);
+    for (int k = 0; k <= p->stages->stages; ++k) {
+        memcpy(kept->chebyshev[k], p->chebyshev + k * p->stride, bytes);
+    }
+    kept->present = q->clock;
+    q->integrator_fresh = 0;
+}
+
+bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q)
+{
+    const struct unfinished_step *kept = &q->unfinished;
+    const size_t bytes = (size_t)g->size * sizeof(double);
+    if (!scene_turns(v) || q->integrator_fresh || q->clock != kept->present) {
+        return false;
+    }
+    general_attach(g, v, q);
+    g->solvable = kept->solvable;
+    g->simple = kept->simple;
+    g->end.clock = kept->end;
+    g->end.event = (struct general_event){1.0, kept->event};
+    memcpy(g->end.y, kept->at_end, bytes);
+    memcpy(g->step.weight, kept->weight, bytes);
+    memcpy(g->peaks, kept->peaks, sizeof g->peaks);
+    radau_step_take_over(&g->step, kept->start, kept->length, kept->at_start, kept->stages,
+                         kept->chebyshev[0], ODE_MOST_STATES);
+    return true;
+}
+
+void general_follow(struct general *g, struct scene_state *q, double clock)
+{
+    radau_step_at(&g->step, (clock - g->step.start) / g->step.length, g->y);
+    general_move_scene(g, q, clock, g->y);
+    q->unfinished.present = clock;
+    q->integrator_fresh = 0;
+}
+
+#else
+
+bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q)
+{
+    (void)g, (void)v, (void)q;
+    return false;
+}
+
+void general_keep_step(const struct general *g, struct scene_state *q)
+{
+    (void)g, (void)q;
+}
+
+void general_follow(struct general *g, struct scene_state *q, double clock)
+{
+    (void)g, (void)q, (void)clock;
+}
+
+#endif
 
 /* What a step may take of the tolerances: as much as the other segments (integrator/event_driven.c), because
  * impacts multiply errors; not less than what rounding leaves of a step and its events. */
@@ -146,4 +635,197 @@ void general_start(struct general *g, const struct scene_values *v, struct scene
 #if SCENE_ANY_HERTZ
     g->longest = fmin(g->longest, general_length_of_impacts(v, q, &at));
 #endif
+}
+
+/* The general segment from one clock to another: step by step, up to an event or within a step. */
+
+/* Whether a contact ends as the gap opens, not as the source passes an end of its cylinder. */
+static bool parts_at_gap(const struct general *g, const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    const double beyond = scene_beyond_ends(&shape, &at->geometry[contact]);
+    const double gap = fabs(at->geometry[contact].gap);
+    return gap <= 4.0 * g->ode.gap_offset[contact] || (scene_turns(v) && gap <= fabs(beyond));
+}
+
+/* Moves free bodies as far as the gap is from zero, along their velocities: a shift along the normal
+ * would change the angular momentum by as much at every impact. Only over what is rounding of the clock, or
+ * of a second where a phase has just begun. */
+static void go_back_to_gap(const struct scene_values *v, struct scene_state *q,
+                           const struct scene_instant *at, int contact)
+{
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double since = g->gap / g->gap_rate;
+    if (!(g->gap_rate > 0.0) || !(fabs(since) <= 64.0 * DBL_EPSILON * fmax(fabs(q->clock), 1.0))) {
+        return;
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            q->body[i].moved = vec3_axpy(q->body[i].moved, -since, q->body[i].velocity);
+        }
+    }
+}
+
+/* The error allowed in a step is that of a speed, too. */
+static void tidy_end(struct general *g, const struct scene_values *v, struct scene_state *q,
+                     const struct advance *step)
+{
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    if (step->regime == REGIME_APART && parts_at_gap(g, v, q, &at, step->contact)) {
+        const double speed = vec3_norm(at.rate[step->contact]);
+        if (scene_turns(v)) {
+            go_back_to_gap(v, q, &at, step->contact);
+        }
+        projection_close_gap(v, q, step->contact);
+        projection_restore_energy(v, q, step->contact, g->relative * speed + g->absolute);
+    }
+    q->contact[step->contact].schedule.settled_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
+}
+
+/* Contacts that end, or begin, at almost the same time: when the first has ended the phase, the second may
+ * already be past its root by more than the offset. So may the end of a contact whose friction has just
+ * changed. */
+static bool has_passed_event(struct general *g, const struct scene_values *v, struct scene_state *q,
+                             struct advance *step)
+{
+    double events[ODE_EVENTS];
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    ode_events(&g->ode, q->clock, g->step.y, events);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const bool leaves = (q->contact[j].regime == REGIME_APART) == (at.geometry[j].gap_rate < 0.0);
+        if (events[ODE_EVENTS_EACH * j] < 0.0 && leaves) {
+            step->contact = j;
+            step->event = ODE_EVENT_GAP;
+            step->regime = ode_regime_after(v, q, j, 0);
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A step up to its end or its first event. Where no step can be made to end at an event, one of half the way
+ * to it comes first, and so on until the event is within the rounding of the clock. */
+static enum advance_result make_step(struct general *g, const struct scene_state *q, struct advance *step)
+{
+    struct general_end *end = &g->end;
+    const double left = step->clock_end - q->clock;
+    /* what does not turn stops at the end, as no state keeps its steps; so does what rounding decides */
+    const double most =
+        g->step.problem.turns && g->read_share <= 1.0 ? fmax(step->clock_limit - q->clock, left) : left;
+    double longest = (double)INFINITY;
+#if SCENE_ANY_FRICTION
+    if (g->step.problem.turns) {
+        g->longest = fmin(g->longest, general_length_of_sliding(g->ode.values, q));
+    }
+#endif
+    for (;;) {
+        if (!general_step_make(g, fmin(most, longest), left, &step->budget)) {
+            return step->budget > 0 ? ADVANCE_FAILED : ADVANCE_STEP_LIMIT;
+        }
+        const struct general_event first = general_first_event(g);
+        const double until = first.part * g->step.length;
+        end->event = first;
+        end->clock = g->step.length == left ? step->clock_end : q->clock + g->step.length;
+        if (first.event < 0) {
+            radau_step_at(&g->step, 1.0, end->y);
+            return ADVANCE_REACHED;
+        }
+        if (general_end_at(g, &end->event, &end->clock, end->y)) {
+            return ADVANCE_REACHED;
+        }
+        ode_pack(&g->ode, end->y);
+        general_begin(g, q->clock, end->y);
+        if (!(q->clock + 0.5 * until > q->clock)) {
+            end->event = first;
+            end->clock = q->clock;
+            return ADVANCE_REACHED;
+        }
+        longest = 0.5 * until;
+        step->budget += 1; /* the way is halved fifty times at most */
+    }
+}
+
+/* To the end of the step, and what ends it. */
+static enum advance_result end_step(struct general *g, const struct scene_values *v, struct scene_state *q,
+                                    struct advance *step)
+{
+    const struct general_end *end = &g->end;
+    general_move_scene(g, q, end->clock, end->y);
+    if (end->event.event >= 0) {
+        step->contact = end->event.event / ODE_EVENTS_EACH;
+        step->event = end->event.event % ODE_EVENTS_EACH;
+        step->regime = step->event > ODE_EVENT_LAW ? (enum contact_regime)q->contact[step->contact].regime
+                                                   : ode_regime_after(v, q, step->contact, step->event);
+        tidy_end(g, v, q, step);
+        return ADVANCE_EVENT;
+    }
+    if (q->clock < step->clock_end) {
+        general_begin(g, q->clock, end->y);
+    }
+    return ADVANCE_REACHED;
+}
+
+/* The step that the last call has left unfinished, up to its end. */
+static enum advance_result finish_step(struct general *g, const struct scene_values *v, struct scene_state *q,
+                                       struct advance *step)
+{
+    struct scene_instant at;
+    general_set_events(g, &at);
+    return end_step(g, v, q, step);
+}
+
+static enum advance_result make_steps(struct general *g, const struct scene_values *v, struct scene_state *q,
+                                      struct advance *step)
+{
+    enum advance_result result = ADVANCE_REACHED;
+    while (result == ADVANCE_REACHED && q->clock < step->clock_end) {
+        result = make_step(g, q, step);
+        if (result != ADVANCE_REACHED) {
+            return result;
+        }
+        counter_add(&q->counters.steps, 1);
+        general_set_peaks(g);
+        if (g->end.clock > step->clock_end) {
+            general_keep_step(g, q);
+            general_follow(g, q, step->clock_end);
+            return ADVANCE_REACHED;
+        }
+        result = end_step(g, v, q, step);
+    }
+    if (result == ADVANCE_REACHED && g->step.problem.turns) {
+        general_keep_step(g, q); /* the next one goes on from its polynomial */
+    }
+    return result;
+}
+
+/* Not inline: what does not turn or rub passes by its caller, and is faster where that stays small. */
+CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const struct scene_values *v,
+                                                     struct scene_state *q, struct advance *step)
+{
+    enum advance_result result = ADVANCE_REACHED;
+    g->step.evaluations = 0;
+    g->rejected = 0;
+    if (general_take_up(g, v, q)) {
+        if (g->end.clock > step->clock_end) {
+            general_follow(g, q, step->clock_end);
+            return ADVANCE_REACHED;
+        }
+        result = finish_step(g, v, q, step);
+    } else {
+        general_start(g, v, q);
+        if ((SCENE_CONTACTS > 1 || scene_turns(v)) && has_passed_event(g, v, q, step)) {
+            result = ADVANCE_EVENT;
+        }
+    }
+    q->integrator_fresh = 1;
+    if (result == ADVANCE_REACHED) {
+        result = make_steps(g, v, q, step);
+    }
+    q->general_length = isfinite(g->longest) ? g->longest : 0.0;
+    counter_add(&q->counters.force_evaluations, g->step.evaluations);
+    counter_add(&q->counters.rejected_steps, g->rejected);
+    return result;
 }

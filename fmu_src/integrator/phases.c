@@ -3,15 +3,14 @@
 #include <float.h>
 #include <stdio.h>
 
+#include "flight/flight.h"
 #include "integrator/cvode.h"
 #include "integrator/event_driven.h"
 #include "integrator/general.h"
+#include "integrator/prediction.h"
 #include "integrator/prescribed.h"
+#include "scene/evaluate.h"
 #include "scene/present.h"
-#include "scene/rounding.h"
-#include "segment/flight.h"
-#include "segment/flight_apart.h"
-#include "segment/outlook.h"
 
 bool integrator_open(struct integrator *s, const struct scene_values *v,
                      const struct integrator_memory *memory)

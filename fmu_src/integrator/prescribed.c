@@ -2,11 +2,11 @@
 
 #include <float.h>
 
-#include "math/gauss.h"
-#include "scene/energy.h"
-#include "scene/rounding.h"
-#include "segment/regime_change.h"
-#include "segment/scene_output.h"
+#include "integrator/prediction.h"
+#include "math/nodes.h"
+#include "scene/dense_output.h"
+#include "scene/evaluate.h"
+#include "scene/present.h"
 
 /* Impulses, dissipated energy, external work; after these, which decide on the panels, impulses of the torque
  * on a destination that has an axis. */

@@ -70,4 +70,8 @@ typedef double double2;
 enum { LANES = 1 };
 #endif
 
+/* The ratio of a circle's circumference to its diameter, rounded to double; C11 itself names none. */
+
+static const double PI = 3.141592653589793;
+
 #endif

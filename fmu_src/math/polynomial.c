@@ -1,9 +1,10 @@
-#include "math/polynomial.h"
-
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
+#include <string.h>
 
-#include "math/root.h"
+#include "math/compiler.h"
+#include "math/polynomial.h"
 
 double polynomial_at(const struct polynomial *p, double s)
 {
@@ -141,4 +142,272 @@ int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_
         count = roots_between(&chain[i], extrema, count, roots);
     }
     return count;
+}
+
+/* Longest step, relative to s, after which convergence is predicted instead of tested. */
+static const double SHORT_STEP = 1e-6;
+
+/*
+ * Whether `next` is the root to rounding, so that the function need not be evaluated there. Newton's step
+ * misses the root by curvature step^2 / (2 slope), and by the error of the slope, estimated from the secant.
+ * Both must be below rounding. False while there is no earlier point (NaN).
+ */
+static bool is_the_last(struct root_bracket_end now, struct root_bracket_end before, double next)
+{
+    const double step = next - now.s;
+    const double length = now.s - before.s;
+    const double bend = (now.slope - before.slope) / length;
+    const double slope_error = (now.value - before.value) / length - 0.5 * (now.slope + before.slope);
+    return fabs(step) <= SHORT_STEP * next &&
+           fabs(bend * step * step) + fabs(slope_error * step) <= 0.25 * DBL_EPSILON * fabs(now.slope * next);
+}
+
+static double root_from(root_function *f, const void *data, double low, double high, double rising, double s)
+{
+    struct root_bracket_end before = {(double)NAN, (double)NAN, (double)NAN};
+    /* Bisection alone would need about 1100 halvings to reach the smallest double, Newton a handful of
+     * steps. */
+    for (int i = 0; i < 1200; ++i) {
+        struct root_bracket_end now = {.s = s};
+        f(data, s, &now.value, &now.slope);
+        if (now.value == 0.0) {
+            return s;
+        }
+        if (rising * now.value < 0.0) {
+            low = s;
+        } else {
+            high = s;
+        }
+        double next = s - now.value / now.slope;
+        if (fabs(next - s) <= DBL_EPSILON * s) {
+            return s; /* converged; s is now an end of the bracket, so bisection would leave it */
+        }
+        if (!(next > low && next < high)) {
+            next = 0.5 * (low + high);
+        } else if (is_the_last(now, before, next)) {
+            return next;
+        }
+        if (next <= low || next >= high) {
+            return next;
+        }
+        before = now;
+        s = next;
+    }
+    return s;
+}
+
+double root_in_bracket(root_function *f, const void *data, double low, double high)
+{
+    double value;
+    double slope;
+    f(data, low, &value, &slope);
+    return root_from(f, data, low, high, value < 0.0 ? 1.0 : -1.0, 0.5 * (low + high));
+}
+
+/* Between two extrema, as of an oscillation: half a cosine. */
+static double guess_between_extrema(struct root_bracket_end low, struct root_bracket_end high)
+{
+    const double mean = (low.value + high.value) / (high.value - low.value);
+    return low.s + acos(mean) / PI * (high.s - low.s);
+}
+
+/* A few steps of Newton's method from the secant, as long as they stay inside. */
+static double guess_by_cubic(struct root_bracket_end low, struct root_bracket_end high)
+{
+    const double length = high.s - low.s;
+    const double slope = length * low.slope;
+    const double rise = high.value - low.value;
+    const double third = length * (low.slope + high.slope) - 2.0 * rise;
+    const double second = rise - slope - third;
+    double x = -low.value / rise;
+    for (int i = 0; i < 3; ++i) {
+        const double value = low.value + x * (slope + x * (second + x * third));
+        const double next = x - value / (slope + x * (2.0 * second + 3.0 * x * third));
+        if (!(next > 0.0 && next < 1.0)) {
+            break;
+        }
+        x = next;
+    }
+    return low.s + x * length;
+}
+
+double root_guess(struct root_bracket_end low, struct root_bracket_end high)
+{
+    const bool extrema = low.slope == 0.0 && high.slope == 0.0;
+    const double guess = extrema ? guess_between_extrema(low, high) : guess_by_cubic(low, high);
+    return guess > low.s && guess < high.s ? guess : 0.5 * (low.s + high.s);
+}
+
+double root_between(root_function *f, const void *data, struct root_bracket_end low,
+                    struct root_bracket_end high)
+{
+    return root_from(f, data, low.s, high.s, low.value < 0.0 ? 1.0 : -1.0, root_guess(low, high));
+}
+
+bool root_may_dip(const struct root_place place[3])
+{
+    const double left = place[1].s - place[0].s;
+    const double right = place[2].s - place[1].s;
+    const double value = place[1].value;
+    const double fall = (value - place[0].value) / left;
+    const double rise = (place[2].value - value) / right;
+    if (!(value > 0.0 && fall < 0.0 && rise > 0.0)) {
+        return false;
+    }
+    const double bend = (rise - fall) / (left + right);
+    const double slope = (fall * right + rise * left) / (left + right);
+    return 0.25 * slope * slope / bend > 0.5 * value;
+}
+
+double root_lowest(root_function *f, const void *data, const struct root_place place[3])
+{
+    enum { SECTIONS = 80 };                   /* each leaves 0.62 of the bracket before: down to rounding */
+    const double golden = 0.3819660112501051; /* (3 - sqrt(5)) / 2 */
+    struct root_place low = place[1];
+    double from = place[0].s;
+    double to = place[2].s;
+    for (int i = 0; i < SECTIONS && low.value > 0.0; ++i) {
+        const bool later = to - low.s > low.s - from;
+        struct root_place trial = {.s = low.s + golden * (later ? to - low.s : from - low.s)};
+        double slope;
+        f(data, trial.s, &trial.value, &slope);
+        const bool lower = trial.value < low.value;
+        *(lower == later ? &from : &to) = lower ? low.s : trial.s;
+        low = lower ? trial : low;
+    }
+    return low.s;
+}
+
+/* Halvings, after which two places are not told apart. */
+enum { DEPTH = 40 };
+
+/* The polynomial on one part of [0, 1]. */
+struct part {
+    double low, width;
+    double of[BERNSTEIN_MOST];
+};
+
+/* By de Casteljau's scheme: `left` becomes the first half of it, what it returns is the second. */
+static struct part split(struct part *left, int count)
+{
+    struct part right = {left->low + 0.5 * left->width, 0.5 * left->width, {0.0}};
+    double row[BERNSTEIN_MOST];
+    memcpy(row, left->of, (size_t)count * sizeof *row);
+    left->width *= 0.5;
+    for (int k = 0; k < count; ++k) {
+        left->of[k] = row[0];
+        right.of[count - 1 - k] = row[count - 1 - k];
+        for (int i = 0; i + 1 < count - k; ++i) {
+            row[i] = 0.5 * (row[i] + row[i + 1]);
+        }
+    }
+    return right;
+}
+
+/* Changes of sign among the coefficients: as many as there are roots, or more by an even number
+ * (Descartes). */
+static int changes_of_sign(const double *of, int count)
+{
+    int changes = 0;
+    for (int i = 1; i < count; ++i) {
+        changes += (of[i - 1] > 0.0) != (of[i] > 0.0);
+    }
+    return changes;
+}
+
+/* The first fall through zero of the polynomial and an offset. */
+static struct bernstein_fall first_fall_of_sum(const double *coefficients, int count, double offset)
+{
+    struct part open[DEPTH + 1]; /* still to be looked at, the first part last */
+    int last = 0;
+    open[0] = (struct part){.low = 0.0, .width = 1.0};
+    for (int i = 0; i < count; ++i) {
+        open[0].of[i] = coefficients[i] + offset;
+    }
+    while (last >= 0) {
+        struct part *now = &open[last];
+        const int changes = changes_of_sign(now->of, count);
+        const bool falls = now->of[0] > 0.0 && !(now->of[count - 1] > 0.0);
+        const bool none = changes == 0 || (changes == 1 && !falls);
+        if (!none && (changes == 1 || (last == DEPTH && falls))) {
+            return (struct bernstein_fall){now->low, now->low + now->width, offset};
+        }
+        if (none || last == DEPTH) {
+            last -= 1;
+        } else {
+            const struct part right = split(now, count);
+            open[last + 1] = *now;
+            open[last] = right;
+            last += 1;
+        }
+    }
+    return (struct bernstein_fall){(double)INFINITY, (double)INFINITY, offset};
+}
+
+struct bernstein_fall bernstein_first_fall(const double *coefficients, int count, double noise)
+{
+    const struct bernstein_fall deep = first_fall_of_sum(coefficients, count, noise);
+    const bool stays = coefficients[0] > 0.0 && !(coefficients[count - 1] > 0.0);
+    return stays && !(deep.low < (double)INFINITY) ? first_fall_of_sum(coefficients, count, 0.0) : deep;
+}
+
+double bernstein_at(const double *coefficients, int count, double place)
+{
+    double row[BERNSTEIN_MOST];
+    memcpy(row, coefficients, (size_t)count * sizeof *row);
+    for (int k = count - 1; k > 0; --k) {
+        for (int i = 0; i < k; ++i) {
+            row[i] += place * (row[i + 1] - row[i]);
+        }
+    }
+    return row[0];
+}
+
+/* Two places this close, as a part of the farther one, are not told apart. */
+static const double CLOSEST = 1e-15;
+
+/* The Illinois method: a false position that stays on one side is halved. Where the secant rounds to an end
+ * of the bracket, as that of a straight line does, the next place is one rounding farther in: only that
+ * tells on which side of it the root is. */
+double bernstein_root(const double *coefficients, int count, struct bernstein_fall fall)
+{
+    double low = fall.low;
+    double high = fall.high;
+    double above = bernstein_at(coefficients, count, low) + fall.offset;
+    double below = bernstein_at(coefficients, count, high) + fall.offset;
+    int side = 0;
+    for (int i = 0; i < 100 && high - low > CLOSEST * high && above > 0.0 && below < 0.0; ++i) {
+        const double closest = 0.5 * CLOSEST * high;
+        const double secant = low + (high - low) * (above / (above - below));
+        const double middle = fmin(fmax(secant, low + closest), high - closest);
+        const double value = bernstein_at(coefficients, count, middle) + fall.offset;
+        if (value > 0.0) {
+            low = middle;
+            above = value;
+            below *= side > 0 ? 0.5 : 1.0;
+            side = 1;
+        } else {
+            high = middle;
+            below = value;
+            above *= side < 0 ? 0.5 : 1.0;
+            side = -1;
+        }
+    }
+    return high;
+}
+
+/* By de Casteljau's scheme, first up to `to`, then from `from` on. */
+void bernstein_restrict(double *coefficients, int count, double from, double to)
+{
+    const double start = to > 0.0 ? from / to : 0.0;
+    for (int k = 1; k < count; ++k) {
+        for (int i = count - 1; i >= k; --i) {
+            coefficients[i] = (1.0 - to) * coefficients[i - 1] + to * coefficients[i];
+        }
+    }
+    for (int k = 1; k < count; ++k) {
+        for (int i = 0; i + k < count; ++i) {
+            coefficients[i] = (1.0 - start) * coefficients[i] + start * coefficients[i + 1];
+        }
+    }
 }

@@ -2,6 +2,8 @@
 #ifndef CONTACT_MATH_POLYNOMIAL_H
 #define CONTACT_MATH_POLYNOMIAL_H
 
+#include <stdbool.h>
+
 /* |c(t)|^2 has degree 8 for motion of degree 4; the law's zero-force condition squares it once more. */
 enum { POLYNOMIAL_MAX_DEGREE = 16 };
 
@@ -26,5 +28,61 @@ struct polynomial polynomial_multiply(const struct polynomial *a, const struct p
  * without a change of sign are not reported. Each root is exact to the rounding of p.
  */
 int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_MAX_DEGREE]);
+
+/* One root of a smooth function inside a bracket on which it is monotone and changes sign. */
+
+/* Writes f(s) and f'(s) for the function that `data` describes. */
+typedef void root_function(const void *data, double s, double *value, double *slope);
+
+/* Newton's method kept inside [low, high], 0 <= low < high, by bisection; exact to the rounding of f or of
+ * s. */
+double root_in_bracket(root_function *f, const void *data, double low, double high);
+
+/* An end of a bracket with what is known there. */
+struct root_bracket_end {
+    double s, value, slope;
+};
+
+/* A first guess of the root: of the cubic through both ends, or of half a cosine where both ends are
+ * extrema. */
+double root_guess(struct root_bracket_end low, struct root_bracket_end high);
+
+/* The root where f is known at both ends, other than zero at the first. */
+double root_between(root_function *f, const void *data, struct root_bracket_end low,
+                    struct root_bracket_end high);
+
+/* A place and the value there. */
+struct root_place {
+    double s, value;
+};
+
+/* Whether a function that is positive at three ascending places, and lowest at the second, may fall below
+ * zero about it: where the parabola through the three falls by at least half of that value. */
+bool root_may_dip(const struct root_place place[3]);
+
+/* Then where it is lowest between the first and the third, by golden sections, or below zero. */
+double root_lowest(root_function *f, const void *data, const struct root_place place[3]);
+
+/* Where a polynomial, given by its Bernstein coefficients on [0, 1], first falls through zero. */
+
+enum { BERNSTEIN_MOST = 13 }; /* coefficients */
+
+/* A bracket of that place, in which the polynomial and `offset` have no other change of sign; low =
+ * INFINITY: it falls nowhere. */
+struct bernstein_fall {
+    double low, high, offset;
+};
+
+/* What is known of the polynomial is known to `noise`: a dip below zero that is not deeper is none, a deeper
+ * one begins where it passes that; unless the end is not above zero. */
+struct bernstein_fall bernstein_first_fall(const double *coefficients, int count, double noise);
+
+/* The place itself, to rounding. */
+double bernstein_root(const double *coefficients, int count, struct bernstein_fall fall);
+
+/* Makes them those of the polynomial between two places of [0, 1]. */
+void bernstein_restrict(double *coefficients, int count, double from, double to);
+
+double bernstein_at(const double *coefficients, int count, double place);
 
 #endif

@@ -1,11 +1,81 @@
-#include "math/radau_step.h"
-
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
 #include "math/compiler.h"
-#include "math/radau_rows.h"
+#include "math/nodes.h"
+#include "math/radau_step.h"
+
+/* Rows of numbers as radau_step.c and radau_solve.c keep them. */
+
+/* Rows end with at least one zero and are so many numbers long, for loops that take some at a time. */
+enum { RADAU_ROW_BLOCK = 4 };
+
+static inline int radau_padded(int count)
+{
+    return (count / RADAU_ROW_BLOCK + 1) * RADAU_ROW_BLOCK;
+}
+
+/* A row of a table times the rows of `from`. */
+static inline void radau_combine(double *restrict to, const double *row, int count, const double *from,
+                                 int stride, int width)
+{
+    for (int i = 0; i < width; i += 2 * LANES) {
+        double2 low = {0.0};
+        double2 high = {0.0};
+        for (int j = 0; j < count; ++j) {
+            low += double2_at(from + j * stride, i) * row[j];
+            high += double2_at(from + j * stride, i + LANES) * row[j];
+        }
+        double2_put(to, i, low);
+        double2_put(to, i + LANES, high);
+    }
+}
+
+/* Chebyshev polynomials at a part of the step, by their recurrence. */
+static inline void radau_polynomials_at(int count, double part, double *of)
+{
+    const double x = 2.0 * part - 1.0;
+    of[0] = 1.0;
+    of[1] = x;
+    for (int k = 2; k < count; ++k) {
+        of[k] = 2.0 * x * of[k - 1] - of[k - 2];
+    }
+}
+
+/* Of a row of all forces, for loops that take four at a time: columns of the matrix are as much longer than
+ * its rows, which are a multiple of the stages. */
+static inline int radau_padded_forces(const struct radau_problem *problem)
+{
+    return (problem->forces + 2 * LANES - 1) / (2 * LANES) * (2 * LANES);
+}
+
+/* The product of two rows. */
+static inline double radau_product(const double *a, const double *b, int count)
+{
+    double sum = 0.0;
+    for (int i = 0; i < count; ++i) {
+        sum += a[i] * b[i];
+    }
+    return sum;
+}
+
+/* radau_step.c: the parts of p->jacobian that are kept as by_others and by_places. */
+static void radau_take_jacobian(const struct radau_step *p, double *by_others, double *by_places);
+
+/* radau_solve.c: what follows for the places, h A times their speeds; the residual h f - A^-1 change. */
+static void radau_move_places(struct radau_step *p);
+static void radau_evaluate_residual(struct radau_step *p);
+
+/* radau_full.c: p->stage_others and p->stage_places at what is known of a stage. */
+static void radau_take_stage_jacobian(struct radau_step *p, int stage);
+
+/* radau_forces.c: factors of the system of the forces at what is known of the stages, false where there are
+ * none. radau_forces_correct.c: changes of the states left by the residual, into p->side. */
+static size_t radau_forces_memory(const struct radau_problem *problem);
+static void radau_forces_place(struct radau_step *p, double *memory);
+static bool radau_forces_factor(struct radau_step *p);
+static void radau_forces_correct(struct radau_step *p);
 
 /* Of a quaternion: as many turn it by ten radians. */
 enum { MOST_SWEEPS = 60 };
@@ -98,7 +168,7 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     }
 }
 
-void radau_take_jacobian(const struct radau_step *p, double *by_others, double *by_places)
+static void radau_take_jacobian(const struct radau_step *p, double *by_others, double *by_places)
 {
     const struct radau_problem *problem = &p->problem;
     const int m = p->others;
@@ -257,4 +327,889 @@ struct radau_error radau_step_error(const struct radau_step *p)
     }
     const double ratio = before > 0.0 ? fmin(last / before, 1.0) : 0.0;
     return (struct radau_error){last * pow(ratio, DECREASE_WITHIN), last * pow(ratio, DECREASE_AT_END)};
+}
+
+/* First guesses of a step that is solved with the Jacobian at every stage (math/radau_step.c). */
+
+static void guess_steady(struct radau_step *p)
+{
+    memset(p->others_change, 0, (size_t)(p->stages->stages * p->width) * sizeof(double));
+    for (int i = 0; i < p->stages->stages; ++i) {
+        for (int j = 0; j < p->others; ++j) {
+            p->others_change[i * p->width + j] = p->length * p->stages->node[i] * p->start_rates[p->other[j]];
+        }
+    }
+}
+
+/* Up to which coefficient the last polynomial is worth its while at a part of its step: the contributions
+ * of later ones grow. */
+static int coefficients_worth(const struct radau_step *p, const double *of)
+{
+    int best = 1;
+    double least = (double)INFINITY;
+    for (int k = 1; k <= p->known_stages; ++k) {
+        double largest = 0.0;
+        for (int j = 0; j < p->others; ++j) {
+            const int i = p->other[j];
+            largest = fmax(largest, fabs(p->chebyshev[k * p->stride + i] * of[k]) * p->weight[i]);
+        }
+        best = largest < least ? k : best;
+        least = fmin(least, largest);
+    }
+    return best + 1;
+}
+
+bool radau_step_goes_on(const struct radau_step *p)
+{
+    const double end = p->known_start + p->known_length;
+    return p->known_length > 0.0 &&
+           (p->known_start == p->start || fabs(end - p->start) <= 1e-6 * p->known_length);
+}
+
+static void guess_on(struct radau_step *p)
+{
+    double of[RADAU_MOST_STAGES + 1] = {0.0};
+    double here[RADAU_MOST_STAGES + 1] = {0.0};
+    const double begins = p->known_start == p->start ? 0.0 : 1.0;
+    const double part = p->length / p->known_length;
+    radau_polynomials_at(p->known_stages + 1, begins + part, of);
+    const int count = begins + part > 1.0 ? coefficients_worth(p, of) : p->known_stages + 1;
+    radau_polynomials_at(count, begins, here);
+    for (int i = 0; i < p->stages->stages; ++i) {
+        radau_polynomials_at(count, begins + part * p->stages->node[i], of);
+        for (int k = 0; k < count; ++k) {
+            of[k] -= here[k];
+        }
+        radau_combine(p->point, of, count, p->chebyshev, p->stride, p->stride);
+        for (int j = 0; j < p->width; ++j) {
+            p->others_change[i * p->width + j] = j < p->others ? p->point[p->other[j]] : 0.0;
+        }
+    }
+}
+
+void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length)
+{
+    p->stages = stages;
+    p->length = length;
+    if (radau_step_goes_on(p)) {
+        guess_on(p);
+    } else {
+        guess_steady(p);
+    }
+    radau_move_places(p);
+}
+
+/* What a step does not see before its first stage. */
+
+/* h (rates at the start less those of the polynomial there), of those left. */
+static void put_start_defect(struct radau_step *p)
+{
+    const int s = p->stages->stages;
+    for (int i = 0; i < p->others; ++i) {
+        const int j = p->other[i];
+        double slope = 0.0; /* T_k' = -(-1)^k k^2 there, and the step is two long */
+        for (int k = 1; k <= s; ++k) {
+            slope += (k % 2 == 0 ? -2.0 : 2.0) * k * k * p->chebyshev[k * p->stride + j];
+        }
+        p->side[i] = p->length * p->start_rates[j] - slope;
+    }
+    p->side[p->others] = 0.0;
+}
+
+/* I - h J, of those left, factored; where `by_places` is not NULL with what they feel through the places. */
+static bool factor_dying(struct radau_step *p, struct dense_matrix system, const double *by_others,
+                         const double *by_places)
+{
+    const int m = system.rows;
+    for (int column = 0; column < m; ++column) {
+        double *to = system.at + column * system.stride;
+        for (int i = 0; i < m; ++i) {
+            to[i] = (i == column ? 1.0 : 0.0) - p->length * by_others[column * m + i];
+        }
+        to[m] = 0.0;
+    }
+    for (int k = 0; k < p->problem.paired && by_places; ++k) {
+        double *to = system.at + p->speed_among[k] * system.stride;
+        for (int i = 0; i < m; ++i) {
+            to[i] -= p->length * p->length * by_places[k * m + i];
+        }
+    }
+    return dense_lu_factor(system);
+}
+
+/* What dies away is the defect less what is left of it, (1 - 1/(1 + h lambda)) of it, and leaves behind
+ * as much as it acts for, 1/(1 + h lambda) of that. */
+double radau_step_start_error(struct radau_step *p)
+{
+    const int m = p->others;
+    struct dense_matrix system = p->all;
+    system.rows = m;
+    put_start_defect(p);
+    if (!factor_dying(p, system, p->by_others, NULL)) {
+        return (double)INFINITY;
+    }
+    memcpy(p->point, p->side, (size_t)m * sizeof *p->side);
+    dense_lu_solve(system, p->side);
+    for (int i = 0; i < m; ++i) {
+        p->side[i] = p->point[i] - p->side[i];
+    }
+    dense_lu_solve(system, p->side);
+    radau_take_stage_jacobian(p, p->stages->stages - 1);
+    if (!factor_dying(p, system, p->stage_others, p->stage_places)) {
+        return (double)INFINITY;
+    }
+    dense_lu_solve(system, p->side);
+    double largest = 0.0;
+    for (int i = 0; i < m; ++i) {
+        const double size = fabs(p->side[i]) * p->weight[p->other[i]];
+        largest = size <= largest ? largest : size;
+    }
+    return largest;
+}
+
+/* Simplified Newton iterations of a step: its systems, a first guess, corrections. */
+
+/* More are dearer than two steps of half the length. */
+static const int MOST_ITERATIONS = 12;
+
+/* Corrections that shrink no faster do not get there within those. */
+static const double SLOWEST_CONTRACTION = 0.5;
+
+/* Unless they are rounding, by which they are below this part of the error allowed. */
+static const double ROUNDING_SHARE = 0.25;
+
+/* lambda - h J of those left, with what they feel through the places: those change by h/lambda of their
+ * speeds. */
+static bool factor(struct radau_step *p, const struct radau_stages *stages, double length)
+{
+    if (p->factored_length == length && p->factored_stages == stages) {
+        return true;
+    }
+    const int m = p->others;
+    const int paired = p->problem.paired;
+    p->factored_length = 0.0;
+    for (int k = 0; k < stages->stages / 2; ++k) {
+        const double re = stages->eigenvalue[2 * k];
+        const double im = stages->eigenvalue[2 * k + 1];
+        const double scale = length * length / (re * re + im * im);
+        const struct complex_matrix system = p->system[k];
+        memset(system.im, 0, (size_t)(m * system.stride) * sizeof(double));
+        memset(system.re, 0, (size_t)(m * system.stride) * sizeof(double));
+        for (int j = 0; j < m; ++j) {
+            double *column = system.re + j * system.stride;
+            for (int i = 0; i < m; ++i) {
+                column[i] = -length * p->by_others[j * m + i];
+            }
+        }
+        for (int j = 0; j < paired; ++j) {
+            double *column_re = system.re + p->speed_among[j] * system.stride;
+            double *column_im = system.im + p->speed_among[j] * system.stride;
+            for (int i = 0; i < m; ++i) {
+                column_re[i] -= scale * re * p->by_places[j * m + i];
+                column_im[i] += scale * im * p->by_places[j * m + i];
+            }
+        }
+        for (int i = 0; i < m; ++i) {
+            system.re[i * system.stride + i] += re;
+            system.im[i * system.stride + i] += im;
+        }
+        if (!complex_lu_factor(system)) {
+            return false;
+        }
+    }
+    p->factored_length = length;
+    p->factored_stages = stages;
+    return true;
+}
+
+/* One correction from p->residual; its largest entry by the weights. */
+static double correct(struct radau_step *p)
+{
+    const struct radau_stages *stages = p->stages;
+    const int s = stages->stages;
+    const int width = p->width;
+    double *parts = p->scratch; /* of the solutions: all real parts, all imaginary ones */
+    for (int k = 0; k < s / 2; ++k) {
+        double *re = parts + 2 * k * width;
+        radau_combine(re, stages->into + 2 * k * s, s, p->residual, width, width);
+        radau_combine(re + width, stages->into + (2 * k + 1) * s, s, p->residual, width, width);
+        complex_lu_solve(p->system[k], re, re + width);
+    }
+    double largest = 0.0;
+    for (int i = 0; i < s; ++i) {
+        radau_combine(p->re, stages->back + i * s, s, parts, width, width);
+        for (int j = 0; j < p->others; ++j) {
+            p->others_change[i * width + j] += p->re[j];
+            const double size = fabs(p->re[j]) * p->weight[p->other[j]];
+            largest = size <= largest ? largest : size; /* no number is larger than any */
+        }
+    }
+    return largest;
+}
+
+/* What follows for the places: h A times their speeds. */
+static void radau_move_places(struct radau_step *p)
+{
+    const struct radau_problem *problem = &p->problem;
+    const struct radau_stages *stages = p->stages;
+    const int s = stages->stages;
+    double *speeds = p->scratch;
+    const int width = radau_padded(problem->paired);
+    memset(speeds, 0, (size_t)(s * width) * sizeof(double));
+    for (int i = 0; i < s; ++i) {
+        for (int j = 0; j < problem->paired; ++j) {
+            speeds[i * width + j] =
+                p->length * (p->y[problem->speed[j]] + p->others_change[i * p->width + p->speed_among[j]]);
+        }
+    }
+    for (int i = 0; i < s; ++i) {
+        radau_combine(p->places_change + i * width, stages->integral + i * s, s, speeds, width, width);
+    }
+}
+
+bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, double length)
+{
+    p->stages = stages;
+    p->length = length;
+    if (!factor(p, stages, length)) {
+        return false;
+    }
+    memset(p->others_change, 0, (size_t)(stages->stages * p->width) * sizeof(double));
+    memset(p->residual, 0, (size_t)(stages->stages * p->width) * sizeof(double));
+    for (int i = 0; i < p->others; ++i) { /* places move on at first */
+        double moved = 0.0;
+        for (int j = 0; j < p->problem.paired; ++j) {
+            moved += p->by_places[j * p->others + i] * p->y[p->problem.speed[j]];
+        }
+        for (int k = 0; k < stages->stages; ++k) {
+            p->residual[k * p->width + i] =
+                length * (p->start_rates[p->other[i]] + stages->node[k] * length * moved);
+        }
+    }
+    const bool solved = isfinite(correct(p));
+    radau_move_places(p);
+    return solved;
+}
+
+bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *stages, double length)
+{
+    const int s = p->known_stages;
+    for (int i = 0; i < stages->stages; ++i) {
+        double of[RADAU_MOST_STAGES + 1];
+        radau_polynomials_at(s + 1, stages->node[i] * length / p->known_length, of);
+        radau_combine(p->point, of, s + 1, p->chebyshev, p->stride, p->stride);
+        for (int j = 0; j < p->width; ++j) {
+            p->others_change[i * p->width + j] = j < p->others ? p->point[p->other[j]] : 0.0;
+        }
+    }
+    p->stages = stages;
+    p->length = length;
+    radau_move_places(p);
+    return factor(p, stages, length);
+}
+
+void radau_step_stage(const struct radau_step *p, int stage, double *y)
+{
+    const struct radau_problem *problem = &p->problem;
+    const double *others = p->others_change + stage * p->width;
+    const double *places = p->places_change + stage * radau_padded(problem->paired);
+    for (int j = 0; j < p->others; ++j) {
+        y[p->other[j]] = p->y[p->other[j]] + others[j];
+    }
+    for (int j = 0; j < problem->paired; ++j) {
+        y[problem->place[j]] = p->y[problem->place[j]] + places[j];
+    }
+}
+
+/* h f - A^-1 change */
+static void radau_evaluate_residual(struct radau_step *p)
+{
+    const struct radau_problem *problem = &p->problem;
+    const int s = p->stages->stages;
+    memcpy(p->point, p->y, (size_t)problem->size * sizeof *p->point);
+    for (int i = 0; i < s; ++i) {
+        radau_step_stage(p, i, p->point);
+        problem->rates(problem->context, p->start + p->length * p->stages->node[i], p->point,
+                       p->rates + i * p->stride);
+    }
+    p->evaluations += s;
+    for (int i = 0; i < s; ++i) {
+        double *restrict to = p->residual + i * p->width;
+        const double *rates = p->rates + i * p->stride;
+        radau_combine(to, p->stages->inverse + i * s, s, p->others_change, p->width, p->width);
+        for (int j = 0; j < p->others; ++j) {
+            to[j] = p->length * rates[p->other[j]] - to[j];
+        }
+    }
+}
+
+bool radau_step_solve(struct radau_step *p, double tolerance)
+{
+    double last = 0.0;
+    p->contraction = 0.0;
+    for (p->iterations = 1; p->iterations <= MOST_ITERATIONS; ++p->iterations) {
+        radau_evaluate_residual(p);
+        const double size = correct(p);
+        radau_move_places(p);
+        if (!isfinite(size)) {
+            return false;
+        }
+        if (p->iterations > 1) {
+            p->contraction = size / last;
+        }
+        const double factor = p->iterations > 1 ? p->contraction : SLOWEST_CONTRACTION;
+        if (factor < 1.0 && factor / (1.0 - factor) * size <= tolerance) {
+            return true;
+        }
+        if (p->iterations > 2 && p->contraction > SLOWEST_CONTRACTION) {
+            return size <= ROUNDING_SHARE;
+        }
+        if (p->problem.forces > 0 && p->iterations > 2 && size > ROUNDING_SHARE &&
+            pow(factor, MOST_ITERATIONS - p->iterations) * size > tolerance) {
+            return false; /* not within as many iterations as there may be */
+        }
+        last = size;
+    }
+    return false;
+}
+
+/* Newton's method for a step with the Jacobian at every stage (math/radau_step.c), where the states are
+ * coupled by a few forces only: their changes at all stages are the unknowns of the system, of which there
+ * are fewer than of the states. What a state feels of its own kind, as the direction of a force does of the
+ * place where it acts, is left out: that is not stiff, and the iterations make up for it. */
+
+/* Doubles of memory for the parts of the Jacobians and what follows from a force. */
+static size_t radau_forces_memory(const struct radau_problem *problem)
+{
+    const size_t s = RADAU_MOST_STAGES;
+    const size_t f = (size_t)radau_padded_forces(problem);
+    const size_t n = (size_t)radau_padded(problem->coupled);
+    const size_t t = (size_t)problem->tipping;
+    return f > 0 ? 2 * n * f + s * (2 * n * f + t * n + t * f + 3 * n + f + 1) + s * s * (t * f + 1) : 0;
+}
+
+static double *take_some(double **from, int count)
+{
+    double *taken = *from;
+    *from += count;
+    return taken;
+}
+
+static void radau_forces_place(struct radau_step *p, double *memory)
+{
+    const struct radau_problem *problem = &p->problem;
+    struct radau_forces *to = &p->forces;
+    const int s = RADAU_MOST_STAGES;
+    const int f = radau_padded_forces(problem);
+    const int n = radau_padded(problem->coupled);
+    const int t = problem->tipping;
+    if (f == 0) {
+        return;
+    }
+    to->by_forces = take_some(&memory, n * f);
+    to->of_forces = take_some(&memory, n * f);
+    to->by = take_some(&memory, s * n * f);
+    to->of = take_some(&memory, s * n * f);
+    to->own = take_some(&memory, s * t * n);
+    to->row = take_some(&memory, s * t * f);
+    to->change = take_some(&memory, s * n);
+    to->places = take_some(&memory, s * n);
+    to->moved = take_some(&memory, s * n);
+    to->side = take_some(&memory, s * f + s);
+    to->tips = take_some(&memory, s * s * t * f);
+    to->twice = take_some(&memory, s * s);
+}
+
+/* The parts of the Jacobian at a stage: what a force does to the states left, a row a force; how forces
+ * depend on them and on the places, a row a state; how tipping states depend on those left, a row a
+ * state. */
+static void take_split_stage(struct radau_step *p, int stage)
+{
+    const struct radau_problem *problem = &p->problem;
+    const struct radau_forces *to = &p->forces;
+    const int n = problem->coupled;
+    const int m = p->others;
+    const int f = problem->forces;
+    const int wide = radau_padded_forces(problem);
+    memcpy(p->point, p->y, (size_t)problem->size * sizeof *p->point);
+    radau_step_stage(p, stage, p->point);
+    problem->split_jacobian(problem->context, p->start + p->length * p->stages->node[stage], p->point,
+                            p->jacobian, to->by_forces, to->of_forces);
+    p->evaluations += 1;
+    double *of = to->of + stage * n * wide;
+    memset(of, 0, (size_t)(n * wide) * sizeof *of);
+    for (int g = 0; g < f; ++g) {
+        double *by = to->by + (stage * f + g) * n;
+        for (int i = 0; i < m; ++i) {
+            by[i] = to->by_forces[g * n + p->other[i]];
+            of[i * wide + g] = to->of_forces[p->other[i] * f + g];
+        }
+        for (int k = 0; k < problem->paired; ++k) {
+            of[(m + k) * wide + g] = to->of_forces[problem->place[k] * f + g];
+        }
+    }
+    for (int r = 0; r < problem->tipping; ++r) {
+        double *own = to->own + (stage * problem->tipping + r) * n;
+        const int row = p->other[m - problem->tipping + r];
+        for (int i = 0; i < m; ++i) {
+            own[i] = p->jacobian[p->other[i] * n + row];
+        }
+    }
+}
+
+/* A^2 of the method, unless it is there. */
+static void put_twice(struct radau_step *p)
+{
+    const int s = p->stages->stages;
+    if (p->forces.twice_of == p->stages) {
+        return;
+    }
+    p->forces.twice_of = p->stages;
+    const double *once = p->stages->integral;
+    for (int i = 0; i < s; ++i) {
+        for (int j = 0; j < s; ++j) {
+            double sum = 0.0;
+            for (int k = 0; k < s; ++k) {
+                sum += once[i * s + k] * once[k * s + j];
+            }
+            p->forces.twice[i * s + j] = sum;
+        }
+    }
+}
+
+/* What tipping states at all stages follow of the forces at one: h^2 sum A_ik A_kj own_k by_j. */
+static void put_tips(struct radau_step *p, int stage)
+{
+    const struct radau_forces *to = &p->forces;
+    const int s = p->stages->stages;
+    const int n = p->problem.coupled;
+    const int f = p->problem.forces;
+    const int t = p->problem.tipping;
+    const double *once = p->stages->integral;
+    for (int k = 0; k < s; ++k) {
+        const double scale = p->length * p->length * once[k * s + stage];
+        for (int r = 0; r < t; ++r) {
+            for (int g = 0; g < f; ++g) {
+                to->row[(k * t + r) * f + g] =
+                    scale * radau_product(to->own + (k * t + r) * n, to->by + (stage * f + g) * n, p->others);
+            }
+        }
+    }
+    for (int i = 0; i < s; ++i) {
+        double *restrict tips = to->tips + (i * s + stage) * t * f;
+        memset(tips, 0, (size_t)(t * f) * sizeof *tips);
+        for (int k = 0; k < s; ++k) {
+            const double weight = once[i * s + k];
+            for (int e = 0; e < t * f; ++e) {
+                tips[e] += weight * to->row[k * t * f + e];
+            }
+        }
+    }
+}
+
+/* Four numbers from `e` on of the sum of rows `of` [count][wide], each times its own of `by`: each `apart`-th
+ * of them, or those that `among` says. */
+struct four_sums {
+    double2 low, high;
+};
+
+static inline struct four_sums sum_rows(const double *of, int wide, int e, int count, const double *by,
+                                        int apart, const int *among)
+{
+    const double2 none = {0.0};
+    struct four_sums sum = {none, none};
+    for (int k = 0; k < count; ++k) {
+        const double factor = by[among ? among[k] : k * apart];
+        sum.low += double2_at(of + k * wide, e) * factor;
+        sum.high += double2_at(of + k * wide, e + LANES) * factor;
+    }
+    return sum;
+}
+
+/* 1 - of h A by, of one pair of stages, places and tipping states included. Rows beyond the forces of a stage
+ * are those of the next one, which comes later, or behind the matrix. */
+static void put_block(struct radau_step *p, int i, int j)
+{
+    const struct radau_forces *to = &p->forces;
+    const int s = p->stages->stages;
+    const int n = p->problem.coupled;
+    const int f = p->problem.forces;
+    const int t = p->problem.tipping;
+    const int m = p->others;
+    const double once = -p->length * p->stages->integral[i * s + j];
+    const double twice = -p->length * p->length * to->twice[i * s + j];
+    const int wide = radau_padded_forces(&p->problem);
+    const double *of = to->of + i * n * wide;
+    const double *places = of + m * wide;
+    const double *tips = to->tips + (i * s + j) * t * f;
+    for (int g = 0; g < f; ++g) {
+        const double *by = to->by + (j * f + g) * n;
+        double *column = p->all.at + (j * f + g) * p->all.stride + i * f;
+        for (int e = 0; e < wide; e += 2 * LANES) {
+            const struct four_sums a = sum_rows(of, wide, e, m, by, 1, NULL);
+            const struct four_sums b = sum_rows(places, wide, e, p->problem.paired, by, 0, p->speed_among);
+            const struct four_sums c = sum_rows(places - t * wide, wide, e, t, tips + g, f, NULL);
+            double2_put(column, e, once * a.low + twice * b.low - c.low);
+            double2_put(column, e + LANES, once * a.high + twice * b.high - c.high);
+        }
+        column[g] += i == j ? 1.0 : 0.0;
+    }
+}
+
+static bool radau_forces_factor(struct radau_step *p)
+{
+    const int s = p->stages->stages;
+    p->all.rows = s * p->problem.forces;
+    for (int i = 0; i < s; ++i) {
+        take_split_stage(p, i);
+    }
+    put_twice(p);
+    for (int j = 0; j < s; ++j) {
+        if (p->problem.tipping > 0) {
+            put_tips(p, j);
+        }
+        for (int i = 0; i < s; ++i) {
+            put_block(p, i, j);
+        }
+    }
+    for (int k = 0; k < p->all.rows; ++k) { /* the zero behind each column */
+        p->all.at[k * p->all.stride + p->all.rows] = 0.0;
+    }
+    return dense_lu_factor(p->all);
+}
+
+/* Corrections of the states by the system of the forces (math/radau_step.c). */
+
+/* Changes of the states left, of tipping ones by the others too: A of the residual; h A of the speeds. */
+static void change_without_forces(struct radau_step *p)
+{
+    const struct radau_forces *to = &p->forces;
+    const int s = p->stages->stages;
+    const int n = p->problem.coupled;
+    const int m = p->others;
+    const int t = p->problem.tipping;
+    const int width = p->width;
+    const int places = radau_padded(p->problem.paired);
+    const double *once = p->stages->integral;
+    for (int i = 0; i < s; ++i) {
+        radau_combine(to->change + i * width, once + i * s, s, p->residual, width, width);
+    }
+    for (int i = 0; i < s; ++i) {
+        for (int r = 0; r < t; ++r) {
+            to->row[i * t + r] =
+                p->length * radau_product(to->own + (i * t + r) * n, to->change + i * width, m);
+        }
+        memset(to->moved + i * places, 0, (size_t)places * sizeof *to->moved);
+        for (int k = 0; k < p->problem.paired; ++k) {
+            to->moved[i * places + k] = p->length * to->change[i * width + p->speed_among[k]];
+        }
+    }
+    for (int i = 0; i < s; ++i) {
+        for (int r = 0; r < t; ++r) {
+            for (int j = 0; j < s; ++j) {
+                to->change[i * width + m - t + r] += once[i * s + j] * to->row[j * t + r];
+            }
+        }
+        radau_combine(to->places + i * places, once + i * s, s, to->moved, places, places);
+    }
+}
+
+/* By how much the forces at a stage change with those. */
+static void put_changes_of_forces(struct radau_step *p, int stage, double *side)
+{
+    const struct radau_forces *to = &p->forces;
+    const int n = p->problem.coupled;
+    const int f = p->problem.forces;
+    const int m = p->others;
+    const int wide = radau_padded_forces(&p->problem);
+    const double *of = to->of + stage * n * wide;
+    const double *change = to->change + stage * p->width;
+    const double *places = to->places + stage * radau_padded(p->problem.paired);
+    for (int g = 0; g < f; ++g) {
+        double sum = 0.0;
+        for (int k = 0; k < m; ++k) {
+            sum += of[k * wide + g] * change[k];
+        }
+        for (int k = 0; k < p->problem.paired; ++k) {
+            sum += of[(m + k) * wide + g] * places[k];
+        }
+        side[g] = sum;
+    }
+}
+
+static void radau_forces_correct(struct radau_step *p)
+{
+    const struct radau_forces *to = &p->forces;
+    const int s = p->stages->stages;
+    const int n = p->problem.coupled;
+    const int f = p->problem.forces;
+    const int m = p->others;
+    const int t = p->problem.tipping;
+    const int width = p->width;
+    change_without_forces(p);
+    for (int i = 0; i < s; ++i) {
+        put_changes_of_forces(p, i, to->side + i * f);
+    }
+    to->side[s * f] = 0.0;
+    dense_lu_solve(p->all, to->side);
+    for (int i = 0; i < s; ++i) {
+        double *moved = to->moved + i * width;
+        memset(moved, 0, (size_t)width * sizeof *moved);
+        for (int g = 0; g < f; ++g) {
+            const double *by = to->by + (i * f + g) * n;
+            const double change = p->length * to->side[i * f + g];
+            for (int k = 0; k < m; ++k) {
+                moved[k] += by[k] * change;
+            }
+        }
+    }
+    for (int i = 0; i < s; ++i) {
+        radau_combine(p->re, p->stages->integral + i * s, s, to->moved, width, width);
+        for (int k = 0; k < m; ++k) {
+            p->side[i * m + k] = to->change[i * width + k] + p->re[k];
+        }
+        for (int j = 0; j < s && t > 0; ++j) {
+            const double *tips = to->tips + (i * s + j) * t * f;
+            for (int r = 0; r < t; ++r) {
+                p->side[i * m + m - t + r] += radau_product(tips + r * f, to->side + j * f, f);
+            }
+        }
+    }
+}
+
+/* Newton's method for a step with the Jacobian at every stage: for problems whose stiff directions turn
+ * within the step, in which simplified iterations do not converge however stiff they are. */
+
+/* It converges by squares; where it takes more Jacobians the start is too far off. */
+static const int MOST_JACOBIANS = 14;
+
+/* While corrections shrink by this the Jacobians are kept: an iteration with new ones costs ten of those. */
+static const double KEEPING_CONTRACTION = 0.2;
+
+/* The errors of the first iterations may grow, while a guess is brought to where the problem is nearly
+ * linear. */
+static const int FREE_ITERATIONS = 6;
+
+/* Corrections that do not shrink any more are rounding where they are below this part of the error
+ * allowed. */
+static const double FULL_ROUNDING_SHARE = 0.25;
+
+/* Integrals do not see what is less than this part of the error allowed. */
+static const double INTEGRAL_SHARE = 0.02;
+
+/* Of the states left, by columns: what depends on them at one stage, and on their places. */
+static void radau_take_stage_jacobian(struct radau_step *p, int stage)
+{
+    const struct radau_problem *problem = &p->problem;
+    const double clock = p->start + p->length * p->stages->node[stage];
+    memcpy(p->point, p->y, (size_t)problem->size * sizeof *p->point);
+    radau_step_stage(p, stage, p->point);
+    problem->jacobian(problem->context, clock, p->point, p->jacobian);
+    p->evaluations += 1;
+    radau_take_jacobian(p, p->stage_others, p->stage_places);
+}
+
+/* A^-1 - h J_stage (of those left) - h^2 A J_stage (of places), into the rows of one stage. */
+static void put_stage(struct radau_step *p, int stage)
+{
+    const struct radau_stages *stages = p->stages;
+    const int s = stages->stages;
+    const int m = p->others;
+    const struct dense_matrix all = p->all;
+    for (int j = 0; j < s; ++j) {
+        const double weight = p->length * p->length * stages->integral[stage * s + j];
+        for (int column = 0; column < m; ++column) {
+            double *to = all.at + (j * m + column) * all.stride + stage * m;
+            memset(to, 0, (size_t)m * sizeof *to);
+            to[column] = stages->inverse[stage * s + j];
+            for (int i = 0; i < m && j == stage; ++i) {
+                to[i] -= p->length * p->stage_others[column * m + i];
+            }
+        }
+        for (int k = 0; k < p->problem.paired; ++k) {
+            double *to = all.at + (j * m + p->speed_among[k]) * all.stride + stage * m;
+            for (int i = 0; i < m; ++i) {
+                to[i] -= weight * p->stage_places[k * m + i];
+            }
+        }
+    }
+}
+
+/* Factors of the system at what is known of the stages; false where there are none. */
+static bool factor_fully(struct radau_step *p)
+{
+    const int s = p->stages->stages;
+    if (p->problem.forces > 0) {
+        return radau_forces_factor(p);
+    }
+    p->all.rows = s * p->others;
+    for (int i = 0; i < s; ++i) {
+        radau_take_stage_jacobian(p, i);
+        put_stage(p, i);
+    }
+    for (int k = 0; k < p->all.rows; ++k) { /* the zero behind each column */
+        p->all.at[k * p->all.stride + p->all.rows] = 0.0;
+    }
+    return dense_lu_factor(p->all);
+}
+
+/* One correction from the residual, by the factors; its largest entry by the weights. */
+static double correct_fully(struct radau_step *p)
+{
+    const int s = p->stages->stages;
+    const int m = p->others;
+    double *side = p->side;
+    if (p->problem.forces > 0) {
+        radau_forces_correct(p);
+    } else {
+        for (int i = 0; i < s; ++i) {
+            memcpy(side + i * m, p->residual + i * p->width, (size_t)m * sizeof *side);
+        }
+        side[s * m] = 0.0;
+        dense_lu_solve(p->all, side);
+    }
+    double largest = 0.0;
+    for (int i = 0; i < s; ++i) {
+        for (int j = 0; j < m; ++j) {
+            p->others_change[i * p->width + j] += side[i * m + j];
+            const double size = fabs(side[i * m + j]) * p->weight[p->other[j]];
+            largest = size <= largest ? largest : size;
+        }
+    }
+    return largest;
+}
+
+/* By how much the last corrections move a place at a stage. */
+static double place_moved(const struct radau_step *p, int stage, int place)
+{
+    const int s = p->stages->stages;
+    double sum = 0.0;
+    for (int j = 0; j < s; ++j) {
+        sum += p->stages->integral[stage * s + j] * p->side[j * p->others + p->speed_among[place]];
+    }
+    return p->length * sum;
+}
+
+/* The rates of the integrals, known before the last corrections, after them. A stiff force is all but
+ * rounding where it is evaluated: its argument is a small difference of states. The corrections take that
+ * away, so that integrals of it are as smooth as the states. */
+static void move_integrals(struct radau_step *p)
+{
+    const struct radau_problem *problem = &p->problem;
+    const int n = problem->size;
+    for (int i = 0; i < p->stages->stages; ++i) {
+        const double clock = p->start + p->length * p->stages->node[i];
+        double *rates = p->rates + i * p->stride;
+        memcpy(p->point, p->y, (size_t)n * sizeof *p->point);
+        radau_step_stage(p, i, p->point);
+        problem->whole_jacobian(problem->context, clock, p->point, p->whole);
+        for (int j = 0; j < p->others + problem->paired; ++j) {
+            const int k = j - p->others;
+            const double moved = k < 0 ? p->side[i * p->others + j] : place_moved(p, i, k);
+            const double *column = p->whole + n * (k < 0 ? p->other[j] : problem->place[k]);
+            for (int row = problem->integrals; row < n; ++row) {
+                rates[row] += column[row] * moved;
+            }
+        }
+    }
+    p->evaluations += p->stages->stages;
+}
+
+/* Newton's method. The Jacobians are made anew where corrections with those at hand shrink too little. A
+ * `quick` one is given up where the first ones do. `*moved` is what has been corrected since. */
+static bool iterate_fully(struct radau_step *p, double tolerance, bool quick, double *moved)
+{
+    double last = (double)INFINITY;
+    bool anew = true;
+    int jacobians = 0;
+    for (p->iterations = 1; jacobians <= MOST_JACOBIANS; ++p->iterations) {
+        radau_evaluate_residual(p);
+        jacobians += anew ? 1 : 0;
+        if (anew && !factor_fully(p)) {
+            return false;
+        }
+        const double size = correct_fully(p);
+        radau_move_places(p);
+        if (!isfinite(size)) {
+            return false;
+        }
+        *moved = anew ? size : *moved + size;
+        p->contraction = size / last;
+        if (size <= tolerance ||
+            (p->iterations > 1 && p->contraction < 0.1 && size * p->contraction <= tolerance)) {
+            return true;
+        }
+        const bool is_rounding = size <= FULL_ROUNDING_SHARE;
+        if (p->contraction > 0.5 && is_rounding) {
+            return true;
+        }
+        const bool shrinks = p->contraction < KEEPING_CONTRACTION || is_rounding;
+        if ((jacobians > FREE_ITERATIONS && anew && p->contraction > 0.5) ||
+            (quick && p->iterations == 2 && !shrinks)) {
+            return false;
+        }
+        anew = p->iterations > 1 && !shrinks;
+        last = size;
+    }
+    return false;
+}
+
+/* What the rates of the integrals miss, about: that of the states left, by the weights. */
+static double missed_by_integrals(const struct radau_step *p)
+{
+    double largest = 0.0;
+    for (int i = 0; i < p->stages->stages; ++i) {
+        for (int j = 0; j < p->others; ++j) {
+            largest = fmax(largest, fabs(p->residual[i * p->width + j]) * p->weight[p->other[j]]);
+        }
+    }
+    return largest;
+}
+
+/* Goes on until the integrals miss nothing. Where rounding does not let that happen, only corrections by the
+ * Jacobians as they are say what they miss: those at hand, if no more than the error allowed has been
+ * corrected since. */
+static bool complete_integrals(struct radau_step *p, double moved)
+{
+    double last = (double)INFINITY;
+    for (;;) {
+        radau_evaluate_residual(p);
+        const double missed = missed_by_integrals(p);
+        if (missed <= INTEGRAL_SHARE) {
+            return true;
+        }
+        if (!(missed < KEEPING_CONTRACTION * last)) {
+            break;
+        }
+        moved += correct_fully(p);
+        radau_move_places(p);
+        last = missed;
+    }
+    if (!(moved <= 1.0) && !factor_fully(p)) {
+        return false;
+    }
+    if (!isfinite(correct_fully(p))) {
+        return false;
+    }
+    radau_move_places(p);
+    move_integrals(p);
+    return true;
+}
+
+bool radau_step_approach(struct radau_step *p)
+{
+    double moved;
+    return iterate_fully(p, 1.0, false, &moved);
+}
+
+bool radau_step_solve_fully(struct radau_step *p, double tolerance)
+{
+    double moved;
+    return iterate_fully(p, tolerance, false, &moved) && complete_integrals(p, moved);
+}
+
+bool radau_step_solve_quickly(struct radau_step *p, double tolerance)
+{
+    double moved;
+    return iterate_fully(p, tolerance, true, &moved) && complete_integrals(p, moved);
 }

@@ -16,9 +16,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "math/complex_lu.h"
-#include "math/dense_lu.h"
-#include "math/radau_stages.h"
+#include "math/lu.h"
+#include "math/node_tables.h"
 
 struct radau_problem {
     const void *context;
@@ -39,7 +38,7 @@ struct radau_problem {
                            double *by_forces, double *of_forces);
 };
 
-/* Of math/radau_forces.c: of one stage as it is asked for; of all stages by states left, then places; what
+/* Of math/radau_step.c: of one stage as it is asked for; of all stages by states left, then places; what
  * follows from forces; room for sums. */
 struct radau_forces {
     double *by_forces, *of_forces;

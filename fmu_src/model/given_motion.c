@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "model/motion.h"
-#include "scene/turning.h"
-#include "segment/given_force.h"
+#include "prescribed/given.h"
+#include "scene/evaluate.h"
 
 /* Whether the scene has not left all of them out. */
 static const bool SUMS_UP_STEPS = HAS_contact_mean_force || HAS_contact_peak_force ||

@@ -1,10 +1,348 @@
-/* Inputs as the importer sets them, and when they come into force. */
 #include <math.h>
 #include <string.h>
 
-#include "model/input_paths.h"
+#include "contact/law.h"
+#include "model/model.h"
 #include "model/motion.h"
-#include "model/shortest.h"
+#include "model/report.h"
+#include "scene/evaluate.h"
+
+/*
+ * Inputs between communication points: each continues from its last value as a polynomial with the given
+ * derivatives. A prescribed body follows its prescribed velocity unless its displacement has derivatives of
+ * its own. A force element (all bodies prescribed) moves by given derivatives only. An integrator outside
+ * sets inputs at each instant; they are constants until it sets them again.
+ */
+
+/* Whether all bodies are prescribed: a force element. */
+static bool inputs_prescribe_all(const struct scene_values *v);
+
+/* Moves the origin of a body's paths to the present. An axis that follows the angular velocity goes on from
+ * where it has turned to. */
+static void input_path_shift(const struct model *m, int body, struct body_path *path);
+
+/* The body's paths from now on, by the signals with these marks (SIGNALS_EACH of them); `path` comes with its
+ * origin at the present. */
+static void input_path_renew(const struct model *m, int body, const uint8_t *marks, struct body_path *path);
+
+/* Whether both paths are the same in every coefficient. */
+static bool input_path_is_same(const struct body_path *a, const struct body_path *b);
+
+static double *component(struct vec3 *a, int index)
+{
+    return index == 0 ? &a->x : index == 1 ? &a->y : &a->z;
+}
+
+/* Coefficients 0..2 of one scalar path from a signal that was set at this communication point. A value or
+ * a derivative ends the derivatives of higher order that are not set with it; those of lower order go on as
+ * they are at present. */
+static void put_signal(struct vec3 *path, int k, double value, const struct input_signal *signal,
+                       uint8_t marks)
+{
+    if (marks & SIGNAL_VALUE) {
+        *component(&path[0], k) = value;
+    }
+    if (marks & (SIGNAL_VALUE | SIGNAL_RATE)) {
+        *component(&path[1], k) = marks & SIGNAL_RATE ? signal->rate : 0.0;
+    }
+    if (marks & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
+        *component(&path[2], k) = marks & SIGNAL_CURVATURE ? 0.5 * signal->curvature : 0.0;
+    }
+}
+
+static void put_displacement(struct body_path *path, int k, double value, const struct input_signal *signal,
+                             uint8_t marks, bool follows_velocity)
+{
+    put_signal(path->displacement, k, value, signal, marks);
+    if (marks & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
+        *component(&path->displacement[3], k) = 0.0;
+    }
+    if (follows_velocity && !(marks & SIGNAL_EXPLICIT)) {
+        *component(&path->displacement[1], k) = vec3_get(path->velocity[0], k);
+        *component(&path->displacement[2], k) = vec3_get(path->velocity[1], k) / 2.0;
+        *component(&path->displacement[3], k) = vec3_get(path->velocity[2], k) / 3.0;
+    }
+}
+
+static bool inputs_prescribe_all(const struct scene_values *v)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (!body_is_prescribed(v, i)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+#if SCENE_ANY_ROTATION
+/* The axis goes on by derivatives of its own, or with the angular velocity. */
+static void renew_turn(const struct model *m, int body, const uint8_t *marks, struct body_path *path)
+{
+    const struct scene_values *v = &m->state.values;
+    const struct input_signal *signals = m->state.signals[body];
+    const struct vec3 omega = body_prescribed_angular_velocity(v, body);
+    const struct vec3 axis = body_prescribed_axis(v, body);
+    const struct vec3 torque = body_external_torque(v, body);
+    const bool prescribed = body_turn_is_prescribed(v, body);
+    for (int k = 0; k < 3; ++k) {
+        if (prescribed) {
+            put_signal(path->angular_velocity, k, vec3_get(omega, k), &signals[9 + k], marks[9 + k]);
+            put_signal(path->axis, k, vec3_get(axis, k), &signals[12 + k], marks[12 + k]);
+        }
+        if (body_turns_freely(v, body)) {
+            put_signal(path->torque, k, vec3_get(torque, k), &signals[15 + k], marks[15 + k]);
+        }
+    }
+    const bool has_rate = ((marks[12] | marks[13] | marks[14]) & SIGNAL_EXPLICIT) != 0;
+    path->turn_follows = m->host.exchange ? TURN_FOLLOWS_AXIS_ALONE
+                         : has_rate       ? TURN_FOLLOWS_AXIS
+                                          : TURN_FOLLOWS_VELOCITY;
+}
+#endif
+
+static void input_path_renew(const struct model *m, int body, const uint8_t *marks, struct body_path *path)
+{
+    const struct scene_values *v = &m->state.values;
+    const struct input_signal *signals = m->state.signals[body];
+    const struct vec3 displacement = body_prescribed_displacement(v, body);
+    const struct vec3 velocity = body_prescribed_velocity(v, body);
+    const struct vec3 force = body_external_force(v, body);
+    const bool follows_velocity = !m->host.exchange && !inputs_prescribe_all(v);
+    for (int k = 0; k < 3; ++k) {
+        if (body_is_prescribed(v, body)) {
+            put_signal(path->velocity, k, vec3_get(velocity, k), &signals[3 + k], marks[3 + k]);
+            put_displacement(path, k, vec3_get(displacement, k), &signals[k], marks[k], follows_velocity);
+        }
+        if (body_is_free(v, body)) {
+            put_signal(path->force, k, vec3_get(force, k), &signals[6 + k], marks[6 + k]);
+        }
+    }
+#if SCENE_ANY_ROTATION
+    renew_turn(m, body, marks, path);
+#endif
+}
+
+#if SCENE_ANY_ROTATION
+static bool is_set(const uint8_t *marks)
+{
+    return (marks[0] | marks[1] | marks[2]) != 0;
+}
+
+/* Until it is set, a prescribed axis is the parameter's. */
+static void start_axis(struct model *m, int body)
+{
+    if (body_shape(body) != SHAPE_SPHERE && !is_set(&m->state.marks[body][12])) {
+        m->state.motion.path[body].axis[0] = body_axis(&m->state.values, body);
+    }
+}
+#endif
+
+void model_start_paths(struct model *m)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        uint8_t marks[SIGNALS_EACH];
+        for (int k = 0; k < SIGNALS_EACH; ++k) {
+            marks[k] = m->state.marks[i][k] | SIGNAL_VALUE;
+        }
+        input_path_renew(m, i, marks, &m->state.motion.path[i]);
+#if SCENE_ANY_ROTATION
+        start_axis(m, i);
+#endif
+    }
+}
+
+static bool same_coefficients(const struct vec3 *a, const struct vec3 *b, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        if (a[i].x != b[i].x || a[i].y != b[i].y || a[i].z != b[i].z) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool input_path_is_same(const struct body_path *a, const struct body_path *b)
+{
+#if SCENE_ANY_ROTATION
+    if (!same_coefficients(a->angular_velocity, b->angular_velocity, 3) ||
+        !same_coefficients(a->axis, b->axis, 3) || !same_coefficients(a->torque, b->torque, 3) ||
+        a->turn_follows != b->turn_follows) {
+        return false;
+    }
+#endif
+    return same_coefficients(a->displacement, b->displacement, 4) &&
+           same_coefficients(a->velocity, b->velocity, 3) && same_coefficients(a->force, b->force, 3);
+}
+
+#if SCENE_ANY_ROTATION
+/* An axis that has turned with its body goes on from there, whatever of it is not set. */
+static void put_turned_axis(const struct model *m, int body, struct body_path *path)
+{
+    if (path->turn_follows == TURN_FOLLOWS_VELOCITY && body_shape(body) != SHAPE_SPHERE &&
+        body_turn_is_prescribed(&m->state.values, body)) {
+        const struct scene_state *q = &m->state.motion;
+        const struct body_turn now = turning_prescribed_at(&m->state.values, q, q->clock, body);
+        path->axis[0] = quaternion_third_axis(now.orientation);
+    }
+}
+#endif
+
+static void input_path_shift(const struct model *m, int body, struct body_path *path)
+{
+    const double clock = m->state.motion.clock;
+    path_shift(path->displacement, 4, clock);
+    path_shift(path->velocity, 3, clock);
+    path_shift(path->force, 3, clock);
+#if SCENE_ANY_ROTATION
+    path_shift(path->angular_velocity, 3, clock);
+    path_shift(path->axis, 3, clock);
+    path_shift(path->torque, 3, clock);
+    put_turned_axis(m, body, path);
+#else
+    (void)body;
+#endif
+}
+
+/* The penalty factors that the parameters describe. */
+
+static struct contact_material material_of(const struct scene_values *v, int body)
+{
+    return (struct contact_material){body_youngs_modulus(v, body), body_poissons_ratio(v, body)};
+}
+
+/* k_h of Hertz's theory, or the user's. */
+static double hertz_stiffness_of(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    if (!scene_is_hertz(v, contact) || contact_penalty_control(v, contact) != PENALTY_CONTROL_AUTOMATIC) {
+        return contact_hertz_stiffness(v, contact);
+    }
+    const struct contact_shape shape = scene_whole_shape(v, q, contact); /* one for all zones: of the side */
+    return hertz_stiffness(&shape, hertz_modulus(material_of(v, contact_source(contact)),
+                                                 material_of(v, contact_destination(contact))));
+}
+
+static struct contact_factors factors_of(const struct scene_values *v, const struct scene_state *q,
+                                         int contact)
+{
+    return (struct contact_factors){
+        .law = scene_is_hertz(v, contact) ? LAW_HERTZ : LAW_LINEAR,
+        .hertz_stiffness = hertz_stiffness_of(v, q, contact),
+        .hunt_crossley_factor = contact_hunt_crossley_factor(v, contact),
+        .method = (enum method)contact_method(v, contact),
+        .penalty_control = (enum penalty_control)contact_penalty_control(v, contact),
+        .viscous_control = (enum viscous_control)contact_viscous_control(v, contact),
+        .multiplier = contact_penalty_multiplier(v, contact),
+        .penalty_factor = contact_penalty_factor(v, contact),
+        .characteristic_time = contact_characteristic_time(v, contact),
+        .viscous_penalty_factor = contact_viscous_penalty_factor(v, contact),
+        .reference_modulus = contact_reference_modulus(v, contact),
+        .restitution = contact_restitution(v, contact),
+        .inverse_mass = scene_inverse_mass(v, contact)};
+}
+
+struct contact_coefficients model_factors(const struct scene_values *v, const struct scene_state *q,
+                                          int contact)
+{
+    const struct contact_factors factors = factors_of(v, q, contact);
+    const struct contact_law law = contact_law_of(&factors, (enum dashpot)contact_dashpot(v, contact),
+                                                  q->contact[contact].parameters.diagonal);
+    return contact_factors_of(&law);
+}
+
+struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope)
+{
+    const struct contact_factors factors = factors_of(&m->state.values, &m->state.motion, contact);
+    return contact_law_slope(&factors, m->state.motion.contact[contact].parameters.factors, diagonal_slope);
+}
+
+/*
+ * Parameters that are set between steps: the factors of the law, its dashpot, gravity, the solver's
+ * tolerances. They are in force from the communication point at which they are set. Those in force until then
+ * are kept meanwhile, so that what is set back, or set without an effect, changes nothing.
+ */
+
+static bool same_vector(struct vec3 a, struct vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static struct tunable_values tunable_values_of(const struct scene_values *v)
+{
+    struct tunable_values now = {.gravity = gravity(v),
+                                 .relative_tolerance = solver_relative_tolerance(v),
+                                 .absolute_tolerance = solver_absolute_tolerance(v)};
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        now.dashpot[j] = (int32_t)contact_dashpot(v, j);
+    }
+    return now;
+}
+
+/* A deferred flight is caught up with the gravity that it had. */
+void model_begin_tuning(struct model *m)
+{
+    if (!m->state.tuned) {
+        motion_catch_up(&m->state.values, &m->state.motion);
+        m->state.in_force = tunable_values_of(&m->state.values);
+    }
+    m->state.tuned = 1;
+    m->state.signals_changed = 1;
+    m->state.signals_open = 1;
+}
+
+/* What differs of contact and gravity, and whether anything does. */
+static bool differs(const struct scene_values *v, const struct scene_state *q,
+                    const struct tunable_values *before, struct motion_tuning *tuning)
+{
+    bool any = !same_vector(gravity(v), before->gravity);
+    tuning->more_gravity = vec3_sub(gravity(v), before->gravity);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_coefficients *now = &q->contact[j].parameters.factors;
+        const struct contact_coefficients next = model_factors(v, q, j);
+        tuning->factors[j] = next;
+        tuning->law_changed[j] =
+            next.k != now->k || next.c != now->c || contact_dashpot(v, j) != before->dashpot[j];
+        any = any || tuning->law_changed[j];
+    }
+    return any;
+}
+
+/* CVODE takes its tolerances when it starts. */
+static bool take_over(const struct scene_values *v, struct scene_state *q,
+                      const struct tunable_values *before)
+{
+    struct motion_tuning tuning;
+    if (solver_relative_tolerance(v) != before->relative_tolerance ||
+        solver_absolute_tolerance(v) != before->absolute_tolerance) {
+        q->integrator_fresh = 1;
+    }
+    return !differs(v, q, before, &tuning) || motion_tune(v, q, &tuning);
+}
+
+bool model_tune(struct model *m)
+{
+    if (!m->state.tuned) {
+        return true;
+    }
+    const struct scene_state before = m->state.motion;
+    const bool taken = take_over(&m->state.values, &m->state.motion, &m->state.in_force);
+    if (!taken) {
+        m->state.motion = before;
+    }
+    m->state.tuned = !taken;
+    return taken;
+}
+
+bool model_can_tune(const struct model *m, const struct variable *variable, const void *value)
+{
+    struct scene_values v = m->state.values;
+    struct scene_state q = m->state.motion;
+    const struct tunable_values before = m->state.tuned ? m->state.in_force : tunable_values_of(&v);
+    motion_catch_up(&m->state.values, &q);
+    memcpy((char *)&v + variable->offset, value, variable_size(variable));
+    return take_over(&v, &q, &before);
+}
+
+/* Inputs as the importer sets them, and when they come into force. */
 
 /* Which of a body's input signals a variable is; -1 when it is no input. */
 static int signal_of(const struct variable *variable)

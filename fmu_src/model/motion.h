@@ -5,7 +5,7 @@
 #ifndef CONTACT_MODEL_MOTION_H
 #define CONTACT_MODEL_MOTION_H
 
-#include "model/state.h"
+#include "model/model.h"
 #include "scene/scene_jet.h"
 
 /* The integrator's memory for the method that v chooses; MODEL_ERROR when there is none to be had, with a
@@ -38,7 +38,7 @@ bool motion_tune(const struct scene_values *v, struct scene_state *q, const stru
 /* Moves to the end of the step. */
 enum model_status motion_advance(struct model *m, const struct step_request *request);
 
-/* Deferred flight (segment/flight.h): whether the step was such, and computing what was deferred. */
+/* Deferred flight (flight/flight.h): whether the step was such, and computing what was deferred. */
 bool motion_defer(struct model *m, double end_time);
 void motion_catch_up(const struct scene_values *v, struct scene_state *q);
 

@@ -1,11 +1,224 @@
-/* The outputs of the present instant: what the model shows, computed from the motion and nothing else. */
+/* The outputs of bodies that turn and of contacts that have torques and friction. */
 #include <math.h>
 
-#include "contact/zone.h"
+#include "contact/shape.h"
 #include "model/motion.h"
-#include "model/shortest.h"
+#include "model/outputs.h"
+#include "model/report.h"
+#include "scene/evaluate.h"
 #include "scene/present.h"
-#include "scene/zones.h"
+#include "scene/scene_jet.h"
+
+#if SCENE_ANY_TURNING
+
+static void put_turn(struct scene_values *v, const struct turning_instant *turning, int body)
+{
+    const struct body_turn *turn = &turning->body[body];
+    struct quaternion orientation = turn->orientation;
+    struct vec3 axis = quaternion_third_axis(orientation);
+#if SCENE_ANY_ROTATION
+    if (!body_turns(v, body)) {
+        orientation = turning_start_orientation(v, body);
+        axis = quaternion_third_axis(orientation);
+    }
+#endif
+    put_body_angular_velocity(v, body, turn->angular_velocity);
+    put_body_orientation(v, body, orientation);
+    put_body_current_axis(v, body, axis);
+}
+
+static bool sticks(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
+                   int contact)
+{
+#if SCENE_ANY_FRICTION
+    if (!contact_rubs(v, contact) || q->contact[contact].regime == (int32_t)REGIME_APART) {
+        return false;
+    }
+    return contact_rubs_elastically(v, contact)
+               ? q->contact[contact].friction_regime == (int32_t)FRICTION_STICKING
+               : vec3_norm(at->turning.slip[contact]) < q->contact[contact].parameters.slip_velocity;
+#else
+    (void)v, (void)q, (void)at, (void)contact;
+    return false;
+#endif
+}
+
+static double put_rubbing(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
+                          int contact)
+{
+    const struct turning_instant *turning = &at->turning;
+    const int source = contact_source(contact);
+    const struct vec3 centre = vec3_add(body_center(v, source), at->displacement[source]);
+    const struct vec3 friction = turning->friction_force[contact];
+    const struct vec3 force = at->source_force[contact];
+#if SCENE_ANY_FRICTION
+    put_contact_effective_slip_velocity(v, contact, q->contact[contact].parameters.slip_velocity);
+#endif
+    if (contact_rubs(v, contact)) {
+        put_contact_source_force(v, contact, force);
+        put_contact_destination_force(v, contact, vec3_scale(-1.0, force));
+    }
+    put_contact_sticking(v, contact, sticks(v, q, at, contact));
+    put_contact_friction_force(v, contact, friction);
+    put_contact_slip_velocity(v, contact, turning->slip[contact]);
+    put_contact_source_point(v, contact, vec3_add(centre, turning->source_arm[contact]));
+    put_contact_source_torque(v, contact, turning->source_torque[contact]);
+    put_contact_destination_torque(v, contact, turning->destination_torque[contact]);
+    return vec3_norm(friction) + vec3_norm(turning->slip[contact]) +
+           vec3_norm(turning->source_torque[contact]) + vec3_norm(turning->destination_torque[contact]);
+}
+
+double model_show_turning(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
+{
+    struct scene_instant known = *at;
+    double sum = 0.0;
+    if (!scene_turns(v)) {
+        turning_complete(v, q, &known);
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        put_turn(v, &known.turning, i);
+        sum += vec3_norm(known.turning.body[i].angular_velocity);
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        sum += put_rubbing(v, q, &known, j);
+    }
+    return sum;
+}
+
+#else
+
+double model_show_turning(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
+{
+    (void)v, (void)q, (void)at;
+    return 0.0;
+}
+
+#endif
+
+#if SCENE_ANY_TURNING
+/* Of the vectors that only contacts which turn or rub have. */
+static struct vec3 turning_term(const struct scene_jet *along, const struct variable *variable, int order)
+{
+    const int j = variable->element;
+    const struct turning_jet *turning = &along->turning[j];
+    switch (variable->row) {
+    case ROW_contact_friction_force:
+        return turning->friction_force[order];
+    case ROW_contact_slip_velocity:
+        return turning->slip[order];
+    case ROW_contact_source_point:
+        return vec3_add(along->displacement[contact_source(j)][order], turning->source_arm[order]);
+    case ROW_contact_source_torque:
+        return turning->source_torque[order];
+    case ROW_contact_destination_torque:
+        return turning->destination_torque[order];
+    default:
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+}
+
+static double quaternion_component(struct quaternion a, int index)
+{
+    return index == 0 ? a.w : vec3_get(quaternion_vector(a), index - 1);
+}
+#endif
+
+/* d as users see it: of a capped cylinder from its axis, whichever zone is met. */
+static double distance_term(const struct scene_values *v, const struct contact_shape *shape,
+                            const struct scene_instant *at, const struct scene_jet *along, int contact,
+                            int order)
+{
+#if SCENE_ANY_CAPS
+    if (contact_is_capped(shape)) {
+        const int destination = contact_destination(contact);
+        struct vec3 c[JET_TERMS] = {at->separation[contact]};
+        struct vec3 axis[JET_TERMS] = {shape->solid.axis};
+        double rho[JET_TERMS];
+        for (int i = 1; i < JET_TERMS; ++i) {
+            c[i] = vec3_sub(along->displacement[destination][i],
+                            along->displacement[contact_source(contact)][i]);
+#if SCENE_ANY_TURNING
+            axis[i] = body_turns(v, destination) ? along->axis[destination][i] : axis[i];
+#endif
+        }
+        contact_axis_distance(c, axis, rho);
+        return rho[order];
+    }
+#endif
+    (void)v, (void)shape, (void)at;
+    return along->contact[contact].distance[order];
+}
+
+static double contact_term(const struct model *m, const struct scene_instant *at,
+                           const struct scene_jet *along, const struct variable *variable, int order)
+{
+    const struct scene_values *v = &m->state.values;
+    const int j = variable->element;
+    const struct contact_shape shape = scene_shape_met(v, &m->state.motion, at, j);
+    const struct contact_jet *contact = &along->contact[j];
+    struct vec3 vector = {0.0, 0.0, 0.0};
+    switch (variable->row) {
+    case ROW_contact_gap:
+        return scene_shown_within(v, &m->state.motion, at, j, &shape) ? contact->gap[order] : 0.0;
+    case ROW_contact_gap_rate:
+        return scene_shown_within(v, &m->state.motion, at, j, &shape) ? contact->gap_rate[order] : 0.0;
+    case ROW_contact_distance:
+        return distance_term(v, &shape, at, along, j, order);
+    case ROW_contact_normal_force:
+        return contact->normal_force[order];
+    case ROW_contact_direction: {
+        const struct contact_geometry turned = {.normal = contact->normal[order]};
+        vector = contact_direction_of(&shape, &turned);
+        break;
+    }
+    case ROW_contact_source_force:
+        vector = contact->source_force[order];
+        break;
+    case ROW_contact_destination_force:
+        vector = vec3_scale(-1.0, contact->source_force[order]);
+        break;
+    case ROW_contact_point: { /* x_src + (d - r_d) n */
+        const double radius = shape.other_radius;
+        vector = vec3_add(along->displacement[contact_source(j)][order],
+                          jet_scale(contact->distance, contact->normal, order));
+        vector = vec3_axpy(vector, -radius, contact->normal[order]);
+        break;
+    }
+    default:
+#if SCENE_ANY_TURNING
+        vector = turning_term(along, variable, order);
+#endif
+        break;
+    }
+    return vec3_get(vector, variable->component);
+}
+
+double output_term(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
+                   const struct variable *variable, int order)
+{
+    switch (variable->row) {
+    case ROW_body_displacement:
+    case ROW_body_position:
+        return vec3_get(along->displacement[variable->element][order], variable->component);
+    case ROW_body_velocity:
+        return vec3_get(along->velocity[variable->element][order], variable->component);
+#if SCENE_ANY_TURNING
+    case ROW_body_angular_velocity:
+        return vec3_get(along->angular_velocity[variable->element][order], variable->component);
+    case ROW_body_current_axis:
+        return vec3_get(along->axis[variable->element][order], variable->component);
+    case ROW_body_orientation:
+        return quaternion_component(along->orientation[variable->element][order], variable->component);
+#endif
+    default:
+        break;
+    }
+    double term = 0.0;
+    return motion_jet(m, at, along, variable, order, &term) ? term
+                                                            : contact_term(m, at, along, variable, order);
+}
+
+/* The outputs of the present instant: what the model shows, computed from the motion and nothing else. */
 
 /* x_dst - r_d n for a sphere; for a cylinder the point of its wall nearest to the source: x_src + rho - r_d
  * n, also where it is capped. */

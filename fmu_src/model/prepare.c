@@ -1,8 +1,447 @@
-/* The start of a motion from parameters and inputs. */
+/* What is refused of bodies that turn at the end of initialization. */
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
-#include "contact/bounding_box.h"
+#include "contact/law.h"
+#include "contact/shape.h"
+#include "model/model.h"
 #include "model/motion.h"
+#include "model/report.h"
+
+#if SCENE_ANY_FREE_ROTATION
+/* A body of positive density everywhere has at least half of its axial moment across its axis. */
+static enum model_status check_inertia(struct model *m, int body)
+{
+    const struct scene_values *v = &m->state.values;
+    const char *name = scene_body_name(body);
+    const bool is_cylinder = body_shape(body) == SHAPE_CYLINDER;
+    if (body_inertia_control(v, body) == INERTIA_CONTROL_AUTOMATIC) {
+        return !is_cylinder || body_finite_length(v, body)
+                   ? MODEL_OK
+                   : model_report(m, MODEL_ERROR,
+                                  "%s.inertia_control = automatic contradicts %s.finite_length = false: an "
+                                  "infinite cylinder has no inertia of its own (allowed: user_defined, or "
+                                  "%s.finite_length = true).",
+                                  name, name, name);
+    }
+    const double axial = body_axial_inertia(v, body);
+    const double transverse = body_transverse_inertia(v, body);
+    return !is_cylinder || transverse >= 0.5 * axial
+               ? MODEL_OK
+               : model_report(
+                     m, MODEL_ERROR,
+                     "%s.transverse_inertia = %s kg m^2 contradicts %s.axial_inertia = %s kg m^2: no "
+                     "body has so little (allowed: half of axial_inertia at least).",
+                     name, shortest_digits(transverse).text, name, shortest_digits(axial).text);
+}
+
+static enum model_status check_free_rotation(struct model *m, int body)
+{
+    const char *name = scene_body_name(body);
+    const enum shape shape = body_shape(body);
+    if (!body_turns_freely(&m->state.values, body)) {
+        return MODEL_OK;
+    }
+    return shape == SHAPE_PLANE
+               ? model_report(m, MODEL_ERROR,
+                              "%s.rotation = free contradicts its shape: a plane has no inertia (allowed: "
+                              "none, prescribed).",
+                              name)
+               : check_inertia(m, body);
+}
+#endif
+
+#if SCENE_ANY_ROTATION
+enum model_status model_check_rotation(struct model *m, int body)
+{
+    const struct scene_values *v = &m->state.values;
+    const char *name = scene_body_name(body);
+    if (body_shape(body) != SHAPE_SPHERE && body_turn_is_prescribed(v, body) &&
+        vec3_is_zero(body_prescribed_axis(v, body))) {
+        return model_report(
+            m, MODEL_ERROR,
+            "%s.prescribed_axis[1], %s.prescribed_axis[2], %s.prescribed_axis[3] = 0, 0, 0 has "
+            "no direction (allowed: at least one component other than zero).",
+            name, name, name);
+    }
+#if SCENE_ANY_FREE_ROTATION
+    return check_free_rotation(m, body);
+#else
+    return MODEL_OK;
+#endif
+}
+#endif
+
+/* What is refused at the end of initialization, and what is warned of. */
+
+/* The factor that a contact's spring is made of; its name. */
+struct spring_factor {
+    double value;
+    const char *name;
+};
+
+static struct spring_factor spring_factor_of(const struct scene_values *v, int contact)
+{
+    const bool automatic = contact_penalty_control(v, contact) == PENALTY_CONTROL_AUTOMATIC;
+    if (scene_is_hertz(v, contact)) { /* a modulus is never zero */
+        return (struct spring_factor){automatic ? 1.0 : contact_hertz_stiffness(v, contact),
+                                      "hertz_stiffness"};
+    }
+    return automatic ? (struct spring_factor){contact_penalty_multiplier(v, contact), "penalty_multiplier"}
+                     : (struct spring_factor){contact_penalty_factor(v, contact), "penalty_factor"};
+}
+
+/* A coefficient of restitution needs a spring that throws the bodies apart, and with the linear law the mass
+ * of a body that can be thrown. */
+static enum model_status check_restitution(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const char *name = scene_contact_name(contact);
+    const char *source = scene_body_name(contact_source(contact));
+    const char *destination = scene_body_name(contact_destination(contact));
+    if (!SCENE_ANY_RESTITUTION || contact_viscous_control(v, contact) != VISCOUS_CONTROL_RESTITUTION ||
+        contact_method(v, contact) == METHOD_PENALTY) {
+        return MODEL_OK;
+    }
+    if (contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.viscous_control = restitution contradicts %s.penalty_control = viscous_only: "
+                            "without a spring there is no rebound (allowed: automatic, user_defined).",
+                            name, name);
+    }
+    if (contact_is_driven(v, contact) && !scene_is_hertz(v, contact)) {
+        return model_report(
+            m, MODEL_ERROR,
+            "%s.viscous_control = restitution contradicts the motion of %s and %s: neither is "
+            "free, and p_nv depends on their masses (allowed: %s.motion = free or "
+            "%s.motion = free).",
+            name, source, destination, source, destination);
+    }
+    const struct spring_factor spring = spring_factor_of(v, contact);
+    if (spring.value == 0.0) {
+        return model_report(
+            m, MODEL_ERROR,
+            "%s.viscous_control = restitution contradicts %s.%s = 0: without a spring there is "
+            "no rebound (allowed: a factor above 0).",
+            name, name, spring.name);
+    }
+    return MODEL_OK;
+}
+
+/* What one law has and the other has not. */
+static enum model_status check_law(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const char *name = scene_contact_name(contact);
+    if (scene_is_hertz(v, contact) && contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.penalty_control = viscous_only contradicts %s.law = hertz "
+                            "(allowed: automatic, user_defined; viscous_only with law linear).",
+                            name, name);
+    }
+    return check_restitution(m, contact);
+}
+
+/* Elastic friction slides at the lesser coefficient. */
+static enum model_status check_friction(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const char *name = scene_contact_name(contact);
+    const double coefficient = contact_friction_coefficient(v, contact);
+    const double static_coefficient = contact_static_friction_coefficient(v, contact);
+    if (contact_rubs_elastically(v, contact) && static_coefficient < coefficient) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.static_friction_coefficient = %s contradicts %s.friction_coefficient = %s "
+                            "(allowed: one that is not smaller).",
+                            name, shortest_digits(static_coefficient).text, name,
+                            shortest_digits(coefficient).text);
+    }
+    return MODEL_OK;
+}
+
+/* A capped cylinder is a solid of finite length. */
+static enum model_status check_ends(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const int body = contact_destination(contact);
+    const char *name = scene_contact_name(contact);
+    const char *destination = scene_body_name(body);
+    if (!SCENE_ANY_CAPS || body_ends(v, body) != ENDS_CAPPED) {
+        return check_law(m, contact);
+    }
+    if (!body_finite_length(v, body)) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.ends = capped contradicts %s.finite_length = false: an infinite cylinder has "
+                            "no ends (allowed: capped with finite_length = true).",
+                            destination, destination);
+    }
+    if (contact_location(v, contact) == LOCATION_INSIDE) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.location = inside contradicts %s.ends = capped: a capped cylinder is a solid "
+                            "(allowed: automatic, outside; inside with ends = open).",
+                            name, destination);
+    }
+    return check_law(m, contact);
+}
+
+static enum model_status check_contact(struct model *m, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const char *name = scene_contact_name(contact);
+    const char *source = scene_body_name(contact_source(contact));
+    const char *destination = scene_body_name(contact_destination(contact));
+    const double r_s = body_radius(v, contact_source(contact));
+    const double r_d = body_radius(v, contact_destination(contact));
+    if (contact_location(v, contact) == LOCATION_INSIDE && r_s >= r_d) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.location = inside contradicts %s.radius = %s m >= %s.radius = %s m "
+                            "(allowed: a source smaller than its hollow destination).",
+                            name, source, shortest_digits(r_s).text, destination, shortest_digits(r_d).text);
+    }
+    if (contact_penalty_control(v, contact) == PENALTY_CONTROL_VISCOUS_ONLY &&
+        contact_method(v, contact) == METHOD_PENALTY) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.penalty_control = viscous_only contradicts %s.method = penalty "
+                            "(allowed: viscous_only with penalty_dynamic).",
+                            name, name);
+    }
+    if (body_shape(contact_destination(contact)) != SHAPE_SPHERE &&
+        !(vec3_norm(body_axis(v, contact_destination(contact))) > 0.0)) {
+        return model_report(m, MODEL_ERROR,
+                            "%s.axis[1], %s.axis[2], %s.axis[3] = 0, 0, 0 has no direction "
+                            "(allowed: at least one component other than zero).",
+                            destination, destination, destination);
+    }
+    const enum model_status status = check_ends(m, contact);
+    return status == MODEL_OK ? check_friction(m, contact) : status;
+}
+
+/* Finite parameters can still multiply to infinity. */
+static enum model_status check_factors(struct model *m, int contact)
+{
+    const struct contact_state *state = &m->state.motion.contact[contact];
+    if (isfinite(state->parameters.factors.k) && isfinite(state->parameters.factors.c)) {
+        return MODEL_OK;
+    }
+    const char *name = scene_contact_name(contact);
+    if (scene_is_hertz(&m->state.values, contact)) {
+        return model_report(m, MODEL_ERROR,
+                            "Hertz's factors of %s are not finite: k_h = %g N/m^1.5, chi = %g s/m "
+                            "(allowed: finite products of moduli, radii and times).",
+                            name, state->parameters.factors.k, state->parameters.factors.c);
+    }
+    return model_report(
+        m, MODEL_ERROR,
+        "The automatic penalty factors of %s are not finite: p_n = %g N/m, p_nv = %g N s/m from "
+        "%s.penalty_multiplier = %g, %s.reference_modulus = %g Pa, diagonal = %g m "
+        "(allowed: finite products).",
+        name, state->parameters.factors.k, state->parameters.factors.c, name,
+        contact_penalty_multiplier(&m->state.values, contact), name,
+        contact_reference_modulus(&m->state.values, contact), state->parameters.diagonal);
+}
+
+/* Overlaps deeper than this part of the smaller radius are warned of: a penalty contact stands for small
+ * deformations and throws such bodies apart, and lengths may have been meant in millimetres. */
+static const double DEEP_START = 0.1;
+
+static void warn_of_deep_start(const struct model *m, const struct scene_instant *at, int contact)
+{
+    const struct scene_values *v = &m->state.values;
+    const struct contact_shape shape = scene_whole_shape(v, &m->state.motion, contact);
+    const struct contact_law law = scene_contact_law(v, &m->state.motion, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double radius = shape.other_radius > 0.0 ? fmin(shape.source_radius, shape.other_radius)
+                                                   : shape.source_radius; /* of a plane */
+    if (!(-g->gap > DEEP_START * radius) || !scene_within_extents(&shape, g)) {
+        return;
+    }
+    model_report(
+        m, MODEL_WARNING,
+        "%s.gap = %g m at the start: the bodies overlap by more than a tenth of the smaller radius, "
+        "%g m, and %g J are stored in it (allowed: any, but the law is meant for small ones). Given once.",
+        scene_contact_name(contact), g->gap, radius, contact_stored_energy(&law, REGIME_COMPRESSION, g->gap));
+}
+
+/* Finite parameters can multiply to infinite forces and energies as well. */
+static enum model_status check_start(struct model *m)
+{
+    const struct scene_values *v = &m->state.values;
+    struct scene_instant at;
+    scene_now(v, &m->state.motion, &at);
+    double sum = motion_energy(v, &m->state.motion, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        sum += at.normal_force[j];
+    }
+    if (!isfinite(sum)) {
+        return model_report(
+            m, MODEL_ERROR,
+            "The start is beyond the range of numbers (allowed: finite forces and energies).");
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        warn_of_deep_start(m, &at, j);
+    }
+    return MODEL_OK;
+}
+
+/* Hertz's theory takes the contact for small beside the bodies. */
+static enum model_status warn_of_conforming(struct model *m)
+{
+    enum model_status status = MODEL_OK;
+    const struct scene_values *v = &m->state.values;
+    for (int j = 0; SCENE_ANY_HERTZ && j < SCENE_CONTACTS; ++j) {
+        const struct contact_shape shape = scene_contact_shape(v, &m->state.motion, j);
+        if (scene_is_hertz(v, j) && contact_penalty_control(v, j) == PENALTY_CONTROL_AUTOMATIC &&
+            hertz_is_conforming(&shape)) {
+            status = model_report(
+                m, MODEL_WARNING,
+                "%s: %s.radius = %s m is hardly smaller than %s.radius = %s m around it: such "
+                "surfaces follow each other, and the stiffness of Hertz's theory is only "
+                "roughly right (its range: up to nine tenths).",
+                scene_contact_name(j), scene_body_name(contact_source(j)),
+                shortest_digits(shape.source_radius).text, scene_body_name(contact_destination(j)),
+                shortest_digits(shape.other_radius).text);
+        }
+    }
+    return status;
+}
+
+/* Whether one of the bodies or contacts from `first` to before `last` has an item that would do. */
+static bool has_item(const struct scene_values *v, const struct scene_use *use, int first, int last)
+{
+    for (int i = first; i < last; ++i) {
+        if ((1 << scene_choice(v, use->choice, i)) & use->items) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Whose choice counts: from `first` to before `last`. */
+static void owners_of_choice(const struct scene_use *use, int element, int *first, int *last)
+{
+    *first = use->whose == USE_OF_SOURCE        ? contact_source(element)
+             : use->whose == USE_OF_DESTINATION ? contact_destination(element)
+             : use->whose == USE_OF_ANY         ? 0
+                                                : element;
+    *last = use->whose == USE_OF_ANY ? use->owners : *first + 1;
+}
+
+/* The variable of a choice: that of the first body or contact that has it. */
+static const char *name_of_choice(const struct scene_use *use, int first)
+{
+    for (int i = 0; i < scene_variable_count; ++i) {
+        const struct variable *variable = &scene_variables[i];
+        if (variable->row == use->choice && variable->element >= first) {
+            return variable->name;
+        }
+    }
+    return "";
+}
+
+/* Room for the choices that a message names. */
+enum { REMEDY_SIZE = 200 };
+
+/* What of one alternative does not hold, "contact.friction = elastic and ..."; how much that is. */
+static int missing_of(const struct scene_values *v, const struct scene_use *from, int element, char *remedy)
+{
+    int missing = 0;
+    size_t used = 0;
+    for (const struct scene_use *use = from; use->row == from->row && use->alternative == from->alternative;
+         ++use) {
+        int first;
+        int last;
+        owners_of_choice(use, element, &first, &last);
+        if (has_item(v, use, first, last)) {
+            continue;
+        }
+        const int length = snprintf(remedy + used, REMEDY_SIZE - used, "%s%s = %s",
+                                    missing > 0 ? " and " : "", name_of_choice(use, first), use->wanted);
+        used = length > 0 && used + (size_t)length < REMEDY_SIZE ? used + (size_t)length : used;
+        missing += 1;
+    }
+    return missing;
+}
+
+/* Whether nothing reads a parameter, and by which choices something would: those of the alternative of which
+ * the least is missing. */
+static bool is_idle(const struct scene_values *v, const struct variable *variable, char *remedy)
+{
+    int least = 0;
+    for (const struct scene_use *use = scene_uses; use->row != ROW_COUNT; ++use) {
+        char found[REMEDY_SIZE];
+        if (use->row != variable->row ||
+            (use > scene_uses && use[-1].row == use->row && use[-1].alternative == use->alternative)) {
+            continue;
+        }
+        const int missing = missing_of(v, use, variable->element, found);
+        if (missing == 0) {
+            return false;
+        }
+        if (least == 0 || missing < least) {
+            least = missing;
+            memcpy(remedy, found, sizeof found);
+        }
+    }
+    return least > 0;
+}
+
+/*
+ * A parameter that has been set while nothing reads it may be what a user meant to take effect. Set means
+ * here
+ * that it differs from its start value: some importers set every parameter to its start value, and a warning
+ * of each would hide the one that matters; what a user sets to the start value changes nothing in any case.
+ */
+void model_warn_of_idle(struct model *m)
+{
+    struct scene_values start;
+    const struct variable *warned = NULL;
+    if (!model_reports(m, MODEL_WARNING)) {
+        return;
+    }
+    scene_start(&start);
+    for (int i = 0; i < scene_variable_count; ++i) {
+        const struct variable *variable = &scene_variables[i];
+        const char *value = (const char *)&m->state.values + variable->offset;
+        const double number = variable_number(variable, value);
+        char remedy[REMEDY_SIZE];
+        if (variable->causality != VARIABLE_PARAMETER ||
+            number == variable_number(variable, (const char *)&start + variable->offset) ||
+            (warned && warned->row == variable->row && warned->element == variable->element) ||
+            !is_idle(&m->state.values, variable, remedy)) {
+            continue;
+        }
+        warned = variable; /* once a vector */
+        model_report(m, MODEL_WARNING, "%s = %s was set and is not in force: nothing reads it unless %s.",
+                     variable->name, shortest_digits(number).text, remedy);
+    }
+}
+
+enum model_status model_check_consistency(struct model *m)
+{
+#if SCENE_ANY_ROTATION
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        const enum model_status status = model_check_rotation(m, i);
+        if (status != MODEL_OK) {
+            return status;
+        }
+    }
+#endif
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        enum model_status status = check_contact(m, j);
+        if (status == MODEL_OK) {
+            model_prepare(m);
+            status = check_factors(m, j);
+        }
+        if (status != MODEL_OK) {
+            return status;
+        }
+    }
+    const enum model_status status = check_start(m);
+    return status == MODEL_OK ? warn_of_conforming(m) : status;
+}
+
+/* The start of a motion from parameters and inputs. */
 
 static struct vec3 start_displacement(const struct scene_values *v, const struct scene_state *q, int body)
 {

@@ -1,9 +1,25 @@
-/* Messages to the owner of a model. */
+/* Numbers in messages. */
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 
-#include "model/shortest.h"
-#include "model/state.h"
+#include "model/model.h"
+#include "model/report.h"
+
+struct shortest shortest_digits(double value)
+{
+    struct shortest result = {""};
+    /* 15 digits are always kept by a double, 17 always tell it from its neighbours. */
+    for (int digits = 15; digits <= 17; ++digits) {
+        snprintf(result.text, sizeof result.text, "%.*g", digits, value);
+        if (strtod(result.text, NULL) == value) {
+            break;
+        }
+    }
+    return result;
+}
+
+/* Messages to the owner of a model. */
 
 static const char *category_of(enum model_status status)
 {

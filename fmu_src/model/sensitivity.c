@@ -3,12 +3,12 @@
 #include <math.h>
 #include <string.h>
 
-#include "contact/factors.h"
+#include "contact/law.h"
+#include "model/model.h"
 #include "model/motion.h"
-#include "model/output_terms.h"
-#include "scene/onset.h"
+#include "model/outputs.h"
+#include "scene/present.h"
 #include "scene/scene_jet.h"
-#include "scene/turning_jet.h"
 
 /* Torques and slip where nothing turns or rubs. */
 static void complete(const struct model *m, struct scene_instant *at)
@@ -203,6 +203,40 @@ enum model_status model_get_directional_derivative(struct model *m, const uint32
         const struct variable *variable = scene_variable(unknowns[i]);
         values[i] = input_derivative(m, &at, &along, variable);
         status = check_finite(m, variable, values[i]);
+    }
+    return status;
+}
+
+/* Adjoint derivatives, column by column of the directional ones: there are few inputs, and each column costs
+ * as much as reading all outputs. */
+
+/* J's column of one known, multiplied by the seed. */
+static enum model_status add_column(struct model *m, const uint32_t *unknowns, size_t unknown_count,
+                                    const uint32_t *known, const double *seed, double *value)
+{
+    const double one = 1.0;
+    double column[MODEL_ADJOINT_MOST];
+    const enum model_status status =
+        model_get_directional_derivative(m, unknowns, unknown_count, known, 1, &one, column);
+    *value = 0.0;
+    for (size_t i = 0; i < unknown_count && status == MODEL_OK; ++i) {
+        *value += seed[i] * column[i];
+    }
+    return status == MODEL_OK && !isfinite(*value)
+               ? model_report(m, MODEL_DISCARD,
+                              "An adjoint derivative with respect to %s is beyond the range of numbers "
+                              "(allowed: finite).",
+                              scene_variable(*known)->name)
+               : status;
+}
+
+enum model_status model_get_adjoint_derivative(struct model *m, const uint32_t *unknowns,
+                                               size_t unknown_count, const uint32_t *knowns,
+                                               size_t known_count, const double *seed, double *values)
+{
+    enum model_status status = MODEL_OK;
+    for (size_t i = 0; i < known_count && status == MODEL_OK; ++i) {
+        status = add_column(m, unknowns, unknown_count, knowns + i, seed, values + i);
     }
     return status;
 }

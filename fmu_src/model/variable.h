@@ -82,7 +82,8 @@ extern const int scene_variable_count;
 /* Whose choice it is: of the body or contact that has the variable, of that contact's bodies, or of any. */
 enum use_whose { USE_OF_OWN, USE_OF_SOURCE, USE_OF_DESTINATION, USE_OF_ANY };
 
-/* Something reads the parameters of a row only while a choice has one of some items: `when` of variables.toml.
+/* Something reads the parameters of a row only while a choice has one of some items: `when` of
+ * variables.toml.
  * A parameter is in force where all that stands for one of its alternatives holds, or nothing stands. */
 struct scene_use {
     uint16_t row, choice; /* enum variable_row; ROW_COUNT ends the table */

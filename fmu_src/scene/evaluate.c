@@ -1,12 +1,403 @@
-#include "scene/evaluate.h"
-
 #include <float.h>
+#include <math.h>
 #include <stddef.h>
 
-#include "contact/factors.h"
+#include "contact/law.h"
 #include "math/compiler.h"
-#include "scene/free_bodies.h"
-#include "scene/turning.h"
+#include "scene/evaluate.h"
+#include "scene/present.h"
+
+/* Homogeneous solids: sphere 2/5 m r^2; cylinder m r^2/2 and m (3 r^2 + L^2)/12. */
+struct body_inertia body_inertia_of(const struct scene_values *v, int body)
+{
+    const bool is_cylinder = SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER;
+    if (body_inertia_control(v, body) == INERTIA_CONTROL_USER_DEFINED) {
+        const double axial = body_axial_inertia(v, body);
+        return (struct body_inertia){axial, is_cylinder ? body_transverse_inertia(v, body) : axial};
+    }
+    const double m = body_mass(v, body);
+    const double r = body_radius(v, body);
+    if (!is_cylinder) {
+        return (struct body_inertia){0.4 * m * r * r, 0.4 * m * r * r};
+    }
+    const double length = body_length(v, body);
+    return (struct body_inertia){0.5 * m * r * r, m * (3.0 * r * r + length * length) / 12.0};
+}
+
+struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    struct friction_law law = {.kind = (enum friction)contact_friction(v, contact),
+                               .coefficient = contact_friction_coefficient(v, contact),
+                               .static_coefficient = contact_static_friction_coefficient(v, contact),
+                               .largest = contact_maximum_friction_force(v, contact),
+                               .stiffness = contact_tangential_stiffness(v, contact),
+                               .damping = contact_tangential_damping(v, contact)};
+#if SCENE_ANY_FRICTION
+    law.slip_velocity = q->contact[contact].parameters.slip_velocity;
+#else
+    (void)q;
+#endif
+    return law;
+}
+
+#if SCENE_ANY_TURNING
+
+#if SCENE_ANY_ROTATION
+
+static bool has_axis(int body)
+{
+    return body_shape(body) != SHAPE_SPHERE;
+}
+
+static struct vec3 unit(struct vec3 a)
+{
+    /* By the largest component first: squares of small and large numbers leave the range of a double. */
+    const struct vec3 scaled = vec3_scale(1.0 / vec3_max_abs(a), a);
+    return vec3_scale(1.0 / vec3_norm(scaled), scaled);
+}
+
+/* The smallest rotation on top that takes the body's axis to a direction of any length but zero. */
+static struct quaternion turned_to(struct quaternion orientation, struct vec3 axis)
+{
+    if (!(vec3_max_abs(axis) > 0.0)) {
+        return orientation;
+    }
+    const struct quaternion turn = quaternion_between(quaternion_third_axis(orientation), unit(axis));
+    return quaternion_unit(quaternion_product(turn, orientation));
+}
+
+struct quaternion turning_start_orientation(const struct scene_values *v, int body)
+{
+    return has_axis(body) ? quaternion_between(vec3_make(0.0, 0.0, 1.0), unit(body_axis(v, body)))
+                          : quaternion_identity();
+}
+
+/* Coefficient n of the series in t/step is at most exp(a/2)/8^n, where a is the angle that the sizes of
+ * omega's terms would turn by in 8 steps (Cauchy's bound). With a <= 8, for a constant omega a step of one
+ * radian, what follows 20 terms is below exp(4)/8^21 = 6e-18. */
+enum { SERIES_TERMS = 20 };
+static const double SERIES_REACH = 8.0;
+
+/*
+ * The rotation by the angular velocity omega(t) = sum omega_i t^i from 0 to `clock`, from q' = (0, omega)
+ * q/2:
+ * (n + 1) q_(n+1) = sum_i (0, omega_i) q_(n-i) / 2, in steps of at most one radian. A step takes the
+ * polynomial along to its own start.
+ */
+static struct quaternion rotation_over(const struct vec3 omega[3], double clock, struct quaternion q)
+{
+    struct vec3 rest[3] = {omega[0], omega[1], omega[2]};
+    double left = clock;
+    double before = (double)INFINITY;
+    while (left > 0.0 && left < before) { /* turning_prescribed_steps tells how often */
+        const double w[3] = {vec3_norm(rest[0]), vec3_norm(rest[1]), vec3_norm(rest[2])};
+        double step = left;
+        double far = SERIES_REACH * step;
+        while (far * (w[0] + far * (w[1] / 2.0 + far * w[2] / 3.0)) > SERIES_REACH) {
+            step *= 0.5;
+            far = SERIES_REACH * step;
+        }
+        struct quaternion term[SERIES_TERMS + 1] = {q};
+        for (int n = 0; n < SERIES_TERMS; ++n) {
+            struct quaternion sum = {0.0, 0.0, 0.0, 0.0};
+            double power = step;
+            for (int i = 0; i < 3 && i <= n; ++i) {
+                sum = quaternion_axpy(sum, power, quaternion_rate(term[n - i], rest[i]));
+                power *= step;
+            }
+            term[n + 1] = quaternion_scale(1.0 / (n + 1), sum);
+            q = quaternion_axpy(q, 1.0, term[n + 1]);
+        }
+        q = quaternion_unit(q);
+        path_shift(rest, 3, step);
+        before = left;
+        left -= step;
+    }
+    return q;
+}
+
+/* Around one direction the angle is the integral of the speed. */
+static bool is_around_one_direction(const struct vec3 omega[3])
+{
+    return path_is_steady(omega, 3);
+}
+
+static struct quaternion turned_by(const struct vec3 omega[3], double clock, struct quaternion q)
+{
+    if (clock == 0.0) {
+        return q;
+    }
+    if (is_around_one_direction(omega)) {
+        return quaternion_unit(quaternion_product(quaternion_of_rotation(vec3_scale(clock, omega[0])), q));
+    }
+    return rotation_over(omega, clock, q);
+}
+
+double turning_prescribed_steps(const struct scene_values *v, const struct scene_state *q, double length)
+{
+    double steps = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        const struct vec3 *omega = q->path[i].angular_velocity;
+        if (body_turn_is_prescribed(v, i) && !is_around_one_direction(omega)) {
+            steps += length * (vec3_norm(omega[0]) +
+                               length * (vec3_norm(omega[1]) / 2.0 + length * vec3_norm(omega[2]) / 3.0));
+        }
+    }
+    return steps;
+}
+
+struct body_turn turning_prescribed_at(const struct scene_values *v, const struct scene_state *q,
+                                       double clock, int body)
+{
+    const struct body_path *path = &q->path[body];
+    struct body_turn at = {quaternion_identity(), path_at(path->angular_velocity, 3, clock)};
+    (void)v;
+    if (path->turn_follows != TURN_FOLLOWS_AXIS_ALONE) {
+        at.orientation = turned_by(path->angular_velocity, clock, q->turn_origin[body].orientation);
+    }
+    if (has_axis(body) && path->turn_follows != TURN_FOLLOWS_VELOCITY) {
+        at.orientation = turned_to(at.orientation, path_at(path->axis, 3, clock));
+    }
+    return at;
+}
+
+void turning_rebase(const struct scene_values *v, struct scene_state *q)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_turns_freely(v, i)) {
+            q->turn_origin[i] = q->turning.body[i];
+        } else if (body_turn_is_prescribed(v, i)) {
+            q->turn_origin[i] = turning_prescribed_at(v, q, q->clock, i);
+            q->turning.body[i] = q->turn_origin[i];
+        }
+    }
+}
+
+void turning_take_axes(const struct scene_values *v, struct scene_state *q)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_turn_is_prescribed(v, i)) {
+            struct body_turn *origin = &q->turn_origin[i];
+            if (has_axis(i)) {
+                origin->orientation = turned_to(origin->orientation, q->path[i].axis[0]);
+            }
+            origin->angular_velocity = q->path[i].angular_velocity[0];
+            q->turning.body[i] = *origin;
+        }
+    }
+}
+
+static void place_body(const struct scene_values *v, struct scene_state *q, int body)
+{
+    q->turn_origin[body] = (struct body_turn){turning_start_orientation(v, body), vec3_make(0.0, 0.0, 0.0)};
+    if (body_turns_freely(v, body)) {
+        q->turn_origin[body].angular_velocity = body_initial_angular_velocity(v, body);
+    }
+    if (body_turn_is_prescribed(v, body) && has_axis(body)) {
+        q->turn_origin[body].orientation = turned_to(quaternion_identity(), q->path[body].axis[0]);
+    }
+    q->turning.body[body] = q->turn_origin[body];
+}
+
+static struct body_turn turn_at(const struct scene_values *v, const struct scene_state *q, double clock,
+                                const struct turning_state *turning, int body)
+{
+    if (body_turn_is_prescribed(v, body)) {
+        return turning_prescribed_at(v, q, clock, body);
+    }
+    struct body_turn turn = turning->body[body];
+    if (!body_turns_freely(v, body)) { /* whatever an integrator outside says */
+        turn.angular_velocity = vec3_make(0.0, 0.0, 0.0);
+    }
+    turn.orientation = quaternion_unit(turn.orientation); /* an integrator outside lets its length drift */
+    return turn;
+}
+
+#else /* nothing turns, but contacts may rub */
+
+double turning_prescribed_steps(const struct scene_values *v, const struct scene_state *q, double length)
+{
+    (void)v, (void)q, (void)length;
+    return 0.0;
+}
+
+static struct body_turn turn_at(const struct scene_values *v, const struct scene_state *q, double clock,
+                                const struct turning_state *turning, int body)
+{
+    (void)v, (void)q, (void)clock, (void)turning, (void)body;
+    return (struct body_turn){quaternion_identity(), {0.0, 0.0, 0.0}};
+}
+
+void turning_rebase(const struct scene_values *v, struct scene_state *q)
+{
+    (void)v, (void)q;
+}
+
+void turning_take_axes(const struct scene_values *v, struct scene_state *q)
+{
+    (void)v, (void)q;
+}
+
+static void place_body(const struct scene_values *v, struct scene_state *q, int body)
+{
+    (void)v, (void)q, (void)body;
+}
+
+#endif
+
+void turning_place(const struct scene_values *v, struct scene_state *q)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        place_body(v, q, i);
+    }
+}
+
+void turning_of_bodies(const struct scene_values *v, const struct scene_state *q, double clock,
+                       const struct turning_state *turning, struct scene_instant *at)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        at->turning.body[i] = turn_at(v, q, clock, turning, i);
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const int destination = contact_destination(j);
+        at->turning.axis[j] = vec3_make(0.0, 0.0, 0.0);
+#if SCENE_ANY_CYLINDER || SCENE_ANY_PLANE
+        at->turning.axis[j] = body_turns(v, destination)
+                                  ? quaternion_third_axis(at->turning.body[destination].orientation)
+                                  : q->contact[j].parameters.axis;
+#else
+        (void)destination;
+#endif
+    }
+}
+
+/* Torques from the force on the source. */
+static void put_torques(struct scene_instant *at, int contact)
+{
+    struct turning_instant *turning = &at->turning;
+    const struct vec3 force = at->source_force[contact];
+    turning->source_torque[contact] = vec3_cross(turning->source_arm[contact], force);
+    turning->destination_torque[contact] = vec3_cross(force, turning->destination_arm[contact]);
+}
+
+void turning_of_contact(const struct scene_values *v, const struct scene_state *q,
+                        const struct turning_state *state, int contact, struct scene_instant *at)
+{
+    struct turning_instant *turning = &at->turning;
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct vec3 arm = vec3_scale(shape.side * shape.source_radius, g->normal);
+    turning->source_arm[contact] = arm;
+    turning->destination_arm[contact] = vec3_sub(arm, at->separation[contact]);
+    const struct vec3 past =
+        vec3_sub(vec3_cross(turning->body[source].angular_velocity, arm),
+                 vec3_cross(turning->body[destination].angular_velocity, turning->destination_arm[contact]));
+    const struct vec3 slip = vec3_sub(past, at->rate[contact]);
+    /* Twice: what the first leaves along n is rounding of speeds, which a small v_0 would make a force. */
+    const struct vec3 across = vec3_axpy(slip, -vec3_dot(slip, g->normal), g->normal);
+    turning->slip[contact] = vec3_axpy(across, -vec3_dot(across, g->normal), g->normal);
+    turning->friction_force[contact] = vec3_make(0.0, 0.0, 0.0);
+#if SCENE_ANY_FRICTION
+    if (contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART) {
+        const struct friction_law law = scene_friction_law(v, q, contact);
+        const struct friction_state rubbing = {at->normal_force[contact], turning->slip[contact],
+                                               state->spring[contact]};
+        turning->friction_force[contact] =
+            friction_force(&law, (enum friction_regime)q->contact[contact].friction_regime, rubbing);
+        at->source_force[contact] = vec3_add(at->source_force[contact], turning->friction_force[contact]);
+    }
+#else
+    (void)state;
+#endif
+    put_torques(at, contact);
+}
+
+void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
+{
+    turning_of_bodies(v, q, q->clock, &q->turning, at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        turning_of_contact(v, q, &q->turning, j, at);
+    }
+}
+
+#endif
+
+#if SCENE_ANY_FREE
+
+void free_bodies_rebase(struct scene_state *q)
+{
+    q->deferrable_clock = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        q->origin[i].displacement = vec3_add(q->origin[i].displacement, q->body[i].moved);
+        q->origin[i].velocity = q->body[i].velocity;
+        q->body[i].moved = vec3_make(0.0, 0.0, 0.0);
+    }
+}
+
+void free_bodies_shift_clocks(struct scene_state *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        q->contact[j].record.touch_clock -= q->clock;
+        q->contact[j].schedule.change_clock -= q->clock;
+        q->contact[j].schedule.settled_clock -= q->clock;
+        if (q->contact[j].regime == REGIME_APART || q->contact[j].regime == REGIME_SEPARATING) {
+            /* Not known where it has flown on to, unless that was foreseen. */
+            q->contact[j].physics.accumulated_gap =
+                q->contact[j].schedule.change_clock == 0.0 ? q->contact[j].schedule.change_gap : DBL_MAX;
+        }
+    }
+    q->horizon_clock -= q->clock;
+}
+
+void free_bodies_put(const struct scene_state *q, const struct body_state *bodies, int body,
+                     struct body_instant *at)
+{
+    at->origin = q->origin[body].displacement;
+    at->moved = bodies[body].moved;
+    at->velocity = bodies[body].velocity;
+}
+
+const struct body_state *free_bodies_now(const struct scene_state *q)
+{
+    return q->body;
+}
+
+#endif
+
+#if !SCENE_ANY_FREE
+
+/* Scenes without a body that may be free add nothing. */
+
+void free_bodies_rebase(struct scene_state *q)
+{
+    (void)q;
+}
+
+void free_bodies_shift_clocks(struct scene_state *q)
+{
+    (void)q;
+}
+
+void free_bodies_put(const struct scene_state *q, const struct body_state *bodies, int body,
+                     struct body_instant *at)
+{
+    (void)q, (void)bodies, (void)body, (void)at;
+}
+
+const struct body_state *free_bodies_now(const struct scene_state *q)
+{
+    (void)q;
+    return 0;
+}
+
+void free_bodies_put_gaps(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
+{
+    (void)v, (void)q, (void)at;
+}
+
+#endif
 
 struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact)
 {
@@ -282,3 +673,318 @@ double scene_external_power(const struct scene_values *v, const struct scene_sta
     }
     return power;
 }
+
+static double size_along(struct vec3 axis, struct vec3 a)
+{
+    return fabs(axis.x * a.x) + fabs(axis.y * a.y) + fabs(axis.z * a.z);
+}
+
+double rounding_of_gap(const struct scene_values *v, const struct scene_instant *at, int contact)
+{
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
+    if (SCENE_ANY_PLANE && body_shape(destination) == SHAPE_PLANE) { /* what lies in the plane has no part */
+        const struct vec3 n = at->geometry[contact].normal;
+        return 8.0 * DBL_EPSILON *
+               (size_along(n, apart) + size_along(n, at->displacement[source]) +
+                size_along(n, at->displacement[destination]) + at->geometry[contact].gap_terms);
+    }
+    return 8.0 * DBL_EPSILON *
+           (vec3_max_abs(apart) + vec3_max_abs(at->displacement[source]) +
+            vec3_max_abs(at->displacement[destination]) + at->geometry[contact].gap_terms);
+}
+
+double rounding_of_axial(const struct scene_values *v, const struct scene_instant *at, int contact,
+                         const struct contact_shape *shape)
+{
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const struct vec3 apart = vec3_sub(body_center(v, destination), body_center(v, source));
+    return 8.0 * DBL_EPSILON *
+           (size_along(shape->axis, apart) + size_along(shape->axis, at->displacement[source]) +
+            size_along(shape->axis, at->displacement[destination]) + shape->half_length);
+}
+
+double rounding_of_rate(const struct scene_instant *at, int contact)
+{
+    const double source = vec3_norm(at->velocity[contact_source(contact)]);
+    const double destination = vec3_norm(at->velocity[contact_destination(contact)]);
+    return 8.0 * DBL_EPSILON * fmax(vec3_norm(at->rate[contact]), fmax(source, destination));
+}
+
+double rounding_of_force(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, int contact)
+{
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_slopes slopes = contact_force_slopes(&law, REGIME_COMPRESSION, g->gap, g->gap_rate);
+    const double gap_rounding = rounding_of_gap(v, at, contact);
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const double turned = contact_is_plane(&shape) ? 0.0 : gap_rounding / fabs(g->distance);
+    const double angle = fmin(8.0 * DBL_EPSILON + turned, 1.0);
+    return fabs(slopes.by_gap) * gap_rounding +
+           angle * (fabs(slopes.by_rate) * vec3_norm(at->rate[contact]) + fabs(at->normal_force[contact]));
+}
+
+/* Below this [m/s] the sign of g' means nothing: rounding of w; rounding of n, which has no meaning where d =
+ * 0 (d < 0: a centre below a cap); the speed of an oscillation as large as the gap's rounding bound; the
+ * integrator's tolerance. */
+static double rate_rounding(const struct scene_values *v, const struct contact_law *law,
+                            const struct scene_instant *at, int contact, double tolerated)
+{
+    const double gap_rounding = rounding_of_gap(v, at, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const bool turns = !g->degenerate && body_shape(contact_destination(contact)) != SHAPE_PLANE;
+    const double angle = turns ? fmin(gap_rounding / fabs(g->distance), 1.0) : 0.0;
+    const double spring = -contact_force_slopes(law, REGIME_COMPRESSION, g->gap, g->gap_rate).by_gap;
+    const double oscillation = sqrt(fmax(spring, 0.0) * scene_inverse_mass(v, contact));
+    return vec3_norm(at->rate[contact]) * angle + rounding_of_rate(at, contact) + oscillation * gap_rounding +
+           tolerated;
+}
+
+double rounding_of_event(const struct scene_values *v, const struct contact_law *law,
+                         const struct contact_slopes *slopes, const struct scene_instant *at, int contact,
+                         double tolerated)
+{
+    return fabs(slopes->by_gap) * rounding_of_gap(v, at, contact) +
+           fabs(slopes->by_rate) * rate_rounding(v, law, at, contact, tolerated);
+}
+
+double rounding_margin_offset(const struct scene_values *v, const struct scene_state *q,
+                              const struct scene_instant *at, int contact, double tolerated)
+{
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const double event = contact_event(&law, regime, g->gap, g->gap_rate);
+    const struct contact_slopes slopes = contact_event_slopes(&law, regime, g->gap, g->gap_rate);
+    const double rounding = rounding_of_event(v, &law, &slopes, at, contact, tolerated);
+    return 2.0 * (fmax(-event, 0.0) + rounding);
+}
+
+#if SCENE_ANY_FREE
+
+/* The gap and its rate as integration carries them, where that is more accurate than positions give them. */
+
+/* DBL_MAX or INFINITY where nothing is known. */
+static double accumulated_gap_of(const struct scene_state *q, int contact)
+{
+    const struct contact_state *state = &q->contact[contact];
+    if (contact_transmits(q, contact) || q->clock == 0.0) {
+        return state->physics.accumulated_gap;
+    }
+    return q->clock == state->schedule.change_clock ? state->schedule.change_gap : (double)INFINITY;
+}
+
+/* Of a stiff contact the force that velocities would make by their rounding alone may exceed the load.
+ * Velocities that have been changed show it by a larger difference. */
+static void take_known_rate(const struct scene_state *q, int contact, struct contact_geometry *geometry)
+{
+    const struct contact_state *state = &q->contact[contact];
+    if (contact_transmits(q, contact) &&
+        fabs(state->physics.carried_rate - geometry->gap_rate) < state->physics.rate_rounding) {
+        geometry->gap_rate = state->physics.carried_rate;
+    }
+}
+
+/* The penetration of a stiff contact at rest is less than the rounding of d, so the accumulated gap is used.
+ * It is not if it differs by more than rounding: positions have then been changed since. */
+void free_bodies_put_gaps(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const double known = accumulated_gap_of(q, j);
+        if (known < DBL_MAX && fabs(known - at->geometry[j].gap) <= rounding_of_gap(v, at, j)) {
+            at->geometry[j].gap = known;
+        }
+        take_known_rate(q, j, &at->geometry[j]);
+    }
+}
+
+bool scene_gap_is_accumulated(const struct scene_state *q, const struct scene_instant *at, int contact)
+{
+    return at->geometry[contact].gap == accumulated_gap_of(q, contact);
+}
+
+bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact)
+{
+    const struct contact_state *state = &q->contact[contact];
+    return state->physics.rate_rounding > 0.0 && contact_transmits(q, contact) &&
+           at->geometry[contact].gap_rate == state->physics.carried_rate;
+}
+
+#endif
+
+#if SCENE_ANY_TURNING
+
+struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_state *q, double clock,
+                              const struct scene_instant *at, int body)
+{
+    struct vec3 torque = {0.0, 0.0, 0.0};
+#if SCENE_ANY_ROTATION
+    if (body_turns_freely(v, body)) {
+        torque = path_at(q->path[body].torque, 3, clock);
+    }
+#else
+    (void)v, (void)q, (void)clock;
+#endif
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_source(j) == body) {
+            torque = vec3_add(torque, at->turning.source_torque[j]);
+        }
+        if (contact_destination(j) == body) {
+            torque = vec3_add(torque, at->turning.destination_torque[j]);
+        }
+    }
+    return torque;
+}
+
+#if SCENE_ANY_ROTATION
+static struct vec3 free_acceleration_of(const struct scene_values *v, const struct body_turn *turn, int body,
+                                        struct vec3 torque)
+{
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    const struct vec3 e = quaternion_third_axis(turn->orientation);
+    const struct vec3 omega = turn->angular_velocity;
+    const double more = inertia.axial - inertia.transverse;
+    const struct vec3 gyration = vec3_scale(vec3_dot(omega, e), vec3_cross(omega, e));
+    const struct vec3 axial = vec3_axpy(gyration, vec3_dot(torque, e) / inertia.axial, e);
+    return vec3_scale(1.0 / inertia.transverse, vec3_axpy(torque, -more, axial));
+}
+#endif
+
+struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
+                                 const struct scene_instant *at, int body)
+{
+#if SCENE_ANY_ROTATION
+    if (body_turns_freely(v, body)) {
+        return free_acceleration_of(v, &at->turning.body[body], body,
+                                    turning_torque_on(v, q, clock, at, body));
+    }
+    if (body_turn_is_prescribed(v, body)) {
+        const struct vec3 *path = q->path[body].angular_velocity;
+        return vec3_axpy(path[1], 2.0 * clock, path[2]);
+    }
+#else
+    (void)v, (void)q, (void)clock, (void)at, (void)body;
+#endif
+    return vec3_make(0.0, 0.0, 0.0);
+}
+
+struct turning_motion turning_motion_of(const struct turning_state *turning, const struct scene_instant *at,
+                                        int contact)
+{
+    struct turning_motion motion = {
+        .separation = at->separation[contact],
+        .rate = at->rate[contact],
+        .source_rotation = at->turning.body[contact_source(contact)].angular_velocity,
+        .destination_rotation = at->turning.body[contact_destination(contact)].angular_velocity,
+        .axis = at->turning.axis[contact]};
+#if SCENE_ANY_FRICTION
+    motion.spring = turning->spring[contact];
+#else
+    (void)turning;
+#endif
+    return motion;
+}
+
+struct turning_laws turning_laws_of(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    struct turning_laws laws = {.normal = scene_contact_law(v, q, contact),
+                                .friction = scene_friction_law(v, q, contact),
+                                .regime = (enum contact_regime)q->contact[contact].regime,
+                                .friction_regime = FRICTION_LIFTED};
+#if SCENE_ANY_FRICTION
+    laws.friction_regime = (enum friction_regime)q->contact[contact].friction_regime;
+#endif
+    return laws;
+}
+
+struct friction_state turning_rubbing(const struct turning_state *turning, const struct scene_instant *at,
+                                      int contact)
+{
+    struct friction_state rubbing = {at->normal_force[contact], at->turning.slip[contact], {0.0, 0.0, 0.0}};
+#if SCENE_ANY_FRICTION
+    rubbing.spring = turning->spring[contact];
+#else
+    (void)turning;
+#endif
+    return rubbing;
+}
+
+/* w as the destination's frame sees it. */
+static struct vec3 seen_rate(const struct scene_instant *at, int contact)
+{
+    const struct vec3 omega = at->turning.body[contact_destination(contact)].angular_velocity;
+    return vec3_sub(at->rate[contact], vec3_cross(omega, at->separation[contact]));
+}
+
+struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene_state *q,
+                                const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct vec3 omega = at->turning.body[contact_destination(contact)].angular_velocity;
+    const struct vec3 turned = vec3_cross(omega, g->normal);
+    if (!contact_turns(&shape, g)) {
+        return turned;
+    }
+    const struct vec3 across = contact_turning_part(&shape, g, seen_rate(at, contact));
+    return vec3_axpy(turned, 1.0 / g->distance, across);
+}
+
+struct vec3 turning_spring_rate(const struct scene_values *v, const struct scene_state *q,
+                                const struct turning_state *turning, const struct scene_instant *at,
+                                int contact)
+{
+    const struct friction_law law = scene_friction_law(v, q, contact);
+    const struct turning_laws laws = turning_laws_of(v, q, contact);
+    const struct friction_state rubbing = turning_rubbing(turning, at, contact);
+    if (laws.regime == REGIME_APART) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    const struct vec3 own = friction_spring_rate(&law, laws.friction_regime, rubbing);
+    const double tilted = vec3_dot(rubbing.spring, turning_normal_rate(v, q, at, contact));
+    return vec3_axpy(own, -tilted, at->geometry[contact].normal);
+}
+
+/* g'' = side (n'.w_g + n.w_g'),   w_g' = a_dst - a_src - omega_d' x c - omega_d x w */
+static double gap_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
+                               const struct scene_instant *at, int contact)
+{
+    const int destination = contact_destination(contact);
+    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    const struct vec3 omega = at->turning.body[destination].angular_velocity;
+    const struct vec3 turned = turning_acceleration(v, q, clock, at, destination);
+    const struct vec3 linear =
+        vec3_sub(at->acceleration[destination], at->acceleration[contact_source(contact)]);
+    const struct vec3 rotary =
+        vec3_add(vec3_cross(turned, at->separation[contact]), vec3_cross(omega, at->rate[contact]));
+    return shape.side * (vec3_dot(turning_normal_rate(v, q, at, contact), seen_rate(at, contact)) +
+                         vec3_dot(at->geometry[contact].normal, vec3_sub(linear, rotary)));
+}
+
+double turning_normal_force_rate(const struct scene_values *v, const struct scene_state *q, double clock,
+                                 const struct scene_instant *at, int contact)
+{
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const struct contact_slopes slopes =
+        contact_force_slopes(&law, (enum contact_regime)q->contact[contact].regime, g->gap, g->gap_rate);
+    const double by_rate =
+        slopes.by_rate == 0.0 ? 0.0 : slopes.by_rate * gap_acceleration(v, q, clock, at, contact);
+    return slopes.by_gap * g->gap_rate + by_rate;
+}
+
+double turning_friction_power(const struct scene_values *v, const struct scene_instant *at)
+{
+    double sum = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_rubs(v, j)) {
+            sum -= vec3_dot(at->turning.friction_force[j], at->turning.slip[j]);
+        }
+    }
+    return sum;
+}
+
+#endif

@@ -5,8 +5,9 @@
 #ifndef CONTACT_SCENE_EVALUATE_H
 #define CONTACT_SCENE_EVALUATE_H
 
-#include "contact/geometry.h"
-#include "scene/topology.h"
+#include "contact/shape.h"
+#include "contact/slopes.h"
+#include "scene/scene_state.h"
 
 #if SCENE_ANY_TURNING
 /* What turns and rubs at one instant: known where scene_turns, and after turning_complete. */
@@ -132,5 +133,162 @@ double scene_driving_power(const struct scene_values *v, const struct scene_inst
 /* That of all contacts, and of the external forces and torques on free bodies [W]. */
 double scene_external_power(const struct scene_values *v, const struct scene_state *q, double clock,
                             const struct scene_instant *at);
+
+/*
+ * Bodies that turn and contacts that rub, at one instant. Frame: world; SI units.
+ *
+ *   e = side n           from the source's centre to the nearest surface of the destination
+ *   p = x_src + r_s e    where both forces act
+ *   v_t                  slip: [v_src + omega_src x r_s e] - [v_dst + omega_dst x (p - x_dst)] across n
+ *   F_src = -F_n e + F_t(v_t),   tau_src = r_s e x F_src,   tau_dst = (p - x_dst) x (-F_src)
+ *
+ * A turning axis moves past the source: the gap's rate is that of the motion as the destination's frame sees
+ * it, g' = side n.(w - omega_dst x c).
+ */
+
+/* Moments of inertia about a body's axis and across it; a sphere's are alike [kg m^2]. */
+struct body_inertia {
+    double axial, transverse;
+};
+
+/* Of a body of free rotation, by its parameters. */
+struct body_inertia body_inertia_of(const struct scene_values *v, int body);
+
+/* The law of friction of a contact. */
+struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q,
+                                       int contact);
+
+#if SCENE_ANY_TURNING
+
+/* The orientation that a body starts with: the smallest rotation that takes z to its axis. */
+struct quaternion turning_start_orientation(const struct scene_values *v, int body);
+
+/* How many steps of a series it takes to say where the bodies whose rotation is prescribed have turned to
+ * after `length` seconds: none around one direction, else as many as radians. */
+double turning_prescribed_steps(const struct scene_values *v, const struct scene_state *q, double length);
+
+/* Where a body of prescribed rotation has turned to at a clock. */
+struct body_turn turning_prescribed_at(const struct scene_values *v, const struct scene_state *q,
+                                       double clock, int body);
+
+/* Orientation and angular velocity of every body, the axis of every destination. */
+void turning_of_bodies(const struct scene_values *v, const struct scene_state *q, double clock,
+                       const struct turning_state *turning, struct scene_instant *at);
+
+/* Slip, friction and torques of a contact whose geometry and normal force are known; adds friction to the
+ * force on the source. */
+void turning_of_contact(const struct scene_values *v, const struct scene_state *q,
+                        const struct turning_state *state, int contact, struct scene_instant *at);
+
+/* All that turns and rubs, of an instant that is known but for that. */
+void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
+
+/* Moves turn_origin of all bodies that turn to the present; a part of scene_rebase. */
+void turning_rebase(const struct scene_values *v, struct scene_state *q);
+
+/* After new paths came into force: bodies whose axis was set are turned to it, the shortest way. */
+void turning_take_axes(const struct scene_values *v, struct scene_state *q);
+
+/* Orientations and angular velocities at the start; springs are at rest. */
+void turning_place(const struct scene_values *v, struct scene_state *q);
+
+#endif
+
+/*
+ * What free bodies add to the state of motion, to an instant of it and to its jet. Scenes without a body that
+ * may be free have given_bodies.c instead, where these functions do nothing.
+ */
+
+/* Parts of scene_rebase: the origins of bodies are moved to where they are; the clocks kept of contacts are
+ * shifted with the clock. */
+void free_bodies_rebase(struct scene_state *q);
+void free_bodies_shift_clocks(struct scene_state *q);
+
+/* Where a free body is, by `bodies`. */
+void free_bodies_put(const struct scene_state *q, const struct body_state *bodies, int body,
+                     struct body_instant *at);
+
+/* The present states of the free bodies, NULL in scenes that have none. */
+const struct body_state *free_bodies_now(const struct scene_state *q);
+
+/* Puts accumulated gaps and carried rates into the present instant where they are known. */
+void free_bodies_put_gaps(const struct scene_values *v, const struct scene_state *q,
+                          struct scene_instant *at);
+
+/* Bounds of the rounding errors of gaps, their rates and regime margins. */
+
+/* Bound of the rounding error of the gap [m]: eight roundings of the terms that it is computed from, which
+ * are locations, displacements and radii (of a shell nearly filled by the source the difference of the radii,
+ * which is exact). Below it the sign of the gap means nothing. */
+double rounding_of_gap(const struct scene_values *v, const struct scene_instant *at, int contact);
+
+/* The same for the axial position of the source that is compared with the half length of a cylinder [m]. */
+double rounding_of_axial(const struct scene_values *v, const struct scene_instant *at, int contact,
+                         const struct contact_shape *shape);
+
+/* The same for w and g', which are differences of the bodies' velocities [m/s]. */
+double rounding_of_rate(const struct scene_instant *at, int contact);
+
+/* The same for an event function of the law with these slopes (contact_event), of speeds that are right to
+ * `tolerated` [m/s]. */
+double rounding_of_event(const struct scene_values *v, const struct contact_law *law,
+                         const struct contact_slopes *slopes, const struct scene_instant *at, int contact,
+                         double tolerated);
+
+/* What rounding alone does to the force of a contact, through g, n and n.w [N]. */
+double rounding_of_force(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, int contact);
+
+/* An offset that makes a regime's margin positive at the start of a phase although rounding, or an error of
+ * the speeds by `tolerated` [m/s], may have left it at or below zero. Without it a root finder would miss the
+ * fall of a margin that starts below zero, and would find many of one that stays near zero, as at rest. The
+ * force is continuous there, so the delay changes little. */
+double rounding_margin_offset(const struct scene_values *v, const struct scene_state *q,
+                              const struct scene_instant *at, int contact, double tolerated);
+
+/*
+ * How what turns and rubs goes on from an instant (scene_evaluate): torques, angular accelerations, rates of
+ * springs. World frame, SI units. Where a contact is apart all of its own are zero.
+ */
+
+#if SCENE_ANY_TURNING
+
+/* All torques about the centre of a body of free rotation: of its contacts and the external one [N m]. */
+struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_state *q, double clock,
+                              const struct scene_instant *at, int body);
+
+/*
+ * d omega/dt [rad/s^2]. Of a free top with the axis e: with omega_3 = omega.e, tau_3 = tau.e
+ *   I_1 omega' = tau - (I_3 - I_1) (tau_3 / I_3 e + omega_3 omega x e)
+ */
+struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
+                                 const struct scene_instant *at, int body);
+
+/* The motion of a contact as contact/slopes.h has it, and its laws. */
+struct turning_motion turning_motion_of(const struct turning_state *turning, const struct scene_instant *at,
+                                        int contact);
+struct turning_laws turning_laws_of(const struct scene_values *v, const struct scene_state *q, int contact);
+
+/* F_n, slip and spring of a contact. */
+struct friction_state turning_rubbing(const struct turning_state *turning, const struct scene_instant *at,
+                                      int contact);
+
+/* n', the rate of the normal [1/s]. */
+struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene_state *q,
+                                const struct scene_instant *at, int contact);
+
+/* xi', the turning with the normal included [m/s]. */
+struct vec3 turning_spring_rate(const struct scene_values *v, const struct scene_state *q,
+                                const struct turning_state *turning, const struct scene_instant *at,
+                                int contact);
+
+/* dF_n/dt [N/s]; of an instant with accelerations. */
+double turning_normal_force_rate(const struct scene_values *v, const struct scene_state *q, double clock,
+                                 const struct scene_instant *at, int contact);
+
+/* -F_t.v_t, summed up over the contacts: what friction and its springs take [W]. */
+double turning_friction_power(const struct scene_values *v, const struct scene_instant *at);
+
+#endif
 
 #endif

@@ -1,13 +1,437 @@
-#include "scene/ode.h"
-
+/* Where the states of the scene are in the vector y of its differential equations. */
 #include <float.h>
+#include <math.h>
+#include <string.h>
 
-#include "scene/energy.h"
+#include "contact/slopes.h"
+#include "scene/evaluate.h"
+#include "scene/ode.h"
 #include "scene/present.h"
-#include "scene/rounding.h"
-#include "scene/singularity.h"
-#include "scene/turning_ode.h"
-#include "scene/zones.h"
+
+enum { BODY_STATES = 6 };
+
+int ode_body(const struct scene_values *v, int body)
+{
+    int index = 0;
+    for (int i = 0; i < body; ++i) {
+        index += body_is_free(v, i) ? BODY_STATES : 0;
+    }
+    return index;
+}
+
+#if SCENE_ANY_TURNING
+
+struct turning_layout turning_layout_of(const struct scene_values *v)
+{
+    struct turning_layout layout;
+    int index = ode_body(v, SCENE_BODIES);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        const bool turns = body_turns_freely(v, i);
+        layout.spin[i] = turns ? index : -1;
+        index += turns ? 3 : 0;
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        const bool tips = body_turns_freely(v, i) && body_shape(i) != SHAPE_SPHERE;
+        layout.orientation[i] = tips ? index : -1;
+        index += tips ? 4 : 0;
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const bool springs = contact_rubs_elastically(v, j);
+        layout.spring[j] = springs ? index : -1;
+        index += springs ? 3 : 0;
+    }
+    layout.coupled = index;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        const bool rolls = body_turns_freely(v, i) && body_shape(i) == SHAPE_SPHERE;
+        layout.orientation[i] = rolls ? index : layout.orientation[i];
+        index += rolls ? 4 : 0;
+    }
+    layout.integrals = index;
+    return layout;
+}
+
+#endif
+
+int ode_impulse(const struct scene_values *v, int contact)
+{
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        return turning_layout_of(v).integrals + TURNING_IMPULSES * contact;
+    }
+#endif
+    return ode_body(v, SCENE_BODIES) + 3 * contact;
+}
+
+int ode_dissipated(const struct scene_values *v)
+{
+    return ode_impulse(v, SCENE_CONTACTS);
+}
+
+int ode_coupled(const struct scene_values *v)
+{
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        return turning_layout_of(v).coupled;
+    }
+#endif
+    return ode_body(v, SCENE_BODIES);
+}
+
+int ode_integrals(const struct scene_values *v)
+{
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        return turning_layout_of(v).integrals;
+    }
+#endif
+    return ode_body(v, SCENE_BODIES);
+}
+
+int ode_size(const struct scene_values *v)
+{
+    return ode_dissipated(v) + (scene_turns(v) ? 3 : 2);
+}
+
+int ode_forces(const struct scene_values *v)
+{
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        const int forces = 3 * SCENE_CONTACTS;
+        int left = turning_layout_of(v).coupled;
+        for (int i = 0; i < SCENE_BODIES; ++i) {
+            left -= body_is_free(v, i) ? 3 : 0;
+        }
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            left = contact_rubs_elastically(v, j) ? 0 : left; /* springs couple, too */
+        }
+        return forces < left ? forces : 0;
+    }
+#endif
+    (void)v;
+    return 0;
+}
+
+int ode_tipping(const struct scene_values *v)
+{
+    int count = 0;
+#if SCENE_ANY_TURNING
+    const struct turning_layout layout = turning_layout_of(v);
+    for (int i = 0; i < SCENE_BODIES && scene_turns(v); ++i) {
+        count += layout.orientation[i] >= 0 && layout.orientation[i] < layout.coupled ? 4 : 0;
+    }
+#endif
+    (void)v;
+    return count;
+}
+
+#if SCENE_ANY_TURNING
+
+double turning_inertia(const struct scene_values *v, int body)
+{
+    return body_inertia_of(v, body).transverse;
+}
+
+double turning_flatness(const struct scene_values *v, int body)
+{
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    return (inertia.transverse - inertia.axial) / inertia.axial;
+}
+
+struct quaternion turning_orientation_from(const double *data)
+{
+    return quaternion_unit((struct quaternion){data[0], data[1], data[2], data[3]});
+}
+
+static void three_to(struct vec3 a, double *data)
+{
+    data[0] = a.x;
+    data[1] = a.y;
+    data[2] = a.z;
+}
+
+static struct vec3 three_from(const double *data)
+{
+    return vec3_make(data[0], data[1], data[2]);
+}
+
+static void four_to(struct quaternion a, double *data)
+{
+    data[0] = a.w;
+    data[1] = a.x;
+    data[2] = a.y;
+    data[3] = a.z;
+}
+
+#if SCENE_ANY_ROTATION
+/* L / I_1 = omega + (I_3/I_1 - 1) (omega.e) e, and back. */
+static struct vec3 spin_of(const struct scene_values *v, const struct body_turn *turn, int body)
+{
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    const struct vec3 e = quaternion_third_axis(turn->orientation);
+    const double more = (inertia.axial - inertia.transverse) / inertia.transverse;
+    return vec3_axpy(turn->angular_velocity, more * vec3_dot(turn->angular_velocity, e), e);
+}
+
+static struct vec3 angular_velocity_of(const struct scene_values *v, struct quaternion orientation,
+                                       struct vec3 spin, int body)
+{
+    const struct vec3 e = quaternion_third_axis(orientation);
+    return vec3_axpy(spin, turning_flatness(v, body) * vec3_dot(spin, e), e);
+}
+#endif
+
+void turning_pack(const struct scene_ode *ode, double *y)
+{
+    const struct turning_layout layout = turning_layout_of(ode->values);
+#if SCENE_ANY_ROTATION
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (layout.spin[i] >= 0) {
+            const struct body_turn *turn = &ode->state->turning.body[i];
+            three_to(spin_of(ode->values, turn, i), y + layout.spin[i]);
+            four_to(turn->orientation, y + layout.orientation[i]);
+        }
+    }
+#endif
+#if SCENE_ANY_FRICTION
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (layout.spring[j] >= 0) {
+            three_to(ode->state->turning.spring[j], y + layout.spring[j]);
+        }
+    }
+#endif
+}
+
+void turning_unpack(const struct scene_values *v, const double *y, struct turning_state *turning)
+{
+    const struct turning_layout layout = turning_layout_of(v);
+#if SCENE_ANY_ROTATION
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (layout.spin[i] >= 0) {
+            struct body_turn *turn = &turning->body[i];
+            turn->orientation = turning_orientation_from(y + layout.orientation[i]);
+            turn->angular_velocity =
+                angular_velocity_of(v, turn->orientation, three_from(y + layout.spin[i]), i);
+        }
+    }
+#endif
+#if SCENE_ANY_FRICTION
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (layout.spring[j] >= 0) {
+            turning->spring[j] = three_from(y + layout.spring[j]);
+        }
+    }
+#endif
+}
+
+void turning_pack_integrals(const struct scene_ode *ode, double *y)
+{
+    const struct scene_values *v = ode->values;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_torques *torques = &ode->state->contact[j].torques;
+        three_to(torques->source_impulse, y + ode_impulse(v, j) + 3);
+        three_to(torques->destination_impulse, y + ode_impulse(v, j) + 6);
+    }
+    y[ode_dissipated(v) + 2] = ode->state->friction_energy;
+}
+
+void turning_unpack_integrals(const struct scene_values *v, struct scene_state *q, const double *y)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        q->contact[j].torques.source_impulse = three_from(y + ode_impulse(v, j) + 3);
+        q->contact[j].torques.destination_impulse = three_from(y + ode_impulse(v, j) + 6);
+    }
+    q->friction_energy = y[ode_dissipated(v) + 2];
+}
+
+void turning_rates(const struct scene_ode *ode, double clock, const double *y, const struct scene_instant *at,
+                   double *rates)
+{
+    const struct scene_values *v = ode->values;
+    const struct turning_layout layout = turning_layout_of(v);
+    struct turning_state turning = ode->state->turning;
+    turning_unpack(v, y, &turning);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (layout.spin[i] >= 0) {
+            const struct vec3 torque = turning_torque_on(v, ode->state, clock, at, i);
+            const double *o = y + layout.orientation[i];
+            const struct quaternion orientation = {o[0], o[1], o[2], o[3]};
+            three_to(vec3_scale(1.0 / turning_inertia(v, i), torque), rates + layout.spin[i]);
+            four_to(quaternion_rate(orientation, at->turning.body[i].angular_velocity),
+                    rates + layout.orientation[i]);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (layout.spring[j] >= 0) {
+            three_to(turning_spring_rate(v, ode->state, &turning, at, j), rates + layout.spring[j]);
+        }
+        three_to(at->turning.source_torque[j], rates + ode_impulse(v, j) + 3);
+        three_to(at->turning.destination_torque[j], rates + ode_impulse(v, j) + 6);
+    }
+    rates[ode_dissipated(v) + 2] = turning_friction_power(v, at);
+}
+
+/* An orientation is as large as a unit quaternion. */
+void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes)
+{
+    const struct scene_values *v = ode->values;
+    const struct turning_layout layout = turning_layout_of(v);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (layout.spin[i] >= 0) {
+            const double spin = vec3_norm(three_from(y + layout.spin[i]));
+            three_to(vec3_make(spin, spin, spin), sizes + layout.spin[i]);
+            four_to((struct quaternion){1.0, 1.0, 1.0, 1.0}, sizes + layout.orientation[i]);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (layout.spring[j] >= 0) {
+            const double length = vec3_norm(three_from(y + layout.spring[j]));
+            three_to(vec3_make(length, length, length), sizes + layout.spring[j]);
+        }
+        const double lever = body_radius(v, contact_source(j));
+        for (int k = 3; k < TURNING_IMPULSES; k += 3) {
+            double *size = sizes + ode_impulse(v, j) + k;
+            const double impulse =
+                fmax(vec3_norm(three_from(y + ode_impulse(v, j) + k)), lever * ode->momentum_scale);
+            three_to(vec3_make(impulse, impulse, impulse), size);
+        }
+    }
+}
+
+#endif
+
+/* The event functions of contacts in a scene that turns or rubs. */
+
+#if SCENE_ANY_TURNING
+
+/* The gap, or how far the source is beyond the ends of its cylinder where that is more [m]. */
+static double way_to_contact(const struct scene_ode *ode, const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
+    return fmax(at->geometry[contact].gap, scene_beyond_ends(&shape, &at->geometry[contact]));
+}
+
+/* Depth until contact ends [m]. Where a cylinder has ends, it is multiplied by how far the source is within
+ * them, (h^2 - z^2)/2 over h^2 with h = L/2. The lesser of both would have a corner, which the polynomial of
+ * a long step does not follow: it would seem to fall near the start of a contact that begins at an end. */
+static double depth_to_parting(const struct scene_ode *ode, const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double depth = ode->gap_offset[contact] - g->gap;
+    if (!contact_is_cylinder(&shape) || !isfinite(shape.half_length)) {
+        return depth;
+    }
+    const double half = shape.half_length;
+    const double within = (half - fabs(g->axial)) * 0.5 * (1.0 + fabs(g->axial) / half);
+    return depth * (ode->gap_offset[contact] + within) / half;
+}
+
+static bool breaks_away(const struct turning_laws *laws)
+{
+    return laws->friction.kind == FRICTION_ELASTIC && laws->friction_regime == FRICTION_STICKING;
+}
+
+/* Where sticking ends is min(mu_s F_n, F_max); each by itself is smooth, as steps that are long need it. */
+static void friction_events(const struct scene_ode *ode, double clock, const struct turning_state *turning,
+                            const struct scene_instant *at, int contact, double *out)
+{
+    const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
+    const struct friction_state rubbing = turning_rubbing(turning, at, contact);
+    const double force_rate = turning_normal_force_rate(ode->values, ode->state, clock, at, contact);
+    out[ODE_EVENT_STICK] = ode->stick_offset[contact] +
+                           friction_stick_event(&laws.friction, laws.friction_regime, rubbing, force_rate);
+    out[ODE_EVENT_CAP] = ode->cap_offset[contact] +
+                         friction_cap_event(&laws.friction, laws.friction_regime, rubbing.normal_force);
+    if (breaks_away(&laws)) {
+        const double carried = vec3_norm(friction_force(&laws.friction, FRICTION_STICKING, rubbing));
+        out[ODE_EVENT_STICK] =
+            ode->stick_offset[contact] + laws.friction.static_coefficient * rubbing.normal_force - carried;
+        out[ODE_EVENT_CAP] = ode->cap_offset[contact] + laws.friction.largest - carried;
+    }
+    if (contact_may_pull(&laws.normal)) {
+        const struct contact_geometry *g = &at->geometry[contact];
+        const double push = contact_push(&laws.normal, g->gap, g->gap_rate);
+        out[ODE_EVENT_LIFT] =
+            ode->lift_offset[contact] + friction_lift_event(&laws.friction, laws.friction_regime, push);
+    }
+}
+
+void turning_events(const struct scene_ode *ode, double clock, const double *y,
+                    const struct scene_instant *at, int contact, double out[ODE_EVENTS_EACH])
+{
+    const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+        out[i] = 1.0;
+    }
+    if (!contact_is_foreseen(ode->values, ode->state, contact)) {
+        const bool apart = laws.regime == REGIME_APART;
+        out[ODE_EVENT_GAP] = apart ? ode->gap_offset[contact] + way_to_contact(ode, at, contact)
+                                   : depth_to_parting(ode, at, contact);
+        out[ODE_EVENT_LAW] = apart ? 1.0
+                                   : ode->margin_offset[contact] +
+                                         contact_event(&laws.normal, laws.regime, g->gap, g->gap_rate);
+    }
+    if (contact_transmits(ode->state, contact) && contact_rubs(ode->values, contact)) {
+        struct turning_state turning = ode->state->turning;
+        turning_unpack(ode->values, y, &turning);
+        friction_events(ode, clock, &turning, at, contact, out);
+    }
+}
+
+/* What an event function of friction may be off by where speeds are right to `tolerated` [m/s]. */
+static double stick_rounding(const struct turning_laws *laws, double normal_force, double tolerated)
+{
+    const double limit = fabs(friction_limit(&laws->friction, laws->friction_regime, normal_force));
+    const bool is_force = laws->friction_regime == FRICTION_STICKING || laws->friction.damping > 0.0;
+    return is_force ? laws->friction.damping * tolerated + 8.0 * DBL_EPSILON * limit : tolerated;
+}
+
+/* That of contact_push, which is the force or its factor. */
+static double push_rounding(const struct contact_law *law, double of_force, double tolerated)
+{
+    return contact_is_hertz(law) ? 8.0 * DBL_EPSILON + law->damping * tolerated : of_force;
+}
+
+/* Offsets by rounding alone. */
+static void put_friction_offsets(struct scene_ode *ode, const struct scene_instant *at, int contact,
+                                 double tolerated)
+{
+    const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
+    const double force = at->normal_force[contact];
+    const struct contact_geometry *g = &at->geometry[contact];
+    const double by_rate = contact_force_slopes(&laws.normal, laws.regime, g->gap, g->gap_rate).by_rate;
+    const double rounding = 8.0 * DBL_EPSILON * fabs(force) + fabs(by_rate) * tolerated;
+    ode->stick_offset[contact] = 2.0 * stick_rounding(&laws, force, tolerated);
+    ode->cap_offset[contact] =
+        breaks_away(&laws) ? ode->stick_offset[contact] : 2.0 * laws.friction.coefficient * rounding;
+    ode->lift_offset[contact] = 2.0 * push_rounding(&laws.normal, rounding, tolerated);
+}
+
+void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,
+                             double tolerated, double events[ODE_EVENTS_EACH])
+{
+    for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+        events[i] = 1.0;
+    }
+    put_friction_offsets(ode, at, contact, tolerated);
+    friction_events(ode, ode->state->clock, &ode->state->turning, at, contact, events);
+}
+
+void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int contact, double tolerated)
+{
+    double events[ODE_EVENTS_EACH];
+    ode->stick_offset[contact] = ode->cap_offset[contact] = ode->lift_offset[contact] = 0.0;
+    if (!contact_transmits(ode->state, contact) || !contact_rubs(ode->values, contact)) {
+        return;
+    }
+    turning_friction_events(ode, at, contact, tolerated, events);
+    ode->stick_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_STICK], 0.0);
+    ode->cap_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_CAP], 0.0);
+    ode->lift_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_LIFT], 0.0);
+}
+
+#endif
 
 /* Relative acceleration by all but the contact itself. */
 static struct vec3 acceleration_by_others(const struct scene_values *v, const struct scene_instant *at,
@@ -202,4 +626,626 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
         turning_nominal(ode, y, sizes);
     }
 #endif
+}
+
+/* The Jacobian of a scene that turns or rubs: exact, by directional derivatives of each contact. */
+
+#if SCENE_ANY_TURNING
+
+#include <string.h>
+
+/* The leading rows and columns of the Jacobian, dense, by columns. What falls outside is not wanted. */
+struct turning_matrix {
+    double *at;
+    int size;
+};
+
+static void add_entry(struct turning_matrix m, int row, int column, double value)
+{
+    if (row < m.size && column < m.size) {
+        m.at[column * m.size + row] += value;
+    }
+}
+
+static void add_three(struct turning_matrix m, int row, int column, double factor, struct vec3 a)
+{
+    for (int k = 0; k < 3; ++k) {
+        add_entry(m, row + k, column, factor * vec3_get(a, k));
+    }
+}
+
+static void add_four(struct turning_matrix m, int row, int column, struct quaternion a)
+{
+    add_entry(m, row, column, a.w);
+    add_three(m, row + 1, column, 1.0, quaternion_vector(a));
+}
+
+/* What all parts of it need. */
+struct turning_linearization {
+    const struct scene_ode *ode;
+    const double *y;
+    struct scene_instant at;
+    struct turning_state turning;
+    struct turning_layout layout;
+    struct turning_matrix matrix;
+    double *of_forces; /* [coupled][3 contacts]: only the forces by the states are wanted; else NULL */
+};
+
+static struct vec3 along_axis(int component)
+{
+    struct vec3 a = {0.0, 0.0, 0.0};
+    vec3_set(&a, component, 1.0);
+    return a;
+}
+
+static struct quaternion along_component(int component)
+{
+    return (struct quaternion){component == 0, component == 1, component == 2, component == 3};
+}
+
+/* d omega of a body by component k of its spin: e_k + (I_1/I_3 - 1) e (e.e_k). */
+static struct vec3 rotation_by_spin(const struct turning_linearization *l, int body, int k)
+{
+    const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
+    return vec3_axpy(along_axis(k), turning_flatness(l->ode->values, body) * vec3_get(e, k), e);
+}
+
+/* d e by component k of the orientation in y, of any length: e is that of the unit one. */
+static struct vec3 axis_by_orientation(const struct turning_linearization *l, int body, int k)
+{
+    const double *data = l->y + l->layout.orientation[body];
+    const struct quaternion q = {data[0], data[1], data[2], data[3]};
+    const struct vec3 slopes[4] = {
+        {q.y, -q.x, q.w}, {q.z, -q.w, -q.x}, {q.w, q.z, -q.y}, {q.x, q.y, q.z}}; /* halves */
+    const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
+    return vec3_scale(2.0 / quaternion_dot(q, q), vec3_axpy(slopes[k], -data[k], e));
+}
+
+/* d omega by that change of the axis, under the same spin. */
+static struct vec3 rotation_by_axis(const struct turning_linearization *l, int body, struct vec3 change)
+{
+    const double *data = l->y + l->layout.spin[body];
+    const struct vec3 spin = vec3_make(data[0], data[1], data[2]);
+    const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
+    const struct vec3 both = vec3_axpy(vec3_scale(vec3_dot(spin, change), e), vec3_dot(spin, e), change);
+    return vec3_scale(turning_flatness(l->ode->values, body), both);
+}
+
+/* A change of what acts on a body, times a sign. */
+static void add_to_body(const struct turning_linearization *l, int column, int body, double sign,
+                        struct vec3 force, struct vec3 torque)
+{
+    const struct scene_values *v = l->ode->values;
+    const int work = ode_dissipated(v) + 1;
+    if (body_is_free(v, body)) {
+        add_three(l->matrix, ode_body(v, body) + 3, column, sign / body_mass(v, body), force);
+    } else if (body_is_prescribed(v, body)) {
+        add_entry(l->matrix, work, column, -sign * vec3_dot(force, l->at.velocity[body]));
+    }
+    if (l->layout.spin[body] >= 0) {
+        add_three(l->matrix, l->layout.spin[body], column, 1.0 / turning_inertia(v, body), torque);
+    } else if (body_turn_is_prescribed(v, body)) {
+        add_entry(l->matrix, work, column, -vec3_dot(torque, l->at.turning.body[body].angular_velocity));
+    }
+}
+
+/* All that a change of a contact's motion changes, into one column. */
+static void add_change(const struct turning_linearization *l, const struct turning_slopes *slopes,
+                       int contact, int column, const struct turning_motion *motion)
+{
+    const struct scene_values *v = l->ode->values;
+    const struct turning_change change = turning_slopes_along(slopes, motion);
+    if (l->of_forces) {
+        double *to = l->of_forces + 3 * (column * SCENE_CONTACTS + contact);
+        for (int k = 0; k < 3; ++k) {
+            to[k] += vec3_get(change.force, k);
+        }
+        return;
+    }
+    add_to_body(l, column, contact_source(contact), 1.0, change.force, change.source_torque);
+    add_to_body(l, column, contact_destination(contact), -1.0, change.force, change.destination_torque);
+    if (l->layout.spring[contact] >= 0) {
+        add_three(l->matrix, l->layout.spring[contact], column, 1.0, change.spring_rate);
+    }
+    const int impulse = ode_impulse(v, contact);
+    add_three(l->matrix, impulse, column, 1.0, change.force);
+    add_three(l->matrix, impulse + 3, column, 1.0, change.source_torque);
+    add_three(l->matrix, impulse + 6, column, 1.0, change.destination_torque);
+    add_entry(l->matrix, ode_dissipated(v), column, change.dissipated_power);
+    add_entry(l->matrix, ode_dissipated(v) + 2, column, change.friction_power);
+}
+
+/* The columns of the states of a body at one end of a contact (sign -1: source, +1: destination). */
+static void add_body_columns(const struct turning_linearization *l, const struct turning_slopes *slopes,
+                             int contact, int body, double sign)
+{
+    const struct turning_motion none = {.separation = {0.0, 0.0, 0.0}};
+    for (int k = 0; k < 3 && body_is_free(l->ode->values, body); ++k) {
+        const int column = ode_body(l->ode->values, body) + k;
+        struct turning_motion motion = none;
+        motion.separation = vec3_scale(sign, along_axis(k));
+        add_change(l, slopes, contact, column, &motion);
+        motion = none;
+        motion.rate = vec3_scale(sign, along_axis(k));
+        add_change(l, slopes, contact, column + 3, &motion);
+    }
+    for (int k = 0; k < 3 && l->layout.spin[body] >= 0; ++k) {
+        struct turning_motion motion = none;
+        *(sign < 0.0 ? &motion.source_rotation : &motion.destination_rotation) = rotation_by_spin(l, body, k);
+        add_change(l, slopes, contact, l->layout.spin[body] + k, &motion);
+    }
+    const bool tips = l->layout.orientation[body] >= 0 && l->layout.orientation[body] < l->layout.coupled;
+    for (int k = 0; k < 4 && tips; ++k) { /* of a destination only: a source is a sphere */
+        struct turning_motion motion = none;
+        motion.axis = axis_by_orientation(l, body, k);
+        motion.destination_rotation = rotation_by_axis(l, body, motion.axis);
+        add_change(l, slopes, contact, l->layout.orientation[body] + k, &motion);
+    }
+}
+
+static void add_contact(const struct turning_linearization *l, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape_at(l->ode->values, l->ode->state, &l->at, contact);
+    const struct turning_motion motion = turning_motion_of(&l->turning, &l->at, contact);
+    const struct turning_laws laws = turning_laws_of(l->ode->values, l->ode->state, contact);
+    if (laws.regime == REGIME_APART) {
+        return;
+    }
+    const struct turning_slopes slopes = turning_slopes_at(&shape, &l->at.geometry[contact], &motion, &laws);
+    add_body_columns(l, &slopes, contact, contact_source(contact), -1.0);
+    add_body_columns(l, &slopes, contact, contact_destination(contact), 1.0);
+    for (int k = 0; k < 3 && l->layout.spring[contact] >= 0; ++k) {
+        struct turning_motion stretched = {.spring = along_axis(k)};
+        add_change(l, &slopes, contact, l->layout.spring[contact] + k, &stretched);
+    }
+}
+
+/* A body's own: its displacement by its velocity, its orientation by its angular velocity, the work of the
+ * external force and torque. */
+static void add_motion(const struct turning_linearization *l, double clock, int body)
+{
+    const struct scene_values *v = l->ode->values;
+    const int index = ode_body(v, body);
+    for (int k = 0; k < 3 && body_is_free(v, body); ++k) {
+        const struct vec3 force = path_at(l->ode->state->path[body].force, 3, clock);
+        add_entry(l->matrix, index + k, index + 3 + k, 1.0);
+        add_entry(l->matrix, ode_dissipated(v) + 1, index + 3 + k, vec3_get(force, k));
+    }
+}
+
+#if SCENE_ANY_ROTATION
+static void add_rotation(const struct turning_linearization *l, double clock, int body)
+{
+    const int spin = l->layout.spin[body];
+    const int orientation = l->layout.orientation[body];
+    const int work = ode_dissipated(l->ode->values) + 1;
+    const double *data = l->y + orientation;
+    const struct quaternion q = {data[0], data[1], data[2], data[3]};
+    const struct vec3 torque = path_at(l->ode->state->path[body].torque, 3, clock);
+    for (int k = 0; k < 3; ++k) {
+        const struct vec3 change = rotation_by_spin(l, body, k);
+        add_four(l->matrix, orientation, spin + k, quaternion_rate(q, change));
+        add_entry(l->matrix, work, spin + k, vec3_dot(torque, change));
+    }
+    for (int k = 0; k < 4; ++k) {
+        const struct vec3 change = rotation_by_axis(l, body, axis_by_orientation(l, body, k));
+        const struct vec3 omega = l->at.turning.body[body].angular_velocity;
+        add_four(
+            l->matrix, orientation, orientation + k,
+            quaternion_axpy(quaternion_rate(along_component(k), omega), 1.0, quaternion_rate(q, change)));
+        add_entry(l->matrix, work, orientation + k, vec3_dot(torque, change));
+    }
+}
+#endif
+
+static void linearize(struct turning_linearization *l, double clock)
+{
+    const struct scene_ode *ode = l->ode;
+    memset(l->matrix.at, 0, (size_t)l->matrix.size * (size_t)l->matrix.size * sizeof *l->matrix.at);
+    l->layout = turning_layout_of(ode->values);
+    l->turning = ode->state->turning;
+    turning_unpack(ode->values, l->y, &l->turning);
+    ode_instant(ode, clock, l->y, &l->at);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        add_motion(l, clock, i);
+#if SCENE_ANY_ROTATION
+        if (l->layout.spin[i] >= 0) {
+            add_rotation(l, clock, i);
+        }
+#endif
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        add_contact(l, j);
+    }
+}
+
+void turning_jacobian(const struct scene_ode *ode, double clock, const double *y, int size, double *columns)
+{
+    struct turning_linearization l = {.ode = ode, .y = y, .matrix = {columns, size}};
+    linearize(&l, clock);
+}
+
+void turning_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
+                            double *by_forces, double *of_forces)
+{
+    const int coupled = ode_coupled(ode->values);
+    const size_t count = 3 * SCENE_CONTACTS * (size_t)coupled;
+    struct turning_linearization l = {
+        .ode = ode, .y = y, .matrix = {columns, coupled}, .of_forces = of_forces};
+    memset(of_forces, 0, count * sizeof *of_forces);
+    memset(by_forces, 0, count * sizeof *by_forces);
+    linearize(&l, clock);
+    struct turning_matrix by = {by_forces, coupled};
+    for (int j = 0; j < 3 * SCENE_CONTACTS; ++j) {
+        const int contact = j / 3;
+        const struct vec3 force = along_axis(j % 3);
+        const struct vec3 on_source = vec3_cross(l.at.turning.source_arm[contact], force);
+        const struct vec3 on_destination = vec3_cross(force, l.at.turning.destination_arm[contact]);
+        l.matrix = by;
+        add_to_body(&l, j, contact_source(contact), 1.0, force, on_source);
+        add_to_body(&l, j, contact_destination(contact), -1.0, force, on_destination);
+    }
+}
+
+#endif
+
+/* The event functions of the scene's differential equations. */
+
+/* Zero is returned as a tiny negative number: a contact that starts at g = 0 does not end at once, a root is
+ * not found twice, and CVODE, which rejects functions that stay at zero, never sees one. 1e-100 is far below
+ * any meaningful gap, rate or force and leaves room for the root finder's products and quotients. */
+static double not_zero(double value)
+{
+    return fabs(value) < 1e-100 ? -1e-100 : value;
+}
+
+/* The event functions of a contact whose bodies are loaded by another contact, so that closed forms do not
+ * foresee its changes. */
+static void coupled_events(const struct scene_ode *ode, const struct contact_shape *shape,
+                           const struct contact_law *law, const struct contact_geometry *g, int j,
+                           double out[ODE_EVENTS_EACH])
+{
+    const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
+    if (regime == REGIME_APART) {
+        out[0] = not_zero(ode->gap_offset[j] + fmax(g->gap, scene_beyond_ends(shape, g)));
+    } else {
+        out[0] = not_zero(ode->gap_offset[j] - fmax(g->gap, scene_beyond_ends(shape, g)));
+    }
+    if (regime == REGIME_SEPARATING) {
+        out[1] = not_zero(ode->margin_offset[j] + contact_event(law, regime, g->gap, g->gap_rate));
+    }
+}
+
+static void put_zone(const struct scene_ode *ode, const struct scene_instant *at, int contact, double *out)
+{
+    if (SCENE_ANY_CAPS) {
+        out[ODE_EVENTS_EACH - 1] =
+            not_zero(ode->zone_offset[contact] + zones_margin(ode->values, ode->state, at, contact));
+    }
+}
+
+void ode_events_at(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at,
+                   double events[ODE_EVENTS])
+{
+    const struct scene_values *v = ode->values;
+    ode_instant(ode, clock, y, at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        double *out = events + ODE_EVENTS_EACH * j;
+        const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
+        const struct contact_law law = scene_contact_law(v, ode->state, j);
+        const struct contact_geometry *g = &at->geometry[j];
+#if SCENE_ANY_TURNING
+        if (scene_turns(v)) {
+            turning_events(ode, clock, y, at, j, out);
+            put_zone(ode, at, j, out);
+            for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+                out[i] = not_zero(out[i]);
+            }
+            continue;
+        }
+        out[ODE_EVENT_STICK] = out[ODE_EVENT_CAP] = out[ODE_EVENT_LIFT] = 1.0;
+#endif
+        out[0] = out[1] = 1.0;
+        if (contact_transmits(ode->state, j) && !contact_is_driven(v, j)) {
+            out[0] = not_zero(ode->gap_offset[j] - g->gap);
+            out[1] = not_zero(ode->margin_offset[j] + contact_event(&law, regime, g->gap, g->gap_rate));
+        }
+        if (contact_is_coupled(v, ode->state, j)) {
+            const struct contact_shape shape = scene_contact_shape(v, ode->state, j);
+            coupled_events(ode, &shape, &law, g, j, out);
+        }
+        put_zone(ode, at, j, out);
+    }
+}
+
+void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS])
+{
+    struct scene_instant at;
+    ode_events_at(ode, clock, y, &at, events);
+}
+
+enum contact_regime ode_regime_after(const struct scene_values *v, const struct scene_state *q, int contact,
+                                     int event)
+{
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    if (event == ODE_EVENT_ZONE) {
+        return regime; /* in the next zone */
+    }
+    if (event == 1) {
+        return contact_regime_after(&law, regime);
+    }
+    if (regime != REGIME_APART) {
+        return REGIME_APART;
+    }
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    const double gap = fmin(at.geometry[contact].gap, -DBL_MIN);
+    return contact_regime_of(&law, gap, at.geometry[contact].gap_rate, true);
+}
+
+/* Dense, by columns. */
+struct matrix {
+    double *at;
+    int rows;
+};
+
+static double *entry(struct matrix m, int row, int column)
+{
+    return m.at + column * m.rows + row;
+}
+
+static void add_block(struct matrix jacobian, int row, int column, double factor, double block[3][3])
+{
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            *entry(jacobian, row + i, column + j) += factor * block[i][j];
+        }
+    }
+}
+
+static void add_row(struct matrix jacobian, int row, int column, double factor, struct vec3 entries)
+{
+    *entry(jacobian, row, column) += factor * entries.x;
+    *entry(jacobian, row, column + 1) += factor * entries.y;
+    *entry(jacobian, row, column + 2) += factor * entries.z;
+}
+
+/* a^T M */
+static struct vec3 left_product(struct vec3 a, double m[3][3])
+{
+    return vec3_make(a.x * m[0][0] + a.y * m[1][0] + a.z * m[2][0],
+                     a.x * m[0][1] + a.y * m[1][1] + a.z * m[2][1],
+                     a.x * m[0][2] + a.y * m[1][2] + a.z * m[2][2]);
+}
+
+/* Everything that depends on the state of `body` (sign -1: source, +1: destination) through contact j. */
+static void contact_columns(struct matrix jacobian, const struct scene_ode *ode,
+                            const struct scene_instant *at, int j, int body, double sign,
+                            struct contact_jacobian *gradient)
+{
+    const struct scene_values *v = ode->values;
+    const int ends[2] = {contact_source(j), contact_destination(j)};
+    const int column = ode_body(v, body);
+    const int work = ode_dissipated(v) + 1;
+    for (int end = 0; end < 2; ++end) {
+        const double on_end = end == 0 ? 1.0 : -1.0; /* the destination gets the opposite force */
+        if (body_is_free(v, ends[end])) {
+            const int row = ode_body(v, ends[end]) + 3;
+            const double factor = sign * on_end / body_mass(v, ends[end]);
+            add_block(jacobian, row, column, factor, gradient->by_separation);
+            add_block(jacobian, row, column + 3, factor, gradient->by_rate);
+        } else if (body_is_prescribed(v, ends[end])) {
+            const struct vec3 speed = at->velocity[ends[end]];
+            add_row(jacobian, work, column, -sign * on_end, left_product(speed, gradient->by_separation));
+            add_row(jacobian, work, column + 3, -sign * on_end, left_product(speed, gradient->by_rate));
+        }
+    }
+    add_block(jacobian, ode_impulse(v, j), column, sign, gradient->by_separation);
+    add_block(jacobian, ode_impulse(v, j), column + 3, sign, gradient->by_rate);
+    add_row(jacobian, ode_dissipated(v), column, sign, gradient->power_by_separation);
+    add_row(jacobian, ode_dissipated(v), column + 3, sign, gradient->power_by_rate);
+}
+
+void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns)
+{
+    const struct scene_values *v = ode->values;
+    const struct matrix jacobian = {columns, ode_size(v)};
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        turning_jacobian(ode, clock, y, ode_size(v), columns);
+        return;
+    }
+#endif
+    struct scene_instant at;
+    ode_instant(ode, clock, y, &at);
+    memset(columns, 0, (size_t)jacobian.rows * (size_t)jacobian.rows * sizeof *columns);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const int index = ode_body(v, i);
+            for (int k = 0; k < 3; ++k) {
+                *entry(jacobian, index + k, index + 3 + k) = 1.0;
+            }
+            add_row(jacobian, ode_dissipated(v) + 1, index + 3, 1.0,
+                    path_at(ode->state->path[i].force, 3, clock));
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
+        if (regime == REGIME_APART) {
+            continue;
+        }
+        const struct contact_shape shape = scene_contact_shape(v, ode->state, j);
+        const struct contact_law law = scene_contact_law(v, ode->state, j);
+        struct contact_jacobian gradient =
+            contact_jacobian_at(&shape, &at.geometry[j], at.rate[j], &law, regime);
+        if (body_is_free(v, contact_source(j))) {
+            contact_columns(jacobian, ode, &at, j, contact_source(j), -1.0, &gradient);
+        }
+        if (body_is_free(v, contact_destination(j))) {
+            contact_columns(jacobian, ode, &at, j, contact_destination(j), 1.0, &gradient);
+        }
+    }
+}
+
+void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns)
+{
+    double whole[ODE_MOST_STATES * ODE_MOST_STATES];
+    const int size = ode_size(ode->values);
+    const int coupled = ode_coupled(ode->values);
+#if SCENE_ANY_TURNING
+    if (scene_turns(ode->values)) {
+        turning_jacobian(ode, clock, y, coupled, columns);
+        return;
+    }
+#endif
+    ode_jacobian(ode, clock, y, whole);
+    for (int j = 0; j < coupled; ++j) {
+        memcpy(columns + j * coupled, whole + j * size, (size_t)coupled * sizeof *columns);
+    }
+}
+
+void ode_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
+                        double *by_forces, double *of_forces)
+{
+#if SCENE_ANY_TURNING
+    turning_split_jacobian(ode, clock, y, columns, by_forces, of_forces);
+#else
+    (void)ode, (void)clock, (void)y, (void)columns, (void)by_forces, (void)of_forces;
+#endif
+}
+
+static bool path_rests(const struct vec3 *coefficients, int count)
+{
+    return path_is_steady(coefficients, count) && vec3_is_zero(coefficients[0]);
+}
+
+/* Whether nothing but gravity and contacts works on a body. A prescribed one rests, by both of its inputs. */
+static bool body_is_undriven(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    const struct body_path *path = &q->path[body];
+    if (body_is_prescribed(v, body)) {
+        return path_is_steady(path->displacement, 4) && path_rests(path->velocity, 3);
+    }
+    return !body_is_free(v, body) || path_rests(path->force, 3);
+}
+
+/* Whether a contact keeps the energy of its relative motion, and no other contact acts. What turns has more
+ * energy than that. */
+static bool keeps_energy(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (scene_turns(v) || contact_transmits(q, j) != (j == contact)) {
+            return false;
+        }
+    }
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    return contact_is_elastic(&law) && scene_inverse_mass(v, contact) > 0.0 &&
+           body_is_undriven(v, q, contact_source(contact)) &&
+           body_is_undriven(v, q, contact_destination(contact));
+}
+
+/* The terms of the energy of a contact's relative motion [J]. */
+struct relative_energy {
+    double kinetic, stored, potential;
+};
+
+/* Two free bodies fall together: gravity does not change their relative motion. */
+static struct relative_energy relative_energy_of(const struct scene_values *v, const struct scene_state *q,
+                                                 const struct scene_instant *at, int contact)
+{
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const double mass = 1.0 / scene_inverse_mass(v, contact);
+    const bool source_is_free = body_is_free(v, contact_source(contact));
+    const bool destination_is_free = body_is_free(v, contact_destination(contact));
+    struct relative_energy energy = {
+        .kinetic = 0.5 * mass * vec3_dot(at->rate[contact], at->rate[contact]),
+        .stored = contact_stored_energy(&law, (enum contact_regime)q->contact[contact].regime,
+                                        at->geometry[contact].gap)};
+    if (source_is_free != destination_is_free) {
+        const int body = source_is_free ? contact_source(contact) : contact_destination(contact);
+        energy.potential = -mass * vec3_dot(gravity(v), at->displacement[body]);
+    }
+    return energy;
+}
+
+double projection_balance(const struct scene_values *v, const struct scene_state *q,
+                          const struct scene_instant *at)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (keeps_energy(v, q, j)) {
+            const struct relative_energy energy = relative_energy_of(v, q, at, j);
+            return energy.kinetic + energy.stored + energy.potential;
+        }
+    }
+    return 0.0;
+}
+
+void projection_close_gap(const struct scene_values *v, struct scene_state *q, int contact)
+{
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    /* g = side (d - reach): the separation has to grow by -side g along n. */
+    const struct vec3 grow = vec3_scale(
+        -shape.side * at.geometry[contact].gap / scene_inverse_mass(v, contact), at.geometry[contact].normal);
+    q->body[source].moved = vec3_axpy(q->body[source].moved, -body_inverse_mass(v, source), grow);
+    q->body[destination].moved =
+        vec3_axpy(q->body[destination].moved, body_inverse_mass(v, destination), grow);
+}
+
+/* An impulse j along the normal, positive where it speeds the bodies apart, changes the energy of the
+ * relative motion by j g' + j^2 (1/m_s + 1/m_d) / 2. */
+static double impulse_for(double missing, double gap_rate, double by_both)
+{
+    const double square = gap_rate * gap_rate + 2.0 * missing * by_both;
+    return square > 0.0 ? 2.0 * missing / (gap_rate + copysign(sqrt(square), gap_rate)) : 0.0;
+}
+
+/* Largest correction, in parts of the energy: an integrator's error is less, so more must have another
+ * cause. */
+static const double LARGEST_CORRECTION = 1e-3;
+
+/* A contact takes some thousand internal steps at the smallest tolerance. The errors of so many steps may add
+ * up. */
+static const double MOST_STEPS = 1e4;
+
+/* Whether `missing` is what an integrator that is off by `tolerated` [m/s] and by rounding in each step may
+ * leave of the energy, and more than rounding makes of its terms. */
+static bool is_integration_error(double missing, const struct relative_energy *energy, double mass,
+                                 double gap_rate, double speed, double tolerated)
+{
+    const double terms = energy->kinetic + energy->stored + fabs(energy->potential);
+    const double explained = mass * fabs(gap_rate) * MOST_STEPS * (tolerated + 8.0 * DBL_EPSILON * speed);
+    return fabs(missing) > 64.0 * DBL_EPSILON * terms &&
+           fabs(missing) <= fmin(explained, LARGEST_CORRECTION * 0.5 * mass * gap_rate * gap_rate);
+}
+
+void projection_restore_energy(const struct scene_values *v, struct scene_state *q, int contact,
+                               double tolerated)
+{
+    if (!keeps_energy(v, q, contact)) {
+        return;
+    }
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const double by_both = scene_inverse_mass(v, contact);
+    const double gap_rate = at.geometry[contact].gap_rate;
+    const struct relative_energy energy = relative_energy_of(v, q, &at, contact);
+    const double missing = q->phase_energy - (energy.kinetic + energy.stored + energy.potential);
+    if (!is_integration_error(missing, &energy, 1.0 / by_both, gap_rate, vec3_norm(at.rate[contact]),
+                              tolerated)) {
+        return;
+    }
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const double j = shape.side * impulse_for(missing, gap_rate, by_both);
+    const struct vec3 n = at.geometry[contact].normal;
+    q->body[source].velocity = vec3_axpy(q->body[source].velocity, -j * body_inverse_mass(v, source), n);
+    q->body[destination].velocity =
+        vec3_axpy(q->body[destination].velocity, j * body_inverse_mass(v, destination), n);
+    q->contact[contact].physics.impulse = vec3_axpy(q->contact[contact].physics.impulse, -j, n);
 }

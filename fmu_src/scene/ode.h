@@ -37,7 +37,7 @@
 #define CONTACT_SCENE_ODE_H
 
 #include "scene/evaluate.h"
-#include "scene/unfinished_step.h" /* ODE_MOST_STATES */
+#include "scene/unfinished_step.h"
 
 enum ode_event { ODE_EVENT_GAP, ODE_EVENT_LAW, ODE_EVENT_STICK, ODE_EVENT_CAP, ODE_EVENT_LIFT };
 
@@ -118,5 +118,95 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes);
 
 /* The instant at y; for ode.c and ode_jacobian.c. */
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at);
+
+/*
+ * What scenes that turn or rub add to the scene's differential equations (scene/ode.h), for ode.c and
+ * ode_jacobian.c.
+ */
+
+#if SCENE_ANY_TURNING
+
+/* Where the states are in y; -1: there is none. */
+struct turning_layout {
+    int spin[SCENE_BODIES];        /* L / I_1 */
+    int orientation[SCENE_BODIES]; /* w, x, y, z */
+    int spring[SCENE_CONTACTS];
+    int coupled, integrals; /* see ode_coupled, ode_integrals */
+};
+
+enum { TURNING_IMPULSES = 9 }; /* of a contact: of force, of torque on the source, on the destination */
+
+struct turning_layout turning_layout_of(const struct scene_values *v);
+
+/* I_1 of a body of free rotation [kg m^2], and I_1/I_3 - 1. */
+double turning_inertia(const struct scene_values *v, int body);
+double turning_flatness(const struct scene_values *v, int body);
+
+/* The orientation in y, made unit. */
+struct quaternion turning_orientation_from(const double *data);
+
+/* The states of bodies that turn and of springs into y, and out of it; y's orientations need not be unit. */
+void turning_pack(const struct scene_ode *ode, double *y);
+void turning_unpack(const struct scene_values *v, const double *y, struct turning_state *turning);
+
+/* The rest of y: impulses of torques and the work on friction. */
+void turning_pack_integrals(const struct scene_ode *ode, double *y);
+void turning_unpack_integrals(const struct scene_values *v, struct scene_state *q, const double *y);
+
+/* The rates of all of these, and the event functions of a contact; `at` is the instant at y. */
+void turning_rates(const struct scene_ode *ode, double clock, const double *y, const struct scene_instant *at,
+                   double *rates);
+void turning_events(const struct scene_ode *ode, double clock, const double *y,
+                    const struct scene_instant *at, int contact, double out[ODE_EVENTS_EACH]);
+
+/* The leading `size` rows and columns of the Jacobian, by columns. */
+void turning_jacobian(const struct scene_ode *ode, double clock, const double *y, int size, double *columns);
+
+/* As ode_split_jacobian has it. */
+void turning_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
+                            double *by_forces, double *of_forces);
+
+/* Sets the offsets of these event functions of a contact for a phase that begins at the instant `at` of
+ * ode->state, of speeds that are right to `tolerated` [m/s]. */
+void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int contact, double tolerated);
+
+/* The event functions of friction at the present of ode->state, the instant `at`, each raised by twice what
+ * rounding and an error of the speeds by `tolerated` [m/s] make of it. */
+void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,
+                             double tolerated, double events[ODE_EVENTS_EACH]);
+
+/* Sizes to compare errors with, as ode_nominal has them. */
+void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes);
+
+#endif
+
+/*
+ * Invariants at the end of a contact phase (projection methods: Hairer, Lubich, Wanner, Geometric Numerical
+ * Integration, chapter IV.4). CVODE keeps them only to its tolerance; along the normal they can be put right
+ * exactly, without touching momentum.
+ *
+ * The gap is zero where the bodies part, so that the flight that follows starts outside.
+ *
+ * The energy of the relative motion of the two bodies is what it was when the phase began: m_red |w|^2 / 2 +
+ * p_n g^2 / 2, and the potential of gravity where one of them is not free. Of these two bodies alone: in the
+ * energy of a heavy body that falls, what its contact with a light one has would be rounding. Only where
+ * nothing but this undamped contact and gravity acts on them: the work of anything else is integrated too,
+ * and its error would be taken for one of the speed.
+ */
+
+/* That energy, with the potential of the displacement alone: its constant part would only cost digits [J]. Of
+ * the present instant, in the regimes of q; zero where no contact keeps it. */
+double projection_balance(const struct scene_values *v, const struct scene_state *q,
+                          const struct scene_instant *at);
+
+/* Moves the free bodies of a contact apart along the normal, by their inverse masses, until the gap is
+ * zero. */
+void projection_close_gap(const struct scene_values *v, struct scene_state *q, int contact);
+
+/* Gives the bodies of a contact opposite impulses along the normal that bring the energy back to
+ * q->phase_energy. `tolerated` is what the integrator may be off by in a step [m/s]. Nothing happens where
+ * that does not explain the error, and where rounding does. */
+void projection_restore_energy(const struct scene_values *v, struct scene_state *q, int contact,
+                               double tolerated);
 
 #endif

@@ -1,9 +1,8 @@
-#include "scene/scene_jet.h"
-
 #include <string.h>
 
-#include "scene/free_bodies.h"
-#include "scene/turning_jet.h"
+#include "contact/slopes.h"
+#include "scene/evaluate.h"
+#include "scene/scene_jet.h"
 
 void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at, struct scene_jet *along)
@@ -88,3 +87,580 @@ void jet_of_motion(const struct scene_values *v, const struct scene_state *q, co
     }
     put_contacts(v, q, at, along);
 }
+
+#if SCENE_ANY_TURNING
+
+struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b, int order)
+{
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    for (int i = 0; i <= order; ++i) {
+        sum = vec3_add(sum, vec3_cross(a[i], b[order - i]));
+    }
+    return sum;
+}
+
+/* The orientation from the angular velocity: q' = (0, omega) q / 2. */
+static void put_orientation(const struct vec3 omega[2], struct quaternion q[JET_TERMS])
+{
+    q[1] = quaternion_rate(q[0], omega[0]);
+    q[2] = quaternion_scale(
+        0.5, quaternion_axpy(quaternion_rate(q[0], omega[1]), 1.0, quaternion_rate(q[1], omega[0])));
+}
+
+/* e' = omega x e */
+static void put_turning_axis(const struct vec3 *omega, struct vec3 e[JET_TERMS])
+{
+    e[1] = vec3_cross(omega[0], e[0]);
+    e[2] = vec3_scale(0.5, turning_jet_cross(omega, e, 1));
+}
+
+#if SCENE_ANY_ROTATION
+/* A direction that is given as a polynomial of any length. */
+static void put_given_axis(const struct body_path *path, double clock, struct vec3 e[JET_TERMS])
+{
+    struct vec3 a[3];
+    double length[JET_TERMS];
+    memcpy(a, path->axis, sizeof a);
+    path_shift(a, 3, clock);
+    jet_length(a, length);
+    for (int i = 1; i < JET_TERMS && length[0] > 0.0; ++i) {
+        struct vec3 rest = a[i];
+        for (int k = 1; k <= i; ++k) {
+            rest = vec3_axpy(rest, -length[k], e[i - k]);
+        }
+        e[i] = vec3_scale(1.0 / length[0], rest);
+    }
+}
+
+static void put_prescribed(const struct scene_state *q, int body, struct scene_jet *along)
+{
+    const struct body_path *path = &q->path[body];
+    struct vec3 *omega = along->angular_velocity[body];
+    struct vec3 *e = along->axis[body];
+    omega[2] = path->angular_velocity[2];
+    put_turning_axis(omega, e);
+    struct vec3 seen[2] = {omega[0], omega[1]};
+    if (path->turn_follows != TURN_FOLLOWS_VELOCITY && body_shape(body) != SHAPE_SPHERE) {
+        put_given_axis(path, q->clock, e);
+        const struct vec3 rate[2] = {e[1], vec3_scale(2.0, e[2])};
+        const double spin[2] = {vec3_dot(omega[0], e[0]),
+                                vec3_dot(omega[1], e[0]) + vec3_dot(omega[0], e[1])};
+        for (int i = 0; i < 2; ++i) { /* as the axis tells it, and about the axis */
+            seen[i] = vec3_add(turning_jet_cross(e, rate, i), jet_scale(spin, e, i));
+        }
+    }
+    put_orientation(seen, along->orientation[body]);
+}
+#endif
+
+void turning_jet_put_bodies(const struct scene_values *v, const struct scene_state *q,
+                            const struct scene_instant *at, struct scene_jet *along)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        along->angular_velocity[i][0] = at->turning.body[i].angular_velocity;
+        along->orientation[i][0] = at->turning.body[i].orientation;
+        along->axis[i][0] = quaternion_third_axis(at->turning.body[i].orientation);
+#if SCENE_ANY_ROTATION
+        along->angular_velocity[i][1] = turning_acceleration(v, q, q->clock, at, i);
+        if (body_turn_is_prescribed(v, i)) {
+            put_prescribed(q, i, along);
+        } else if (body_turns_freely(v, i)) {
+            const struct body_path *path = &q->path[i];
+            along->torque[i] = vec3_axpy(path->torque[1], 2.0 * q->clock, path->torque[2]);
+            put_turning_axis(along->angular_velocity[i], along->axis[i]);
+            put_orientation(along->angular_velocity[i], along->orientation[i]);
+        }
+#endif
+    }
+#if SCENE_ANY_ELASTIC_FRICTION
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_rubs_elastically(v, j)) {
+            along->spring[j][0] = q->turning.spring[j];
+            along->spring[j][1] = turning_spring_rate(v, q, &q->turning, at, j);
+        }
+    }
+#endif
+    (void)v, (void)q;
+}
+
+#if SCENE_ANY_FREE_ROTATION
+/* Half the change of a free body's angular acceleration: of
+ * I_1 omega' = tau - (I_3 - I_1) (tau_3 / I_3 e + omega_3 omega x e). */
+static struct vec3 half_spin_jerk(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_instant *at, const struct scene_jet *along, int body)
+{
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    const struct vec3 *e = along->axis[body];
+    const struct vec3 *omega = along->angular_velocity[body];
+    struct vec3 torque[2] = {turning_torque_on(v, q, q->clock, at, body), along->torque[body]};
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct turning_jet *turning = &along->turning[j];
+        if (contact_source(j) == body) {
+            torque[1] = vec3_add(torque[1], turning->source_torque[1]);
+        }
+        if (contact_destination(j) == body) {
+            torque[1] = vec3_add(torque[1], turning->destination_torque[1]);
+        }
+    }
+    const double tau[2] = {jet_dot(torque, e, 0), jet_dot(torque, e, 1)};
+    const double spin[2] = {jet_dot(omega, e, 0), jet_dot(omega, e, 1)};
+    const struct vec3 whirl[2] = {turning_jet_cross(omega, e, 0), turning_jet_cross(omega, e, 1)};
+    const struct vec3 axial = vec3_scale(1.0 / inertia.axial, jet_scale(tau, e, 1));
+    const struct vec3 gyration = vec3_add(axial, jet_scale(spin, whirl, 1));
+    const double more = inertia.axial - inertia.transverse;
+    return vec3_scale(0.5 / inertia.transverse, vec3_axpy(torque[1], -more, gyration));
+}
+#endif
+
+#if SCENE_ANY_ELASTIC_FRICTION
+static struct vec3 times(const double m[3][3], struct vec3 a)
+{
+    return vec3_make(m[0][0] * a.x + m[0][1] * a.y + m[0][2] * a.z,
+                     m[1][0] * a.x + m[1][1] * a.y + m[1][2] * a.z,
+                     m[2][0] * a.x + m[2][1] * a.y + m[2][2] * a.z);
+}
+
+/* Half of xi'' of xi' = f(F_n, v_t, xi) - n (xi.n'). */
+static struct vec3 half_spring_change(const struct scene_values *v, const struct scene_state *q,
+                                      const struct scene_instant *at, const struct scene_jet *along,
+                                      int contact)
+{
+    const struct turning_laws laws = turning_laws_of(v, q, contact);
+    const struct friction_state rubbing = turning_rubbing(&q->turning, at, contact);
+    const struct friction_slopes slopes =
+        friction_spring_rate_slopes(&laws.friction, laws.friction_regime, rubbing);
+    const struct contact_jet *geometry = &along->contact[contact];
+    const struct vec3 *spring = along->spring[contact];
+    const struct vec3 bend[2] = {geometry->normal[1], vec3_scale(2.0, geometry->normal[2])};
+    const double tilted[2] = {vec3_dot(spring[0], bend[0]),
+                              vec3_dot(spring[1], bend[0]) + vec3_dot(spring[0], bend[1])};
+    struct vec3 sum = vec3_scale(geometry->normal_force[1], slopes.by_normal_force);
+    sum = vec3_add(sum, times(slopes.by_slip, along->turning[contact].slip[1]));
+    sum = vec3_add(sum, times(slopes.by_spring, spring[1]));
+    return vec3_scale(0.5, vec3_sub(sum, jet_scale(tilted, geometry->normal, 1)));
+}
+#endif
+
+void turning_jet_put_changes(const struct scene_values *v, const struct scene_state *q,
+                             const struct scene_instant *at, struct scene_jet *along)
+{
+#if SCENE_ANY_FREE_ROTATION
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_turns_freely(v, i)) {
+            along->angular_velocity[i][2] = half_spin_jerk(v, q, at, along, i);
+        }
+    }
+#endif
+#if SCENE_ANY_ELASTIC_FRICTION
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_rubs_elastically(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
+            along->spring[j][2] = half_spring_change(v, q, at, along, j);
+        }
+    }
+#endif
+    (void)v, (void)q, (void)at, (void)along;
+}
+
+#if SCENE_ANY_FREE_ROTATION
+struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
+                                    const struct scene_instant *at, const struct scene_jet *along, int body)
+{
+    return vec3_scale(2.0, half_spin_jerk(v, q, at, along, body));
+}
+#else
+struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
+                                    const struct scene_instant *at, const struct scene_jet *along, int body)
+{
+    (void)v, (void)q, (void)at, (void)along, (void)body;
+    return vec3_make(0.0, 0.0, 0.0);
+}
+#endif
+
+void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at, int body,
+                           int component, double change, struct scene_jet *along)
+{
+    const double length = vec3_norm(body_prescribed_axis(v, body));
+    const struct vec3 e = quaternion_third_axis(at->turning.body[body].orientation);
+    struct vec3 by = {0.0, 0.0, 0.0};
+    vec3_set(&by, component, change / length);
+    by = vec3_axpy(by, -vec3_dot(by, e), e);
+    along->axis[body][1] = vec3_add(along->axis[body][1], by);
+    const struct quaternion turned = quaternion_rate(at->turning.body[body].orientation, vec3_cross(e, by));
+    along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, turned);
+}
+
+#endif
+
+#if SCENE_ANY_TURNING
+
+double turning_jet_of_rotational(const struct scene_values *v, const struct scene_jet *along, int order)
+{
+    double sum = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_turns_freely(v, i)) {
+            const struct body_inertia inertia = body_inertia_of(v, i);
+            double axial = 0.0;
+            for (int k = 0; k <= order; ++k) {
+                axial += jet_dot(along->angular_velocity[i], along->axis[i], k) *
+                         jet_dot(along->angular_velocity[i], along->axis[i], order - k);
+            }
+            const double square = jet_dot(along->angular_velocity[i], along->angular_velocity[i], order);
+            sum += 0.5 * (inertia.transverse * square + (inertia.axial - inertia.transverse) * axial);
+        }
+    }
+    return sum;
+}
+
+double turning_jet_of_tangential(const struct scene_values *v, const struct scene_state *q,
+                                 const struct scene_jet *along, int order)
+{
+    double sum = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_rubs_elastically(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
+            sum += along->turning[j].stored[order];
+        }
+    }
+    return sum;
+}
+
+double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along, int order)
+{
+    double power = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_rubs(v, j)) {
+            power -= jet_dot(along->turning[j].friction_force, along->turning[j].slip, order);
+        }
+    }
+    return power;
+}
+
+double turning_jet_external_power(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_jet *along, int order)
+{
+    double power = 0.0;
+#if SCENE_ANY_ROTATION
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_turns_freely(v, i)) {
+            const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
+            power += jet_dot(torque, along->angular_velocity[i], order);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const int source = contact_source(j);
+        const int destination = contact_destination(j);
+        if (body_turn_is_prescribed(v, source)) {
+            power -= jet_dot(along->turning[j].source_torque, along->angular_velocity[source], order);
+        }
+        if (body_turn_is_prescribed(v, destination)) {
+            power -=
+                jet_dot(along->turning[j].destination_torque, along->angular_velocity[destination], order);
+        }
+    }
+#else
+    (void)v, (void)q, (void)along, (void)order;
+#endif
+    return power;
+}
+
+#endif
+
+#if SCENE_ANY_TURNING
+
+/* The motion of a contact: separation, its rate, rotations, axis; that of the shape which is met. */
+struct contact_path {
+    struct vec3 c[JET_TERMS], w[JET_TERMS], source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
+};
+
+static struct contact_path path_of(const struct scene_values *v, const struct scene_instant *at,
+                                   const struct scene_jet *along, const struct contact_shape *shape,
+                                   int contact)
+{
+    const int from = contact_source(contact);
+    const int to = contact_destination(contact);
+    struct contact_path path;
+    memset(&path, 0, sizeof path);
+    for (int i = 1; i < JET_TERMS; ++i) {
+        path.c[i] = vec3_sub(along->displacement[to][i], along->displacement[from][i]);
+        path.w[i] = vec3_sub(along->velocity[to][i], along->velocity[from][i]);
+        path.source[i] = along->angular_velocity[from][i];
+        path.destination[i] = along->angular_velocity[to][i];
+        if (body_turns(v, to)) {
+            path.axis[i] = along->axis[to][i];
+        }
+    }
+    path.c[0] = at->separation[contact];
+    path.w[0] = at->rate[contact];
+    path.source[0] = at->turning.body[from].angular_velocity;
+    path.destination[0] = at->turning.body[to].angular_velocity;
+    path.axis[0] = at->turning.axis[contact];
+    for (int i = 0; i < JET_TERMS && contact_is_upside_down(shape); ++i) {
+        path.axis[i] = vec3_scale(-1.0, path.axis[i]);
+    }
+    return path;
+}
+
+/* n of the terms from 1 on, from d n = offset. */
+static void put_normal(const struct vec3 offset[JET_TERMS], const double distance[JET_TERMS],
+                       struct vec3 normal[JET_TERMS])
+{
+    for (int i = 1; i < JET_TERMS; ++i) {
+        struct vec3 rest = offset[i];
+        for (int k = 1; k <= i; ++k) {
+            rest = vec3_axpy(rest, -distance[k], normal[i - k]);
+        }
+        normal[i] = vec3_scale(1.0 / distance[0], rest);
+    }
+}
+
+#if SCENE_ANY_CAPS
+/* Of a rim: offset = (rho - r_d) a - (height - h) e with the unit vector a to the axis, rho a = c - (c.e) e,
+ * and height = -c.e, of e that points out of the rim's end. */
+static void put_rim_offset(const struct contact_shape *shape, const struct contact_path *path,
+                           struct vec3 offset[JET_TERMS])
+{
+    struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
+    double axial[JET_TERMS], radial[JET_TERMS], rho[JET_TERMS];
+    for (int i = 0; i < JET_TERMS; ++i) {
+        axial[i] = jet_dot(path->c, path->axis, i);
+        across[i] = vec3_sub(path->c[i], jet_scale(axial, path->axis, i));
+    }
+    jet_length(across, rho);
+    to_axis[0] = vec3_scale(1.0 / rho[0], across[0]);
+    put_normal(across, rho, to_axis);
+    for (int i = 0; i < JET_TERMS; ++i) {
+        radial[i] = rho[i] - (i == 0 ? shape->solid.radius : 0.0);
+        axial[i] += i == 0 ? shape->solid.half_height : 0.0;
+    }
+    for (int i = 1; i < JET_TERMS; ++i) {
+        offset[i] = vec3_add(jet_scale(radial, to_axis, i), jet_scale(axial, path->axis, i));
+    }
+}
+#endif
+
+static void put_offset(const struct contact_shape *shape, const struct contact_path *path,
+                       struct vec3 offset[JET_TERMS])
+{
+#if SCENE_ANY_CAPS
+    if (contact_is_rim(shape)) {
+        put_rim_offset(shape, path, offset);
+        return;
+    }
+#endif
+    for (int i = 1; i < JET_TERMS; ++i) {
+        offset[i] = path->c[i];
+        if (contact_is_cylinder(shape)) {
+            double axial[JET_TERMS];
+            for (int k = 0; k <= i; ++k) {
+                axial[k] = jet_dot(path->c, path->axis, k);
+            }
+            offset[i] = vec3_sub(path->c[i], jet_scale(axial, path->axis, i));
+        }
+    }
+}
+
+/* d d = offset.d(offset), d n = offset; a plane has n = -e, d = n.c. */
+static void put_distance(const struct contact_shape *shape, const struct contact_geometry *g,
+                         const struct contact_path *path, struct contact_jet *jet)
+{
+    struct vec3 offset[JET_TERMS] = {g->offset};
+    double length[JET_TERMS];
+    jet->normal[0] = g->normal;
+    jet->distance[0] = g->distance;
+    put_offset(shape, path, offset);
+    jet_length(offset, length);
+    for (int i = 1; i < JET_TERMS; ++i) {
+        jet->normal[i] = contact_is_plane(shape) ? vec3_scale(-1.0, path->axis[i]) : vec3_make(0.0, 0.0, 0.0);
+    }
+    for (int i = 1; i < JET_TERMS; ++i) {
+        jet->distance[i] = contact_is_plane(shape) ? jet_dot(jet->normal, path->c, i)
+                           : g->degenerate         ? 0.0
+                                                   : length[i];
+    }
+    if (contact_turns(shape, g)) {
+        put_normal(offset, jet->distance, jet->normal);
+    }
+}
+
+static void put_normal_force(const struct contact_shape *shape, const struct contact_geometry *g,
+                             const struct contact_path *path, const struct contact_law *law,
+                             const struct contact_law *change, enum contact_regime regime,
+                             struct contact_jet *jet)
+{
+    struct vec3 seen[JET_TERMS];
+    for (int i = 0; i < JET_TERMS; ++i) {
+        seen[i] = vec3_sub(path->w[i], turning_jet_cross(path->destination, path->c, i));
+        jet->gap[i] = i > 0 ? shape->side * jet->distance[i] : g->gap;
+        jet->gap_rate[i] = i > 0 ? shape->side * jet_dot(jet->normal, seen, i) : g->gap_rate;
+        jet->normal_force[i] = contact_force_term(law, change, regime, jet->gap, jet->gap_rate, i);
+        jet->source_force[i] = vec3_scale(-shape->side, jet_scale(jet->normal_force, jet->normal, i));
+    }
+}
+
+/* Arms and slip, of a contact whose normal is known. */
+static void put_slip(const struct contact_shape *shape, const struct contact_path *path,
+                     const struct contact_jet *jet, struct turning_jet *turning)
+{
+    struct vec3 far[JET_TERMS];
+    struct vec3 all[JET_TERMS];
+    double along_normal[JET_TERMS];
+    for (int i = 0; i < JET_TERMS; ++i) {
+        turning->source_arm[i] = vec3_scale(shape->side * shape->source_radius, jet->normal[i]);
+        far[i] = vec3_sub(turning->source_arm[i], path->c[i]);
+        turning->destination_arm[i] = far[i];
+        const struct vec3 past = vec3_sub(turning_jet_cross(path->source, turning->source_arm, i),
+                                          turning_jet_cross(path->destination, far, i));
+        all[i] = vec3_sub(past, path->w[i]);
+        along_normal[i] = jet_dot(all, jet->normal, i);
+        turning->slip[i] = vec3_sub(all[i], jet_scale(along_normal, jet->normal, i));
+    }
+}
+
+static void put_friction(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_jet *along, int contact, struct contact_jet *jet,
+                         struct turning_jet *turning)
+{
+    if (!contact_rubs(v, contact) || q->contact[contact].regime == (int32_t)REGIME_APART) {
+        return;
+    }
+    const struct turning_laws laws = turning_laws_of(v, q, contact);
+    struct friction_path path = {.slip_velocity_slope = along->slip_velocity_slope[contact]};
+    memcpy(path.normal_force, jet->normal_force, sizeof path.normal_force);
+    memcpy(path.slip, turning->slip, sizeof path.slip);
+#if SCENE_ANY_FRICTION
+    memcpy(path.spring, along->spring[contact], sizeof path.spring);
+    path.spring[0] = q->turning.spring[contact];
+    if (along->jumps) {
+        path.spring[1] = vec3_axpy(path.spring[1], -vec3_dot(path.spring[0], jet->normal[1]), jet->normal[0]);
+    }
+#endif
+    for (int i = 0; i < JET_TERMS; ++i) {
+        turning->friction_force[i] = friction_force_term(&laws.friction, laws.friction_regime, &path, i);
+        turning->stored[i] = friction_stored_term(&laws.friction, laws.friction_regime, &path, i);
+        jet->source_force[i] = vec3_add(jet->source_force[i], turning->friction_force[i]);
+    }
+}
+
+void turning_jet_of_contact(const struct scene_values *v, const struct scene_state *q,
+                            const struct scene_instant *at, int contact, struct scene_jet *along)
+{
+    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const struct contact_path path = path_of(v, at, along, &shape, contact);
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    struct contact_jet *jet = &along->contact[contact];
+    struct turning_jet *turning = &along->turning[contact];
+    memset(turning, 0, sizeof *turning);
+    if (scene_turns(v)) {
+        put_distance(&shape, &at->geometry[contact], &path, jet);
+        put_normal_force(&shape, &at->geometry[contact], &path, &law, &along->law_slope[contact],
+                         (enum contact_regime)q->contact[contact].regime, jet);
+    }
+    put_slip(&shape, &path, jet, turning);
+    put_friction(v, q, along, contact, jet, turning);
+    for (int i = 0; i < JET_TERMS; ++i) {
+        turning->source_torque[i] = turning_jet_cross(turning->source_arm, jet->source_force, i);
+        turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
+    }
+}
+
+#endif
+
+#if SCENE_ANY_FREE
+
+/* The jet of free bodies in time, and of what depends on it. */
+
+/* d/dt of a path of three coefficients. */
+static struct vec3 path_slope(const struct vec3 *path, double clock)
+{
+    return vec3_axpy(path[1], 2.0 * clock, path[2]);
+}
+
+struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body)
+{
+    struct vec3 force = along->force[body];
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct vec3 source_force = along->contact[j].source_force[1];
+        const int sign = (contact_source(j) == body) - (contact_destination(j) == body);
+        force = vec3_axpy(force, sign, source_force);
+    }
+    return vec3_scale(0.5 / body_mass(v, body), force);
+}
+
+double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_jet *along, int order)
+{
+    double power = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const struct vec3 force[2] = {path_at(q->path[i].force, 3, q->clock), along->force[i]};
+            power += jet_dot(force, along->velocity[i], order);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct vec3 *force = along->contact[j].source_force;
+        if (body_is_prescribed(v, contact_source(j))) {
+            power -= jet_dot(force, along->velocity[contact_source(j)], order);
+        }
+        if (body_is_prescribed(v, contact_destination(j))) {
+            power += jet_dot(force, along->velocity[contact_destination(j)], order);
+        }
+    }
+#if SCENE_ANY_TURNING
+    power += scene_turns(v) ? turning_jet_external_power(v, q, along, order) : 0.0;
+#endif
+    return power;
+}
+
+double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
+                                    const struct scene_jet *along, int order)
+{
+    double power = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_jet *contact = &along->contact[j];
+        const struct contact_law law = scene_contact_law(v, q, j);
+        power += contact_dissipated_term(&law, (enum contact_regime)q->contact[j].regime,
+                                         contact->normal_force, contact->gap, contact->gap_rate, order);
+    }
+    return power;
+}
+
+bool free_bodies_put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            along->force[i] = path_slope(q->path[i].force, q->clock);
+            along->velocity[i][2] = free_bodies_half_jerk(v, along, i);
+        }
+    }
+    return !scene_is_force_element(v);
+}
+
+void free_bodies_put_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
+{
+    along->time[1] = 1.0;
+    for (int i = 1; i < JET_TERMS; ++i) {
+        along->dissipated[i] = free_bodies_dissipated_power(v, q, along, i - 1) / i;
+        along->external_work[i] = free_bodies_external_power(v, q, along, i - 1) / i;
+#if SCENE_ANY_TURNING
+        along->friction[i] = turning_jet_friction_power(v, along, i - 1) / i;
+#endif
+    }
+}
+
+#endif
+
+#if !SCENE_ANY_FREE
+
+/* Scenes without a body that may be free add nothing. */
+
+bool free_bodies_put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
+{
+    (void)v, (void)q, (void)along;
+    return false;
+}
+
+void free_bodies_put_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
+{
+    (void)v, (void)q, (void)along;
+}
+
+#endif

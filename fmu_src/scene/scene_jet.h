@@ -1,12 +1,13 @@
 /*
- * The jet of the scene along a path through the present instant, as contact/jet.h has it for one contact: in
+ * The jet of the scene along a path through the present instant, as contact/slopes.h has it for one
+ * contact: in
  * time, or in the direction of a change of the inputs. Rarely called, hence `cold`: inlining is left to other
  * code.
  */
 #ifndef CONTACT_SCENE_SCENE_JET_H
 #define CONTACT_SCENE_SCENE_JET_H
 
-#include "contact/jet.h"
+#include "contact/slopes.h"
 #include "math/compiler.h"
 #include "scene/evaluate.h"
 
@@ -56,5 +57,68 @@ CONTACT_COLD void jet_in_time(const struct scene_values *v, const struct scene_s
  * velocity; that is what the law sees. */
 CONTACT_COLD void jet_of_motion(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, struct scene_jet *along);
+
+/*
+ * The jet (scene_jet.h) of what turns and rubs: rotations of the bodies, and contacts whose axis turns,
+ * with their torques, slip, friction and springs. Coefficients of order up to two.
+ */
+
+#if SCENE_ANY_TURNING
+
+/* Coefficient `order` of a cross product. */
+struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b, int order);
+
+/* The rotations of the bodies in time, as far as the instant tells them: of bodies that turn freely the
+ * change of their angular acceleration is missing. And the rates of the springs. */
+CONTACT_COLD void turning_jet_put_bodies(const struct scene_values *v, const struct scene_state *q,
+                                         const struct scene_instant *at, struct scene_jet *along);
+
+/* What is missing, from contacts that are known to the first order. */
+CONTACT_COLD void turning_jet_put_changes(const struct scene_values *v, const struct scene_state *q,
+                                          const struct scene_instant *at, struct scene_jet *along);
+
+/* The change of the angular acceleration of a body that turns freely. */
+CONTACT_COLD struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
+                                                 const struct scene_instant *at,
+                                                 const struct scene_jet *along, int body);
+
+/* A change of the axis of a body of prescribed rotation, component by component, of the input as given. */
+CONTACT_COLD void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at,
+                                        int body, int component, double change, struct scene_jet *along);
+
+/* A contact from what is there of bodies, springs and factors: all of it where something turns or rubs; where
+ * nothing does, torques and slip of a contact that is known. */
+CONTACT_COLD void turning_jet_of_contact(const struct scene_values *v, const struct scene_state *q,
+                                         const struct scene_instant *at, int contact,
+                                         struct scene_jet *along);
+
+/* Coefficients of energies [J], and of the powers of what turns: of friction and its springs, of torques from
+ * outside [W]. */
+CONTACT_COLD double turning_jet_of_rotational(const struct scene_values *v, const struct scene_jet *along,
+                                              int order);
+CONTACT_COLD double turning_jet_of_tangential(const struct scene_values *v, const struct scene_state *q,
+                                              const struct scene_jet *along, int order);
+CONTACT_COLD double turning_jet_friction_power(const struct scene_values *v, const struct scene_jet *along,
+                                               int order);
+CONTACT_COLD double turning_jet_external_power(const struct scene_values *v, const struct scene_state *q,
+                                               const struct scene_jet *along, int order);
+
+#endif
+
+/* What free bodies add to the jet of an instant. */
+
+/* The change of acceleration of free bodies, by the forces of the contacts; whether there are free bodies.
+ * And energies dissipated and supplied. */
+bool free_bodies_put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along);
+void free_bodies_put_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along);
+
+/* Half the change of a free body's acceleration with the external force and the contact forces [m/s^3 in
+ * time]; the power of dissipation, and that of external forces on free bodies and of what moves prescribed
+ * ones against the contacts [W], of order 0 or 1. */
+struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body);
+double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
+                                    const struct scene_jet *along, int order);
+double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_jet *along, int order);
 
 #endif

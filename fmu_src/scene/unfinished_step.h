@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-#include "math/radau_stages.h"
+#include "math/node_tables.h"
 #include "scene.h"
 
 enum {

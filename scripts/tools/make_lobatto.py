@@ -1,8 +1,8 @@
-"""Writes the constants of fmu_src/math/lobatto.c, collocation at the Gauss-Lobatto nodes, and radau.c, at
+"""Writes the constants of fmu_src/math/node_tables.c, collocation at the Gauss-Lobatto nodes, and radau.c, at
 those of Radau, with 60 digits.
 
-    python scripts/tools/make_lobatto.py > fmu_src/math/lobatto.c
-    python scripts/tools/make_lobatto.py radau > fmu_src/math/radau.c
+    python scripts/tools/make_lobatto.py > fmu_src/math/node_tables.c
+    python scripts/tools/make_lobatto.py radau > fmu_src/math/node_tables.c
 
 Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32); of Radau the roots of P_{n-1} - P_n,
 of which 1 is one (25.4.31, mirrored). With l_j the Lagrange polynomials
@@ -89,7 +89,7 @@ def tables(at: list) -> str:
 def print_radau() -> None:
     """Prints the file of Radau's nodes."""
     print("/* Written by scripts/tools/make_lobatto.py radau; not to be edited. */")
-    print('#include "math/radau.h"\n\n/* clang-format off */')
+    print('#include "math/node_tables.h"\n\n/* clang-format off */')
     at = radau_nodes(RADAU)
     print(tables(at).replace(f"_{RADAU}[", f"_radau_{RADAU}["))
     public = "const double radau_twice[RADAU_POINTS * RADAU_POINTS]"
@@ -101,7 +101,7 @@ def print_radau() -> None:
 def print_lobatto() -> None:
     """Prints the file of Lobatto's nodes."""
     print("/* Written by scripts/tools/make_lobatto.py; not to be edited. */")
-    print('#include "math/lobatto.h"\n\n/* clang-format off */')
+    print('#include "math/node_tables.h"\n\n/* clang-format off */')
     for points in POINTS:
         print(tables(nodes(points)))
     print("const struct lobatto lobatto[LOBATTO_SIZES] = {")

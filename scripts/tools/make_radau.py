@@ -1,7 +1,7 @@
 """Writes the constants of simplified Newton iterations for Radau IIA, with 60 digits.
 
-    python scripts/tools/make_radau.py 4 8 > fmu_src/math/radau_stages_short.c
-    python scripts/tools/make_radau.py 12 > fmu_src/math/radau_stages_long.c
+    python scripts/tools/make_radau.py 4 8 > fmu_src/math/node_tables.c
+    python scripts/tools/make_radau.py 12 > fmu_src/math/node_tables.c
 
 Of s stages at the right Radau nodes c of [0, 1] (make_lobatto.py), A_ij the integral of l_j from 0 to c_i:
 
@@ -109,7 +109,7 @@ def main() -> None:
     """Prints one file."""
     mpmath.mp.dps = 60
     print("/* Written by scripts/tools/make_radau.py; not to be edited. */")
-    print('#include "math/radau_stages.h"\n\n/* clang-format off */')
+    print('#include "math/node_tables.h"\n\n/* clang-format off */')
     print("\n".join(tables(int(stages)) for stages in sys.argv[1:]), end="")
     print("/* clang-format on */")
 

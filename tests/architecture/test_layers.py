@@ -1,5 +1,5 @@
-"""Data flows math -> contact -> scene -> segment -> integrator -> model -> fmi -> fmi2 or fmi3; no include
-points back.
+"""Data flows math -> contact -> scene -> flight -> prescribed -> touch -> integrator -> model -> fmi ->
+fmi2 or fmi3; no include points back.
 """
 
 import pytest

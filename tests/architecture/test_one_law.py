@@ -12,15 +12,15 @@ LAW = {
     f"fmu_src/contact/{name}"
     for name in ("law.h", "law.c", "factors.h", "factors.c", "hertz_law.h", "hertz_law.c")
 }
-OWN_STIFFNESS = {"fmu_src/segment/pair_oscillation.h", "fmu_src/segment/pair_oscillation.c"}
+OWN_STIFFNESS = {"fmu_src/touch/pair.h", "fmu_src/touch/pair.c"}
 # Of the tangential spring and dashpot of elastic friction, k_t and c_t: a law of its own.
 OF_FRICTION = {
     "fmu_src/contact/friction.c",
-    "fmu_src/contact/friction_jet.c",
-    "fmu_src/scene/turning.c",
-    "fmu_src/scene/turning_events.c",  # of friction alone; the normal law it asks
-    "fmu_src/scene/turning_transition.c",
-    "fmu_src/segment/driven_regime.c",
+    "fmu_src/contact/slopes.c",
+    "fmu_src/scene/evaluate.c",
+    "fmu_src/scene/ode.c",  # of friction alone; the normal law it asks
+    "fmu_src/scene/transition.c",
+    "fmu_src/prescribed/driven.c",
 }
 # The recurrences of Hertz's law: its series is made with k_h, as closed forms are with p_n.
 HERTZ = {label(file) for file in UNITS if re.fullmatch(r"(?:pair_)?hertz(?:_\w+)?\.c", file.name)}
@@ -29,17 +29,17 @@ HERTZ = {label(file) for file in UNITS if re.fullmatch(r"(?:pair_)?hertz(?:_\w+)
 # law, and for the factors that users see.
 ASKS_FOR_CONSTANTS = r"\bcontact_(?:coefficients|factors)_of\("
 FAST_PATHS = {
-    "fmu_src/segment/contact_pair.c",
-    "fmu_src/segment/pair_taylor.c",
-    "fmu_src/segment/terminal_event.c",
-    "fmu_src/segment/flight_candidates.c",
+    "fmu_src/touch/pair.c",
+    "fmu_src/touch/pair.c",
+    "fmu_src/touch/terminal_event.c",
+    "fmu_src/flight/relative_path.c",
 }
 FACTORS = {
-    "fmu_src/model/factors.c",
+    "fmu_src/model/inputs.c",
     "fmu_src/model/outputs.c",
     "fmu_src/model/sensitivity.c",
-    "fmu_src/integrator/general_length.c",  # whose depth to come is made with k_h
-    "fmu_src/scene/onset.c",  # whose speed without load is made with k_h
+    "fmu_src/integrator/general_step.c",  # whose depth to come is made with k_h
+    "fmu_src/scene/present.c",  # whose speed without load is made with k_h
 }
 
 # k g + c g', by whatever names.

@@ -2,7 +2,7 @@
  * lengths or missing ones. */
 #include <stdlib.h>
 
-#include "fmi3/vectors.h"
+#include "fmi3/fmi3.h"
 #include "host3.h"
 #include "players3.h"
 #include "scene.h"

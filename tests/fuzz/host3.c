@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "fmi3/vectors.h"
+#include "fmi3/fmi3.h"
 
 struct host3 host3;
 

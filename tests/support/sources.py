@@ -11,7 +11,19 @@ SOURCE = ROOT / "fmu_src"
 BUILD = Path(os.environ.get("CONTACT_BUILD", ROOT / "build")).resolve()
 
 # The order in which data flows; a file includes its own layer and those before it.
-LAYERS = ("math", "contact", "scene", "segment", "integrator", "model", "fmi", "fmi2", "fmi3")
+LAYERS = (
+    "math",
+    "contact",
+    "scene",
+    "flight",
+    "prescribed",
+    "touch",
+    "integrator",
+    "model",
+    "fmi",
+    "fmi2",
+    "fmi3",
+)
 ADAPTERS = ("fmi2", "fmi3")  # side by side: neither includes the other
 COMPILERS = ("gcc", "clang")
 WARNINGS = [

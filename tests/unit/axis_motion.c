@@ -1,5 +1,5 @@
 /* Axes that turn: their rates against differences, and that their bounds hold wherever they are looked at. */
-#include "segment/axis_motion.h"
+#include "flight/tumbling.h"
 
 #include "check.h"
 #include "random.h"

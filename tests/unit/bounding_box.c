@@ -1,5 +1,5 @@
 /* Bounding boxes against points of the surfaces: none lies outside, and each face of a box is touched. */
-#include "contact/bounding_box.h"
+#include "contact/shape.h"
 
 #include <float.h>
 

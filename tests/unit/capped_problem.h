@@ -2,8 +2,8 @@
 #ifndef CAPPED_PROBLEM_H
 #define CAPPED_PROBLEM_H
 
-#include "contact/jet.h"
-#include "contact/zone.h"
+#include "contact/shape.h"
+#include "contact/slopes.h"
 #include "long_vec3.h"
 #include "random.h"
 

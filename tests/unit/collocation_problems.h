@@ -6,7 +6,7 @@
 #include <float.h>
 
 #include "random.h"
-#include "segment/collocation.h"
+#include "touch/collocation.h"
 
 struct trial {
     struct collocation_problem problem;

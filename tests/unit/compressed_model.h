@@ -2,9 +2,9 @@
 #ifndef PRESSED_MODEL_H
 #define PRESSED_MODEL_H
 
-#include "scene/energy.h"
+#include "scene/present.h"
 #include "scene_model.h"
-#include "segment/contact_pair.h"
+#include "touch/pair.h"
 
 /* The model from its start on, bodies overlapping. */
 static inline void compressed_begin(struct model *m)

@@ -1,6 +1,6 @@
 /* A contact that transmits a force as a series: one step of it against closed forms and against what it must
  * keep. */
-#include "segment/pair_taylor.h"
+#include "touch/pair.h"
 
 #include <float.h>
 

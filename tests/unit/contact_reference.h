@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "long_vec3.h"
-#include "segment/collocation.h"
+#include "touch/collocation.h"
 
 struct reference_state {
     struct long_vec3 c, rate;

@@ -1,5 +1,5 @@
 /*
- * Deferred flight (segment/flight.h): most steps of a flight move the clock alone. Whoever takes the long way
+ * Deferred flight (flight/flight.h): most steps of a flight move the clock alone. Whoever takes the long way
  * every time, or looks after every step, finds the same digits in every variable.
  */
 #include <string.h>

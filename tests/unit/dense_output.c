@@ -1,12 +1,11 @@
 /* Falls through zero and largest values of motions in closed form. */
-#include "segment/dense_output.h"
+#include "scene/dense_output.h"
+#include "math/compiler.h"
 
 #include <float.h>
 
 #include "check.h"
 #include "random.h"
-
-static const double PI = 3.14159265358979323846;
 
 /* Every quantity a wave of its own: size sin(rate s + phase). */
 struct waves {

@@ -1,12 +1,12 @@
 /* Flight in closed form against the integrals written out in long double. */
-#include "segment/flight.h"
+#include "flight/flight.h"
 
 #include <float.h>
 
 #include "check.h"
 #include "long_vec3.h"
 #include "random.h"
-#include "scene/energy.h"
+#include "scene/present.h"
 #include "scene_model.h"
 
 static void random_flight(struct random *r, struct model *m)

@@ -1,5 +1,5 @@
 /* Head-on flight: the first touch against bisection in long double, and what needs a closer look. */
-#include "segment/flight_head_on.h"
+#include "flight/flight.h"
 
 #include <float.h>
 

@@ -2,10 +2,8 @@
 #include <float.h>
 
 #include "check.h"
-#include "contact/factors.h"
-#include "contact/hertz_stiffness.h"
-#include "contact/restitution.h"
-#include "math/taylor.h"
+#include "contact/law.h"
+#include "math/series.h"
 #include "random.h"
 
 static const enum dashpot DASHPOTS[] = {DASHPOT_NON_ADHESIVE, DASHPOT_UNCLAMPED, DASHPOT_APPROACH_ONLY};

@@ -1,6 +1,6 @@
 /* The derivatives of the contact force against fourth-order differences of a force written anew in long
  * double. */
-#include "contact/jacobian.h"
+#include "contact/slopes.h"
 
 #include <float.h>
 

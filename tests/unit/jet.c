@@ -1,5 +1,5 @@
 /* The coefficients of a contact along a path, against the path itself followed in long double. */
-#include "contact/jet.h"
+#include "contact/slopes.h"
 
 #include <float.h>
 

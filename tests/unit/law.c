@@ -3,8 +3,6 @@
 
 #include <float.h>
 
-#include "contact/factors.h"
-
 #include "check.h"
 #include "random.h"
 

@@ -1,5 +1,5 @@
 /* The tables of the Gauss-Lobatto nodes by what defines them, and functions known at the nodes. */
-#include "math/nodal_values.h"
+#include "math/nodes.h"
 
 #include <float.h>
 

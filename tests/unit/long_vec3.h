@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "check.h"
-#include "contact/geometry.h"
+#include "contact/shape.h"
 
 struct long_vec3 {
     long double x, y, z;

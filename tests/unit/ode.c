@@ -5,7 +5,7 @@
 
 #include "check.h"
 #include "random.h"
-#include "scene/singularity.h"
+#include "scene/present.h"
 #include "scene_model.h"
 
 enum { MOST_STATES = 6 * SCENE_BODIES + 3 * SCENE_CONTACTS + 2 };

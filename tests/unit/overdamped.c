@@ -1,6 +1,6 @@
 /* A decay against its closed form in long double: as it stands, what has changed, where its derivatives pass
  * zero. */
-#include "math/overdamped.h"
+#include "math/oscillator.h"
 
 #include <float.h>
 

@@ -1,7 +1,7 @@
 /* A contact by Hertz's law: its series against closed forms and against what they must keep, and the slow
  * motion against the series. */
-#include "segment/hertz_elastic.h"
-#include "segment/hertz_slow.h"
+#include "touch/hertz.h"
+#include "touch/hertz_slow.h"
 
 #include <float.h>
 

@@ -1,5 +1,6 @@
 /* A head-on contact in closed form: against the oscillator in long double, and what it must keep. */
-#include "segment/pair_oscillation.h"
+#include "math/compiler.h"
+#include "touch/pair.h"
 
 #include <complex.h>
 #include <float.h>
@@ -7,8 +8,6 @@
 #include "check.h"
 #include "compressed_model.h"
 #include "random.h"
-
-static const double PI = 3.14159265358979323846;
 
 /* Two balls, one free to fall on the other along x under a steady force; gap and speed at the start. */
 static struct model head_on(struct random *r, double damping_rate)

@@ -1,5 +1,5 @@
 /* The corrections at the end of a contact phase: exact along the normal, and nothing else is touched. */
-#include "scene/projection.h"
+#include "scene/ode.h"
 
 #include <float.h>
 

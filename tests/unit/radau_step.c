@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "check.h"
-#include "math/bernstein.h"
+#include "math/polynomial.h"
 
 /* x'' = -x - damping x' as (x, v), a quaternion turned by the angular velocity v about its first axis, and
  * the integral of v^2. */

@@ -1,5 +1,5 @@
 /* When the regime of a contact changes first, where that has a closed form. */
-#include "segment/regime_change.h"
+#include "integrator/prediction.h"
 
 #include <float.h>
 

@@ -1,11 +1,11 @@
 /* When the regime of a contact changes first, against dense sampling of random motions in long double. */
-#include "segment/regime_change.h"
+#include "integrator/prediction.h"
 
 #include "check.h"
+#include "flight/flight.h"
 #include "long_vec3.h"
 #include "random.h"
 #include "scene_model.h"
-#include "segment/flight.h"
 
 static struct regime_change find(const struct model *m, double horizon)
 {

@@ -2,9 +2,8 @@
  * friction: each ends by an event wherever the laws ask for another one, also where rounding has chosen. */
 #include <float.h>
 
-#include "scene/regime_margin.h"
-#include "scene/turning_ode.h"
-#include "scene/turning_transition.h"
+#include "scene/ode.h"
+#include "scene/transition.h"
 
 #include "check.h"
 #include "random.h"

@@ -1,5 +1,5 @@
 /* The path of a separation as polynomials, against what it is made of in long double. */
-#include "segment/relative_path.h"
+#include "flight/relative_path.h"
 
 #include <float.h>
 

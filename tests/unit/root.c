@@ -1,6 +1,6 @@
 /* The root inside a bracket, of functions that mislead Newton's method: flat, steep, tiny roots, useless
  * slopes. */
-#include "math/root.h"
+#include "math/polynomial.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Turning under a torque by series: against the torque-free closed form, against what is closed form under a
  * torque, and against Euler's equations by many small steps of Runge and Kutta's method. */
-#include "math/rotor_series.h"
+#include "math/rotor.h"
 
 #include <float.h>
 

@@ -1,5 +1,5 @@
 /* Power series: each operation against functions whose coefficients are known in closed form. */
-#include "math/taylor.h"
+#include "math/series.h"
 
 #include "check.h"
 

@@ -1,6 +1,6 @@
 /* When a contact that transmits a force ends: a ball on a wall under a load that presses it, from the deepest
  * point of its swing on. */
-#include "segment/terminal_event.h"
+#include "touch/terminal_event.h"
 
 #include <float.h>
 

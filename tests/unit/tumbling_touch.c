@@ -2,7 +2,7 @@
  * The first touch with an axis that turns, against a search of another kind: halving of intervals that a
  * bound of the speed alone cannot clear, with the axis by Rodrigues' formula in long double.
  */
-#include "segment/tumbling_touch.h"
+#include "flight/tumbling.h"
 
 #include <float.h>
 

@@ -4,7 +4,7 @@
 
 #include "check.h"
 #include "random.h"
-#include "scene/energy.h"
+#include "scene/present.h"
 #include "scene_model.h"
 
 /* A sphere in, on or off a cylinder that both turn, overlapping by 1 cm; of all motions and rotations. */

@@ -1,5 +1,5 @@
 /* Derivatives of a contact that turns and rubs, against central differences of the formulas in the header. */
-#include "contact/turning_slopes.h"
+#include "contact/slopes.h"
 
 #include "check.h"
 #include "random.h"

@@ -2,7 +2,7 @@
  * differences in long double. */
 #include "capped_problem.h"
 #include "check.h"
-#include "contact/jacobian.h"
+#include "contact/slopes.h"
 
 enum { CASES = 4000, VARIABLES = 6 };
 

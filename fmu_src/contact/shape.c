@@ -1,0 +1,337 @@
+#include "contact/shape.h"
+
+double contact_reach(const struct contact_shape *shape)
+{
+    return shape->side > 0 ? shape->source_radius + shape->other_radius
+                           : shape->other_radius - shape->source_radius;
+}
+
+/* Then r_d - r_s is exact. */
+static bool fills_shell(const struct contact_shape *shape)
+{
+    return shape->side < 0 && shape->source_radius > 0.5 * shape->other_radius;
+}
+
+/* The radii are subtracted one after the other, the larger first: their sum would be rounded once more. */
+static double gap_at(const struct contact_shape *shape, double distance)
+{
+    const double source = shape->source_radius;
+    const double other = shape->other_radius;
+    if (shape->side > 0) {
+        return source > other ? (distance - source) - other : (distance - other) - source;
+    }
+    /* other - source is exact for a source that nearly fills its shell; other - distance is exact for a
+     * smaller one where they touch. */
+    return fills_shell(shape) ? (other - source) - distance : (other - distance) - source;
+}
+
+struct vec3 contact_across_again(const struct contact_shape *shape, struct vec3 once)
+{
+    if (vec3_is_zero(once)) {
+        return vec3_make(0.0, 0.0, 0.0); /* as gravity along the axis leaves */
+    }
+    const double size = fabs(once.x) + fabs(once.y) + fabs(once.z);
+    const struct vec3 twice = vec3_axpy(once, -vec3_dot(once, shape->axis), shape->axis);
+    return vec3_norm(twice) > 0.1 * size ? twice : vec3_make(0.0, 0.0, 0.0);
+}
+
+static struct contact_geometry geometry_in(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
+                                           struct vec3 fallback)
+{
+    struct contact_geometry at = {.offset = c, .normal = fallback};
+    if (contact_is_cylinder(shape)) {
+        at.axial = vec3_dot(c, shape->axis);
+        at.offset = contact_across_axis(shape, c, at.axial);
+    }
+    if (contact_is_plane(shape)) {
+        at.normal = vec3_sub(vec3_make(0.0, 0.0, 0.0), shape->axis);
+        at.distance = vec3_dot(at.normal, c);
+        at.degenerate = false;
+    } else {
+        at.distance = vec3_norm(at.offset);
+        at.degenerate = !(at.distance > 0.0);
+    }
+    if (contact_turns(shape, &at)) {
+        at.normal =
+            (struct vec3){at.offset.x / at.distance, at.offset.y / at.distance, at.offset.z / at.distance};
+    }
+    at.gap = gap_at(shape, at.distance);
+    at.gap_terms = fills_shell(shape) ? contact_reach(shape) : shape->source_radius + shape->other_radius;
+    at.gap_rate = shape->side * vec3_dot(at.normal, w);
+    return at;
+}
+
+#ifdef CONTACT_NO_CAPS
+struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
+                                            struct vec3 fallback)
+{
+    return geometry_in(shape, c, w, fallback);
+}
+#else
+
+/* Towards the nearest point of the circle: with the unit vector a from the centre to the axis, across it, c
+ * less that circle's centre is rho a - beyond e, and its nearest point r_d a. */
+static struct contact_geometry geometry_of_rim(const struct contact_shape *shape, struct vec3 c,
+                                               struct vec3 w, struct vec3 fallback)
+{
+    struct contact_geometry at = {.normal = fallback};
+    const double axial = vec3_dot(c, shape->axis);
+    const struct vec3 across = vec3_axpy(c, -axial, shape->axis);
+    const double rho = vec3_norm(across); /* above r_d in the zone */
+    const double radial = rho - shape->solid.radius;
+    const double beyond = -axial - shape->solid.half_height;
+    at.offset = vec3_axpy(vec3_scale(radial / rho, across), -beyond, shape->axis);
+    at.distance = vec3_norm(vec3_make(radial, beyond, 0.0));
+    at.degenerate = !(at.distance > 0.0);
+    if (!at.degenerate) {
+        at.normal = vec3_scale(1.0 / at.distance, at.offset);
+    }
+    at.hoop = vec3_cross(shape->axis, vec3_scale(1.0 / rho, across));
+    at.hoop_part = shape->solid.radius / rho;
+    at.gap = gap_at(shape, at.distance);
+    at.gap_terms = shape->source_radius + shape->solid.radius + shape->solid.half_height;
+    at.gap_rate = vec3_dot(at.normal, w);
+    return at;
+}
+
+struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
+                                            struct vec3 fallback)
+{
+    if (!contact_is_capped(shape)) {
+        return geometry_in(shape, c, w, fallback);
+    }
+    struct contact_shape in = *shape;
+    if (in.solid.zone == 0) {
+        const struct solid_place place = contact_place_at(&shape->solid, c);
+        in = contact_shape_in(shape, contact_zone_by(&place));
+    }
+    struct contact_geometry at =
+        contact_is_rim(&in) ? geometry_of_rim(&in, c, w, fallback) : geometry_in(&in, c, w, fallback);
+    at.zone = in.solid.zone;
+    return at;
+}
+#endif
+
+bool contact_within_extents(const struct contact_shape *shape, double axial)
+{
+    return fabs(axial) <= shape->half_length;
+}
+
+struct vec3 contact_direction_of(const struct contact_shape *shape, const struct contact_geometry *at)
+{
+    const bool flipped = contact_is_cylinder(shape) && shape->side < 0;
+    return flipped ? vec3_scale(-1.0, at->normal) : at->normal;
+}
+
+struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 normal, struct vec3 w)
+{
+    if (contact_is_plane(shape)) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    struct vec3 across = vec3_axpy(w, -vec3_dot(normal, w), normal);
+    if (contact_is_cylinder(shape)) {
+        across = vec3_axpy(across, -vec3_dot(shape->axis, w), shape->axis);
+    }
+    return across;
+}
+
+struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
+                                 struct vec3 w)
+{
+#ifndef CONTACT_NO_CAPS
+    if (contact_is_rim(shape)) {
+        const struct vec3 across = vec3_axpy(w, -vec3_dot(at->normal, w), at->normal);
+        return vec3_axpy(across, -at->hoop_part * vec3_dot(at->hoop, w), at->hoop);
+    }
+#endif
+    return contact_tangential(shape, at->normal, w);
+}
+
+double contact_turning_rate(const struct contact_shape *shape, const struct contact_geometry *at,
+                            struct vec3 w, struct vec3 moved)
+{
+    const struct vec3 turned = contact_turning_part(shape, at, moved);
+    return vec3_dot(contact_is_rim(shape) ? w : contact_tangential(shape, at->normal, w), turned);
+}
+
+struct vec3 contact_escape_direction(const struct contact_shape *shape, struct vec3 w, struct vec3 fallback)
+{
+    if (contact_is_cylinder(shape)) {
+        w = contact_across_axis(shape, w, vec3_dot(w, shape->axis));
+    }
+    const double speed = vec3_norm(w);
+    return speed > 0.0 ? vec3_make(w.x / speed, w.y / speed, w.z / speed) : fallback;
+}
+
+struct vec3 contact_default_normal(const struct contact_shape *shape)
+{
+    if (contact_is_plane(shape)) {
+        return vec3_sub(vec3_make(0.0, 0.0, 0.0), shape->axis);
+    }
+    if (!contact_is_cylinder(shape)) {
+        return vec3_make(0.0, 0.0, -1.0);
+    }
+    const struct vec3 e = shape->axis;
+    struct vec3 start = {0.0, 0.0, -1.0};
+    if (fabs(e.x) < fabs(e.z) && fabs(e.x) <= fabs(e.y)) {
+        start = vec3_make(-1.0, 0.0, 0.0);
+    } else if (fabs(e.y) < fabs(e.z)) {
+        start = vec3_make(0.0, -1.0, 0.0);
+    }
+    const struct vec3 across = vec3_axpy(start, -vec3_dot(start, e), e);
+    return vec3_scale(1.0 / vec3_norm(across), across);
+}
+
+#ifndef CONTACT_NO_CAPS
+
+struct solid_place contact_place_at(const struct contact_solid *solid, struct vec3 c)
+{
+    const double axial = vec3_dot(c, solid->axis);
+    const double rho = vec3_norm(vec3_axpy(c, -axial, solid->axis));
+    return (struct solid_place){rho - solid->radius, fabs(axial) - solid->half_height, axial > 0.0 ? -1 : 1};
+}
+
+int contact_zone_by(const struct solid_place *place)
+{
+    if (place->radial > 0.0 && place->axial > 0.0) {
+        return place->end * ZONE_RIM;
+    }
+    return place->radial >= place->axial ? ZONE_SIDE : place->end * ZONE_CAP;
+}
+
+struct contact_shape contact_shape_in(const struct contact_shape *shape, int zone)
+{
+    struct contact_shape in = *shape;
+    const int end = zone < 0 ? -1 : 1;
+    in.solid.zone = zone;
+    in.axis = vec3_scale(end, shape->solid.axis);
+    switch (end * zone) {
+    case ZONE_CAP:
+        in.destination = SHAPE_PLANE;
+        in.other_radius = shape->solid.half_height;
+        break;
+    case ZONE_RIM:
+        in.destination = SHAPE_RIM;
+        in.other_radius = 0.0;
+        break;
+    default:
+        in.destination = SHAPE_CYLINDER;
+        in.other_radius = shape->solid.radius;
+        break;
+    }
+    return in;
+}
+
+double contact_zone_margin(const struct contact_solid *solid, int zone, struct vec3 c)
+{
+    const struct solid_place at = contact_place_at(solid, c);
+    if (zone == ZONE_SIDE) {
+        return fmin(at.radial, 0.0) - at.axial;
+    }
+    /* how far the centre is beyond the middle, and beyond the cap, at the end of the zone */
+    const double height = (zone < 0 ? 1.0 : -1.0) * vec3_dot(c, solid->axis);
+    const double beyond = height - solid->half_height;
+    if (zone == ZONE_CAP || zone == -ZONE_CAP) {
+        return fmin(fmin(beyond, 0.0) - at.radial, height);
+    }
+    return fmin(at.radial, beyond);
+}
+
+void contact_axis_distance(const struct vec3 c[3], const struct vec3 axis[3], double rho[3])
+{
+    struct vec3 across[3];
+    double axial[3];
+    for (int i = 0; i < 3; ++i) {
+        axial[i] = vec3_dot(c[i], axis[0]);
+        for (int k = 1; k <= i; ++k) {
+            axial[i] += vec3_dot(c[i - k], axis[k]);
+        }
+        across[i] = vec3_axpy(c[i], -axial[i], axis[0]);
+        for (int k = 1; k <= i; ++k) {
+            across[i] = vec3_axpy(across[i], -axial[i - k], axis[k]);
+        }
+    }
+    rho[0] = vec3_norm(across[0]);
+    rho[1] = rho[2] = 0.0;
+    if (rho[0] > 0.0) {
+        rho[1] = vec3_dot(across[0], across[1]) / rho[0];
+        rho[2] =
+            (vec3_dot(across[0], across[2]) + 0.5 * vec3_dot(across[1], across[1]) - 0.5 * rho[1] * rho[1]) /
+            rho[0];
+    }
+}
+
+int contact_zone_after(const struct contact_solid *solid, int zone, struct vec3 c)
+{
+    const struct solid_place at = contact_place_at(solid, c);
+    const int end = zone < 0 ? -1 : 1;
+    if (zone == ZONE_SIDE) {
+        return at.end * (at.radial > 0.0 ? ZONE_RIM : ZONE_CAP);
+    }
+    const double height = -end * vec3_dot(c, solid->axis);
+    const double beyond = height - solid->half_height;
+    if (end * zone == ZONE_RIM) {
+        return at.radial < beyond ? end * ZONE_CAP : ZONE_SIDE;
+    }
+    if (height < fmin(beyond, 0.0) - at.radial) {
+        return -zone; /* through the middle */
+    }
+    return beyond > 0.0 ? end * ZONE_RIM : ZONE_SIDE;
+}
+
+int contact_zone_ahead(const struct contact_solid *solid, struct vec3 c, struct vec3 rate)
+{
+    const double axial = vec3_dot(c, solid->axis);
+    const struct vec3 across = vec3_axpy(c, -axial, solid->axis);
+    const double along = vec3_dot(rate, solid->axis);
+    const struct solid_place ahead = {vec3_dot(across, rate) / vec3_norm(across),
+                                      axial > 0.0 ? along : -along, axial > 0.0 ? -1 : 1};
+    return contact_zone_by(&ahead);
+}
+
+#endif
+
+static struct bounding_box around(struct vec3 centre, struct vec3 half)
+{
+    return (struct bounding_box){vec3_sub(centre, half), vec3_add(centre, half)};
+}
+
+struct bounding_box bounding_box_sphere(struct vec3 centre, double radius)
+{
+    return around(centre, vec3_make(radius, radius, radius));
+}
+
+static double half_extent(double radius, double e, double half_length)
+{
+    return half_length * fabs(e) + radius * sqrt(fmax(0.0, (1.0 - e) * (1.0 + e)));
+}
+
+struct bounding_box bounding_box_cylinder(struct vec3 centre, double radius, struct vec3 axis,
+                                          double half_length)
+{
+    return around(centre, vec3_make(half_extent(radius, axis.x, half_length),
+                                    half_extent(radius, axis.y, half_length),
+                                    half_extent(radius, axis.z, half_length)));
+}
+
+static struct vec3 edges_of(const struct bounding_box *a, const struct bounding_box *b)
+{
+    return (struct vec3){fmax(a->high.x, b->high.x) - fmin(a->low.x, b->low.x),
+                         fmax(a->high.y, b->high.y) - fmin(a->low.y, b->low.y),
+                         fmax(a->high.z, b->high.z) - fmin(a->low.z, b->low.z)};
+}
+
+double bounding_box_diagonal(const struct bounding_box *a, const struct bounding_box *b)
+{
+    return vec3_norm(edges_of(a, b));
+}
+
+double bounding_box_diagonal_rate(const struct bounding_box *a, const struct bounding_box *b,
+                                  struct vec3 rate)
+{
+    const struct vec3 edges = edges_of(a, b);
+    const struct vec3 grows = {((b->high.x > a->high.x) - (b->low.x < a->low.x)) * rate.x,
+                               ((b->high.y > a->high.y) - (b->low.y < a->low.y)) * rate.y,
+                               ((b->high.z > a->high.z) - (b->low.z < a->low.z)) * rate.z};
+    return vec3_dot(vec3_scale(1.0 / vec3_norm(edges), edges), grows);
+}

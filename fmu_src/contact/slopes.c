@@ -1,0 +1,507 @@
+#include "contact/slopes.h"
+#include "math/vec3.h"
+
+/* Adds factor T. */
+static void add_projector(double m[3][3], double factor, const struct contact_shape *shape,
+                          const struct contact_geometry *at)
+{
+    const struct vec3 n = at->normal;
+    for (int i = 0; i < 3; ++i) {
+        m[i][i] += factor;
+    }
+    matrix3_add_outer(m, -factor, n, n);
+    if (contact_is_cylinder(shape)) {
+        matrix3_add_outer(m, -factor, shape->axis, shape->axis);
+    }
+#ifndef CONTACT_NO_CAPS
+    if (contact_is_rim(shape)) {
+        matrix3_add_outer(m, -factor * at->hoop_part, at->hoop, at->hoop);
+    }
+#endif
+}
+
+struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
+                                            const struct contact_geometry *at, struct vec3 w,
+                                            const struct contact_law *law, enum contact_regime regime)
+{
+    const struct vec3 n = at->normal;
+    const double side = shape->side;
+    const double inverse_distance = contact_turns(shape, at) ? 1.0 / at->distance : 0.0;
+    const struct vec3 rate_by_c = vec3_scale(side * inverse_distance, contact_turning_part(shape, at, w));
+    const double force = contact_force(law, regime, at->gap, at->gap_rate);
+    const struct contact_slopes slopes = contact_force_slopes(law, regime, at->gap, at->gap_rate);
+    /* dF_n/dc and dF_n/dw */
+    const struct vec3 force_by_c = vec3_axpy(vec3_scale(slopes.by_gap * side, n), slopes.by_rate, rate_by_c);
+    const struct vec3 force_by_w = vec3_scale(slopes.by_rate * side, n);
+
+    struct contact_jacobian gradient = {.by_separation = {{0.0}}, .by_rate = {{0.0}}};
+    matrix3_add_outer(gradient.by_separation, -side, n, force_by_c);
+    add_projector(gradient.by_separation, -side * force * inverse_distance, shape, at);
+    matrix3_add_outer(gradient.by_rate, -side, n, force_by_w);
+
+    /* P = -(F_n + dE_c/dg) g' */
+    const double viscous_force = force + contact_stored_slope(law, regime, at->gap);
+    const struct vec3 viscous_force_by_c =
+        vec3_axpy(force_by_c, contact_stored_bend(law, regime, at->gap) * side, n);
+    gradient.power_by_separation =
+        vec3_axpy(vec3_scale(-at->gap_rate, viscous_force_by_c), -viscous_force, rate_by_c);
+    gradient.power_by_rate = vec3_axpy(vec3_scale(-at->gap_rate, force_by_w), -viscous_force * side, n);
+    return gradient;
+}
+
+double jet_dot(const struct vec3 *a, const struct vec3 *b, int order)
+{
+    double sum = 0.0;
+    for (int i = 0; i <= order; ++i) {
+        sum += vec3_dot(a[i], b[order - i]);
+    }
+    return sum;
+}
+
+struct vec3 jet_scale(const double *a, const struct vec3 *b, int order)
+{
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    for (int i = 0; i <= order; ++i) {
+        sum = vec3_axpy(sum, a[i], b[order - i]);
+    }
+    return sum;
+}
+
+#ifndef CONTACT_NO_CAPS
+
+/* Coefficient `order` of a root from sums of products, r r = a a + b b: i r_i = sum of j (a/r)_(i-j) a_j +
+ * the same of b. */
+static double jet_of_hypotenuse(const double *cosine, const double *a, const double *sine, const double *b,
+                                int order)
+{
+    double sum = 0.0;
+    for (int j = 1; j <= order; ++j) {
+        sum += j * (cosine[order - j] * a[j] + sine[order - j] * b[j]);
+    }
+    return sum / order;
+}
+
+static double jet_of_quotient(const double *a, const double *b, const double *quotient, int order)
+{
+    double rest = a[order];
+    for (int j = 1; j <= order; ++j) {
+        rest -= b[j] * quotient[order - j];
+    }
+    return rest / b[0];
+}
+
+/* All coefficients of d and n of a rim: n = (dr a + dz e) / d, with a the unit vector to the axis, which
+ * turns along the circle, and e the normal of the cap; dz < 0 here is how far the centre is above it. */
+static void jet_of_rim(const struct contact_shape *shape, const struct contact_geometry *at,
+                       const struct vec3 *c, struct contact_jet *result)
+{
+    const struct vec3 outward = vec3_cross(at->hoop, shape->axis);
+    const struct vec3 nowhere = {0.0, 0.0, 0.0};
+    struct vec3 a[JET_TERMS] = {outward};
+    double radial[JET_TERMS] = {vec3_dot(outward, at->offset)};
+    double axial[JET_TERMS] = {vec3_dot(shape->axis, at->offset)};
+    double rho[JET_TERMS] = {radial[0] + shape->solid.radius};
+    double cosine[JET_TERMS] = {radial[0] / at->distance};
+    double sine[JET_TERMS] = {axial[0] / at->distance};
+    for (int i = 1; i < JET_TERMS; ++i) {
+        const struct vec3 across = vec3_axpy(c[i], -vec3_dot(c[i], shape->axis), shape->axis);
+        double grown = 0.0;
+        for (int j = 1; j <= i; ++j) {
+            grown += j * vec3_dot(a[i - j], c[j]);
+        }
+        rho[i] = radial[i] = grown / i;
+        axial[i] = vec3_dot(c[i], shape->axis);
+        a[i] = nowhere;
+        a[i] = vec3_scale(1.0 / rho[0], vec3_sub(across, jet_scale(rho, a, i)));
+        result->distance[i] = jet_of_hypotenuse(cosine, radial, sine, axial, i);
+        cosine[i] = jet_of_quotient(radial, result->distance, cosine, i);
+        sine[i] = jet_of_quotient(axial, result->distance, sine, i);
+        result->normal[i] = vec3_axpy(jet_scale(cosine, a, i), sine[i], shape->axis);
+    }
+}
+#endif
+
+/* i d_i = sum of j n_(i-j).c_j, and n_i from the coefficients of d n = offset. */
+static void jet_of_direction(const struct contact_shape *shape, const struct contact_geometry *at,
+                             const struct vec3 *c, int order, struct contact_jet *result)
+{
+    double distance = 0.0;
+    for (int j = 1; j <= order; ++j) {
+        distance += j * vec3_dot(result->normal[order - j], c[j]);
+    }
+    result->distance[order] = distance / order;
+    result->normal[order] = vec3_make(0.0, 0.0, 0.0);
+    if (!contact_turns(shape, at)) {
+        return;
+    }
+    struct vec3 turned = vec3_sub(c[order], jet_scale(result->distance, result->normal, order));
+    if (contact_is_cylinder(shape)) {
+        turned = vec3_axpy(turned, -vec3_dot(c[order], shape->axis), shape->axis);
+    }
+    result->normal[order] =
+        vec3_make(turned.x / at->distance, turned.y / at->distance, turned.z / at->distance);
+}
+
+void contact_jet_make(const struct contact_shape *shape, const struct contact_geometry *at,
+                      const struct vec3 c[JET_TERMS], const struct vec3 w[JET_TERMS],
+                      const struct contact_law *law, const struct contact_law *change,
+                      enum contact_regime regime, struct contact_jet *result)
+{
+    result->normal[0] = at->normal;
+    result->distance[0] = at->distance;
+#ifndef CONTACT_NO_CAPS
+    const bool of_rim = contact_is_rim(shape) && !at->degenerate;
+    if (of_rim) {
+        jet_of_rim(shape, at, c, result);
+    }
+#else
+    const bool of_rim = false;
+#endif
+    for (int i = 0; i < JET_TERMS; ++i) {
+        if (i > 0 && !of_rim) {
+            jet_of_direction(shape, at, c, i, result);
+        }
+        result->gap[i] = i > 0 ? shape->side * result->distance[i] : at->gap;
+        result->gap_rate[i] = i > 0 ? shape->side * jet_dot(result->normal, w, i) : at->gap_rate;
+        result->normal_force[i] = contact_force_term(law, change, regime, result->gap, result->gap_rate, i);
+        result->source_force[i] =
+            vec3_scale(-shape->side, jet_scale(result->normal_force, result->normal, i));
+    }
+}
+
+void jet_length(const struct vec3 a[JET_TERMS], double length[JET_TERMS])
+{
+    length[0] = vec3_norm(a[0]);
+    for (int i = 1; i < JET_TERMS; ++i) {
+        length[i] = 0.0;
+    }
+    if (length[0] > 0.0) {
+        length[1] = vec3_dot(a[0], a[1]) / length[0];
+        length[2] =
+            (0.5 * vec3_dot(a[1], a[1]) + vec3_dot(a[0], a[2]) - 0.5 * length[1] * length[1]) / length[0];
+        return;
+    }
+    length[1] = vec3_norm(a[1]);
+    length[2] = length[1] > 0.0 ? vec3_dot(a[1], a[2]) / length[1] : 0.0;
+}
+
+/* The limit of the regime. */
+static void put_limit(const struct friction_law *law, enum friction_regime regime,
+                      const struct friction_path *path, double limit[JET_TERMS])
+{
+    for (int i = 0; i < JET_TERMS; ++i) {
+        limit[i] = regime == FRICTION_SLIDING ? law->coefficient * path->normal_force[i] : 0.0;
+    }
+    limit[0] = friction_limit(law, regime, path->normal_force[0]);
+}
+
+/* (1 - exp(-z))/z and its first two derivatives: by its series sum (-z)^k/(k + 1)! where differences would
+ * cancel, of which 20 terms are exact to rounding up to one. */
+static void put_saturation(double z, double out[JET_TERMS])
+{
+    enum { TERMS = 20 };
+    if (z >= 1.0) {
+        const double e = exp(-z);
+        out[0] = -expm1(-z) / z;
+        out[1] = (e * (1.0 + z) - 1.0) / (z * z);
+        out[2] = (2.0 - e * (2.0 + z * (2.0 + z))) / (z * z * z);
+        return;
+    }
+    out[0] = out[1] = out[2] = 0.0;
+    for (int k = TERMS; k >= 0; --k) {
+        double factorial = 1.0;
+        for (int i = 2; i <= k + 1; ++i) {
+            factorial *= i;
+        }
+        const double coefficient = (k % 2 ? -1.0 : 1.0) / factorial;
+        out[2] = out[2] * z + out[1];
+        out[1] = out[1] * z + out[0];
+        out[0] = out[0] * z + coefficient;
+    }
+    out[2] *= 2.0; /* Horner's scheme gives derivatives over factorials */
+}
+
+static double scalar_term(const double *a, const double *b, int order)
+{
+    switch (order) {
+    case 0:
+        return a[0] * b[0];
+    case 1:
+        return a[0] * b[1] + a[1] * b[0];
+    default:
+        return a[0] * b[2] + a[1] * b[1] + a[2] * b[0];
+    }
+}
+
+/* -L (1 - exp(-|v_t|/v_0))/|v_t| v_t */
+static struct vec3 regularized_term(const struct friction_law *law, const struct friction_path *path,
+                                    const double limit[JET_TERMS], int order)
+{
+    double speed[JET_TERMS];
+    double s[JET_TERMS];
+    double factor[JET_TERMS];
+    double weight[JET_TERMS];
+    const double v_0 = law->slip_velocity;
+    jet_length(path->slip, speed);
+    const double z = speed[0] / v_0;
+    put_saturation(z, s);
+    factor[0] = s[0] / v_0;
+    factor[1] = s[1] * speed[1] / (v_0 * v_0) - path->slip_velocity_slope * (s[1] * z + s[0]) / (v_0 * v_0);
+    factor[2] = (s[1] * speed[2] + 0.5 * s[2] * speed[1] * speed[1] / v_0) / (v_0 * v_0);
+    for (int i = 0; i < JET_TERMS; ++i) {
+        weight[i] = -scalar_term(limit, factor, i);
+    }
+    return jet_scale(weight, path->slip, order);
+}
+
+/* a/|a| */
+static void put_direction(const struct vec3 a[JET_TERMS], struct vec3 unit[JET_TERMS])
+{
+    double length[JET_TERMS];
+    jet_length(a, length);
+    for (int i = 0; i < JET_TERMS; ++i) {
+        unit[i] = vec3_make(0.0, 0.0, 0.0);
+        if (length[0] > 0.0) {
+            struct vec3 rest = a[i];
+            for (int k = 1; k <= i; ++k) {
+                rest = vec3_axpy(rest, -length[k], unit[i - k]);
+            }
+            unit[i] = vec3_scale(1.0 / length[0], rest);
+        }
+    }
+}
+
+struct vec3 friction_force_term(const struct friction_law *law, enum friction_regime regime,
+                                const struct friction_path *path, int order)
+{
+    double limit[JET_TERMS];
+    struct vec3 force[JET_TERMS];
+    struct vec3 unit[JET_TERMS];
+    if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    put_limit(law, regime, path, limit);
+    if (law->kind == FRICTION_REGULARIZED) {
+        return regularized_term(law, path, limit, order);
+    }
+    for (int i = 0; i < JET_TERMS; ++i) {
+        force[i] = vec3_axpy(vec3_scale(law->stiffness, path->spring[i]), law->damping, path->slip[i]);
+    }
+    if (regime == FRICTION_STICKING) {
+        return vec3_scale(-1.0, force[order]);
+    }
+    put_direction(force, unit);
+    return vec3_scale(-1.0, jet_scale(limit, unit, order));
+}
+
+double friction_stored_term(const struct friction_law *law, enum friction_regime regime,
+                            const struct friction_path *path, int order)
+{
+    double limit[JET_TERMS];
+    const bool slides = regime == FRICTION_SLIDING || regime == FRICTION_CAPPED;
+    if (law->kind != FRICTION_ELASTIC) {
+        return 0.0;
+    }
+    if (slides && law->damping == 0.0) { /* the spring is L / k_t long */
+        put_limit(law, regime, path, limit);
+        return 0.5 * scalar_term(limit, limit, order) / law->stiffness;
+    }
+    return 0.5 * law->stiffness * jet_dot(path->spring, path->spring, order);
+}
+
+/* a - n (n.a) */
+static struct vec3 without_normal(struct vec3 a, struct vec3 n)
+{
+    return vec3_axpy(a, -vec3_dot(n, a), n);
+}
+
+static struct vec3 matrix_times(double m[3][3], struct vec3 a)
+{
+    return vec3_make(m[0][0] * a.x + m[0][1] * a.y + m[0][2] * a.z,
+                     m[1][0] * a.x + m[1][1] * a.y + m[1][2] * a.z,
+                     m[2][0] * a.x + m[2][1] * a.y + m[2][2] * a.z);
+}
+
+struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const struct contact_geometry *at,
+                                        const struct turning_motion *motion, const struct turning_laws *laws)
+{
+    struct turning_slopes s = {.shape = *shape, .geometry = *at, .motion = *motion};
+    const struct vec3 n = at->normal;
+    const double lever = shape->source_radius * shape->side;
+    s.seen_rate = vec3_sub(motion->rate, vec3_cross(motion->destination_rotation, motion->separation));
+    s.across = contact_turning_part(shape, at, s.seen_rate);
+    s.inverse_distance = contact_turns(shape, at) ? 1.0 / at->distance : 0.0;
+    s.normal_rate = vec3_axpy(vec3_cross(motion->destination_rotation, n), s.inverse_distance, s.across);
+    const struct vec3 spin = vec3_sub(motion->source_rotation, motion->destination_rotation);
+    s.slip = vec3_sub(vec3_scale(lever, vec3_cross(spin, n)), without_normal(s.seen_rate, n));
+
+    s.normal_force = contact_force(&laws->normal, laws->regime, at->gap, at->gap_rate);
+    s.normal_slopes = contact_force_slopes(&laws->normal, laws->regime, at->gap, at->gap_rate);
+    s.stored_slope = contact_stored_slope(&laws->normal, laws->regime, at->gap);
+    s.bend = contact_stored_bend(&laws->normal, laws->regime, at->gap);
+
+    const struct friction_state rubbing = {s.normal_force, s.slip, motion->spring};
+    s.friction_force = friction_force(&laws->friction, laws->friction_regime, rubbing);
+    s.force_slopes = friction_force_slopes(&laws->friction, laws->friction_regime, rubbing);
+    s.spring_slopes = friction_spring_rate_slopes(&laws->friction, laws->friction_regime, rubbing);
+    s.force = vec3_axpy(s.friction_force, -shape->side * s.normal_force, n);
+    return s;
+}
+
+/* Changes of the geometry: of n, d, w_g, the part of it across n, and its part n.w_g along n. */
+struct geometry_change {
+    struct vec3 normal, seen_rate, tangential;
+    double distance, along;
+    struct vec3 axis; /* of the shape */
+    struct vec3 hoop; /* of a rim: b, and r_d / rho */
+    double hoop_part;
+};
+
+#ifndef CONTACT_NO_CAPS
+/* d offset of a rim and d b, with offset = (rho - r_d) a + (c.e + h) e, b = e x a, rho a = c - (c.e) e. */
+static struct vec3 rim_offset_along(const struct turning_slopes *s, const struct turning_motion *change,
+                                    struct geometry_change *d)
+{
+    const struct vec3 e = s->shape.axis;
+    const struct vec3 c = s->motion.separation;
+    const struct vec3 a = vec3_cross(s->geometry.hoop, e);
+    const double axial = vec3_dot(c, e);
+    const double rho = vec3_dot(c, a);
+    const double more_axial = vec3_dot(change->separation, e) + vec3_dot(c, d->axis);
+    const struct vec3 across = vec3_axpy(vec3_axpy(change->separation, -more_axial, e), -axial, d->axis);
+    const double more_rho = vec3_dot(a, across);
+    const struct vec3 turned = vec3_scale(1.0 / rho, vec3_axpy(across, -more_rho, a));
+    d->hoop = vec3_add(vec3_cross(d->axis, a), vec3_cross(e, turned));
+    d->hoop_part = -s->geometry.hoop_part * more_rho / rho;
+    const struct vec3 radial = vec3_axpy(vec3_scale(more_rho, a), rho - s->shape.solid.radius, turned);
+    return vec3_axpy(vec3_axpy(radial, more_axial, e), axial + s->shape.solid.half_height, d->axis);
+}
+
+/* What the part along the circle takes from n': d of (r_d / rho) b (b.w_g) */
+static struct vec3 hoop_along(const struct turning_slopes *s, const struct geometry_change *d)
+{
+    const struct vec3 b = s->geometry.hoop;
+    const double part = s->geometry.hoop_part;
+    const double rate = vec3_dot(b, s->seen_rate);
+    const double more =
+        d->hoop_part * rate + part * (vec3_dot(d->hoop, s->seen_rate) + vec3_dot(b, d->seen_rate));
+    return vec3_axpy(vec3_scale(more, b), part * rate, d->hoop);
+}
+#endif
+
+/* d offset, of a shape whose normal turns with it. */
+static struct vec3 offset_along(const struct turning_slopes *s, const struct turning_motion *change,
+                                struct geometry_change *d)
+{
+#ifndef CONTACT_NO_CAPS
+    if (contact_is_rim(&s->shape)) {
+        return rim_offset_along(s, change, d);
+    }
+#endif
+    if (!contact_is_cylinder(&s->shape)) {
+        return change->separation;
+    }
+    const struct vec3 axis = s->shape.axis;
+    const double axial = vec3_dot(change->separation, axis) + vec3_dot(s->motion.separation, d->axis);
+    return vec3_axpy(vec3_axpy(change->separation, -axial, axis), -s->geometry.axial, d->axis);
+}
+
+static struct geometry_change geometry_along(const struct turning_slopes *s,
+                                             const struct turning_motion *change)
+{
+    const struct vec3 n = s->geometry.normal;
+    const struct turning_motion *at = &s->motion;
+    struct geometry_change d;
+    d.axis = contact_is_upside_down(&s->shape) ? vec3_scale(-1.0, change->axis) : change->axis;
+    if (contact_is_plane(&s->shape)) {
+        d.normal = vec3_scale(-1.0, d.axis);
+        d.distance = vec3_dot(n, change->separation) + vec3_dot(d.normal, at->separation);
+    } else {
+        const struct vec3 offset = offset_along(s, change, &d);
+        d.distance = vec3_dot(n, offset);
+        d.normal = vec3_scale(s->inverse_distance, vec3_axpy(offset, -d.distance, n));
+    }
+    d.seen_rate = vec3_sub(vec3_sub(change->rate, vec3_cross(change->destination_rotation, at->separation)),
+                           vec3_cross(at->destination_rotation, change->separation));
+    d.along = vec3_dot(d.normal, s->seen_rate) + vec3_dot(n, d.seen_rate);
+    d.tangential = vec3_axpy(vec3_axpy(d.seen_rate, -vec3_dot(n, s->seen_rate), d.normal), -d.along, n);
+    return d;
+}
+
+/* n' = across / d + omega_d x n */
+static struct vec3 normal_rate_along(const struct turning_slopes *s, const struct turning_motion *change,
+                                     const struct geometry_change *d)
+{
+    const struct vec3 turned = vec3_add(vec3_cross(change->destination_rotation, s->geometry.normal),
+                                        vec3_cross(s->motion.destination_rotation, d->normal));
+    if (contact_is_plane(&s->shape)) {
+        return turned;
+    }
+    struct vec3 across = d->tangential;
+    if (contact_is_cylinder(&s->shape)) {
+        const struct vec3 axis = s->shape.axis;
+        const double axial = vec3_dot(d->axis, s->seen_rate) + vec3_dot(axis, d->seen_rate);
+        across = vec3_axpy(vec3_axpy(across, -vec3_dot(axis, s->seen_rate), d->axis), -axial, axis);
+    }
+#ifndef CONTACT_NO_CAPS
+    if (contact_is_rim(&s->shape)) {
+        across = vec3_sub(across, hoop_along(s, d));
+    }
+#endif
+    across = vec3_axpy(across, -d->distance * s->inverse_distance, s->across);
+    return vec3_axpy(turned, s->inverse_distance, across);
+}
+
+static struct vec3 slip_along(const struct turning_slopes *s, const struct turning_motion *change,
+                              const struct geometry_change *d)
+{
+    const double lever = s->shape.source_radius * s->shape.side;
+    const struct vec3 spin = vec3_sub(s->motion.source_rotation, s->motion.destination_rotation);
+    const struct vec3 more_spin = vec3_sub(change->source_rotation, change->destination_rotation);
+    const struct vec3 rolled =
+        vec3_add(vec3_cross(more_spin, s->geometry.normal), vec3_cross(spin, d->normal));
+    return vec3_sub(vec3_scale(lever, rolled), d->tangential);
+}
+
+static struct vec3 by_friction_state(const struct friction_slopes *slopes, double normal_force,
+                                     struct vec3 slip, struct vec3 spring)
+{
+    struct friction_slopes m = *slopes;
+    const struct vec3 by_motion = vec3_add(matrix_times(m.by_slip, slip), matrix_times(m.by_spring, spring));
+    return vec3_axpy(by_motion, normal_force, m.by_normal_force);
+}
+
+struct turning_change turning_slopes_along(const struct turning_slopes *s,
+                                           const struct turning_motion *change)
+{
+    const struct geometry_change d = geometry_along(s, change);
+    const double side = s->shape.side;
+    const double gap = side * d.distance;
+    const double gap_rate = side * d.along;
+    const double normal_force = s->normal_slopes.by_gap * gap + s->normal_slopes.by_rate * gap_rate;
+    const struct vec3 slip = slip_along(s, change, &d);
+    const struct vec3 friction = by_friction_state(&s->force_slopes, normal_force, slip, change->spring);
+
+    struct turning_change out;
+    const struct vec3 n = s->geometry.normal;
+    out.force = vec3_axpy(vec3_axpy(friction, -side * normal_force, n), -side * s->normal_force, d.normal);
+
+    const double lever = s->shape.source_radius * side;
+    const struct vec3 arm = vec3_scale(lever, n);
+    const struct vec3 more_arm = vec3_scale(lever, d.normal);
+    out.source_torque = vec3_add(vec3_cross(more_arm, s->force), vec3_cross(arm, out.force));
+    out.destination_torque = vec3_add(vec3_cross(vec3_sub(change->separation, more_arm), s->force),
+                                      vec3_cross(vec3_sub(s->motion.separation, arm), out.force));
+
+    const struct vec3 spring = s->motion.spring;
+    const struct vec3 normal_rate = normal_rate_along(s, change, &d);
+    const double tilted = vec3_dot(change->spring, s->normal_rate) + vec3_dot(spring, normal_rate);
+    out.spring_rate = by_friction_state(&s->spring_slopes, normal_force, slip, change->spring);
+    out.spring_rate = vec3_axpy(out.spring_rate, -vec3_dot(spring, s->normal_rate), d.normal);
+    out.spring_rate = vec3_axpy(out.spring_rate, -tilted, n);
+
+    out.dissipated_power = -(normal_force + s->bend * gap) * s->geometry.gap_rate -
+                           (s->normal_force + s->stored_slope) * gap_rate;
+    out.friction_power = -vec3_dot(friction, s->slip) - vec3_dot(s->friction_force, slip);
+    return out;
+}

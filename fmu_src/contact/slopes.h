@@ -1,0 +1,138 @@
+/*
+ * Derivatives of the contact force, for implicit integration.
+ *
+ * With F_n by the law, T = P - n n^T (P the identity for a sphere, I - e_d e_d^T for a cylinder;
+ * of a rim contact_turning_part):
+ *   dg/dc = side n,   dn/dc = T / d,   dg'/dc = side T w / d,   dg'/dw = side n
+ * and the force on the source is F_src = -side F_n n.
+ */
+#ifndef CONTACT_CONTACT_SLOPES_H
+#define CONTACT_CONTACT_SLOPES_H
+
+#include "contact/friction.h"
+#include "contact/law.h"
+#include "contact/shape.h"
+#include "math/compiler.h"
+
+struct contact_jacobian {
+    double by_separation[3][3];      /* dF_src / dc [N/m] */
+    double by_rate[3][3];            /* dF_src / dw [N s/m] */
+    struct vec3 power_by_separation; /* d/dc of the dissipated power [W/m] */
+    struct vec3 power_by_rate;       /* d/dw of the dissipated power [W s/m] */
+};
+
+/* At separation rate w, in a regime of contact. Where d = 0 the direction stays as it is and T is taken as
+ * zero. */
+struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
+                                            const struct contact_geometry *at, struct vec3 w,
+                                            const struct contact_law *law, enum contact_regime regime);
+
+/*
+ * One contact along a path: every quantity as c[0] + c[1] s + c[2] s^2 + ... for a separation c(s) and a rate
+ * w(s) that are given so. With s the time since the present the coefficients are time derivatives over
+ * factorials; with s a step in some direction the first ones are directional derivatives.
+ *
+ *   d d = n.d c (n.e_d = 0),   d n = offset,   g = side (d - reach),   g' = side n.w,   F_n by the law
+ *
+ * in the regime in force, on whose edges the derivatives are those of its own side. Where d = 0 the direction
+ * stays as it is.
+ */
+
+enum { JET_TERMS = 3 };
+
+struct contact_jet {
+    struct vec3 normal[JET_TERMS];
+    double distance[JET_TERMS], gap[JET_TERMS], gap_rate[JET_TERMS];
+    double normal_force[JET_TERMS];
+    struct vec3 source_force[JET_TERMS]; /* -side F_n n */
+};
+
+/* From the geometry at s = 0 (c[0] itself is not used), the law and the change d/ds of its factors. */
+CONTACT_COLD void contact_jet_make(const struct contact_shape *shape, const struct contact_geometry *at,
+                                   const struct vec3 c[JET_TERMS], const struct vec3 w[JET_TERMS],
+                                   const struct contact_law *law, const struct contact_law *change,
+                                   enum contact_regime regime, struct contact_jet *result);
+
+/* Coefficient `order` of a product. */
+double jet_dot(const struct vec3 *a, const struct vec3 *b, int order);
+struct vec3 jet_scale(const double *a, const struct vec3 *b, int order);
+
+/* The laws of friction (friction.h) along a path, as contact/slopes.h has the normal one. */
+
+/* What F_t depends on: F_n, v_t, xi and d/ds of v_0. */
+struct friction_path {
+    double normal_force[JET_TERMS];
+    struct vec3 slip[JET_TERMS], spring[JET_TERMS];
+    double slip_velocity_slope;
+};
+
+/* Coefficient `order` of F_t, from those of the path up to it. At rest the speed of the slip grows with |s|:
+ * its coefficients are those of s > 0. */
+CONTACT_COLD struct vec3 friction_force_term(const struct friction_law *law, enum friction_regime regime,
+                                             const struct friction_path *path, int order);
+
+/* And of the energy stored in the spring [J]. */
+CONTACT_COLD double friction_stored_term(const struct friction_law *law, enum friction_regime regime,
+                                         const struct friction_path *path, int order);
+
+/* The length of a vector. */
+CONTACT_COLD void jet_length(const struct vec3 a[JET_TERMS], double length[JET_TERMS]);
+
+/*
+ * How force, torques and the spring's rate of a contact that turns or rubs change with its motion: exact
+ * directional derivatives, for implicit integration. World frame, SI units.
+ *
+ *   w_g = w - omega_d x c                          the rate of c as the destination sees it
+ *   g' = side n.w_g
+ *   v_t = -(w_g - n (n.w_g)) + r_s side (omega_s - omega_d) x n
+ *   F_src = -side F_n n + F_t
+ *   tau_src = r_s side n x F_src,   tau_dst = -(r_s side n - c) x F_src
+ *   xi' = friction_spring_rate - n (xi.n')
+ */
+
+/* The motion of a contact; or a change of it, whose `axis` is one of shape.axis. */
+struct turning_motion {
+    struct vec3 separation, rate;                      /* c [m], w [m/s] */
+    struct vec3 source_rotation, destination_rotation; /* omega_s, omega_d [rad/s] */
+    struct vec3 axis;                                  /* e_d */
+    struct vec3 spring;                                /* xi [m] */
+};
+
+/* The laws and their regimes. */
+struct turning_laws {
+    struct contact_law normal;
+    struct friction_law friction;
+    enum contact_regime regime;
+    enum friction_regime friction_regime;
+};
+
+/* What changes with it. */
+struct turning_change {
+    struct vec3 force;                             /* F_src [N] */
+    struct vec3 source_torque, destination_torque; /* about the centres [N m] */
+    struct vec3 spring_rate;                       /* xi' [m/s] */
+    double dissipated_power, friction_power;       /* of the normal law; -F_t.v_t [W] */
+};
+
+/* All that does not depend on the direction of the change. */
+struct turning_slopes {
+    struct contact_shape shape;
+    struct contact_geometry geometry;
+    struct turning_motion motion;
+    struct vec3 seen_rate, normal_rate, slip; /* w_g, n', v_t */
+    struct vec3 across;                       /* the part of w_g that turns n */
+    struct vec3 friction_force, force;        /* F_t, F_src */
+    double normal_force, stored_slope, bend;  /* F_n and the slope and bend of the stored energy */
+    double inverse_distance;                  /* 1 / d; 0 where n does not turn with c */
+    struct contact_slopes normal_slopes;      /* of F_n */
+    struct friction_slopes force_slopes, spring_slopes;
+};
+
+/* At a motion whose geometry is `at`, g' of which is side n.w_g. */
+struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const struct contact_geometry *at,
+                                        const struct turning_motion *motion, const struct turning_laws *laws);
+
+struct turning_change turning_slopes_along(const struct turning_slopes *s,
+                                           const struct turning_motion *change);
+
+#endif

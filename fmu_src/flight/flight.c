@@ -1,0 +1,488 @@
+#include <stddef.h>
+#include <string.h>
+
+#include "flight/flight.h"
+#include "scene/evaluate.h"
+#include "scene/present.h"
+
+#if SCENE_ANY_ROTATION
+
+static bool is_under_torque(const struct scene_state *q, int body)
+{
+    const struct vec3 *torque = q->path[body].torque;
+    return !(vec3_is_zero(torque[0]) && vec3_is_zero(torque[1]) && vec3_is_zero(torque[2]));
+}
+
+static struct rotor rotor_of(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    const struct body_turn *origin = &q->turn_origin[body];
+    const struct rotor_state start = {origin->orientation, origin->angular_velocity};
+    return rotor_from(start, inertia.transverse, inertia.axial);
+}
+
+/* The external torque from the present on. */
+static void torque_from_now(const struct scene_state *q, int body, struct vec3 torque[ROTOR_TORQUES])
+{
+    memcpy(torque, q->path[body].torque, sizeof q->path[body].torque);
+    path_shift(torque, ROTOR_TORQUES, q->clock);
+}
+
+struct body_turn flight_turn_at(const struct scene_values *v, const struct scene_state *q, int body,
+                                double clock)
+{
+    struct rotor_state then;
+    if (is_under_torque(q, body)) {
+        const struct body_inertia inertia = body_inertia_of(v, body);
+        const struct body_turn *turn = &q->turning.body[body];
+        const struct rotor_state now = {turn->orientation, turn->angular_velocity};
+        struct vec3 torque[ROTOR_TORQUES];
+        torque_from_now(q, body, torque);
+        then = rotor_under_torque(&now, inertia.transverse, inertia.axial, torque, clock - q->clock);
+    } else {
+        const struct rotor rotor = rotor_of(v, q, body);
+        then = rotor_at(&rotor, clock);
+    }
+    return (struct body_turn){then.orientation, then.angular_velocity};
+}
+
+/* I_1 omega^2/2 + (I_3 - I_1) omega_3^2/2 */
+static double energy_of(const struct body_inertia *inertia, const struct body_turn *turn)
+{
+    const double axial = vec3_dot(turn->angular_velocity, quaternion_third_axis(turn->orientation));
+    return 0.5 * inertia->transverse * vec3_dot(turn->angular_velocity, turn->angular_velocity) +
+           0.5 * (inertia->axial - inertia->transverse) * axial * axial;
+}
+
+double flight_torque_work(const struct scene_values *v, const struct scene_state *q, int body,
+                          const struct body_turn *then)
+{
+    if (!is_under_torque(q, body)) {
+        return 0.0;
+    }
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    return energy_of(&inertia, then) - energy_of(&inertia, &q->turning.body[body]);
+}
+
+void flight_turn_all(const struct scene_values *v, struct scene_state *q, double clock)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_turns_freely(v, i)) {
+            const struct body_turn then = flight_turn_at(v, q, i, clock);
+            q->external_work += flight_torque_work(v, q, i, &then);
+            q->turning.body[i] = then;
+        }
+    }
+}
+
+static struct axis_motion prescribed_axis(const struct scene_state *q, struct vec3 axis, int body)
+{
+    struct body_path path = q->path[body];
+    path_shift(path.angular_velocity, 3, q->clock);
+    path_shift(path.axis, 3, q->clock);
+    const bool by_axis = path.turn_follows != TURN_FOLLOWS_VELOCITY && !vec3_is_zero(path.axis[0]);
+    return by_axis ? axis_motion_following(path.axis, 3) : axis_motion_driven(axis, path.angular_velocity, 3);
+}
+
+struct axis_motion flight_axis_motion(const struct scene_values *v, const struct scene_state *q,
+                                      const struct body_turn *at, int body)
+{
+    const struct vec3 axis = quaternion_third_axis(at->orientation);
+    if (body_turn_is_prescribed(v, body)) {
+        return prescribed_axis(q, axis, body);
+    }
+    if (!is_under_torque(q, body)) {
+        const struct rotor rotor = rotor_of(v, q, body);
+        struct axis_motion motion = axis_motion_of_rotor(&rotor);
+        motion.from = -q->clock; /* the rotor's time is the clock */
+        return motion;
+    }
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    const struct rotor_state now = {at->orientation, at->angular_velocity};
+    struct vec3 torque[ROTOR_TORQUES];
+    struct vec3 lambda[ROTOR_RATES];
+    torque_from_now(q, body, torque);
+    rotor_rates_under_torque(&now, inertia.transverse, inertia.axial, torque, lambda);
+    return axis_motion_driven(axis, lambda, ROTOR_RATES);
+}
+
+#endif
+
+/* Part of the terms of the discriminant below which the parabola may only touch zero, and its root has less
+ * than half of its digits. */
+static const double LEAST_DISCRIMINANT = 1e-8;
+
+/* Part of the reach. Nearer to the centre the gap does not tell on which side of it the source is. */
+static const double CLEAR_OF_CENTRE = 1e-9;
+
+static bool is_along(struct vec3 normal, struct vec3 a)
+{
+    return vec3_is_zero(vec3_cross(normal, a));
+}
+
+static bool is_zero_across(const struct contact_shape *shape, struct vec3 a)
+{
+    return vec3_is_zero(a) || (contact_is_cylinder(shape) && vec3_is_zero(contact_across(shape, a)));
+}
+
+/* Whether the first two terms of W are those of C', across a cylinder's axis. */
+static bool rates_agree(const struct contact_shape *shape, const struct separation_path *separation,
+                        struct vec3 speed, struct vec3 bend)
+{
+    const struct vec3 *c = separation->c;
+    const struct vec3 *w = separation->w;
+    if (vec3_is_zero(vec3_sub(w[0], c[1])) && vec3_is_zero(vec3_axpy(w[1], -2.0, c[2]))) {
+        return true;
+    }
+    return contact_is_cylinder(shape) && vec3_is_zero(vec3_sub(contact_across(shape, w[0]), speed)) &&
+           vec3_is_zero(vec3_axpy(contact_across(shape, w[1]), -2.0, bend));
+}
+
+/* With a plane the motion in it plays no part: that along n must have the terms of a parabola alone. */
+static bool is_parabola_over_plane(const struct separation_path *separation, struct vec3 normal)
+{
+    const struct vec3 *c = separation->c;
+    const struct vec3 *w = separation->w;
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        const bool highest = i > 2 && (contact_along_plane(normal, c[i]) != 0.0 ||
+                                       contact_along_plane(normal, w[i - 1]) != 0.0);
+        const struct vec3 differs = vec3_axpy(w[i - 1], -i, c[i]);
+        if (highest || (i <= 2 && vec3_dot(normal, differs) != 0.0)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool flight_is_head_on(const struct contact_shape *shape, const struct separation_path *separation,
+                       struct vec3 normal)
+{
+    if (contact_is_plane(shape)) {
+        return is_parabola_over_plane(separation, normal);
+    }
+    const struct vec3 speed = contact_across(shape, separation->c[1]);
+    const struct vec3 bend = contact_across(shape, separation->c[2]);
+    if (!is_along(normal, speed) || !is_along(normal, bend) || !rates_agree(shape, separation, speed, bend)) {
+        return false;
+    }
+    for (int i = 3; i <= SEPARATION_DEGREE; ++i) {
+        if (!is_zero_across(shape, separation->c[i]) || !is_zero_across(shape, separation->w[i - 1])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* value + rate t + bend t^2 */
+struct parabola {
+    double value, rate, bend;
+};
+
+/* Above zero beyond rounding: by its value, or because it rises and returns later than rounding matters. */
+static bool is_clearly_above(const struct parabola *p, double rounding)
+{
+    return p->value > rounding ||
+           (p->value >= 0.0 && p->rate > 0.0 && p->rate * p->rate > -4.0 * p->bend * rounding);
+}
+
+/* The first zero at which it falls from value >= 0, by the one of the two formulas that does not cancel, and
+ * a step of Newton's method. */
+static double first_zero(const struct parabola *p, double discriminant)
+{
+    const double root = sqrt(discriminant);
+    const double t = p->rate < 0.0 ? 2.0 * p->value / (root - p->rate) : -0.5 * (root + p->rate) / p->bend;
+    if (!(t > 0.0 && isfinite(t))) {
+        return (double)INFINITY;
+    }
+    return t - (p->value + t * (p->rate + t * p->bend)) / (p->rate + 2.0 * t * p->bend);
+}
+
+/* When it falls through zero first, INFINITY: never; false where rounding decides. */
+static bool first_fall(const struct parabola *p, double rounding, double *t)
+{
+    const double rate_squared = p->rate * p->rate;
+    const double product = 4.0 * p->bend * p->value;
+    const double size = rate_squared + fabs(product);
+    if (!is_clearly_above(p, rounding) || !(fabs(rate_squared - product) > LEAST_DISCRIMINANT * size) ||
+        !isfinite(size)) {
+        return false;
+    }
+    *t = rate_squared > product ? first_zero(p, rate_squared - product) : (double)INFINITY;
+    return true;
+}
+
+static double largest_until(const struct parabola *p, double t)
+{
+    const double largest = fmax(p->value, p->value + t * (p->rate + t * p->bend));
+    const double top = -0.5 * p->rate / p->bend;
+    return p->bend < 0.0 && top > 0.0 && top < t ? p->value + 0.5 * top * p->rate : largest;
+}
+
+static struct parabola gap_of(const struct contact_shape *shape, const struct separation_path *separation,
+                              const struct contact_geometry *now)
+{
+    return (struct parabola){now->gap, shape->side * vec3_dot(now->normal, separation->c[1]),
+                             shape->side * vec3_dot(now->normal, separation->c[2])};
+}
+
+bool flight_head_on_touch(const struct contact_shape *shape, const struct separation_path *separation,
+                          const struct contact_geometry *now, double rounding, double horizon, double *touch)
+{
+    const struct parabola gap = gap_of(shape, separation, now);
+    /* Bodies that approach touch where the gap is zero, however small it is; rounding affects only the
+     * time. */
+    const double unclear = gap.value > 0.0 && gap.rate < 0.0 ? 0.0 : rounding;
+    if (now->degenerate || !first_fall(&gap, unclear, touch)) {
+        return false;
+    }
+    if (!(*touch <= horizon)) {
+        *touch = (double)INFINITY;
+    }
+    return shape->side > 0 ||
+           largest_until(&gap, fmin(*touch, horizon)) < (1.0 - CLEAR_OF_CENTRE) * contact_reach(shape);
+}
+
+bool flight_head_on_regime_end(const struct contact_shape *shape, const struct contact_law *law,
+                               const struct separation_path *separation, const struct contact_geometry *now,
+                               double rounding, double margin_rounding, struct flight_regime_end *end)
+{
+    const struct parabola gap = gap_of(shape, separation, now);
+    const struct parabola overlap = {-gap.value, -gap.rate, -gap.bend};
+    const double gap_terms[3] = {gap.value, gap.rate, gap.bend};
+    const double rate_terms[3] = {gap.rate, 2.0 * gap.bend, 0.0};
+    double terms[3];
+    for (int i = 0; i < 3; ++i) {
+        terms[i] = contact_separating_event_term(law, gap_terms, rate_terms, i);
+    }
+    struct parabola margin = {terms[0], terms[1], terms[2]};
+    if (fabs(margin.value) <= margin_rounding) {
+        margin.value = 0.0;
+    }
+    double opening;
+    double recompression;
+    if (now->degenerate || !(overlap.value > rounding) || !first_fall(&overlap, rounding, &opening) ||
+        !first_fall(&margin, margin_rounding, &recompression)) {
+        return false;
+    }
+    end->regime = opening <= recompression ? REGIME_APART : REGIME_COMPRESSION;
+    end->after = fmin(opening, recompression);
+    end->gap =
+        opening <= recompression ? 0.0 : gap.value + recompression * (gap.rate + recompression * gap.bend);
+    return true;
+}
+
+bool flight_is_free(const struct scene_state *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (contact_transmits(q, j)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+void flight_force(const struct scene_state *q, int body, double clock, struct vec3 force[3])
+{
+    memcpy(force, q->path[body].force, sizeof q->path[body].force);
+    if (!path_is_steady(force, 3)) {
+        path_shift(force, 3, clock);
+    }
+}
+
+int flight_velocity(const struct scene_values *v, int body, struct vec3 start, const struct vec3 force[3],
+                    struct vec3 velocity[FLIGHT_TERMS])
+{
+    const double inverse_mass = 1.0 / body_mass(v, body);
+    velocity[0] = start;
+    velocity[1] = vec3_axpy(gravity(v), inverse_mass, force[0]);
+    if (path_is_steady(force, 3)) {
+        return 2;
+    }
+    velocity[2] = vec3_scale(inverse_mass / 2.0, force[1]);
+    velocity[3] = vec3_scale(inverse_mass / 3.0, force[2]);
+    return FLIGHT_TERMS;
+}
+
+struct vec3 flight_displacement(const struct vec3 *velocity, int terms, double time)
+{
+    struct vec3 mean[FLIGHT_TERMS];
+    for (int i = 0; i < terms; ++i) {
+        mean[i] = vec3_scale(FLIGHT_MEAN[i], velocity[i]);
+    }
+    return vec3_scale(time, path_at(mean, terms, time));
+}
+
+struct body_state flight_from(const struct scene_values *v, int body, struct body_state start,
+                              const struct vec3 force[3], double time)
+{
+    struct vec3 velocity[FLIGHT_TERMS];
+    const int terms = flight_velocity(v, body, start.velocity, force, velocity);
+    return (struct body_state){vec3_add(start.moved, flight_displacement(velocity, terms, time)),
+                               path_at(velocity, terms, time)};
+}
+
+/* Force times velocity has degree five: exact with three Gauss-Legendre nodes, 0 and +-sqrt(3/5). */
+double flight_work_along(const struct vec3 *velocity, int terms, const struct vec3 force[3], double time)
+{
+    const double node = 0.77459666924148338;
+    const double nodes[3] = {-node, 0.0, node};
+    const double weights[3] = {5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0};
+    double sum = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        const double at = 0.5 * time * (1.0 + nodes[i]);
+        sum += weights[i] * vec3_dot(path_at(force, 3, at), path_at(velocity, terms, at));
+    }
+    return 0.5 * time * sum;
+}
+
+double flight_work(const struct scene_values *v, int body, struct body_state start,
+                   const struct vec3 force[3], double time)
+{
+    struct vec3 velocity[FLIGHT_TERMS];
+    const int terms = flight_velocity(v, body, start.velocity, force, velocity);
+    return flight_work_along(velocity, terms, force, time);
+}
+
+struct body_state flight_body_at(const struct scene_values *v, const struct scene_state *q, int body,
+                                 double clock)
+{
+    const struct body_state start = {.velocity = q->origin[body].velocity};
+    return flight_from(v, body, start, q->path[body].force, clock);
+}
+
+static bool is_forced(const struct scene_state *q, int body)
+{
+    const struct vec3 *force = q->path[body].force;
+    return !(vec3_is_zero(force[0]) && vec3_is_zero(force[1]) && vec3_is_zero(force[2]));
+}
+
+/* From the present to another clock. */
+static double work_until(const struct scene_values *v, const struct scene_state *q, int body, double clock)
+{
+    struct vec3 force[3];
+    flight_force(q, body, q->clock, force);
+    return flight_work(v, body, q->body[body], force, clock - q->clock);
+}
+
+static double stored_now(const struct scene_values *v, const struct scene_state *q)
+{
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    return energy_stored(v, q, &at);
+}
+
+void flight_advance(const struct scene_values *v, struct scene_state *q, double clock)
+{
+    const bool apart = scene_is_apart(q);
+    const double stored = apart ? 0.0 : stored_now(v, q);
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            if (is_forced(q, i)) {
+                q->external_work += work_until(v, q, i, clock);
+            }
+            q->body[i] = flight_body_at(v, q, i, clock);
+        }
+    }
+#if SCENE_ANY_ROTATION
+    if (scene_turns(v)) {
+        flight_turn_all(v, q, clock);
+    }
+#endif
+    q->clock = clock;
+    q->dissipated += apart ? 0.0 : stored - stored_now(v, q);
+}
+
+static bool contact_is_deferrable(const struct contact_state *state)
+{
+    return state->regime == REGIME_APART && !state->schedule.passes_centre &&
+           state->peaks.penetration == 0.0 &&
+           vec3_is_zero(vec3_sub(state->physics.impulse, state->record.impulse_mark));
+}
+
+/* No external force, and speed, displacement and kinetic energy far from the range of numbers. */
+static bool body_is_deferrable(const struct scene_values *v, const struct scene_state *q, int body,
+                               double clock)
+{
+    const double speed = vec3_max_abs(q->origin[body].velocity) + vec3_max_abs(gravity(v)) * clock;
+    return !is_forced(q, body) && speed < 1e70 && speed * clock < 1e70;
+}
+
+double flight_deferrable_until(const struct scene_values *v, const struct scene_state *q)
+{
+    double clock = q->horizon_clock;
+    if (scene_turns(v)) {
+        return 0.0;
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        clock = fmin(clock, q->contact[j].schedule.change_clock);
+        if (!contact_is_deferrable(&q->contact[j])) {
+            return 0.0;
+        }
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i) && !body_is_deferrable(v, q, i, clock)) {
+            return 0.0;
+        }
+    }
+    return clock;
+}
+
+bool flight_defer(struct scene_state *q, double end_time)
+{
+    const double remaining = scene_remaining(q, end_time);
+    const double clock = q->clock + remaining;
+    if (!(remaining > 0.0 && clock < q->deferrable_clock)) {
+        return false;
+    }
+    q->clock = clock;
+    q->deferred = 1;
+    return true;
+}
+
+void flight_catch_up(const struct scene_values *v, struct scene_state *q)
+{
+    if (!q->deferred) {
+        return;
+    }
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            q->body[i] = flight_unforced_at(v, q, i, q->clock);
+        }
+    }
+    q->deferred = 0;
+}
+
+#if SCENE_ANY_CYLINDER
+static struct vec3 with_axial_of(struct vec3 a, struct vec3 exact, struct vec3 axis)
+{
+    return vec3_axpy(a, vec3_dot(vec3_sub(exact, a), axis), axis);
+}
+
+static void restore_axial(const struct scene_values *v, struct scene_state *q, int contact, int body)
+{
+    if (body_is_free(v, body) && !body_is_loaded(q, body, contact)) {
+        const struct vec3 axis = q->contact[contact].parameters.axis;
+        const struct body_state exact = flight_body_at(v, q, body, q->clock);
+        q->body[body].moved = with_axial_of(q->body[body].moved, exact.moved, axis);
+        q->body[body].velocity = with_axial_of(q->body[body].velocity, exact.velocity, axis);
+    }
+}
+#endif
+
+void flight_restore(const struct scene_values *v, struct scene_state *q)
+{
+    for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i) && !body_is_loaded(q, i, -1)) {
+            q->body[i] = flight_body_at(v, q, i, q->clock);
+        }
+    }
+#if SCENE_ANY_CYLINDER
+    /* friction acts along the axis, and an axis that turns keeps nothing */
+    for (int j = 0; !scene_turns(v) && j < SCENE_CONTACTS; ++j) {
+        if (scene_ends_suddenly(v, j) && contact_transmits(q, j)) {
+            restore_axial(v, q, j, contact_source(j));
+            restore_axial(v, q, j, contact_destination(j));
+        }
+    }
+#endif
+}

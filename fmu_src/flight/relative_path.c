@@ -1,0 +1,352 @@
+#include <float.h>
+
+#include "flight/relative_path.h"
+
+#if SCENE_ANY_FREE
+#include "flight/flight.h"
+
+static void add_free(const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at, double clock, int body, double sign,
+                     struct separation_path *out)
+{
+    struct vec3 force[3];
+    flight_force(q, body, clock, force);
+    struct vec3 rate[SEPARATION_DEGREE];
+    const int terms = flight_velocity(v, body, at->velocity[body], force, rate);
+    for (int i = 0; i < terms; ++i) {
+        out->w[i] = vec3_axpy(out->w[i], sign, rate[i]);
+        out->c[i + 1] = vec3_axpy(out->c[i + 1], sign * FLIGHT_MEAN[i], rate[i]);
+    }
+}
+#else /* there are none to be added */
+static void add_free(const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at, double clock, int body, double sign,
+                     struct separation_path *out)
+{
+    (void)v, (void)q, (void)at, (void)clock, (void)body, (void)sign, (void)out;
+}
+#endif
+
+static void add_prescribed(const struct scene_state *q, double clock, int body, double sign,
+                           struct separation_path *out)
+{
+    struct body_path path = q->path[body];
+    path_shift(path.displacement, 4, clock);
+    path_shift(path.velocity, 3, clock);
+    for (int i = 1; i < 4; ++i) {
+        out->c[i] = vec3_axpy(out->c[i], sign, path.displacement[i]);
+    }
+    for (int i = 0; i < 3; ++i) {
+        out->w[i] = vec3_axpy(out->w[i], sign, path.velocity[i]);
+    }
+}
+
+/* Without contact force. */
+struct separation_path separation_path_of(const struct scene_values *v, const struct scene_state *q,
+                                          const struct scene_instant *at, double clock, int contact)
+{
+    const int ends[2] = {contact_destination(contact), contact_source(contact)};
+    struct separation_path path = {.c = {at->separation[contact]}, .offset = at->geometry[contact].offset};
+    for (int i = 0; i < 2; ++i) {
+        const double sign = i == 0 ? 1.0 : -1.0;
+        if (body_is_free(v, ends[i])) {
+            add_free(v, q, at, clock, ends[i], sign, &path);
+        } else if (body_is_prescribed(v, ends[i])) {
+            add_prescribed(q, clock, ends[i], sign, &path);
+        }
+    }
+    return path;
+}
+
+bool relative_path_has_ends(const struct contact_shape *shape)
+{
+    return SCENE_ANY_CYLINDER && isfinite(shape->half_length);
+}
+
+static double coefficient_scale(const struct vec3 *c, double horizon, double reach)
+{
+    double scale = reach;
+    double power = 1.0;
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+        scale = fmax(scale, vec3_max_abs(c[i]) * power);
+        power *= horizon;
+    }
+    return scale > 0.0 ? scale : 1.0;
+}
+
+static struct polynomial dot_product(const struct vec3 *a, int a_degree, const struct vec3 *b, int b_degree)
+{
+    struct polynomial p = {{0.0}, a_degree + b_degree};
+    for (int i = 0; i <= a_degree; ++i) {
+        for (int j = 0; j <= b_degree; ++j) {
+            p.a[i + j] += vec3_dot(a[i], b[j]);
+        }
+    }
+    return p;
+}
+
+/* Without the highest coefficients that are zero. */
+static int degree_of(const struct vec3 *a, int degree)
+{
+    while (degree > 0 && vec3_max_abs(a[degree]) == 0.0) {
+        --degree;
+    }
+    return degree;
+}
+
+struct relative_path relative_path_make(const struct contact_shape *shape,
+                                        const struct separation_path *separation, double gap, double horizon)
+{
+    struct relative_path path = {
+        .horizon = horizon, .axial = {.degree = SEPARATION_DEGREE}, .side = shape->side};
+    path.flat = SCENE_ANY_PLANE && shape->destination == SHAPE_PLANE;
+    struct vec3 slope[SEPARATION_DEGREE];
+    struct vec3 w[SEPARATION_DEGREE];
+    path.scale = coefficient_scale(separation->c, horizon, contact_reach(shape));
+    double factor = 1.0 / path.scale;
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+        path.c[i] = vec3_scale(factor, separation->c[i]);
+        if (SCENE_ANY_CYLINDER && shape->destination == SHAPE_CYLINDER) {
+            path.axial.a[i] = vec3_dot(path.c[i], shape->axis);
+            path.c[i] = vec3_axpy(path.c[i], -path.axial.a[i], shape->axis);
+            if (i == 0 && contact_is_near_axis(path.c[0], path.axial.a[0])) {
+                path.c[0] = vec3_scale(factor, separation->offset);
+            }
+        }
+        if (path.flat) {
+            path.c[i] = vec3_make(-vec3_dot(path.c[i], shape->axis), 0.0, 0.0);
+        }
+        factor *= horizon;
+        factor = factor < DBL_MAX ? factor : DBL_MAX; /* for coefficients that are zero */
+        if (i < SEPARATION_DEGREE) {
+            w[i] = vec3_scale(factor, separation->w[i]);
+            if (path.flat) {
+                w[i] = vec3_make(-vec3_dot(w[i], shape->axis), 0.0, 0.0);
+            }
+        }
+        if (i > 0) {
+            slope[i - 1] = vec3_scale(i, path.c[i]);
+        }
+    }
+    path.reach = contact_reach(shape) / path.scale;
+    if (relative_path_has_ends(shape)) {
+        /* both divided alike, so that a source in the plane of an end is in it here, too */
+        path.axial.a[0] = vec3_dot(separation->c[0], shape->axis) / path.scale;
+        path.half_length = shape->half_length / path.scale;
+        path.has_ends = true;
+    }
+    path.degree = degree_of(path.c, SEPARATION_DEGREE);
+    path.start = vec3_norm(path.c[0]);
+    path.gap = gap / path.scale;
+    const struct vec3 unit = {1.0, 0.0, 0.0};
+    const struct vec3 *by = path.flat ? &unit : path.c;
+    const int by_degree = path.flat ? 0 : path.degree;
+    path.closing = dot_product(by, by_degree, slope, path.degree > 0 ? path.degree - 1 : 0);
+    path.half_rate = dot_product(by, by_degree, w, degree_of(w, SEPARATION_DEGREE - 1));
+    return path;
+}
+
+struct polynomial relative_path_distance_squared(const struct relative_path *path)
+{
+    return dot_product(path->c, path->degree, path->c, path->degree);
+}
+
+struct polynomial relative_path_squared_deviation(const struct relative_path *path)
+{
+    struct polynomial squared_deviation = relative_path_distance_squared(path);
+    /* d^2 - reach^2 = (d - reach)(d + reach) */
+    squared_deviation.a[0] = path->side * path->gap * (path->start + path->reach);
+    return squared_deviation;
+}
+
+double relative_path_divisor(const struct relative_path *path, double gap)
+{
+    return SCENE_ANY_PLANE && path->flat ? 1.0 : path->side * gap + path->reach;
+}
+
+void relative_path_gap(const void *data, double s, double *gap, double *slope)
+{
+    const struct relative_path *path = data;
+    const struct vec3 moved =
+        path->degree > 0 ? vec3_scale(s, path_at(path->c + 1, path->degree, s)) : vec3_make(0.0, 0.0, 0.0);
+    if (SCENE_ANY_PLANE && path->flat) {
+        *gap = path->gap + moved.x;
+        *slope = polynomial_at(&path->closing, s);
+        return;
+    }
+    const double distance = vec3_norm(vec3_add(path->c[0], moved));
+    const double both = path->start + distance;
+    /* |a + b| - |a| = (2 a.b + b.b) / (|a + b| + |a|) */
+    const double grown = both > 0.0 ? vec3_dot(vec3_axpy(moved, 2.0, path->c[0]), moved) / both : 0.0;
+    *gap = path->gap + path->side * grown;
+    *slope = distance > 0.0 ? path->side * polynomial_at(&path->closing, s) / distance : 0.0;
+}
+
+bool relative_path_within(const struct relative_path *path, double s)
+{
+    if (!SCENE_ANY_CYLINDER || !path->has_ends) {
+        return true;
+    }
+    return s < path->ends_settle ? path->starts_within
+                                 : fabs(polynomial_at(&path->axial, s)) <= path->half_length;
+}
+
+/* chi g' = 1, where Hunt and Crossley's damping would begin to pull: g' = side (c.w)/d, of a plane n.w,
+ * squared. */
+static struct polynomial hertz_condition(const struct relative_path *path, const struct contact_law *law)
+{
+    const double unit = contact_factors_of(law).c * path->scale / path->horizon;
+    const struct polynomial one = {{1.0}, 0};
+    const struct polynomial distance2 =
+        SCENE_ANY_PLANE && path->flat ? one : relative_path_distance_squared(path);
+    const struct polynomial squared_rate = polynomial_multiply(&path->half_rate, &path->half_rate);
+    struct polynomial sum = {{0.0}, 0};
+    sum = polynomial_add(&sum, fmin(unit * unit, 1.0), &squared_rate);
+    return polynomial_add(&sum, -fmin(1.0 / (unit * unit), 1.0), &distance2);
+}
+
+/* k g + c g' of a plane: a polynomial as it stands. */
+static struct polynomial law_condition_of_plane(const struct relative_path *path,
+                                                const struct contact_law *law)
+{
+    const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
+    const double scaled_damping = full.c / path->horizon;
+    const double unit = fmax(full.k, scaled_damping);
+    struct polynomial gap = {{path->gap}, path->degree};
+    for (int i = 1; i <= path->degree; ++i) {
+        gap.a[i] = path->c[i].x;
+    }
+    struct polynomial sum = {{0.0}, 0};
+    sum = polynomial_add(&sum, full.k / unit, &gap);
+    return polynomial_add(&sum, scaled_damping / unit, &path->half_rate);
+}
+
+/* k (d - reach) + c d' = 0, times d, with the root squared: (k d^2 + c d d')^2 = k^2 reach^2 d^2. */
+static struct polynomial law_condition(const struct relative_path *path, const struct contact_law *law)
+{
+    const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
+    const double scaled_damping = full.c / path->horizon;
+    const double unit = fmax(full.k, scaled_damping);
+    const double k = full.k / unit;
+    struct polynomial sum = {{0.0}, 0};
+    const struct polynomial offset2 = relative_path_distance_squared(path);
+    sum = polynomial_add(&sum, k, &offset2);
+    sum = polynomial_add(&sum, scaled_damping / unit, &path->half_rate);
+    const struct polynomial squared_sum = polynomial_multiply(&sum, &sum);
+    const double reach_term = k * path->reach;
+    return polynomial_add(&squared_sum, -reach_term * reach_term, &offset2);
+}
+
+/* k (d - reach) + c d' = 0 times d + reach, with reach / d for 1 where the gap is small: exact the closer the
+ * bodies are, where the squares above have lost the gap to rounding. */
+static struct polynomial law_condition_nearby(const struct relative_path *path, const struct contact_law *law)
+{
+    const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
+    const double scaled_damping = full.c / path->horizon;
+    const double unit = fmax(full.k, scaled_damping);
+    const struct polynomial squared_deviation = relative_path_squared_deviation(path);
+    struct polynomial sum = {{0.0}, 0};
+    sum = polynomial_add(&sum, full.k / unit, &squared_deviation);
+    return polynomial_add(&sum, 2.0 * scaled_damping / unit, &path->half_rate);
+}
+
+static int insert_candidate(double root, double *candidates, int count)
+{
+    int at = count;
+    for (; at > 0 && candidates[at - 1] > root; --at) {
+        candidates[at] = candidates[at - 1];
+    }
+    candidates[at] = root;
+    return count + 1;
+}
+
+static int add_candidates(const struct polynomial *p, double *candidates, int count)
+{
+    double roots[POLYNOMIAL_MAX_DEGREE];
+    const int found = polynomial_sign_changes(p, roots);
+    for (int i = 0; i < found; ++i) {
+        count = insert_candidate(roots[i], candidates, count);
+    }
+    return count;
+}
+
+struct extremes extremes_of(const struct relative_path *path)
+{
+    struct extremes found;
+    found.count = polynomial_sign_changes(&path->closing, found.at);
+    return found;
+}
+
+struct root_bracket_end flight_gap_bracket_end(const struct relative_path *path, double s)
+{
+    struct root_bracket_end end = {.s = s};
+    relative_path_gap(path, s, &end.value, &end.slope);
+    return end;
+}
+
+double candidates_least_gap(const struct relative_path *path)
+{
+    const struct extremes extremes = extremes_of(path);
+    double least = fmin(path->gap, flight_gap_bracket_end(path, 1.0).value);
+    for (int i = 0; i < extremes.count; ++i) {
+        least = fmin(least, flight_gap_bracket_end(path, extremes.at[i]).value);
+    }
+    return path->scale * least;
+}
+
+/* Where the gap passes zero. */
+static int touching_candidates(const struct relative_path *path, const struct extremes *extremes,
+                               double *candidates, int count)
+{
+    const int intervals = extremes->count + 1;
+    struct root_bracket_end low = flight_gap_bracket_end(path, 0.0);
+    for (int i = 0; i < intervals; ++i) {
+        const struct root_bracket_end high =
+            flight_gap_bracket_end(path, i < intervals - 1 ? extremes->at[i] : 1.0);
+        if ((low.value < 0.0 && high.value > 0.0) || (low.value > 0.0 && high.value < 0.0)) {
+            count = insert_candidate(root_between(relative_path_gap, path, low, high), candidates, count);
+        }
+        low = high;
+    }
+    return count;
+}
+
+int candidates_of_ends(const struct relative_path *path, double *candidates, int count)
+{
+    for (int end = -1; end <= 1; end += 2) {
+        struct polynomial plane = path->axial;
+        plane.a[0] += end * path->half_length;
+        count = add_candidates(&plane, candidates, count);
+    }
+    return path->ends_settle > 0.0 && path->ends_settle < 1.0
+               ? insert_candidate(path->ends_settle, candidates, count)
+               : count;
+}
+
+/* All instants at which the regime may change: a superset, sorted. */
+int candidates_of_all(const struct relative_path *path, const struct extremes *extremes,
+                      const struct contact_shape *shape, const struct contact_law *law, double *candidates)
+{
+    int count = touching_candidates(path, extremes, candidates, 0);
+    if (relative_path_has_ends(shape)) {
+        count = candidates_of_ends(path, candidates, count);
+    }
+    if (contact_has_events(law)) {
+        count = add_candidates(&path->half_rate, candidates, count);
+        if (contact_is_hertz(law)) {
+            const struct polynomial condition = hertz_condition(path, law);
+            count = add_candidates(&condition, candidates, count);
+        } else if (contact_regime_after(law, REGIME_COMPRESSION) == REGIME_SEPARATING &&
+                   contact_coefficients_of(law, REGIME_COMPRESSION).k > 0.0) {
+            if (SCENE_ANY_PLANE && path->flat) {
+                const struct polynomial of_plane = law_condition_of_plane(path, law);
+                return add_candidates(&of_plane, candidates, count);
+            }
+            const struct polynomial condition = law_condition(path, law);
+            const struct polynomial nearby = law_condition_nearby(path, law);
+            count = add_candidates(&condition, candidates, count);
+            count = add_candidates(&nearby, candidates, count);
+        }
+    }
+    return count;
+}

@@ -1,0 +1,455 @@
+#include <float.h>
+
+#include "contact/shape.h"
+#include "flight/tumbling.h"
+#include "math/polynomial.h"
+
+struct axis_motion axis_motion_fixed(struct vec3 axis)
+{
+    return (struct axis_motion){.kind = AXIS_FIXED, .axis = axis};
+}
+
+struct axis_motion axis_motion_of_rotor(const struct rotor *rotor)
+{
+    const bool turns = rotor_axis_speed(rotor) > 0.0;
+    return (struct axis_motion){
+        .kind = turns ? AXIS_PRECESSES : AXIS_FIXED, .axis = rotor->axis, .rotor = *rotor};
+}
+
+static bool is_steady_axis(const struct vec3 *coefficient, int count)
+{
+    for (int i = 1; i < count; ++i) {
+        if (!vec3_is_zero(coefficient[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void copy_terms(struct axis_motion *motion, const struct vec3 *coefficient, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        motion->coefficient[i] = coefficient[i];
+    }
+}
+
+struct axis_motion axis_motion_driven(struct vec3 axis, const struct vec3 *rate, int count)
+{
+    if (is_steady_axis(rate, count)) {
+        /* a sphere's free motion is a steady turn */
+        const struct rotor_state start = {quaternion_between(vec3_make(0.0, 0.0, 1.0), axis), rate[0]};
+        struct rotor rotor = rotor_from(start, 1.0, 1.0);
+        rotor.axis = axis;
+        return axis_motion_of_rotor(&rotor);
+    }
+    struct axis_motion motion = {.kind = AXIS_DRIVEN, .axis = axis};
+    copy_terms(&motion, rate, count);
+    return motion;
+}
+
+struct axis_motion axis_motion_following(const struct vec3 *direction, int count)
+{
+    struct axis_motion motion = {.kind = is_steady_axis(direction, count) ? AXIS_FIXED : AXIS_FOLLOWS};
+    motion.axis = vec3_scale(1.0 / vec3_norm(direction[0]), direction[0]);
+    copy_terms(&motion, direction, count);
+    return motion;
+}
+
+/* A polynomial and its first two derivatives `time` after its origin. */
+static void polynomial_of_vectors(const struct vec3 coefficient[AXIS_TERMS], double time, struct vec3 at[3])
+{
+    at[0] = at[1] = at[2] = vec3_make(0.0, 0.0, 0.0);
+    for (int i = AXIS_TERMS - 1; i >= 0; --i) {
+        at[2] = vec3_axpy(vec3_scale(2.0, at[1]), time, at[2]);
+        at[1] = vec3_axpy(at[0], time, at[1]);
+        at[0] = vec3_axpy(coefficient[i], time, at[0]);
+    }
+}
+
+static struct rotor_axis following_axis_at(const struct axis_motion *motion, double time)
+{
+    struct rotor_axis now = {motion->axis, vec3_make(0.0, 0.0, 0.0)};
+    struct vec3 at[3];
+    polynomial_of_vectors(motion->coefficient, time, at);
+    const double length = vec3_norm(at[0]);
+    if (length > 0.0) {
+        now.axis = vec3_scale(1.0 / length, at[0]);
+        now.rate = vec3_scale(1.0 / length, vec3_axpy(at[1], -vec3_dot(at[1], now.axis), now.axis));
+    }
+    return now;
+}
+
+static struct rotor_axis driven_axis_at(const struct axis_motion *motion, double time)
+{
+    const double since = time - motion->from;
+    struct vec3 at[3];
+    polynomial_of_vectors(motion->coefficient, since, at);
+    const struct vec3 axis = rotor_axis_after(motion->coefficient, motion->axis, since);
+    return (struct rotor_axis){axis, vec3_cross(at[0], axis)};
+}
+
+struct rotor_axis axis_motion_at(const struct axis_motion *motion, double time)
+{
+    switch (motion->kind) {
+    case AXIS_PRECESSES:
+        return rotor_axis_at(&motion->rotor, time - motion->from);
+    case AXIS_DRIVEN:
+        return driven_axis_at(motion, time);
+    case AXIS_FOLLOWS:
+        return following_axis_at(motion, time);
+    case AXIS_FIXED:
+    default:
+        return (struct rotor_axis){motion->axis, vec3_make(0.0, 0.0, 0.0)};
+    }
+}
+
+void axis_motion_move_on(struct axis_motion *motion, double time)
+{
+    if (motion->kind == AXIS_DRIVEN && time > motion->from) {
+        motion->axis = driven_axis_at(motion, time).axis;
+        rotor_rates_shift(motion->coefficient, AXIS_TERMS, time - motion->from);
+        motion->from = time;
+    }
+}
+
+/* A polynomial's size and its first two derivatives' over some time, at most; of itself at least, too. */
+struct vector_sizes {
+    double least, most, first, second;
+};
+
+static struct vector_sizes sizes_within(const struct vec3 coefficient[AXIS_TERMS], double time, double length)
+{
+    struct vec3 at[3];
+    polynomial_of_vectors(coefficient, time, at);
+    const double third = 6.0 * vec3_norm(coefficient[3]);
+    const double second = vec3_norm(at[2]) + third * length;
+    const double first = vec3_norm(at[1]) + second * length;
+    const double start = vec3_norm(at[0]);
+    return (struct vector_sizes){start - first * length, start + first * length, first, second};
+}
+
+struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double time, double length)
+{
+    if (motion->kind == AXIS_PRECESSES) {
+        /* e' = P x e and e'' = P x (P x e) with a constant P at a constant angle to e */
+        const double along = fabs(vec3_dot(motion->rotor.direction, motion->axis));
+        const double speed = rotor_axis_speed(&motion->rotor);
+        return (struct axis_bounds){speed, along * rotor_precession(&motion->rotor) * speed};
+    }
+    if (motion->kind == AXIS_FIXED) {
+        return (struct axis_bounds){0.0, 0.0};
+    }
+    const struct vector_sizes size = sizes_within(motion->coefficient, time - motion->from, length);
+    if (motion->kind == AXIS_DRIVEN) {
+        /* e x e'' = e x (lambda' x e) - (lambda.e) lambda x e, whose last part is |lambda|^2/2 at most */
+        return (struct axis_bounds){size.most, size.first + 0.5 * size.most * size.most};
+    }
+    /* e = a/|a|: |e'| <= |a'|/|a| and |e x e''| <= (|a''| + 2 |a'| |e'|)/|a| */
+    if (!(size.least > 0.0)) {
+        return (struct axis_bounds){(double)INFINITY, (double)INFINITY};
+    }
+    const double speed = size.first / size.least;
+    return (struct axis_bounds){speed, (size.second + 2.0 * size.first * speed) / size.least};
+}
+
+/* Roundings of a sum of products of vectors, as a gap is: as many as rounding_of_gap grants. */
+static const double TUMBLING_ROUNDINGS = 8.0 * DBL_EPSILON;
+
+bool tumbling_has_reach(const struct tumbling_path *path)
+{
+    return path->shape.side > 0 && (tumbling_functions(path) > 1 || contact_is_capped(&path->shape));
+}
+
+int tumbling_functions(const struct tumbling_path *path)
+{
+    const bool has_ends = contact_is_cylinder(&path->shape) && isfinite(path->shape.half_length);
+    return has_ends ? TUMBLING_FUNCTIONS : 1;
+}
+
+/* The separation and its derivatives, by Horner's scheme. */
+static void separation_at(const struct tumbling_path *path, double time, struct vec3 at[TUMBLING_TERMS])
+{
+    for (int k = 0; k < TUMBLING_TERMS; ++k) {
+        at[k] = vec3_make(0.0, 0.0, 0.0);
+    }
+    for (int i = TUMBLING_TERMS - 1; i >= 0; --i) {
+        for (int k = TUMBLING_TERMS - 1 - i; k > 0; --k) {
+            at[k] = vec3_axpy(at[k - 1], time, at[k]);
+        }
+        at[0] = vec3_axpy(path->c[i], time, at[0]);
+    }
+    double factorial = 1.0;
+    for (int k = 2; k < TUMBLING_TERMS; ++k) {
+        factorial *= k;
+        at[k] = vec3_scale(factorial, at[k]);
+    }
+}
+
+/* The shape with its axis there; a capped cylinder as the solid that it is, in whatever zone it is met. */
+static struct contact_shape shape_with(const struct tumbling_path *path, struct vec3 axis)
+{
+    struct contact_shape shape = path->shape;
+    shape.axis = axis;
+#ifndef CONTACT_NO_CAPS
+    if (contact_is_capped(&shape)) {
+        shape.solid.axis = axis;
+        shape = contact_shape_in(&shape, 0);
+    }
+#endif
+    return shape;
+}
+
+/* Inside a shell the change is that d grows through the reach at a touch, outside at a parting. */
+static bool distance_grows(const struct tumbling_path *path, enum tumbling_change change)
+{
+    return (change == TUMBLING_TOUCH) == (path->shape.side < 0);
+}
+
+/* The distance whose square is smooth wherever the source is, and its reach: to an axis, or to a capped
+ * solid, of which the source's centre is r_s away as they part. */
+static double smooth_reach(const struct contact_shape *shape)
+{
+    return contact_is_capped(shape) ? shape->source_radius : contact_reach(shape);
+}
+
+static double smooth_distance(const struct contact_shape *shape, const struct contact_geometry *g)
+{
+    return contact_is_capped(shape) ? fmax(g->gap + shape->source_radius, 0.0) : g->distance;
+}
+
+/* (reach^2 - d^2)/(2 reach) in place of reach - d where d grows; of a plane d itself. */
+static struct falling gap_function(const struct tumbling_path *path, enum tumbling_change change,
+                                   const struct contact_shape *shape, const struct contact_geometry *g)
+{
+    const double sign = change == TUMBLING_TOUCH ? 1.0 : -1.0;
+    struct falling gap = {sign * g->gap, sign * g->gap_rate, 0.0};
+    if (distance_grows(path, change) && !contact_is_plane(shape)) {
+        const double part = smooth_distance(shape, g) / smooth_reach(shape);
+        const bool deep = contact_is_capped(shape) && !(part > 0.0);
+        gap.value = deep ? 0.5 * shape->source_radius : gap.value * 0.5 * (1.0 + part);
+        gap.slope *= part;
+    }
+    return gap;
+}
+
+void tumbling_at(const struct tumbling_path *path, enum tumbling_change change, double time,
+                 struct tumbling_instant *at)
+{
+    separation_at(path, time, at->c);
+    const struct rotor_axis axis = axis_motion_at(&path->axis, time);
+    const struct contact_shape shape = shape_with(path, axis.axis);
+    /* e x e' carries the axis along: the rate of c in a frame that turns so is what changes the gap */
+    const struct vec3 omega = vec3_cross(axis.axis, axis.rate);
+    const struct vec3 rate = vec3_sub(at->c[1], vec3_cross(omega, at->c[0]));
+    at->geometry = contact_geometry_at(&shape, at->c[0], rate, path->shape.axis);
+    at->axial_rate = vec3_dot(rate, axis.axis);
+    at->of[TUMBLING_GAP] = gap_function(path, change, &shape, &at->geometry);
+    const double distance = vec3_norm(at->c[0]);
+    at->noise[TUMBLING_GAP] =
+        fmax(path->rounding, TUMBLING_ROUNDINGS * (distance + shape.source_radius + shape.other_radius));
+    for (int i = TUMBLING_UPPER_END; i < tumbling_functions(path); ++i) {
+        const double end = i == TUMBLING_UPPER_END ? 1.0 : -1.0;
+        const double sign = change == TUMBLING_TOUCH ? 1.0 : -1.0;
+        at->of[i] = (struct falling){sign * (end * at->geometry.axial - shape.half_length),
+                                     sign * end * at->axial_rate, 0.0};
+        at->noise[i] = fmax(path->rounding, TUMBLING_ROUNDINGS * (distance + shape.half_length));
+    }
+}
+
+/* sum over i of |c^(first + i)| length^i / i! */
+static double size_within(const struct vec3 c[TUMBLING_TERMS], int first, double length)
+{
+    double size = 0.0;
+    for (int i = TUMBLING_TERMS - 1; i >= first; --i) {
+        const double norm = vec3_norm(c[i]);
+        size = norm + (size > 0.0 ? size * length / (i - first + 1) : 0.0);
+    }
+    return size;
+}
+
+void tumbling_bend(const struct tumbling_path *path, enum tumbling_change change, double time, double length,
+                   struct tumbling_instant *at)
+{
+    const struct axis_bounds axis = axis_motion_bounds(&path->axis, time, length);
+    double bend = size_within(at->c, 2, length);
+    double speed = size_within(at->c, 1, length);
+    if (axis.speed > 0.0) {
+        const double separation = size_within(at->c, 0, length);
+        bend += 2.0 * axis.speed * speed + (axis.turn + axis.speed * axis.speed) * separation;
+        speed += axis.speed * separation;
+    }
+    for (int i = 0; i < tumbling_functions(path); ++i) {
+        at->of[i].bend = bend;
+    }
+    const struct contact_shape shape = shape_with(path, path->axis.axis);
+    if (distance_grows(path, change) && !contact_is_plane(&shape)) {
+        at->of[TUMBLING_GAP].bend += speed * speed / smooth_reach(&shape);
+    }
+}
+
+struct falling tumbling_beyond_reach(const struct tumbling_path *path, const struct tumbling_instant *at,
+                                     double length)
+{
+    const double distance = vec3_norm(at->c[0]);
+    const struct contact_shape shape = shape_with(path, path->axis.axis);
+    double farthest = contact_reach(&shape) + shape.half_length;
+#ifndef CONTACT_NO_CAPS
+    if (contact_is_capped(&shape)) {
+        farthest = shape.solid.radius + shape.solid.half_height + shape.source_radius;
+    }
+#endif
+    const double slope = distance > 0.0 ? vec3_dot(at->c[0], at->c[1]) / distance : 0.0;
+    return (struct falling){distance - farthest, slope, size_within(at->c, 2, length)};
+}
+
+double falling_stays_above(const struct falling *f, double noise)
+{
+    const double height = f->value + noise;
+    if (!(height > 0.0) || !(f->bend < (double)INFINITY)) {
+        return 0.0;
+    }
+    const double root = sqrt(f->slope * f->slope + 2.0 * f->bend * height);
+    if (f->slope >= 0.0) {
+        return f->bend > 0.0 ? (f->slope + root) / f->bend : (double)INFINITY;
+    }
+    return 2.0 * height / (root - f->slope);
+}
+
+struct tumbling_search {
+    const struct tumbling_path *path;
+    enum tumbling_change change;
+    int count; /* of functions */
+};
+
+/* The function that decides: of a touch the highest, of a parting the lowest. */
+static int deciding(const struct tumbling_search *search, const struct tumbling_instant *at)
+{
+    int found = 0;
+    for (int i = 1; i < search->count; ++i) {
+        const bool higher = at->of[i].value > at->of[found].value;
+        found = higher == (search->change == TUMBLING_TOUCH) ? i : found;
+    }
+    return found;
+}
+
+/* Whether the change has taken place, whatever rounding does. */
+static bool surely_changed(const struct tumbling_search *search, const struct tumbling_instant *at)
+{
+    const bool touch = search->change == TUMBLING_TOUCH;
+    for (int i = 0; i < search->count; ++i) {
+        const bool beyond = at->of[i].value < -at->noise[i];
+        if (beyond != touch) {
+            return beyond;
+        }
+    }
+    return touch;
+}
+
+/* A root_function of time. */
+static void decision(const void *data, double time, double *value, double *slope)
+{
+    const struct tumbling_search *search = data;
+    struct tumbling_instant at;
+    tumbling_at(search->path, search->change, time, &at);
+    const struct falling *f = &at.of[deciding(search, &at)];
+    *value = f->value;
+    *slope = f->slope;
+}
+
+/* The longest time from an instant on in which nothing changes by more than rounding, as far as the bends of
+ * that instant tell. Never zero: where all is within rounding it is so short that no more than three eighths
+ * of it can be missed. */
+static double unchanged_for(const struct tumbling_search *search, const struct tumbling_instant *at)
+{
+    double time = falling_stays_above(&at->of[0], at->noise[0]);
+    for (int i = 1; i < search->count; ++i) {
+        const double other = falling_stays_above(&at->of[i], at->noise[i]);
+        time = (other > time) == (search->change == TUMBLING_TOUCH) ? other : time;
+    }
+    const struct falling *gap = &at->of[TUMBLING_GAP];
+    const double quarter = 0.25 * at->noise[TUMBLING_GAP];
+    return fmax(time, quarter / (fabs(gap->slope) + sqrt(gap->bend * quarter)));
+}
+
+/* How far to go from an instant on; `*length` is how far the bends are made to hold, and adapts. */
+static double step_from(const struct tumbling_search *search, struct tumbling_instant *at, double time,
+                        double horizon, double *length)
+{
+    const double rest = horizon - time;
+    if (search->change == TUMBLING_TOUCH && tumbling_has_reach(search->path)) {
+        const struct falling beyond = tumbling_beyond_reach(search->path, at, rest);
+        const double away = falling_stays_above(&beyond, 0.0);
+        if (away >= rest) {
+            return rest;
+        }
+        if (away > *length) {
+            return away;
+        }
+    }
+    const double within = fmin(*length, rest);
+    tumbling_bend(search->path, search->change, time, within, at);
+    if (!(at->of[TUMBLING_GAP].bend < (double)INFINITY)) {
+        *length = 0.25 * within; /* the direction of an axis that vanishes in between has no bound */
+        return 0.0;
+    }
+    const double step = fmin(unchanged_for(search, at), within);
+    *length = 2.0 * step;
+    return step;
+}
+
+/* The root of the deciding function between an instant without the change and one with it; at the start where
+ * there is none before (before < 0). */
+static struct tumbling_result located(const struct tumbling_search *search, double before, double after,
+                                      long evaluations)
+{
+    const double root = before < 0.0 ? 0.0 : root_in_bracket(decision, search, before, after);
+    struct tumbling_instant at;
+    tumbling_at(search->path, search->change, root, &at);
+    const bool by_gap = deciding(search, &at) == TUMBLING_GAP;
+    return (struct tumbling_result){root, by_gap ? 0.0 : at.geometry.gap, root, evaluations};
+}
+
+/* At the start the opposite change may just have been made, at an instant that is not right to rounding: it
+ * lasts as long as the functions then rise. Returns how long by the slope of the deciding one, 0: not so. */
+static double still_rising_for(const struct tumbling_search *search, const struct tumbling_instant *at)
+{
+    const struct falling *f = &at->of[deciding(search, at)];
+    return f->slope > 0.0 ? -2.0 * f->value / f->slope : 0.0;
+}
+
+struct tumbling_result tumbling_first(const struct tumbling_path *path, enum tumbling_change change,
+                                      double horizon, long budget)
+{
+    struct tumbling_path moving = *path; /* what it holds of the axis moves on with the search */
+    const struct tumbling_search search = {&moving, change, tumbling_functions(path)};
+    double time = 0.0;
+    double before = -1.0; /* the last instant at which the deciding function was not negative; none yet */
+    double length = horizon;
+    for (long evaluations = 1; evaluations <= budget; ++evaluations) {
+        struct tumbling_instant at;
+        tumbling_at(&moving, change, time, &at);
+        double step = 0.0;
+        if (surely_changed(&search, &at)) {
+            step = before < 0.0 ? still_rising_for(&search, &at) : 0.0;
+            if (!(step > 0.0)) {
+                return located(&search, before, time, evaluations);
+            }
+        } else if (time < horizon) {
+            if (!(at.of[deciding(&search, &at)].value < 0.0)) {
+                before = time;
+                axis_motion_move_on(&moving.axis, time);
+            }
+            step = step_from(&search, &at, time, horizon, &length);
+            /* where rounding has it below zero at the start: half-way it is above, or it stays within that */
+            step *= before < 0.0 ? 0.5 : 1.0;
+        }
+        if (!(time < horizon)) {
+            return (struct tumbling_result){(double)INFINITY, 0.0, horizon, evaluations};
+        }
+        /* no shorter than the rounding of time itself, once no bound can be had over a longer time */
+        const double least = step > 0.0 || !(length > DBL_EPSILON * horizon) ? 4.0 * DBL_EPSILON * time : 0.0;
+        time = fmin(time + fmax(step, fmax(least, DBL_MIN)), horizon);
+        length = fmax(length, DBL_EPSILON * horizon);
+    }
+    return (struct tumbling_result){(double)INFINITY, 0.0, time, budget};
+}

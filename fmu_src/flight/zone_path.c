@@ -1,0 +1,585 @@
+#include <float.h>
+#include <stddef.h>
+
+#include "contact/shape.h"
+#include "flight/relative_path.h"
+#include "flight/zone_path.h"
+#include "math/polynomial.h"
+#include "math/series.h"
+#include "scene/evaluate.h"
+#include "scene/present.h"
+
+#if SCENE_ANY_CAPS
+
+static struct vec3 zone_path_at(const struct separation_path *path, double time)
+{
+    return path_at(path->c, SEPARATION_DEGREE + 1, time);
+}
+
+double zone_path_rounding(const struct contact_solid *solid, const struct separation_path *path)
+{
+    return 8.0 * DBL_EPSILON * (vec3_norm(path->c[0]) + solid->radius + solid->half_height);
+}
+
+/* The path from a time on. */
+static struct separation_path zone_path_from(const struct separation_path *path, double time)
+{
+    struct separation_path from = *path;
+    path_shift(from.c, SEPARATION_DEGREE + 1, time);
+    return from;
+}
+
+/* The first time > 0 at which gap + n.(c(t) - c(0)) falls through zero; INFINITY: not within `left`. */
+static double plane_touch(const struct separation_path *path, struct vec3 n, double gap, double left)
+{
+    struct polynomial along = {{gap}, SEPARATION_DEGREE};
+    double power = 1.0;
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        power *= left;
+        along.a[i] = power * vec3_dot(n, path->c[i]);
+    }
+    while (along.degree > 0 && along.a[along.degree] == 0.0) {
+        along.degree -= 1;
+    }
+    double roots[POLYNOMIAL_MAX_DEGREE];
+    return polynomial_sign_changes(&along, roots) > 0 ? left * roots[0] : (double)INFINITY;
+}
+
+/* A quadratic path is solved as such: exact however short the time is beside the horizon. */
+static double steady_touch(const struct separation_path *path, struct vec3 n, double gap, double left)
+{
+    const double speed = vec3_dot(n, path->c[1]);
+    const double bend = vec3_dot(n, path->c[2]);
+    const double square = speed * speed - 4.0 * bend * gap;
+    double time = (double)INFINITY;
+    if (speed < 0.0 && square >= 0.0) {
+        time = 2.0 * gap / (-speed + sqrt(square));
+    } else if (bend < 0.0) {
+        time = (speed + sqrt(square)) / (-2.0 * bend);
+    }
+    return time <= left ? time : (double)INFINITY;
+}
+
+/* Near a touch that is a graze the steps grow no longer than the rounding of the gap asks for. */
+enum { TOUCH_STEPS = 10000 };
+
+double zone_path_first_touch(const struct contact_shape *shape, const struct separation_path *path,
+                             double gap, double settled, double horizon)
+{
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    const bool is_steady = vec3_is_zero(path->c[3]) && vec3_is_zero(path->c[4]);
+    const double better_by = gap - contact_geometry_at(shape, path->c[0], path->c[1], none).gap;
+    double time = settled;
+    for (int i = 0; i < TOUCH_STEPS && time <= horizon; ++i) {
+        const struct separation_path from = zone_path_from(path, time);
+        const struct contact_geometry at = contact_geometry_at(shape, from.c[0], from.c[1], none);
+        const double above = at.gap + better_by;
+        if (!(above > 0.0)) {
+            return time;
+        }
+        const double left = horizon - time;
+        const double step = is_steady ? steady_touch(&from, at.normal, above, left)
+                                      : plane_touch(&from, at.normal, above, left);
+        if (!(step < (double)INFINITY)) {
+            return (double)INFINITY;
+        }
+        const bool closes = vec3_dot(at.normal, from.c[1]) < 0.0;
+        const double before = time;
+        time += step;
+        if (!(time > before) || (closes && above <= zone_path_rounding(&shape->solid, &from))) {
+            return time; /* another step would know no more */
+        }
+    }
+    return (double)INFINITY;
+}
+
+/* rho^2 - (radius + sign z - height)^2 and the like: rho^2 = (offset + slope z)^2, in the path's unit. */
+static struct polynomial edge_cone(const struct relative_path *path, double offset, double slope)
+{
+    const struct polynomial rho2 = relative_path_distance_squared(path);
+    struct polynomial line = {{offset}, path->axial.degree};
+    for (int i = 0; i <= line.degree; ++i) {
+        line.a[i] += slope * path->axial.a[i];
+    }
+    while (line.degree > 0 && line.a[line.degree] == 0.0) {
+        line.degree -= 1;
+    }
+    const struct polynomial square = polynomial_multiply(&line, &line);
+    return polynomial_add(&rho2, -1.0, &square);
+}
+
+static struct polynomial edge_plane(const struct relative_path *path, double offset)
+{
+    struct polynomial height = path->axial;
+    height.a[0] += offset;
+    return height;
+}
+
+static int add_edges(const struct polynomial *p, double *edges, int count)
+{
+    double roots[POLYNOMIAL_MAX_DEGREE];
+    const int found = polynomial_sign_changes(p, roots);
+    for (int i = 0; i < found; ++i) {
+        int at = count++;
+        for (; at > 0 && edges[at - 1] > roots[i]; --at) {
+            edges[at] = edges[at - 1];
+        }
+        edges[at] = roots[i];
+    }
+    return count;
+}
+
+static struct relative_path solid_path(const struct contact_solid *solid, const struct separation_path *path,
+                                       double horizon)
+{
+    const struct contact_shape shape = {.axis = solid->axis,
+                                        .other_radius = solid->radius,
+                                        .half_length = (double)INFINITY,
+                                        .side = 1,
+                                        .destination = SHAPE_CYLINDER};
+    struct separation_path across = *path;
+    across.offset = contact_across(&shape, path->c[0]);
+    return relative_path_make(&shape, &across, 0.0, horizon);
+}
+
+int zone_path_edges(const struct contact_solid *solid, const struct separation_path *path, double horizon,
+                    double edges[ZONE_EDGES])
+{
+    const struct relative_path along = solid_path(solid, path, horizon);
+    const double h = solid->half_height / along.scale;
+    const double r = solid->radius / along.scale;
+    int count = 0;
+    for (int end = -1; end <= 1; end += 2) {
+        const struct polynomial cap = edge_plane(&along, end * h); /* z = +-h */
+        const struct polynomial ridge = edge_cone(&along, r - h, end);
+        count = add_edges(&cap, edges, count);
+        count = add_edges(&ridge, edges, count);
+    }
+    const struct polynomial middle = edge_plane(&along, 0.0);
+    const struct polynomial wall = edge_cone(&along, r, 0.0); /* rho = r_d */
+    count = add_edges(&middle, edges, count);
+    return add_edges(&wall, edges, count);
+}
+
+typedef double zone_margin(const struct contact_solid *solid, struct vec3 c);
+
+/* The first place among the edges after which the margin is below zero by more than rounding. */
+static double zone_first_end(const struct contact_solid *solid, const struct separation_path *path,
+                             double horizon, const double *edges, int count, zone_margin *margin)
+{
+    double from = 0.0;
+    for (int i = 0; i <= count; ++i) {
+        const double to = i < count ? edges[i] : 1.0;
+        if (to > from) {
+            const struct separation_path then = {.c = {zone_path_at(path, 0.5 * (from + to) * horizon)}};
+            if (margin(solid, then.c[0]) < -zone_path_rounding(solid, &then)) {
+                return from * horizon;
+            }
+        }
+        from = to;
+    }
+    return (double)INFINITY;
+}
+
+static double whole_margin(const struct contact_solid *solid, struct vec3 c)
+{
+    return contact_zone_margin(solid, solid->zone, c);
+}
+
+/* Of side and cap, without regard to how deep the centre is. */
+static double face_margin(const struct contact_solid *solid, struct vec3 c)
+{
+    const struct solid_place place = contact_place_at(solid, c);
+    return solid->zone == ZONE_SIDE ? -place.axial : -place.radial;
+}
+
+double zone_path_end(const struct contact_solid *solid, const struct separation_path *path, double horizon)
+{
+    double edges[ZONE_EDGES];
+    const int count = zone_path_edges(solid, path, horizon, edges);
+    return zone_first_end(solid, path, horizon, edges, count, whole_margin);
+}
+
+/* Whether a path so short stays clear of the outer edge. */
+static bool stays_on_face(const struct contact_solid *solid, const struct separation_path *path,
+                          double horizon)
+{
+    double length = 0.0;
+    for (int i = SEPARATION_DEGREE; i > 0; --i) {
+        length = (length + vec3_norm(path->c[i])) * horizon;
+    }
+    return face_margin(solid, path->c[0]) > length;
+}
+
+double zone_path_leaves_face(const struct contact_solid *solid, const struct separation_path *path,
+                             double horizon)
+{
+    double edges[ZONE_EDGES];
+    int count = 0;
+    if (stays_on_face(solid, path, horizon)) {
+        return (double)INFINITY;
+    }
+    const struct relative_path along = solid_path(solid, path, horizon);
+    if (solid->zone == ZONE_SIDE) {
+        for (int end = -1; end <= 1; end += 2) {
+            const struct polynomial cap = edge_plane(&along, end * solid->half_height / along.scale);
+            count = add_edges(&cap, edges, count);
+        }
+    } else {
+        const struct polynomial wall = edge_cone(&along, solid->radius / along.scale, 0.0);
+        count = add_edges(&wall, edges, count);
+    }
+    return zone_first_end(solid, path, horizon, edges, count, face_margin);
+}
+
+#endif
+
+#if SCENE_ANY_CAPS
+
+/* Length of a step, as a part of the distance from the circle: no quantity has two extrema in it. */
+static const double RIM_STEP = 0.05;
+
+/* After so many steps, some milliseconds, they are no shorter than this part of the whole: a path
+ * along the circle itself takes no end of short ones. A pass of it at a distance of 1e-9 takes a thousand. */
+enum { RIM_SHORT_STEPS = 20000 };
+static const double RIM_LONG_STEP = 1e-4;
+
+/* Roundings of sums of products of vectors (driven_change.c). */
+static const double RIM_ROUNDINGS = 8.0 * DBL_EPSILON;
+
+/* What the law sees at one time. */
+struct rim_instant {
+    double gap, rate, slope; /* [m], [m/s], and dg/dt [m/s] */
+    double distance;         /* from the circle [m] */
+    double event;            /* of the law in the present regime (contact_event) */
+    enum contact_regime regime;
+    double gap_noise, rate_noise;
+};
+
+struct rim_search {
+    const struct contact_shape *shape;
+    const struct contact_law *law;
+    const struct separation_path *path;
+    double rounding;
+    enum contact_regime present;
+};
+
+static struct rim_instant rim_instant_at(const struct rim_search *search, double time)
+{
+    const struct separation_path *path = search->path;
+    struct vec3 slope[SEPARATION_DEGREE];
+    for (int i = 0; i < SEPARATION_DEGREE; ++i) {
+        slope[i] = vec3_scale(i + 1, path->c[i + 1]);
+    }
+    const struct vec3 w = path_at(path->w, SEPARATION_DEGREE, time);
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    const struct contact_geometry at =
+        contact_geometry_at(search->shape, path_at(path->c, SEPARATION_DEGREE + 1, time), w, none);
+    struct rim_instant now = {.gap = at.gap, .rate = at.gap_rate, .distance = at.distance};
+    now.slope = vec3_dot(at.normal, path_at(slope, SEPARATION_DEGREE, time));
+    now.gap_noise = fmax(search->rounding, RIM_ROUNDINGS * (vec3_norm(path->c[0]) + at.gap_terms));
+    now.rate_noise = vec3_norm(w) * (RIM_ROUNDINGS + fmin(now.gap_noise / at.distance, 1.0));
+    now.event = contact_event(search->law, search->present, now.gap, now.rate);
+    now.regime = contact_regime_of(search->law, now.gap, now.rate, true);
+    return now;
+}
+
+/* Whether the regime there is another one, whatever rounding does. */
+static bool rim_has_changed(const struct rim_search *search, const struct rim_instant *at,
+                            enum contact_regime present)
+{
+    if (at->regime == present) {
+        return false;
+    }
+    if (present == REGIME_APART || at->regime == REGIME_APART) {
+        return present == REGIME_APART ? at->gap < -at->gap_noise : at->gap > at->gap_noise;
+    }
+    const struct contact_slopes slopes = contact_event_slopes(search->law, present, at->gap, at->rate);
+    return fabs(contact_event(search->law, present, at->gap, at->rate)) >
+           fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise;
+}
+
+/* From a time and a distance on; `count` steps have been made. */
+static double rim_step_length(const struct rim_search *search, double time, double distance, double longest,
+                              int count)
+{
+    struct separation_path from = *search->path;
+    double step = longest;
+    path_shift(from.c, SEPARATION_DEGREE + 1, time);
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        step = fmin(step, pow(RIM_STEP * distance / vec3_norm(from.c[i]), 1.0 / i));
+    }
+    const double least = count < RIM_SHORT_STEPS ? 4.0 * DBL_EPSILON * time : RIM_LONG_STEP * longest;
+    return fmax(step, fmax(least, DBL_MIN));
+}
+
+/* The time between two at which the gap is least or largest. */
+static double rim_extreme_between(const struct rim_search *search, double low, double high)
+{
+    const bool falls = rim_instant_at(search, low).slope < 0.0;
+    for (;;) {
+        const double middle = 0.5 * (low + high);
+        if (!(middle > low && middle < high)) {
+            return middle;
+        }
+        *((rim_instant_at(search, middle).slope < 0.0) == falls ? &low : &high) = middle;
+    }
+}
+
+/* The first change between two times, at the later of which the regime is another one. */
+static struct rim_change rim_halve_to_change(const struct rim_search *search, double before, double after,
+                                             enum contact_regime present, enum contact_regime next)
+{
+    for (;;) {
+        const double middle = 0.5 * (before + after);
+        if (!(middle > before && middle < after)) {
+            return (struct rim_change){after, next};
+        }
+        const enum contact_regime then = rim_instant_at(search, middle).regime;
+        if (then != present) {
+            next = then;
+        }
+        *(then != present ? &after : &before) = middle;
+    }
+}
+
+/* How far within its regime a contact is, for root_may_dip. */
+static void rim_event(const void *data, double time, double *value, double *slope)
+{
+    const struct rim_search *search = data;
+    const struct rim_instant at = rim_instant_at(search, time);
+    *value = at.event;
+    *slope = (double)NAN; /* not needed */
+}
+
+struct rim_change rim_first_change(const struct contact_shape *shape, const struct contact_law *law,
+                                   const struct separation_path *path, double rounding,
+                                   enum contact_regime present, double from, double until)
+{
+    const struct rim_search search = {shape, law, path, rounding, present};
+    struct root_place place[3] = {{from, 1.0}, {from, 1.0}};
+    struct rim_instant before = rim_instant_at(&search, from);
+    place[1].value = before.event;
+    double time = from;
+    for (int count = 0; time < until; ++count) {
+        const double to =
+            fmin(until, time + rim_step_length(&search, time, before.distance, until - from, count));
+        const struct rim_instant end = rim_instant_at(&search, to);
+        struct rim_instant then = end;
+        double at = to;
+        place[2] = (struct root_place){to, end.event};
+        if (before.slope * end.slope < 0.0 && !rim_has_changed(&search, &end, present)) {
+            at = rim_extreme_between(&search, time, to);
+            then = rim_instant_at(&search, at);
+        }
+        if (count > 0 && !rim_has_changed(&search, &then, present) && root_may_dip(place)) {
+            at = root_lowest(rim_event, &search, place);
+            then = rim_instant_at(&search, at);
+            time = place[0].s;
+        }
+        if (rim_has_changed(&search, &then, present)) {
+            return rim_halve_to_change(&search, time, at, present, then.regime);
+        }
+        place[0] = place[1];
+        place[1] = place[2];
+        time = to;
+        before = end;
+    }
+    return (struct rim_change){(double)INFINITY, present};
+}
+
+double rim_least_gap(const struct contact_shape *shape, const struct separation_path *path, double from,
+                     double until)
+{
+    const struct contact_law none = {.dashpot = DASHPOT_UNCLAMPED, .law = LAW_LINEAR};
+    const struct rim_search search = {shape, &none, path, 0.0, REGIME_APART};
+    struct rim_instant before = rim_instant_at(&search, from);
+    double least = before.gap;
+    double time = from;
+    for (int count = 0; time < until; ++count) {
+        const double to =
+            fmin(until, time + rim_step_length(&search, time, before.distance, until - from, count));
+        const struct rim_instant then = rim_instant_at(&search, to);
+        if (before.slope < 0.0 && then.slope > 0.0) {
+            least = fmin(least, rim_instant_at(&search, rim_extreme_between(&search, time, to)).gap);
+        }
+        least = fmin(least, then.gap);
+        time = to;
+        before = then;
+    }
+    return least;
+}
+
+#endif
+
+#if SCENE_ANY_FREE
+
+#if SCENE_ANY_CAPS
+
+/* The distance from the axis less r_d, that along it less L / 2, and the gap, as Taylor series of time. The
+ * square of a distance is a polynomial of degree eight: one whose terms are all zero stays as it is. */
+enum { GAP_TERMS = 2 * SEPARATION_DEGREE + 1 };
+
+struct gap_series {
+    double radial[GAP_TERMS], axial[GAP_TERMS], gap[GAP_TERMS];
+    double rounding; /* of the first terms [m] */
+    /* A term of order i is rounding below `rounding` rate[i]^i: the inverse of the time in which the terms of
+     * the path up to that order move it by its distance from what it turns about [1/s] */
+    double rate[GAP_TERMS];
+};
+
+/* The first term that is more than rounding; 0 where none is, too. */
+static int first_term(const struct gap_series *series, const double *terms)
+{
+    for (int i = 0; i < GAP_TERMS; ++i) {
+        if (fabs(terms[i]) > series->rounding * pow(series->rate[i], i)) {
+            return i;
+        }
+    }
+    return 0;
+}
+
+/* The part across the axis is projected by itself, so that a path along the axis has none. */
+static void put_solid_place(struct gap_series *series, const struct contact_solid *solid,
+                            const struct separation_path *path)
+{
+    struct vec3 across[SEPARATION_DEGREE + 1];
+    double square[GAP_TERMS] = {0.0};
+    double rho[GAP_TERMS] = {0.0};
+    const double up = vec3_dot(path->c[0], solid->axis) > 0.0 ? 1.0 : -1.0;
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+        const double along = vec3_dot(path->c[i], solid->axis);
+        across[i] = vec3_axpy(path->c[i], -along, solid->axis);
+        series->axial[i] = up * along - (i == 0 ? solid->half_height : 0.0);
+    }
+    for (int i = 0; i < GAP_TERMS; ++i) {
+        for (int k = i > SEPARATION_DEGREE ? i - SEPARATION_DEGREE : 0; k <= i && k <= SEPARATION_DEGREE;
+             ++k) {
+            square[i] += vec3_dot(across[k], across[i - k]);
+        }
+        /* over the middle of a cap it is less than r_d, whatever follows */
+        rho[i] = square[0] > 0.0 ? taylor_root(square, rho, i) : 0.0;
+        series->radial[i] = rho[i] - (i == 0 ? solid->radius : 0.0);
+    }
+}
+
+static void put_term_rates(struct gap_series *series, const struct separation_path *path, double distance)
+{
+    for (int i = 1; i < GAP_TERMS; ++i) {
+        const double own = i <= SEPARATION_DEGREE ? pow(vec3_norm(path->c[i]) / distance, 1.0 / i) : 0.0;
+        series->rate[i] = fmax(series->rate[i - 1], own);
+    }
+}
+
+/* The gap in the zone into which the path goes, whichever it is in. */
+static struct gap_series gap_series_of(const struct contact_shape *shape, const struct separation_path *path,
+                                       double rounding)
+{
+    struct gap_series series = {.rounding = rounding};
+    const struct contact_geometry at =
+        contact_geometry_at(shape, path->c[0], path->c[1], vec3_make(0.0, 0.0, 0.0));
+    put_solid_place(&series, &shape->solid, path);
+    put_term_rates(&series, path, at.distance);
+    const bool beyond_side = series.radial[first_term(&series, series.radial)] > 0.0;
+    const bool beyond_cap = series.axial[first_term(&series, series.axial)] > 0.0;
+    double square[GAP_TERMS];
+    for (int i = 0; i < GAP_TERMS; ++i) {
+        if (beyond_side && beyond_cap) {
+            square[i] = taylor_multiply(series.radial, series.radial, i) +
+                        taylor_multiply(series.axial, series.axial, i);
+            series.gap[i] = taylor_root(square, series.gap, i);
+        } else {
+            series.gap[i] = beyond_cap ? series.axial[i] : series.radial[i];
+        }
+    }
+    series.gap[0] = 0.0;
+    return series;
+}
+
+/* How bodies that meet, to rounding, go on. */
+struct meeting {
+    bool closes; /* they overlap */
+    /* else they stay met for so long: until the gap is more than rounding, or back at zero [s] */
+    double leaving;
+};
+
+/* Positions tell the gap to `noise`. `known` points to a gap that is known better, as where a contact has
+ * just ended: its sign and that of its rate then count however small they are, for a ball may hop by less
+ * than rounding. */
+static struct meeting meeting_of(const struct contact_shape *shape, const struct separation_path *path,
+                                 double noise, const double *known)
+{
+    struct gap_series series = gap_series_of(shape, path, noise);
+    int first = first_term(&series, series.gap);
+    if (known && *known >= 0.0 && (*known > 0.0 || series.gap[1] > 0.0)) {
+        series.gap[0] = *known;
+        first = *known > 0.0 ? 0 : 1;
+    }
+    struct meeting meeting = {series.gap[first] < 0.0, (double)INFINITY};
+    for (int i = 1; i < GAP_TERMS; ++i) {
+        meeting.leaving = fmin(meeting.leaving, pow(noise / fabs(series.gap[i]), 1.0 / i));
+    }
+    if (meeting.leaving < (double)INFINITY) {
+        struct polynomial hop = {{0.0}, GAP_TERMS - 1 - first};
+        for (int i = first; i < GAP_TERMS; ++i) {
+            hop.a[i - first] = series.gap[i] * pow(meeting.leaving, i) / noise;
+        }
+        double roots[POLYNOMIAL_MAX_DEGREE];
+        meeting.leaving *= polynomial_sign_changes(&hop, roots) > 0 ? roots[0] : 1.0;
+    }
+    return meeting;
+}
+
+/* Rounding of a gap that stays at zero may be met more than once. */
+enum { TRIALS = 1000 };
+
+double zone_change_touch(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, double clock, int contact, double horizon)
+{
+    const struct contact_shape shape = scene_whole_shape(v, q, contact);
+    const struct separation_path path = separation_path_of(v, q, at, clock, contact);
+    const double noise = rounding_of_gap(v, at, contact);
+    const double *known = scene_gap_is_accumulated(q, at, contact) ? &at->geometry[contact].gap : NULL;
+    double time = fmax(0.0, q->contact[contact].schedule.settled_clock - clock);
+    bool near = fabs(at->geometry[contact].gap) <= noise;
+    for (int i = 0; i < TRIALS && time <= horizon; ++i) {
+        if (near) {
+            struct separation_path from = path;
+            path_shift(from.c, SEPARATION_DEGREE + 1, time);
+            const struct meeting meeting = meeting_of(&shape, &from, noise, i == 0 ? known : NULL);
+            if (meeting.closes) {
+                return time;
+            }
+            if (!(meeting.leaving < horizon)) {
+                return (double)INFINITY; /* they stay as they are */
+            }
+            time += meeting.leaving;
+        }
+        time = zone_path_first_touch(&shape, &path, at->geometry[contact].gap, time, horizon);
+        near = true;
+    }
+    return (double)INFINITY;
+}
+
+double zone_change_after(const struct scene_values *v, const struct scene_state *q,
+                         const struct scene_instant *at, double clock, int contact, double horizon)
+{
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct separation_path path = separation_path_of(v, q, at, clock, contact);
+    return zone_path_end(&shape.solid, &path, horizon);
+}
+
+struct rim_change zone_change_at_rim(const struct scene_values *v, const struct scene_state *q,
+                                     const struct scene_instant *at, double clock, int contact,
+                                     double horizon)
+{
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct separation_path path = separation_path_of(v, q, at, clock, contact);
+    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
+    return rim_first_change(&shape, &law, &path, rounding_of_gap(v, at, contact), present, 0.0, horizon);
+}
+
+#endif
+
+#endif

@@ -1,0 +1,815 @@
+#include <float.h>
+#include <math.h>
+
+#include "flight/flight.h"
+#include "flight/relative_path.h"
+#include "flight/tumbling.h"
+#include "flight/zone_path.h"
+#include "integrator/prediction.h"
+#include "math/polynomial.h"
+#include "scene/evaluate.h"
+#include "scene/present.h"
+
+/* How long the regime of a contact in flight is taken to last although rounding says otherwise. */
+
+/* Rounding of the event function while separating. Of the rate: what it makes of n, from positions, and of
+ * n.w. */
+static double settling_margin_rounding(const struct contact_shape *shape, const struct contact_law *law,
+                                       const struct contact_geometry *now, double gap_rounding,
+                                       double by_positions, const struct separation_path *separation);
+
+/* Until then, in s of the path, the present regime, whose boundary has just been crossed, is taken to last.
+ * `gap_rounding` is that of the gap, `by_positions` what it would be from positions alone. `just_begun`: at
+ * the event itself, where an integrator has left of the force what its tolerance allows. */
+static double settling_time(const struct relative_path *path, const struct contact_shape *shape,
+                            const struct contact_law *law, const struct contact_geometry *now,
+                            double gap_rounding, double by_positions,
+                            const struct separation_path *separation, enum contact_regime present,
+                            bool just_begun);
+
+/* As long as a source may be on either side of an end plane by rounding, which is `rounding` along the axis,
+ * the path says that it is where the present regime has it. */
+static void settling_at_ends(struct relative_path *path, const struct contact_shape *shape,
+                             const struct contact_geometry *now, double rounding,
+                             const struct separation_path *separation, enum contact_regime present);
+
+/*
+ * The first change of regime of a contact whose motion is given: neither body is free, so the path is the
+ * same in every regime.
+ *
+ * A condition that is zero at an event is computed again after it, from paths with a new origin, and rounding
+ * may then give it either sign. A change counts only where its condition is beyond what rounding can do to
+ * it; it takes place where the condition is zero. So no event can follow from the rounding of the one before.
+ */
+
+/* Of the positions that the path starts from, and the speed at which they change. */
+struct driven_rounding {
+    double gap;   /* what rounding makes of the gap [m] */
+    double axial; /* and of the place along a cylinder's axis [m] */
+    double speed; /* |w| over the whole path at most [m/s] */
+};
+
+struct driven_change {
+    double s; /* of the path, INFINITY where nothing changes */
+    enum contact_regime regime;
+    double gap; /* then [m] */
+};
+
+/* `events`: `count` instants of the path, sorted, among them all at which the regime may change. */
+static struct driven_change driven_first_change(const struct relative_path *path,
+                                                const struct contact_law *law,
+                                                const struct driven_rounding *rounding, const double *events,
+                                                int count, enum contact_regime present);
+
+/*
+ * The first change of regime of a contact along a path that is known (relative_path.h), and what the path
+ * tells about the centres: regime_change.h puts it together.
+ */
+
+/* The first of `count` sorted events, all in [0, 1], from which on the regime is not the present one; none
+ * counts before `settle`. `ends_only`: only the passage of a cylinder's end changes it. The centres are not
+ * looked at. */
+static struct regime_change path_first_change(const struct relative_path *path, const double *events,
+                                              int count, const struct contact_law *law,
+                                              enum contact_regime present, bool ends_only, double settle);
+
+/* Whether the distance vanishes before `until`, as far as rounding can tell. A source that stays where it is,
+ * on the axis say, passes nothing: it keeps the direction it has. */
+static bool path_passes_centre(const struct relative_path *path, const struct extremes *extremes,
+                               double until);
+
+/* Whether the length of the path alone tells that the bodies neither touch nor meet their centres. */
+static bool path_keeps_away(const struct relative_path *path);
+
+/* Seconds in which a quantity moving with `speed` and half acceleration `bend` leaves the rounding `noise`
+ * around zero; 0 when it is not within it. On a shorter scale its sign means nothing. */
+static double leaving_time(double value, double noise, double speed, double bend)
+{
+    if (fabs(value) > noise) {
+        return 0.0;
+    }
+    const double soonest = fmin(noise / fabs(speed), sqrt(noise / fabs(bend)));
+    return isfinite(soonest) ? soonest : 0.0;
+}
+
+/* d/dt of the event function while separating, in flight: g changes with c', g' = side n.w with w and as n
+ * turns, by c' across n / d. */
+static double margin_slope(const struct contact_shape *shape, const struct contact_law *law,
+                           const struct contact_geometry *now, const struct separation_path *separation)
+{
+    const double turning =
+        contact_turns(shape, now)
+            ? contact_turning_rate(shape, now, separation->w[0], separation->c[1]) / now->distance
+            : 0.0;
+    const double bend = shape->side * (vec3_dot(now->normal, separation->w[1]) + turning);
+    const double opening = shape->side * vec3_dot(now->normal, separation->c[1]);
+    const struct contact_slopes slopes =
+        contact_event_slopes(law, REGIME_SEPARATING, now->gap, now->gap_rate);
+    return slopes.by_gap * opening + slopes.by_rate * bend;
+}
+
+static double settling_margin_rounding(const struct contact_shape *shape, const struct contact_law *law,
+                                       const struct contact_geometry *now, double gap_rounding,
+                                       double by_positions, const struct separation_path *separation)
+{
+    const double turn = 8.0 * DBL_EPSILON + (contact_turns(shape, now) ? by_positions / now->distance : 0.0);
+    const struct contact_slopes slopes =
+        contact_event_slopes(law, REGIME_SEPARATING, now->gap, now->gap_rate);
+    return slopes.by_gap * gap_rounding + fmin(turn, 1.0) * slopes.by_rate * vec3_norm(separation->w[0]);
+}
+
+static double settling_time(const struct relative_path *path, const struct contact_shape *shape,
+                            const struct contact_law *law, const struct contact_geometry *now,
+                            double gap_rounding, double by_positions,
+                            const struct separation_path *separation, enum contact_regime present,
+                            bool just_begun)
+{
+    const double closing = vec3_dot(now->normal, separation->c[1]);
+    double settle = leaving_time(now->gap, gap_rounding, closing, vec3_norm(separation->c[2]));
+    if (present == REGIME_SEPARATING) {
+        const double margin = contact_event(law, present, now->gap, now->gap_rate);
+        const double slope = margin_slope(shape, law, now, separation);
+        double noise = settling_margin_rounding(shape, law, now, gap_rounding, by_positions, separation);
+        if (just_begun && margin < 0.0 && slope > 0.0) {
+            /* what the integrator left of the force that is now zero */
+            noise = fmax(noise, -2.0 * margin);
+        }
+        settle = fmax(settle, leaving_time(margin, noise, slope, 0.0));
+    }
+    return settle / path->horizon;
+}
+
+static void settling_at_ends(struct relative_path *path, const struct contact_shape *shape,
+                             const struct contact_geometry *now, double rounding,
+                             const struct separation_path *separation, enum contact_regime present)
+{
+    const double beyond = fabs(now->axial) - shape->half_length;
+    const double along = vec3_dot(separation->c[1], shape->axis);
+    path->ends_settle =
+        leaving_time(beyond, rounding, along, vec3_dot(separation->c[2], shape->axis)) / path->horizon;
+    path->starts_within = present != REGIME_APART || (beyond <= 0.0 && !(now->gap < 0.0));
+}
+
+static enum contact_regime regime_at(const struct relative_path *path, const struct contact_law *law,
+                                     double s)
+{
+    double gap;
+    double slope;
+    relative_path_gap(path, s, &gap, &slope);
+    const double distance = relative_path_divisor(path, gap);
+    const double rate = distance > 0.0 ? path->side * polynomial_at(&path->half_rate, s) / distance : 0.0;
+    return contact_regime_of(law, path->scale * gap, rate * path->scale / path->horizon,
+                             relative_path_within(path, s));
+}
+
+static struct regime_change path_first_change(const struct relative_path *path, const double *events,
+                                              int count, const struct contact_law *law,
+                                              enum contact_regime present, bool ends_only, double settle)
+{
+    double from = 0.0;
+    for (int i = 0; i <= count; ++i) {
+        const double to = i < count ? events[i] : 1.0;
+        if (to > settle && to > from) {
+            from = fmax(from, settle);
+            const double middle = 0.5 * (from + to);
+            const enum contact_regime next = !ends_only ? regime_at(path, law, middle)
+                                             : relative_path_within(path, middle) ? present
+                                                                                  : REGIME_APART;
+            if (next != present) {
+                double gap;
+                double slope;
+                relative_path_gap(path, from, &gap, &slope);
+                return (struct regime_change){from * path->horizon, next, path->scale * gap, false};
+            }
+        }
+        from = to;
+    }
+    return (struct regime_change){(double)INFINITY, present, 0.0, false};
+}
+
+/* A distance so small [scale] has lost its direction to rounding. */
+static const double NO_DISTANCE = 1e-9;
+
+static bool is_at_centre(const struct relative_path *path, double s)
+{
+    double gap;
+    double slope;
+    relative_path_gap(path, s, &gap, &slope);
+    return path->side * gap + path->reach <= NO_DISTANCE;
+}
+
+static bool path_passes_centre(const struct relative_path *path, const struct extremes *extremes,
+                               double until)
+{
+    if (path->degree == 0 || (SCENE_ANY_PLANE && path->flat)) {
+        return false;
+    }
+    bool passes = is_at_centre(path, 0.0) || is_at_centre(path, fmin(until, 1.0));
+    for (int i = 0; i < extremes->count && extremes->at[i] < until; ++i) {
+        passes = passes || is_at_centre(path, extremes->at[i]);
+    }
+    return passes;
+}
+
+static bool path_keeps_away(const struct relative_path *path)
+{
+    const double start = SCENE_ANY_PLANE && path->flat ? path->c[0].x : vec3_norm(path->c[0]);
+    double length = 0.0;
+    for (int i = 1; i <= path->degree; ++i) {
+        length += vec3_norm(path->c[i]);
+    }
+    if (path->side > 0) {
+        return start - length > path->reach + NO_DISTANCE;
+    }
+    return start + length < path->reach - NO_DISTANCE && start - length > NO_DISTANCE;
+}
+
+/* Roundings of a sum of products of vectors, as g and g' are: as many as rounding_of_gap grants. */
+static const double ROUNDINGS = 8.0 * DBL_EPSILON;
+
+/* What the law sees at one place of the path, and what rounding makes of it. */
+struct driven_instant {
+    double gap, rate, beyond;                   /* [m], [m/s], how far beyond a cylinder's end [m] */
+    double gap_noise, rate_noise, beyond_noise; /* likewise */
+    enum contact_regime regime;
+};
+
+/* The size of a polynomial's terms at s >= 0: its rounding is in proportion to it. */
+static double size_of(const struct polynomial *p, double s)
+{
+    double size = fabs(p->a[p->degree]);
+    for (int i = p->degree - 1; i >= 0; --i) {
+        size = size * s + fabs(p->a[i]);
+    }
+    return size;
+}
+
+static double size_of_path(const struct relative_path *path, double s)
+{
+    double size = vec3_norm(path->c[path->degree]);
+    for (int i = path->degree - 1; i >= 0; --i) {
+        size = size * s + vec3_norm(path->c[i]);
+    }
+    return size;
+}
+
+static struct driven_instant driven_at(const struct relative_path *path, const struct contact_law *law,
+                                       const struct driven_rounding *rounding, double s)
+{
+    double gap;
+    double slope;
+    relative_path_gap(path, s, &gap, &slope);
+    const double speed_unit = path->scale / path->horizon;
+    const double distance = relative_path_divisor(path, gap);
+    const double along = polynomial_at(&path->half_rate, s);
+    struct driven_instant at = {.gap = path->scale * gap, .beyond = -1.0};
+    at.gap_noise = fmax(rounding->gap, ROUNDINGS * path->scale * (size_of_path(path, s) + path->reach));
+    if (distance > 0.0) {
+        at.rate = path->side * along / distance * speed_unit;
+        /* c.w / d: of the sum itself, and of an error of c as large as that of the gap. */
+        const double sum = ROUNDINGS * size_of(&path->half_rate, s) / distance * speed_unit;
+        at.rate_noise = sum + at.gap_noise * rounding->speed / (path->scale * distance);
+    }
+    if (SCENE_ANY_CYLINDER && path->has_ends) {
+        at.beyond = path->scale * (fabs(polynomial_at(&path->axial, s)) - path->half_length);
+        at.beyond_noise =
+            fmax(rounding->axial, ROUNDINGS * path->scale * (size_of(&path->axial, s) + path->half_length));
+    }
+    at.regime = contact_regime_of(law, at.gap, at.rate, relative_path_within(path, s));
+    return at;
+}
+
+/* Whether the regime there is another one, whatever rounding does. */
+static bool has_changed(const struct driven_instant *at, const struct contact_law *law,
+                        enum contact_regime present)
+{
+    if (at->regime == present) {
+        return false;
+    }
+    if (present == REGIME_APART) {
+        return at->gap < -at->gap_noise && !(fabs(at->beyond) <= at->beyond_noise);
+    }
+    if (at->regime == REGIME_APART) {
+        return at->gap > at->gap_noise || at->beyond > at->beyond_noise;
+    }
+    const struct contact_slopes slopes = contact_event_slopes(law, present, at->gap, at->rate);
+    return fabs(contact_event(law, present, at->gap, at->rate)) >
+           fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise;
+}
+
+/* Candidate events of the law come from squared polynomials, which lose digits where the path is long. So the
+ * change is located by bisection of the regime itself, between an instant before it and one after. */
+static double halve_to_change(const struct relative_path *path, const struct contact_law *law,
+                              const struct driven_rounding *rounding, double before, double after,
+                              enum contact_regime next)
+{
+    for (;;) {
+        const double middle = 0.5 * (before + after);
+        if (!(middle > before && middle < after)) {
+            return after;
+        }
+        if (driven_at(path, law, rounding, middle).regime == next) {
+            after = middle;
+        } else {
+            before = middle;
+        }
+    }
+}
+
+static struct driven_change driven_first_change(const struct relative_path *path,
+                                                const struct contact_law *law,
+                                                const struct driven_rounding *rounding, const double *events,
+                                                int count, enum contact_regime present)
+{
+    double from = 0.0;
+    double before = -1.0;
+    for (int i = 0; i <= count; ++i) {
+        const double to = i < count ? events[i] : 1.0;
+        if (!(to > from)) {
+            continue;
+        }
+        const double middle = 0.5 * (from + to);
+        const struct driven_instant at = driven_at(path, law, rounding, middle);
+        if (has_changed(&at, law, present)) {
+            const bool by_law = present != REGIME_APART && at.regime != REGIME_APART;
+            if (by_law && before >= 0.0) {
+                from = halve_to_change(path, law, rounding, before, middle, at.regime);
+            }
+            double gap;
+            double slope;
+            relative_path_gap(path, from, &gap, &slope);
+            return (struct driven_change){from, at.regime, path->scale * gap};
+        }
+        before = middle;
+        from = to;
+    }
+    return (struct driven_change){(double)INFINITY, present, 0.0};
+}
+
+/* The first touch of bodies that are apart at `settle`, INFINITY if there is none; compression follows. False
+ * where more is to be found out: the bodies are not apart, or do not approach when they touch. */
+static bool first_touch(const struct relative_path *path, const struct extremes *extremes, double settle,
+                        double *touch)
+{
+    struct root_bracket_end low = flight_gap_bracket_end(path, settle);
+    if (low.value == 0.0 && low.slope > 0.0) {
+        low.value = DBL_MIN; /* they have just parted */
+    }
+    for (int i = 0; i <= extremes->count && low.value > 0.0; ++i) {
+        const double s = i < extremes->count ? extremes->at[i] : 1.0;
+        if (s > low.s) {
+            const struct root_bracket_end high = flight_gap_bracket_end(path, s);
+            if (high.value < 0.0) {
+                *touch = root_between(relative_path_gap, path, low, high);
+                return path->side * polynomial_at(&path->half_rate, *touch) < 0.0;
+            }
+            low = high;
+        }
+    }
+    *touch = (double)INFINITY;
+    return low.value > 0.0;
+}
+
+/* The change of bodies that are apart: compression from their first touch on, if there is one. */
+static struct regime_change first_touch_at(double after)
+{
+    return (struct regime_change){after, isfinite(after) ? REGIME_COMPRESSION : REGIME_APART, 0.0, false};
+}
+
+/* Head-on flight: the change as the root of a quadratic equation; false where that does not apply. */
+static bool head_on_change(const struct contact_shape *shape, const struct contact_law *law,
+                           const struct separation_path *separation, const struct contact_geometry *now,
+                           enum contact_regime present, double gap_rounding, double by_positions,
+                           double horizon, struct regime_change *next)
+{
+    if (!flight_is_head_on(shape, separation, now->normal)) {
+        return false;
+    }
+    if (present == REGIME_APART) {
+        double touch;
+        if (!flight_head_on_touch(shape, separation, now, gap_rounding, horizon, &touch)) {
+            return false;
+        }
+        *next = first_touch_at(touch);
+        return true;
+    }
+    struct flight_regime_end end;
+    const double noise = settling_margin_rounding(shape, law, now, gap_rounding, by_positions, separation);
+    if (!flight_head_on_regime_end(shape, law, separation, now, gap_rounding, noise, &end)) {
+        return false;
+    }
+    *next = end.after <= horizon ? (struct regime_change){end.after, end.regime, end.gap, false}
+                                 : (struct regime_change){(double)INFINITY, present, 0.0, false};
+    return true;
+}
+
+/* At d = 0 the separation is only rounding: it is set along the escape direction, that of the motion. */
+static void leave_centre_in_flight(const struct contact_shape *shape, struct separation_path *separation,
+                                   struct contact_geometry *now)
+{
+    now->normal = singularity_escape(shape, separation->w[0], vec3_make(0.0, 0.0, 0.0), now->normal);
+    now->gap_rate = shape->side * vec3_dot(now->normal, separation->w[0]);
+    now->degenerate = true;
+    if (shape->side > 0) {
+        const double least = 2.0 * DBL_EPSILON * contact_reach(shape);
+        const struct vec3 along_axis = vec3_sub(separation->c[0], separation->offset);
+        separation->c[0] = vec3_axpy(along_axis, least, now->normal);
+        separation->offset = vec3_scale(least, now->normal);
+    }
+}
+
+/* |w| within the horizon, at most. */
+static double speed_at_most(const struct separation_path *separation, double horizon)
+{
+    double speed = vec3_norm(separation->w[SEPARATION_DEGREE - 1]);
+    for (int i = SEPARATION_DEGREE - 2; i >= 0; --i) {
+        speed = speed * horizon + vec3_norm(separation->w[i]);
+    }
+    return speed;
+}
+
+/* Where neither body is free. */
+static struct regime_change driven_regime_change(const struct relative_path *path,
+                                                 const struct contact_shape *shape,
+                                                 const struct contact_law *law,
+                                                 const struct driven_rounding *rounding,
+                                                 enum contact_regime present)
+{
+    double events[MAX_CANDIDATES];
+    const struct extremes extremes = extremes_of(path);
+    const int count = candidates_of_all(path, &extremes, shape, law, events);
+    const struct driven_change change = driven_first_change(path, law, rounding, events, count, present);
+    const bool touches = present == REGIME_APART && fabs(change.gap) <= rounding->gap;
+    return (struct regime_change){change.s * path->horizon, change.regime, touches ? 0.0 : change.gap,
+                                  path_passes_centre(path, &extremes, change.s)};
+}
+
+/* Of a flight after `settle`: the first touch, or the first candidate after which the regime differs. */
+static struct regime_change flight_regime_change(const struct relative_path *path,
+                                                 const struct contact_shape *shape,
+                                                 const struct contact_law *law, enum contact_regime present,
+                                                 double settle, double by_positions)
+{
+    const struct extremes extremes = extremes_of(path);
+    struct regime_change next;
+    double touch;
+    if (present == REGIME_APART && !path->has_ends && settle < 1.0 &&
+        first_touch(path, &extremes, settle, &touch)) {
+        next = first_touch_at(touch * path->horizon);
+    } else {
+        double events[MAX_CANDIDATES];
+        const int count = candidates_of_all(path, &extremes, shape, law, events);
+        next = path_first_change(path, events, count, law, present, false, settle);
+        const double rounding = fmax(by_positions, 8.0 * DBL_EPSILON * path->scale);
+        if (present == REGIME_APART && fabs(next.gap) <= rounding) {
+            next.gap = 0.0; /* they touch there; otherwise one has come in by an end */
+        }
+    }
+    next.passes_centre = path_passes_centre(path, &extremes, next.after / path->horizon);
+    return next;
+}
+
+/* With a shape that is smooth, as all are but a capped cylinder. */
+static struct regime_change smooth_regime_change(const struct scene_values *v, const struct scene_state *q,
+                                                 const struct scene_instant *at, double clock, int contact,
+                                                 double horizon)
+{
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
+    const bool has_ends = relative_path_has_ends(&shape);
+    const bool ends_only =
+        present != REGIME_APART && present != REGIME_SEPARATING && !contact_is_driven(v, contact);
+    if ((ends_only && !has_ends) || contact_is_coupled(v, q, contact)) {
+        return (struct regime_change){(double)INFINITY, present, 0.0, true};
+    }
+    struct separation_path separation = separation_path_of(v, q, at, clock, contact);
+    struct contact_geometry now = at->geometry[contact];
+    if (singularity_is_reached(v, at, contact, &shape)) {
+        leave_centre_in_flight(&shape, &separation, &now);
+    }
+    const double by_positions = rounding_of_gap(v, at, contact);
+    const double gap_rounding = scene_gap_is_accumulated(q, at, contact)
+                                    ? 8.0 * DBL_EPSILON * fabs(at->geometry[contact].gap)
+                                    : by_positions;
+    struct regime_change next;
+    if (!has_ends && (present == REGIME_APART || present == REGIME_SEPARATING) &&
+        !(q->contact[contact].schedule.settled_clock > clock) &&
+        head_on_change(&shape, &law, &separation, &now, present, gap_rounding, by_positions, horizon,
+                       &next)) {
+        return next;
+    }
+    struct relative_path path = relative_path_make(&shape, &separation, at->geometry[contact].gap, horizon);
+    if (present == REGIME_APART && !has_ends && path_keeps_away(&path)) {
+        return first_touch_at((double)INFINITY);
+    }
+    const double axially = has_ends ? rounding_of_axial(v, at, contact, &shape) : 0.0;
+    if (contact_is_driven(v, contact)) {
+        const struct driven_rounding rounding = {by_positions, axially, speed_at_most(&separation, horizon)};
+        return driven_regime_change(&path, &shape, &law, &rounding, present);
+    }
+    const double found = (q->contact[contact].schedule.settled_clock - clock) / horizon;
+    /* Bodies that approach touch where g = 0; waiting for more than rounding would add penetration. */
+    const bool approaches = present == REGIME_APART && now.gap_rate < -rounding_of_rate(at, contact);
+    const double unclear = approaches ? 0.0 : gap_rounding;
+    const double settle = fmax(found, settling_time(&path, &shape, &law, &now, unclear, by_positions,
+                                                    &separation, present, clock == 0.0));
+    if (has_ends) {
+        settling_at_ends(&path, &shape, &now, axially, &separation, present);
+    }
+    if (ends_only) {
+        double events[MAX_CANDIDATES];
+        return path_first_change(&path, events, candidates_of_ends(&path, events, 0), &law, present, true,
+                                 settle);
+    }
+    return flight_regime_change(&path, &shape, &law, present, settle, by_positions);
+}
+
+#if SCENE_ANY_CAPS
+static struct regime_change change_at_rim(const struct scene_values *v, const struct scene_state *q,
+                                          const struct scene_instant *at, double clock, int contact,
+                                          double horizon)
+{
+    const struct rim_change change = zone_change_at_rim(v, q, at, clock, contact, horizon);
+    const double gap = change.regime == REGIME_APART ? 0.0 : DBL_MAX; /* as positions give it */
+    return (struct regime_change){change.time, change.regime, gap, false};
+}
+
+static struct regime_change capped_regime_change(const struct scene_values *v, const struct scene_state *q,
+                                                 const struct scene_instant *at, double clock, int contact,
+                                                 double horizon)
+{
+    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
+    const struct regime_change none = {(double)INFINITY, present, 0.0, true};
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    if (contact_is_coupled(v, q, contact) ||
+        (contact_transmits(q, contact) && !contact_is_driven(v, contact))) {
+        return none;
+    }
+    if (present == REGIME_APART) {
+        return first_touch_at(zone_change_touch(v, q, at, clock, contact, horizon));
+    }
+    const double end = zone_change_after(v, q, at, clock, contact, horizon);
+    const double until = fmin(end, horizon);
+    struct regime_change next = none;
+    if (until > 0.0) {
+        next = contact_is_rim(&shape) ? change_at_rim(v, q, at, clock, contact, until)
+                                      : smooth_regime_change(v, q, at, clock, contact, until);
+    }
+    if (!(next.after < end) && end < (double)INFINITY) {
+        /* the gap goes on as positions give it */
+        return (struct regime_change){end, present, DBL_MAX, next.passes_centre};
+    }
+    return next;
+}
+#endif
+
+struct regime_change next_regime_change(const struct scene_values *v, const struct scene_state *q,
+                                        const struct scene_instant *at, double clock, int contact,
+                                        double horizon)
+{
+#if SCENE_ANY_CAPS
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    if (contact_is_capped(&shape)) {
+        return capped_regime_change(v, q, at, clock, contact, horizon);
+    }
+#endif
+    return smooth_regime_change(v, q, at, clock, contact, horizon);
+}
+
+void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,
+                              const struct scene_instant *at, int contact, double until)
+{
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
+#if SCENE_ANY_CAPS
+    if (contact_is_rim(&shape)) {
+        contact_peaks_note(&q->contact[contact].peaks, 0.0,
+                           -rim_least_gap(&shape, &separation, 0.0, until - q->clock));
+        return;
+    }
+    if (contact_is_capped(&shape) && shape.solid.zone == 0) {
+        return; /* it is apart */
+    }
+#endif
+    const struct relative_path path =
+        relative_path_make(&shape, &separation, at->geometry[contact].gap, until - q->clock);
+    contact_peaks_note(&q->contact[contact].peaks, 0.0, -candidates_least_gap(&path));
+}
+
+#if SCENE_ANY_ROTATION
+
+/* Instants per radian that the axis turns, and at least, at which the law of a contact without touch or
+ * parting is looked at: its changes are smooth functions of the motion, and none of them is an onset. */
+static const double LAW_INSTANTS_PER_RADIAN = 16.0, LEAST_LAW_INSTANTS = 64.0, MOST_LAW_INSTANTS = 1e6;
+
+/* Whether the axis of the destination may turn. */
+static bool axis_turns(const struct scene_values *v, int contact)
+{
+    const int destination = contact_destination(contact);
+    return body_turns(v, destination) && body_shape(destination) != SHAPE_SPHERE;
+}
+
+/* Whether another contact presses on a body of this one. */
+static bool is_loaded(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    for (int i = 0; SCENE_CONTACTS > 1 && i < 2; ++i) {
+        const int body = i == 0 ? contact_source(contact) : contact_destination(contact);
+        const bool moves = body_is_free(v, body) || body_turns_freely(v, body);
+        if (moves && body_is_loaded(q, body, contact)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static struct tumbling_path tumbling_path_of(const struct scene_values *v, const struct scene_state *q,
+                                             const struct scene_instant *at, int contact)
+{
+    const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
+    const int destination = contact_destination(contact);
+    struct tumbling_path path = {.shape = scene_contact_shape_at(v, q, at, contact),
+                                 .rounding = rounding_of_gap(v, at, contact)};
+    for (int i = 0; i < TUMBLING_TERMS; ++i) {
+        path.c[i] = separation.c[i];
+    }
+    path.axis = flight_axis_motion(v, q, &at->turning.body[destination], destination);
+    return path;
+}
+
+static enum contact_regime regime_at_time(const struct tumbling_path *path, const struct contact_law *law,
+                                          double time)
+{
+    struct tumbling_instant at;
+    tumbling_at(path, TUMBLING_TOUCH, time, &at);
+    return contact_regime_of(law, at.geometry.gap, at.geometry.gap_rate,
+                             contact_within_extents(&path->shape, at.geometry.axial));
+}
+
+static double halve_to_regime(const struct tumbling_path *path, const struct contact_law *law,
+                              enum contact_regime present, double before, double after)
+{
+    for (;;) {
+        const double middle = 0.5 * (before + after);
+        if (!(middle > before && middle < after)) {
+            return after;
+        }
+        if (regime_at_time(path, law, middle) == present) {
+            before = middle;
+        } else {
+            after = middle;
+        }
+    }
+}
+
+/* What the law changes before `until`, while the bodies go on touching. */
+static void look_for_law(const struct tumbling_path *from_now, const struct contact_law *law,
+                         enum contact_regime present, double until, long budget, struct outlook *found)
+{
+    struct tumbling_path path = *from_now;
+    const struct axis_bounds axis = axis_motion_bounds(&path.axis, 0.0, until);
+    const double wanted = LEAST_LAW_INSTANTS + LAW_INSTANTS_PER_RADIAN * axis.speed * until;
+    const long count = (long)fmin(wanted, fmin(MOST_LAW_INSTANTS, fmax(LEAST_LAW_INSTANTS, (double)budget)));
+    double before = 0.0;
+    for (long i = 1; i < count; ++i) {
+        const double time = until * ((double)i / (double)count);
+        const enum contact_regime then = regime_at_time(&path, law, time);
+        found->evaluations += 1;
+        if (then != present && then != REGIME_APART) {
+            const double change = halve_to_regime(&path, law, present, before, time);
+            struct tumbling_instant at;
+            tumbling_at(&path, TUMBLING_TOUCH, change, &at);
+            found->next = (struct regime_change){change, then, at.geometry.gap, true};
+            return;
+        }
+        before = time;
+        axis_motion_move_on(&path.axis, time);
+    }
+}
+
+static struct outlook tumbling_outlook(const struct scene_values *v, const struct scene_state *q,
+                                       const struct scene_instant *at, int contact, double horizon,
+                                       long budget)
+{
+    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct tumbling_path path = tumbling_path_of(v, q, at, contact);
+    const bool apart = present == REGIME_APART;
+    const struct tumbling_result change =
+        tumbling_first(&path, apart ? TUMBLING_TOUCH : TUMBLING_PARTING, horizon, budget);
+    struct outlook found = {{change.after, present, change.gap, true}, change.searched, change.evaluations};
+    if (change.after < (double)INFINITY) {
+        found.searched = horizon;
+        found.next.regime = !apart              ? REGIME_APART
+                            : change.gap == 0.0 ? REGIME_COMPRESSION
+                                                : regime_at_time(&path, &law, change.after);
+        if (found.next.regime == REGIME_APART && apart) {
+            found.next.regime = REGIME_COMPRESSION; /* on the end plane, to rounding */
+        }
+    }
+    if (!apart && contact_has_events(&law)) {
+        look_for_law(&path, &law, present, fmin(change.after, change.searched), budget, &found);
+    }
+    return found;
+}
+#endif
+
+struct outlook outlook_of(const struct scene_values *v, const struct scene_state *q,
+                          const struct scene_instant *at, int contact, double horizon, long budget)
+{
+#if SCENE_ANY_TURNING
+    if (scene_turns(v)) {
+        const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
+        const struct outlook nothing = {{(double)INFINITY, present, 0.0, true}, horizon, 0};
+        if (contact_transmits(q, contact) && !contact_is_driven(v, contact)) {
+            return nothing;
+        }
+#if SCENE_ANY_ROTATION
+        if (axis_turns(v, contact)) {
+            return is_loaded(v, q, contact) ? nothing : tumbling_outlook(v, q, at, contact, horizon, budget);
+        }
+#endif
+    }
+#endif
+    (void)budget;
+    const struct regime_change next = next_regime_change(v, q, at, q->clock, contact, horizon);
+    return (struct outlook){next, horizon, 0};
+}
+
+/* Part of the terms of the discriminant below which the parabola may only touch zero: its root then has less
+ * than half of its digits. */
+static const double CLEAR_OF_GRAZING = 1e-8;
+
+/* Part of the time by which the bound stays below the root: far more than rounding, and too little to cost
+ * anything. */
+static const double CLEARANCE = 1e-3;
+
+/* The last time up to which value + rate t + bend t^2 is positive; `gap_rounding` and `rate_rounding` are
+ * those of the first two. A value that is only rounding counts as zero. */
+static double above_plane_until(double value, double rate, double bend, double gap_rounding,
+                                double rate_rounding)
+{
+    const double square = rate * rate;
+    const double product = 4.0 * bend * value;
+    const double discriminant = square - product;
+    if (!(fabs(discriminant) > CLEAR_OF_GRAZING * (square + fabs(product))) || !isfinite(discriminant)) {
+        return 0.0;
+    }
+    if (discriminant < 0.0 || (bend >= 0.0 && rate > rate_rounding)) {
+        return (double)INFINITY;
+    }
+    const double root = sqrt(discriminant);
+    const double t = rate < 0.0 ? 2.0 * value / (root - rate) : -0.5 * (root + rate) / bend;
+    const double rounding = 2.0 * (gap_rounding + t * rate_rounding) / root;
+    return fmax(0.0, t * (1.0 - CLEARANCE) - rounding);
+}
+
+/* The acceleration of a body in unforced flight. */
+static struct vec3 free_fall(const struct scene_values *v, int body)
+{
+    return body_is_free(v, body) ? gravity(v) : vec3_make(0.0, 0.0, 0.0);
+}
+
+/* Whether anything of the kind can be told: not of a source inside, nor of bodies whose motion is given. */
+static bool apart_is_known(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    return shape.side > 0 && !body_is_prescribed(v, contact_source(contact)) &&
+           !body_is_prescribed(v, contact_destination(contact));
+}
+
+/* Seconds from the present instant `at` for which bodies that are apart cannot touch. A convex destination
+ * lies behind the plane that touches it in the point nearest to the source, so the gap is at least the
+ * source's height above that plane, a parabola of time. */
+static double apart_for(const struct scene_values *v, const struct scene_state *q,
+                        const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const struct contact_geometry *now = &at->geometry[contact];
+    const double rounding = rounding_of_gap(v, at, contact);
+    /* Beyond a cylinder's open ends bodies may overlap. */
+    const double least = relative_path_has_ends(&shape) ? 0.0 : -rounding;
+    if (now->degenerate || !(now->gap > least)) {
+        return 0.0;
+    }
+    const struct vec3 bend =
+        vec3_sub(free_fall(v, contact_destination(contact)), free_fall(v, contact_source(contact)));
+    return above_plane_until(fmax(now->gap, 0.0), now->gap_rate, 0.5 * vec3_dot(now->normal, bend), rounding,
+                             rounding_of_rate(at, contact));
+}
+
+double flight_apart_until(const struct scene_values *v, const struct scene_state *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (!apart_is_known(v, q, j)) {
+            return 0.0;
+        }
+    }
+    struct scene_instant at;
+    scene_kinematics_now(v, q, &at);
+    double least = (double)INFINITY;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        least = fmin(least, apart_for(v, q, &at, j));
+    }
+    return q->clock + least;
+}

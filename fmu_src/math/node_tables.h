@@ -1,0 +1,48 @@
+/* Constants of collocation at the Gauss-Lobatto nodes of [-1, 1]; source: scripts/tools/make_lobatto.py. */
+#ifndef CONTACT_MATH_NODE_TABLES_H
+#define CONTACT_MATH_NODE_TABLES_H
+
+/* Both ends are nodes, so that the load is exact at the start, where the free oscillation is separated from
+ * the particular solution. Twelve points integrate about one radian of a slow motion to full accuracy; more
+ * would need more sweeps. A sweep costs the square of their number: eight reach half as far, four a tenth.
+ * Multiples of four, because nodal_values.c computes four sums at a time. */
+enum lobatto_size { LOBATTO_FOUR, LOBATTO_EIGHT, LOBATTO_TWELVE, LOBATTO_SIZES };
+
+enum { LOBATTO_MAX = 12 };
+
+struct lobatto {
+    int points;
+    const double *node; /* [i], ascending */
+    /* [j points + i]: from -1 to node i, of the polynomial that is 1 at node j and 0 at the others */
+    const double *integral;
+    const double *monomial; /* [j points + k]: the coefficient of sigma^k in that polynomial */
+};
+
+extern const struct lobatto lobatto[LOBATTO_SIZES];
+
+/* Constants of collocation at the right Radau nodes of [-1, 1]; source:
+ * scripts/tools/make_lobatto.py radau. */
+
+/* Radau IIA with so many stages has order 23 and damps away what is too fast for a step. The start is no
+ * node: the collocation polynomial goes on from there in spite of what is fast there. */
+enum { RADAU_POINTS = 12 };
+
+extern const struct lobatto radau;
+
+/* radau.integral twice: [j RADAU_POINTS + i] is the integral to node i of the integral of the polynomial
+ * that is 1 at node j. */
+extern const double radau_twice[RADAU_POINTS * RADAU_POINTS];
+
+/* Constants of Radau IIA with simplified Newton iterations; source: scripts/tools/make_radau.py, which says
+ * what each array holds. */
+
+struct radau_stages {
+    int stages; /* s, even: all eigenvalues of A^-1 are complex, in s/2 pairs */
+    const double *node, *integral, *inverse, *eigenvalue, *into, *back, *chebyshev, *bernstein;
+};
+
+enum { RADAU_MOST_STAGES = 12 };
+
+extern const struct radau_stages radau_stages_4, radau_stages_8, radau_stages_12;
+
+#endif

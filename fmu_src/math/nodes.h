@@ -1,0 +1,81 @@
+/* Five-point Gauss-Legendre rule on [-1, 1]: exact to degree nine. Nodes 0, +-sqrt(5 -+ 2 sqrt(10/7))/3. */
+#ifndef CONTACT_MATH_NODES_H
+#define CONTACT_MATH_NODES_H
+
+#include "math/compiler.h"
+#include "math/node_tables.h"
+#include "math/vec3.h"
+
+enum { GAUSS_NODES = 5 };
+
+static const double GAUSS_NODE[GAUSS_NODES] = {-0.90617984593866399, -0.53846931010568309, 0.0,
+                                               0.53846931010568309, 0.90617984593866399};
+static const double GAUSS_WEIGHT[GAUSS_NODES] = {
+    0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647, 0.23692688505618909};
+
+/* A place in a panel from 0 to 2, and what its weight is multiplied with. */
+struct gauss_place {
+    double at, factor;
+};
+
+/*
+ * Of node i. `graded`: the variable is u with t = u^2 (3 - 2 u), so that nodes crowd at both ends of the
+ * panel and roots of t there, as in a force that begins with t^(3/2), become polynomials of u.
+ */
+static inline struct gauss_place gauss_place(int i, int graded)
+{
+    const double u = 0.5 * (1.0 + GAUSS_NODE[i]);
+    return graded ? (struct gauss_place){2.0 * u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u)}
+                  : (struct gauss_place){1.0 + GAUSS_NODE[i], 1.0};
+}
+
+/* Functions known at the Lobatto nodes of a step, s in [0, 2]; as coefficients they are polynomials of s -
+ * 1. */
+
+typedef double nodal_values[LOBATTO_MAX];
+
+static inline double2 double2_at(const double *row, int i)
+{
+    return *(const double2 *)(row + i);
+}
+
+static inline void double2_put(double *row, int i, double2 values)
+{
+    *(double2 *)(row + i) = values;
+}
+
+struct nodal_vec3 {
+    nodal_values x, y, z;
+};
+
+static inline void nodal_put_vec3(struct nodal_vec3 *row, int node, struct vec3 a)
+{
+    row->x[node] = a.x;
+    row->y[node] = a.y;
+    row->z[node] = a.z;
+}
+
+/* From values at the nodes to coefficients, and back. */
+void nodal_coefficients(const struct lobatto *nodes, const double *values, double *a);
+void nodal_values_of(const struct lobatto *nodes, const double *a, double *values);
+
+/* A polynomial of `terms` coefficients at s: its value, its slope, its value with three derivatives. */
+double nodal_polynomial_at(const double *a, int terms, double s);
+double nodal_slope(const double *a, int terms, double s);
+void nodal_derivatives(const double *a, int terms, double s, double out[4]);
+
+/* Of values at the nodes: the integrals from the start to each node; returns the largest change of `sum`. */
+double nodal_integrate(const struct lobatto *nodes, const double *rate, double *sum);
+
+/* The integral to s, where `sum` at the nodes is known: exact at the step's end to the order of the nodes'
+ * quadrature. */
+double nodal_integral_to(const struct lobatto *nodes, const double *sum, const double *rate, double s);
+
+/* The integral from 0 to s of the polynomial with coefficients a. */
+double nodal_integral(const double *a, int terms, double s);
+
+/* The larger of the last two Chebyshev coefficients: an estimate of the truncation error where the
+ * coefficients decrease. */
+double nodal_tail(const struct lobatto *nodes, const double *values);
+
+#endif

@@ -1,0 +1,381 @@
+#include <float.h>
+
+#include "math/nodes.h"
+#include "math/polynomial.h"
+#include "scene/dense_output.h"
+#include "scene/evaluate.h"
+#include "scene/scene_jet.h"
+
+struct probe {
+    const struct dense_output *output;
+    const struct event_function *what;
+};
+
+void dense_output_add(struct dense_output *w, double s)
+{
+    w->sampler(w->segment, s, &w->at[w->count]);
+    w->s[w->count++] = s;
+}
+
+void dense_output_sample(struct dense_output *w)
+{
+    for (int i = 0; i < w->count; ++i) {
+        w->sampler(w->segment, w->s[i], &w->at[i]);
+    }
+}
+
+const struct pair_sample *dense_output_at(struct dense_output *w, double s)
+{
+    if (w->latest_s != s) {
+        w->sampler(w->segment, s, &w->latest);
+        w->latest_s = s;
+    }
+    return &w->latest;
+}
+
+static double value_of(const struct event_function *what, const struct pair_sample *at)
+{
+    return what->factor * at->of[what->quantity][0] + what->offset;
+}
+
+static double slope_of(const struct event_function *what, const struct pair_sample *at)
+{
+    return what->factor * at->of[what->quantity][1];
+}
+
+static void probe_value(const void *data, double s, double *value, double *slope)
+{
+    const struct probe *probe = data;
+    struct pair_sample at;
+    probe->output->sampler(probe->output->segment, s, &at);
+    *value = value_of(probe->what, &at);
+    *slope = slope_of(probe->what, &at);
+}
+
+static void probe_slope(const void *data, double s, double *value, double *slope)
+{
+    const struct probe *probe = data;
+    struct pair_sample at;
+    probe->output->sampler(probe->output->segment, s, &at);
+    *value = slope_of(probe->what, &at);
+    *slope = probe->what->factor * at.of[probe->what->quantity][2];
+}
+
+static double value_at(const struct probe *probe, double s)
+{
+    double value;
+    double slope;
+    probe_value(probe, s, &value, &slope);
+    return value;
+}
+
+/* The quantity at a place, or its slope: ends of a bracket of probe_value, probe_slope. */
+static struct root_bracket_end value_end(const struct probe *probe, int i)
+{
+    const struct pair_sample *at = &probe->output->at[i];
+    return (struct root_bracket_end){probe->output->s[i], value_of(probe->what, at),
+                                     slope_of(probe->what, at)};
+}
+
+static struct root_bracket_end slope_end(const struct event_function *what, double s,
+                                         const struct pair_sample *at)
+{
+    return (struct root_bracket_end){s, slope_of(what, at), what->factor * at->of[what->quantity][2]};
+}
+
+/* Where the quantity has its extremum between two places. */
+static struct root_bracket_end extremum_between(const struct probe *probe, int i)
+{
+    struct root_bracket_end extremum = {
+        .s = root_between(probe_slope, probe,
+                          slope_end(probe->what, probe->output->s[i], &probe->output->at[i]),
+                          slope_end(probe->what, probe->output->s[i + 1], &probe->output->at[i + 1]))};
+    probe_value(probe, extremum.s, &extremum.value, &extremum.slope);
+    return extremum;
+}
+
+/* The fall through zero between two samples: directly, by way of a minimum, or after a rise from below. */
+static double fall_between(const struct probe *probe, int i)
+{
+    const struct dense_output *w = probe->output;
+    const double at_low = value_of(probe->what, &w->at[i]);
+    const double at_high = value_of(probe->what, &w->at[i + 1]);
+    const double from_low = slope_of(probe->what, &w->at[i]);
+    const double to_high = slope_of(probe->what, &w->at[i + 1]);
+    if (at_low > 0.0 && at_high <= 0.0) {
+        return root_between(probe_value, probe, value_end(probe, i), value_end(probe, i + 1));
+    }
+    if (at_low > 0.0 && from_low < 0.0 && to_high > 0.0) {
+        const struct root_bracket_end dip = extremum_between(probe, i);
+        if (dip.value <= 0.0) {
+            return root_between(probe_value, probe, value_end(probe, i), dip);
+        }
+    }
+    if (at_low <= 0.0 && at_high <= 0.0 && from_low > 0.0 && to_high < 0.0) {
+        const struct root_bracket_end hump = extremum_between(probe, i);
+        if (hump.value > 0.0) {
+            return root_between(probe_value, probe, hump, value_end(probe, i + 1));
+        }
+    }
+    return (double)INFINITY;
+}
+
+/* Whether the first two samples are not above zero and one is below. A function that is zero and stays so, as
+ * the gap rate at rest, is not below. */
+static bool starts_below(const struct dense_output *w, const struct event_function *what)
+{
+    const double first = value_of(what, &w->at[0]);
+    const double second = value_of(what, &w->at[1]);
+    return fmax(first, second) <= 0.0 && fmin(first, second) < 0.0;
+}
+
+double dense_output_first_event(const struct dense_output *w, const struct event_function *what)
+{
+    const struct probe probe = {w, what};
+    double fall = (double)INFINITY;
+    for (int i = 0; i + 1 < w->count && !(fall < (double)INFINITY); ++i) {
+        fall = fall_between(&probe, i);
+        if (i == 0 && !(fall < (double)INFINITY) && starts_below(w, what)) {
+            return w->s[0];
+        }
+    }
+    return fall;
+}
+
+/* Where the maximum is higher than the present point by less than this part, a parabola gives it to
+ * rounding. */
+static const double NEAR_TOP = 1e-10;
+
+enum { CLIMBS = 6 };
+
+bool dense_output_climb(const struct dense_output *w, const struct event_function *what, double s, double low,
+                        double high, double *largest)
+{
+    for (int k = 0; k < CLIMBS; ++k) {
+        struct pair_sample at;
+        w->sampler(w->segment, s, &at);
+        const double value = value_of(what, &at);
+        const double slope = slope_of(what, &at);
+        const double step = -slope / (what->factor * at.of[what->quantity][2]);
+        *largest = fmax(*largest, value);
+        if (!(s + step >= low && s + step <= high && slope * step >= 0.0)) {
+            return false;
+        }
+        if (slope * step <= NEAR_TOP * fabs(value)) {
+            *largest = fmax(*largest, value + 0.5 * slope * step);
+            return true;
+        }
+        s += step;
+    }
+    return false;
+}
+
+/* Whether a place is itself the top, to rounding. */
+static bool is_top(const struct event_function *what, const struct pair_sample *at)
+{
+    const double slope = slope_of(what, at);
+    return slope * slope <= DBL_EPSILON * fabs(at->of[what->quantity][2] * value_of(what, at));
+}
+
+/* The bend of a quantity; root_in_bracket then bisects. */
+static void probe_bend(const void *data, double s, double *value, double *slope)
+{
+    const struct probe *probe = data;
+    double ignored;
+    probe_slope(probe, s, &ignored, value);
+    *slope = 0.0;
+}
+
+/* Whether a slope that has its extremum between two places stays clear of zero there: by the cubic through
+ * both ends, at the zero of the chord of its bend, more than half of the smaller end is left. */
+static bool stays_clear(const struct root_bracket_end *low, const struct root_bracket_end *high)
+{
+    const double width = high->s - low->s;
+    const double t = low->slope / (low->slope - high->slope);
+    const double u = 1.0 - t;
+    const double between = u * u * ((1.0 + 2.0 * t) * low->value + t * width * low->slope) +
+                           t * t * ((1.0 + 2.0 * u) * high->value - u * width * high->slope);
+    const double least = 0.5 * fmin(fabs(low->value), fabs(high->value));
+    return low->value > 0.0 ? between > least : between < -least;
+}
+
+/* Whether there is a top between two places, given the slope at both, and between which ends the slope falls
+ * through zero: the places themselves, or, where the quantity goes the same way at both, one of them and the
+ * place at which its slope turns. */
+static bool brackets_top(const struct probe *probe, struct root_bracket_end *low,
+                         struct root_bracket_end *high)
+{
+    const bool falls = low->value < 0.0 && high->value < 0.0 && low->slope > 0.0 && high->slope < 0.0;
+    const bool rises = low->value > 0.0 && high->value > 0.0 && low->slope < 0.0 && high->slope > 0.0;
+    if ((falls || rises) && !stays_clear(low, high)) {
+        struct root_bracket_end extremum = {.s = root_in_bracket(probe_bend, probe, low->s, high->s)};
+        probe_slope(probe, extremum.s, &extremum.value, &extremum.slope);
+        *(falls ? low : high) = extremum;
+    }
+    return low->value > 0.0 && high->value < 0.0;
+}
+
+bool dense_output_is_larger(const struct dense_output *w, double value, double largest)
+{
+    return value > largest + w->worth_a_search * fabs(largest);
+}
+
+/* Whether a top between two places may be larger than what is known: where the quantity bends down at both it
+ * lies below both tangents. */
+static bool may_be_larger(const struct probe *probe, const struct root_bracket_end *low,
+                          const struct root_bracket_end *high, const struct pair_sample *at,
+                          const struct pair_sample *next, double largest)
+{
+    const struct event_function *what = probe->what;
+    const double width = high->s - low->s;
+    const double rise = value_of(what, next) - value_of(what, at);
+    const double meet = (rise - high->value * width) / (low->value - high->value);
+    return !(low->slope < 0.0 && high->slope < 0.0) ||
+           dense_output_is_larger(probe->output, value_of(what, at) + low->value * meet, largest);
+}
+
+/* The larger of `largest` and of the top between the samples at low and high. */
+static double larger_between(const struct probe *probe, struct root_bracket_end low,
+                             struct root_bracket_end high, const struct pair_sample *at,
+                             const struct pair_sample *next, double largest)
+{
+    const struct event_function *what = probe->what;
+    const bool turns = low.value > 0.0 && high.value < 0.0;
+    if (turns &&
+        (is_top(what, at) || is_top(what, next) || !may_be_larger(probe, &low, &high, at, next, largest))) {
+        return largest;
+    }
+    if (brackets_top(probe, &low, &high) &&
+        !dense_output_climb(probe->output, what, root_guess(low, high), low.s, high.s, &largest)) {
+        const double top = root_in_bracket(probe_slope, probe, low.s, high.s);
+        largest = fmax(largest, value_at(probe, top));
+    }
+    return largest;
+}
+
+double dense_output_largest(const struct dense_output *w, const struct event_function *what, double end,
+                            const struct pair_sample *then, double known)
+{
+    const struct probe probe = {w, what};
+    double largest = fmax(known, fmax(value_of(what, &w->at[0]), value_of(what, then)));
+    for (int i = 0; i + 1 < w->count && w->s[i] < end; ++i) {
+        const bool whole = w->s[i + 1] <= end;
+        const struct pair_sample *next = whole ? &w->at[i + 1] : then;
+        const struct root_bracket_end low = slope_end(what, w->s[i], &w->at[i]);
+        const struct root_bracket_end high = slope_end(what, whole ? w->s[i + 1] : end, next);
+        largest = fmax(largest, value_of(what, next));
+        largest = larger_between(&probe, low, high, &w->at[i], next, largest);
+    }
+    return largest;
+}
+
+static void put_terms(double of[3], const double term[JET_TERMS])
+{
+    of[0] = term[0];
+    of[1] = term[1];
+    of[2] = 2.0 * term[2];
+}
+
+static void scene_at(const struct scene_output *o, double clock, struct scene_state *q,
+                     struct scene_instant *at)
+{
+    scene_state_look(o->state, q);
+    q->clock = clock;
+    if (o->move) {
+        o->move(o->mover, clock, q);
+    }
+    scene_evaluate(o->values, q, clock, free_bodies_now(q), at);
+}
+
+/* A dense_output_sampler; its variable is the clock. */
+static void sample_scene(const void *output, double clock, struct pair_sample *sample)
+{
+    const struct scene_output *o = output;
+    struct scene_state q;
+    struct scene_instant at;
+    struct scene_jet along;
+    scene_at(o, clock, &q, &at);
+    jet_of_motion(o->values, &q, &at, &along);
+    const struct contact_jet *jet = &along.contact[o->contact];
+    put_terms(sample->of[PAIR_GAP], jet->gap);
+    put_terms(sample->of[PAIR_GAP_RATE], jet->gap_rate);
+    put_terms(sample->of[PAIR_FORCE], jet->normal_force);
+}
+
+/* In the centre of solid bodies n reverses, and the force of a dashpot with it: it is largest right before or
+ * right after. There the gap, which falls at `low` and rises at `high`, is least. */
+static void note_at_centre(const struct scene_output *o, double low, double high, struct contact_peaks *peaks)
+{
+    struct pair_sample at;
+    for (double middle = 0.5 * (low + high); middle > low && middle < high; middle = 0.5 * (low + high)) {
+        sample_scene(o, middle, &at);
+        contact_peaks_note(peaks, at.of[PAIR_FORCE][0], -at.of[PAIR_GAP][0]);
+        *(at.of[PAIR_GAP][1] < 0.0 ? &low : &high) = middle;
+    }
+}
+
+/* Whether the motion may have come through the centre: the bodies overlap by more than half the distance at
+ * which they touch, and approach no more. */
+static bool may_pass_centre(const struct scene_output *o, const struct pair_sample *before,
+                            const struct pair_sample *after)
+{
+    const struct contact_shape shape = scene_contact_shape(o->values, o->state, o->contact);
+    return shape.side > 0 && -2.0 * after->of[PAIR_GAP][0] > contact_reach(&shape) &&
+           before->of[PAIR_GAP][1] < 0.0 && after->of[PAIR_GAP][1] > 0.0;
+}
+
+void scene_output_note_peaks(struct scene_output *o, double from, double to, int parts,
+                             struct contact_peaks *peaks)
+{
+    static const struct event_function force = {PAIR_FORCE, 1.0, 0.0};
+    static const struct event_function penetration = {PAIR_GAP, -1.0, 0.0};
+    struct dense_output *w = &o->output;
+    w->sampler = sample_scene;
+    w->segment = o;
+    if (w->count == 0) {
+        dense_output_add(w, from);
+    }
+    for (int i = 1; i <= parts; ++i) {
+        const double place = i < parts ? from + (to - from) * i / parts : to;
+        if (place > w->s[w->count - 1]) {
+            dense_output_add(w, place);
+        }
+    }
+    const int last = w->count - 1;
+    for (int i = 0; i < last; ++i) {
+        if (may_pass_centre(o, &w->at[i], &w->at[i + 1])) {
+            note_at_centre(o, w->s[i], w->s[i + 1], peaks);
+        }
+    }
+    peaks->penetration = dense_output_largest(w, &penetration, w->s[last], &w->at[last], peaks->penetration);
+    peaks->force = dense_output_largest(w, &force, w->s[last], &w->at[last], peaks->force);
+    w->s[0] = w->s[last];
+    w->at[0] = w->at[last];
+    w->count = 1;
+}
+
+#if SCENE_HAS_TORQUES && SCENE_ANY_FREE
+void scene_output_add_torque(const struct scene_output *o, double from, double to, int panels,
+                             struct scene_state *q)
+{
+    struct vec3 *sum = &q->contact[o->contact].torques.destination_impulse;
+    const double half = 0.5 * (to - from) / panels;
+    if (scene_turns(o->values) || body_shape(contact_destination(o->contact)) == SHAPE_SPHERE) {
+        return;
+    }
+    for (int i = 0; i < panels * GAUSS_NODES; ++i) {
+        struct scene_state then;
+        struct scene_instant at;
+        const int node = i % GAUSS_NODES;
+        const int panel = i / GAUSS_NODES;
+        scene_at(o, from + half * (2.0 * panel + 1.0 + GAUSS_NODE[node]), &then, &at);
+        *sum = vec3_axpy(*sum, half * GAUSS_WEIGHT[node], scene_torque_of_force(&at, o->contact));
+    }
+}
+#else
+void scene_output_add_torque(const struct scene_output *o, double from, double to, int panels,
+                             struct scene_state *q)
+{
+    (void)o, (void)from, (void)to, (void)panels, (void)q;
+}
+#endif

@@ -1,0 +1,1207 @@
+#include <float.h>
+#include <string.h>
+
+#include "math/compiler.h"
+#include "touch/collocation.h"
+
+/* How n and H turn in a collocated step, and the load on x that comes of it. */
+
+/* half^2 f [m] at the nodes, and half of its softening, -half^2 df/dx of the centrifugal terms. */
+static void collocation_load(const struct collocation *p, double *values, double *softening);
+
+/* H by n, then n by that H; returns the largest change [m]. */
+static double collocation_turn(struct collocation *p);
+
+/* Of a step whose sweeps have converged: n.E; the tilt at a rim. */
+static void collocation_keep_mismatch(struct collocation *p);
+static void collocation_keep_tilt(struct collocation *p);
+
+/* A vector of the world in the frame of the start, and back. */
+static inline struct vec3 collocation_in_frame(const struct collocation *p, struct vec3 a)
+{
+    return vec3_make(vec3_dot(p->local.frame[0], a), vec3_dot(p->local.frame[1], a),
+                     vec3_dot(p->local.frame[2], a));
+}
+
+static inline struct vec3 collocation_in_world(const struct collocation *p, struct vec3 a)
+{
+    return vec3_axpy(vec3_axpy(vec3_scale(a.x, p->local.frame[0]), a.y, p->local.frame[1]), a.z,
+                     p->local.frame[2]);
+}
+
+/*
+ * Collocation at the rim of a capped cylinder, in the coordinates of rim_local.h. The rows of the result are
+ * those of n and H elsewhere: n.x and n.y are the changes of azimuth and tilt, h.x and h.y those of their
+ * momenta; n.z and h.z are zero.
+ */
+
+#ifndef CONTACT_NO_CAPS
+
+/* Whether the step is at a rim, and turns. */
+static inline bool collocation_at_rim(const struct collocation *p)
+{
+    return p->from.at_rim && !p->local.head_on;
+}
+
+/* Frame and what acts; f; the first guess. */
+static void collocation_rim_begin(struct collocation *p);
+static double collocation_rim_load_at_start(const struct collocation *p);
+static void collocation_rim_guess(struct collocation *p, double half);
+
+/* half^2 f [m] at the nodes, and half of its softening, -half^2 df/dx. */
+static void collocation_rim_load(const struct collocation *p, double *values, double *softening);
+
+/* The momenta, then the angles by them; returns the largest change [m]. */
+static double collocation_rim_turn(struct collocation *p);
+
+/* Of a step whose sweeps have converged: result.tilt_rate. */
+static void collocation_rim_keep_tilt(struct collocation *p);
+
+/* half n.E at the nodes [m]. */
+static void collocation_rim_mismatch(const struct collocation *p, double *values);
+
+/* c - c(0) and n at a node, in the world, the oscillation left out. */
+static void collocation_rim_at_node(const struct collocation *p, int node, struct vec3 *moved,
+                                    struct vec3 *normal);
+
+static struct collocation_change collocation_rim_change_at(const struct collocation *p, double s);
+
+/* Below: what the files of the rim share. */
+
+/* From rows of n and H, or at a node, the oscillation left out. */
+static struct rim_state collocation_rim_state(const struct collocation *p, struct vec3 n, struct vec3 h,
+                                              double x);
+static struct rim_state collocation_rim_state_at_node(const struct collocation *p, int i);
+
+/* What y adds to the rows. */
+static struct collocation_correction collocation_rim_correction(const struct collocation *p,
+                                                                const struct rim_state *at,
+                                                                struct vec3 acceleration, double y,
+                                                                double y_rate);
+
+#else /* never, and none of these is called */
+
+static inline bool collocation_at_rim(const struct collocation *p)
+{
+    (void)p;
+    return false;
+}
+
+static inline void collocation_rim_begin(struct collocation *p)
+{
+    (void)p;
+}
+
+static inline double collocation_rim_load_at_start(const struct collocation *p)
+{
+    (void)p;
+    return 0.0;
+}
+
+static inline void collocation_rim_guess(struct collocation *p, double half)
+{
+    (void)p, (void)half;
+}
+
+static inline void collocation_rim_load(const struct collocation *p, double *values, double *softening)
+{
+    (void)p, (void)values, (void)softening;
+}
+
+static inline double collocation_rim_turn(struct collocation *p)
+{
+    (void)p;
+    return 0.0;
+}
+
+static inline void collocation_rim_keep_tilt(struct collocation *p)
+{
+    (void)p;
+}
+
+static inline void collocation_rim_mismatch(const struct collocation *p, double *values)
+{
+    (void)p, (void)values;
+}
+
+static inline void collocation_rim_at_node(const struct collocation *p, int node, struct vec3 *moved,
+                                           struct vec3 *normal)
+{
+    (void)p, (void)node;
+    *moved = *normal = vec3_make(0.0, 0.0, 0.0);
+}
+
+static inline struct collocation_change collocation_rim_change_at(const struct collocation *p, double s)
+{
+    (void)p, (void)s;
+    return (struct collocation_change){.deviation = 0.0};
+}
+
+#endif
+
+static double larger_change(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static void collocation_load(const struct collocation *p, double *values, double *softening)
+{
+    if (collocation_at_rim(p)) {
+        collocation_rim_load(p, values, softening);
+        return;
+    }
+    const int points = p->nodes->points;
+    const double half2 = p->half * p->half;
+    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
+    const struct vec3 h = vec3_sub(p->local.momentum, p->result.momentum_correction);
+    for (int i = 0; i < points; i += LANES) {
+        const double2 hz = h.z + double2_at(p->result.h.z, i);
+        double2 h_squared = hz * hz;
+        double2 drive = (n.x + double2_at(p->result.n.x, i)) * double2_at(p->work.drive_at.x, i) +
+                        (n.y + double2_at(p->result.n.y, i)) * double2_at(p->work.drive_at.y, i);
+        if (!p->local.planar) {
+            const double2 hx = h.x + double2_at(p->result.h.x, i);
+            const double2 hy = h.y + double2_at(p->result.h.y, i);
+            h_squared += hx * hx + hy * hy;
+            drive += (n.z + double2_at(p->result.n.z, i)) * double2_at(p->work.drive_at.z, i);
+        }
+        const double2 inverse = 1.0 / (p->from.reach + double2_at(p->result.x, i));
+        const double2 centrifugal = half2 * h_squared * inverse * inverse * inverse;
+        double2_put(values, i, centrifugal + half2 * drive);
+        double2_put(softening, i, 1.5 * centrifugal * inverse);
+    }
+}
+
+/* H' = d n x A */
+static double integrate_momentum(struct collocation *p)
+{
+    const struct nodal_vec3 *a = &p->work.acceleration_at;
+    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
+    for (int i = 0; i < p->nodes->points; i += LANES) {
+        const double2 arm = p->half * (p->from.reach + double2_at(p->result.x, i));
+        const double2 nx = n.x + double2_at(p->result.n.x, i);
+        const double2 ny = n.y + double2_at(p->result.n.y, i);
+        double2_put(p->result.h_rate.z, i, arm * (nx * double2_at(a->y, i) - ny * double2_at(a->x, i)));
+        if (!p->local.planar) {
+            const double2 nz = n.z + double2_at(p->result.n.z, i);
+            double2_put(p->result.h_rate.x, i, arm * (ny * double2_at(a->z, i) - nz * double2_at(a->y, i)));
+            double2_put(p->result.h_rate.y, i, arm * (nz * double2_at(a->x, i) - nx * double2_at(a->z, i)));
+        }
+    }
+    double change = nodal_integrate(p->nodes, p->result.h_rate.z, p->result.h.z);
+    if (!p->local.planar) {
+        change = larger_change(nodal_integrate(p->nodes, p->result.h_rate.x, p->result.h.x), change);
+        change = larger_change(nodal_integrate(p->nodes, p->result.h_rate.y, p->result.h.y), change);
+    }
+    return 2.0 * p->half / p->local.distance * change;
+}
+
+/* n' = H x n / d^2 */
+static double integrate_normal(struct collocation *p)
+{
+    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
+    const struct vec3 h = vec3_sub(p->local.momentum, p->result.momentum_correction);
+    for (int i = 0; i < p->nodes->points; i += LANES) {
+        const double2 d = p->from.reach + double2_at(p->result.x, i);
+        const double2 by = p->half / (d * d);
+        const double2 nx = n.x + double2_at(p->result.n.x, i);
+        const double2 ny = n.y + double2_at(p->result.n.y, i);
+        const double2 hz = h.z + double2_at(p->result.h.z, i);
+        double2 to_x = -hz * ny;
+        double2 to_y = hz * nx;
+        if (!p->local.planar) {
+            const double2 nz = n.z + double2_at(p->result.n.z, i);
+            const double2 hx = h.x + double2_at(p->result.h.x, i);
+            const double2 hy = h.y + double2_at(p->result.h.y, i);
+            to_x += hy * nz;
+            to_y -= hx * nz;
+            double2_put(p->result.n_rate.z, i, by * (hx * ny - hy * nx));
+        }
+        double2_put(p->result.n_rate.x, i, by * to_x);
+        double2_put(p->result.n_rate.y, i, by * to_y);
+    }
+    double change = larger_change(nodal_integrate(p->nodes, p->result.n_rate.x, p->result.n.x),
+                                  nodal_integrate(p->nodes, p->result.n_rate.y, p->result.n.y));
+    if (!p->local.planar) {
+        change = larger_change(nodal_integrate(p->nodes, p->result.n_rate.z, p->result.n.z), change);
+    }
+    return p->local.distance * change;
+}
+
+static double collocation_turn(struct collocation *p)
+{
+    if (collocation_at_rim(p)) {
+        return collocation_rim_turn(p);
+    }
+    if (p->kind != COLLOCATION_RESOLVED) {
+        const struct collocation_correction correction =
+            collocation_correction_of(p, p->result.y, p->result.y_rate, vec3_make(1.0, 0.0, 0.0),
+                                      p->local.momentum, p->local.acceleration[0], p->local.distance);
+        p->result.normal_correction = correction.normal;
+        p->result.momentum_correction = correction.momentum;
+    }
+    const double by_momentum = integrate_momentum(p);
+    return larger_change(by_momentum, integrate_normal(p));
+}
+
+static void collocation_keep_mismatch(struct collocation *p)
+{
+    const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
+    nodal_values values;
+    for (int i = 0; i < p->nodes->points && !collocation_at_rim(p); ++i) {
+        values[i] = (n.x + p->result.n.x[i]) * p->work.mismatch_at.x[i] +
+                    (n.y + p->result.n.y[i]) * p->work.mismatch_at.y[i] +
+                    (n.z + p->result.n.z[i]) * p->work.mismatch_at.z[i];
+    }
+    if (collocation_at_rim(p)) {
+        collocation_rim_mismatch(p, values);
+    }
+    nodal_coefficients(p->nodes, values, p->result.normal_mismatch);
+}
+
+static void collocation_keep_tilt(struct collocation *p)
+{
+    if (collocation_at_rim(p)) {
+        collocation_rim_keep_tilt(p);
+    }
+}
+
+/* Sweep k multiplies the error by about 1/k of the radians of tangential motion in the step, some two. Where
+ * more sweeps than this are needed, a shorter step costs less. */
+enum { MAX_SWEEPS = 30 };
+
+/* Rounding of coefficients relative to the values: sums with factors up to 611 (lobatto_monomial). */
+static const double COEFFICIENT_ROUNDING = 1e-12;
+
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* x = s + y: s is the particular solution for the load, y the free oscillation from the start values. */
+static void oscillator_response(struct collocation *p, double softening)
+{
+    const int points = p->nodes->points;
+    oscillator_particular(&p->result.oscillator, p->result.load, p->result.slow, points);
+    nodal_values_of(p->nodes, p->result.slow, p->result.x);
+    p->result.oscillator.omega2 += softening;
+    p->result.y = p->from.deviation - p->result.x[0];
+    p->result.y_rate = p->half * p->local.rate.x - nodal_slope(p->result.slow, points, 0.0);
+    for (int i = 0; i < points && p->kind == COLLOCATION_RESOLVED; i += LANES) {
+        const double2 y = p->result.y * double2_at(p->result.y_of_y, i) +
+                          p->result.y_rate * double2_at(p->result.y_of_rate, i);
+        double2_put(p->result.x, i, double2_at(p->result.x, i) + y);
+    }
+}
+
+/* (D + slower)(D + faster) x = load with D = d/ds. u = (D + slower) x is the particular solution of (D +
+ * faster) u = load, plus a fast decay, which is y. X is then the integral of X' = u - slower X. */
+static void overdamped_response(struct collocation *p)
+{
+    const int points = p->nodes->points;
+    const struct oscillator_rates rates = oscillator_rates_of(&p->result.oscillator);
+    nodal_values u;
+    nodal_values u_at_nodes;
+    nodal_values rate = {0.0};
+    relaxation_particular(rates.faster, p->result.load, u, points);
+    nodal_values_of(p->nodes, u, u_at_nodes);
+    const double fast = p->half * p->local.rate.x + rates.slower * p->from.deviation - u_at_nodes[0];
+    p->result.y = -fast / (rates.faster - rates.slower);
+    p->result.y_rate = -rates.faster * p->result.y;
+    for (int i = 0; i < points; ++i) {
+        rate[i] = u_at_nodes[i] - rates.slower * p->result.x[i];
+    }
+    (void)nodal_integrate(p->nodes, rate, p->result.x);
+    for (int i = 0; i < points; ++i) {
+        p->result.x[i] += p->from.deviation - p->result.y;
+    }
+    nodal_coefficients(p->nodes, p->result.x, p->result.slow);
+}
+
+/* The largest that x comes to in the step, roughly [m]. */
+static double size_of_deviation(const struct collocation *p)
+{
+    double largest = fabs(p->result.y) + fabs(p->result.y_rate);
+    for (int k = 0; k < p->nodes->points; ++k) {
+        largest = larger(fabs(p->result.slow[k]), largest);
+    }
+    return largest;
+}
+
+/* Solves for x under the load; returns the largest change of a coefficient [m], scaled as if x were as large
+ * as d: the force follows from x and is to be as accurate relative to itself as the position is. */
+static double apply_load(struct collocation *p, const double *values, double softening)
+{
+    nodal_values before;
+    double change = 0.0;
+    memcpy(before, p->result.slow, sizeof before);
+    p->result.oscillator =
+        (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
+    nodal_coefficients(p->nodes, values, p->result.load);
+    if (p->kind == COLLOCATION_OVERDAMPED) {
+        overdamped_response(p);
+    } else {
+        oscillator_response(p, p->kind == COLLOCATION_AVERAGED ? softening : 0.0);
+    }
+    for (int i = 0; i < p->nodes->points; ++i) {
+        change = larger(fabs(p->result.slow[i] - before[i]), change);
+    }
+    const double size = size_of_deviation(p);
+    return change > COEFFICIENT_ROUNDING * size ? change * fmax(1.0, p->local.distance / size) : 0.0;
+}
+
+/* The load f at the nodes, then x under it. */
+static double update_load(struct collocation *p)
+{
+    const int points = p->nodes->points;
+    const double *weight = p->nodes->integral + points - 1;
+    nodal_values values;
+    nodal_values softening;
+    double mean = 0.0;
+    collocation_load(p, values, softening);
+    /* the softening averaged over the step: half its integral over s */
+    for (int i = 0; i < points && p->kind == COLLOCATION_AVERAGED; ++i) {
+        mean += weight[i * points] * softening[i];
+    }
+    return apply_load(p, values, mean);
+}
+
+/* One Gauss-Seidel sweep: the load f, x, H, n. */
+double collocation_sweep(struct collocation *p)
+{
+    const double by_load = update_load(p);
+    p->work.sweeps += 1;
+    if (p->local.head_on) {
+        /* otherwise the load does not depend on x */
+        return p->kind == COLLOCATION_OVERDAMPED ? by_load : 0.0;
+    }
+    return larger(by_load, collocation_turn(p));
+}
+
+static double tail_of(const struct collocation *p, const struct nodal_vec3 *values, bool in_plane,
+                      bool across)
+{
+    double tail = 0.0;
+    if (in_plane || !p->local.planar) {
+        tail = larger(nodal_tail(p->nodes, values->x), nodal_tail(p->nodes, values->y));
+    }
+    return across || !p->local.planar ? larger(nodal_tail(p->nodes, values->z), tail) : tail;
+}
+
+/* The last coefficients of what is integrated; integrals of Chebyshev polynomials are smaller by the
+ * degree. */
+static double tail_of_all(const struct collocation *p)
+{
+    const int points = p->nodes->points;
+    const double of_deviation = larger(fabs(p->result.slow[points - 1]), fabs(p->result.slow[points - 2]));
+    const double size = size_of_deviation(p);
+    /* Ratio of the first omitted coefficient to the last: half the step's radians, two at most, over its
+     * index, less than a quarter. */
+    const double left_out = 0.25 * ldexp(of_deviation, 2 - points);
+    const bool is_overdamped = p->kind == COLLOCATION_OVERDAMPED;
+    const double by_deviation =
+        is_overdamped && size > 0.0 ? left_out * larger(1.0, p->local.distance / size) : left_out;
+    if (p->local.head_on) {
+        return by_deviation;
+    }
+    const double by_normal = p->local.distance * tail_of(p, &p->result.n_rate, true, false);
+    const double by_momentum = 2.0 * p->half / p->local.distance * tail_of(p, &p->result.h_rate, false, true);
+    return larger(by_deviation, larger(by_normal, by_momentum) / points);
+}
+
+/* Whether all values are finite and d > 0: local coordinates end at the centre. */
+static bool is_sound(const struct collocation *p)
+{
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const double sum = p->result.n.x[i] + p->result.n.y[i] + p->result.n.z[i] + p->result.h.x[i] +
+                           p->result.h.y[i] + p->result.h.z[i];
+        if (!(p->from.reach + p->result.x[i] > 0.0) || !isfinite(sum)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void sum_up(struct collocation *p)
+{
+    /* without the rate: of a stiff contact it has many digits more than x */
+    double largest = fabs(p->result.y);
+    for (int k = 0; k < p->nodes->points; ++k) {
+        largest = larger(fabs(p->result.slow[k]), largest);
+    }
+    p->result.terms = p->nodes->points;
+    while (p->result.terms > 1 &&
+           fabs(p->result.slow[p->result.terms - 1]) <= DBL_EPSILON * DBL_EPSILON * largest) {
+        p->result.terms -= 1;
+    }
+    p->result.interior_error = tail_of_all(p);
+    if (p->from.has_mismatch) {
+        collocation_keep_mismatch(p);
+    }
+    collocation_keep_tilt(p);
+}
+
+bool collocation_finish(struct collocation *p, double before, double tolerance)
+{
+    double gain = 1.0;
+    for (int i = p->work.sweeps; i < MAX_SWEEPS; ++i) {
+        const double change = collocation_sweep(p);
+        /* The error left is about change * gain, the factor by which the last sweep converged. H and n
+         * converge in turn: the larger of two factors counts. None where overdamped: X converges last. */
+        const double gain_before = gain;
+        gain = before > 0.0 && p->kind != COLLOCATION_OVERDAMPED ? fmin(1.0, change / before) : 1.0;
+        if (change * fmax(gain, gain_before) <= tolerance) {
+            sum_up(p);
+            return is_sound(p);
+        }
+        before = change;
+    }
+    return false;
+}
+
+bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
+                      enum collocation_kind kind, const struct lobatto *nodes, double tolerance)
+{
+    collocation_begin(p, from, step, kind, nodes);
+    collocation_size(p, step);
+    return collocation_finish(p, 0.0, tolerance);
+}
+
+#ifndef CONTACT_NO_CAPS
+
+static struct rim_state collocation_rim_state(const struct collocation *p, struct vec3 n, struct vec3 h,
+                                              double x)
+{
+    const double change[4] = {n.x, n.y, h.x, h.y};
+    return rim_state_of(&p->from.rim, change, x - p->from.deviation);
+}
+
+static struct rim_state rim_state_at_start(const struct collocation *p)
+{
+    const struct vec3 zero = {0.0, 0.0, 0.0};
+    return collocation_rim_state(p, zero, zero, p->from.deviation);
+}
+
+static struct vec3 rim_row(const struct nodal_vec3 *row, int i)
+{
+    return vec3_make(row->x[i], row->y[i], row->z[i]);
+}
+
+static void put_rim_rates(const struct collocation *p, int i, double factor, const struct rim_slopes *slopes,
+                          struct nodal_vec3 *n, struct nodal_vec3 *h)
+{
+    double rates[4];
+    rim_change_rates(&p->from.rim, slopes, rates);
+    nodal_put_vec3(n, i, vec3_make(factor * rates[0], factor * rates[1], 0.0));
+    nodal_put_vec3(h, i, vec3_make(factor * rates[2], factor * rates[3], 0.0));
+}
+
+static struct rim_state collocation_rim_state_at_node(const struct collocation *p, int i)
+{
+    return collocation_rim_state(p, vec3_sub(rim_row(&p->result.n, i), p->result.normal_correction),
+                                 vec3_sub(rim_row(&p->result.h, i), p->result.momentum_correction),
+                                 p->result.x[i]);
+}
+
+/* As collocation_correction_of: the slopes of the rates with d, times the integral of y. */
+static struct collocation_correction collocation_rim_correction(const struct collocation *p,
+                                                                const struct rim_state *at,
+                                                                struct vec3 acceleration, double y,
+                                                                double y_rate)
+{
+    const double by = collocation_oscillation_integral(p, y, y_rate);
+    double slopes[4];
+    rim_slopes_by_distance(&p->from.rim, at, acceleration, slopes);
+    return (struct collocation_correction){vec3_make(by * slopes[0], by * slopes[1], 0.0),
+                                           vec3_make(by * slopes[2], by * slopes[3], 0.0)};
+}
+
+static void collocation_rim_begin(struct collocation *p)
+{
+    memcpy(p->local.frame, p->from.rim.frame, sizeof p->local.frame);
+    memset(p->result.tilt_rate, 0, sizeof p->result.tilt_rate);
+    p->local.planar = false;
+    p->local.rate = vec3_make(p->from.radial, 0.0, 0.0);
+    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
+        p->local.acceleration[i] = collocation_in_frame(p, p->from.acceleration[i]);
+    }
+    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && p->from.has_mismatch; ++i) {
+        p->local.mismatch[i] = collocation_in_frame(p, p->from.mismatch[i]);
+    }
+}
+
+static double collocation_rim_load_at_start(const struct collocation *p)
+{
+    const struct rim_state at = rim_state_at_start(p);
+    const double mismatch =
+        p->from.has_mismatch ? p->from.damping_rate * vec3_dot(rim_normal(&at), p->local.mismatch[0]) : 0.0;
+    return rim_slopes_at(&at, p->local.acceleration[0]).load - mismatch;
+}
+
+static void collocation_rim_guess(struct collocation *p, double half)
+{
+    const struct rim_state at = rim_state_at_start(p);
+    const struct rim_slopes first = rim_slopes_at(&at, p->local.acceleration[0]);
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const double t = half * (1.0 + p->nodes->node[i]);
+        struct rim_slopes slopes = first;
+        slopes.azimuth += 0.5 * t * first.round / (at.rho * at.rho);
+        slopes.tilt += 0.5 * t * first.over / (at.d * at.d);
+        put_rim_rates(p, i, t, &slopes, &p->result.n, &p->result.h);
+    }
+}
+
+static void collocation_rim_load(const struct collocation *p, double *values, double *softening)
+{
+    const double half2 = p->half * p->half;
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const struct rim_state at = collocation_rim_state_at_node(p, i);
+        const struct rim_slopes slopes = rim_slopes_at(&at, rim_row(&p->work.drive_at, i));
+        const double spin = slopes.azimuth * at.cosine;
+        values[i] = half2 * slopes.load;
+        softening[i] = 1.5 * half2 * (spin * spin + slopes.tilt * slopes.tilt);
+    }
+}
+
+/* Two rows from their rates; returns the largest change. */
+static double rim_integrate(const struct collocation *p, const struct nodal_vec3 *rate,
+                            struct nodal_vec3 *sum)
+{
+    return fmax(nodal_integrate(p->nodes, rate->x, sum->x), nodal_integrate(p->nodes, rate->y, sum->y));
+}
+
+static double collocation_rim_turn(struct collocation *p)
+{
+    const double distance = p->local.distance;
+    if (p->kind != COLLOCATION_RESOLVED) {
+        const struct rim_state start = rim_state_at_start(p);
+        const struct collocation_correction correction =
+            collocation_rim_correction(p, &start, p->local.acceleration[0], p->result.y, p->result.y_rate);
+        p->result.normal_correction = correction.normal;
+        p->result.momentum_correction = correction.momentum;
+    }
+    nodal_values per_rho_squared;
+    nodal_values per_d_squared;
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const struct rim_state at = collocation_rim_state_at_node(p, i);
+        const struct rim_slopes slopes = rim_slopes_at(&at, rim_row(&p->work.acceleration_at, i));
+        put_rim_rates(p, i, p->half, &slopes, &p->result.n_rate, &p->result.h_rate);
+        per_rho_squared[i] = 1.0 / (at.rho * at.rho);
+        per_d_squared[i] = 1.0 / (at.d * at.d);
+    }
+    const double by_momentum = 2.0 * p->half / distance * rim_integrate(p, &p->result.h_rate, &p->result.h);
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const struct vec3 h = vec3_sub(rim_row(&p->result.h, i), p->result.momentum_correction);
+        const double scale = p->from.rim.rho / distance;
+        p->result.n_rate.x[i] = p->half * scale * (p->from.rim.round + scale * h.x) * per_rho_squared[i];
+        p->result.n_rate.y[i] = p->half * (p->from.rim.over + h.y) * per_d_squared[i];
+    }
+    return fmax(by_momentum, distance * rim_integrate(p, &p->result.n_rate, &p->result.n));
+}
+
+static void collocation_rim_keep_tilt(struct collocation *p)
+{
+    nodal_coefficients(p->nodes, p->result.n_rate.y, p->result.tilt_rate);
+}
+
+static void collocation_rim_mismatch(const struct collocation *p, double *values)
+{
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const struct rim_state at = collocation_rim_state_at_node(p, i);
+        values[i] = vec3_dot(rim_normal(&at), rim_row(&p->work.mismatch_at, i));
+    }
+}
+
+#endif
+
+/* Dense output of a step at a rim. */
+
+#ifndef CONTACT_NO_CAPS
+
+static void collocation_rim_at_node(const struct collocation *p, int node, struct vec3 *moved,
+                                    struct vec3 *normal)
+{
+    const struct rim_state at = collocation_rim_state_at_node(p, node);
+    *moved = collocation_in_world(p, rim_moved(&p->from.rim, &at));
+    *normal = collocation_in_world(p, rim_normal(&at));
+}
+
+static struct vec3 acceleration_at_rim(const struct collocation *p, double t)
+{
+    const struct vec3 *a = p->local.acceleration;
+    return vec3_axpy(vec3_axpy(a[0], t, a[1]), t * t, a[2]);
+}
+
+/* The state at s; x as collocation_deviation says, or the averaged one. */
+static struct rim_state rim_state_then(const struct collocation *p, double s, const double x[4])
+{
+    const struct lobatto *nodes = p->nodes;
+    struct vec3 n = {nodal_integral_to(nodes, p->result.n.x, p->result.n_rate.x, s),
+                     nodal_integral_to(nodes, p->result.n.y, p->result.n_rate.y, s), 0.0};
+    struct vec3 h = {nodal_integral_to(nodes, p->result.h.x, p->result.h_rate.x, s),
+                     nodal_integral_to(nodes, p->result.h.y, p->result.h_rate.y, s), 0.0};
+    if (p->kind == COLLOCATION_RESOLVED) {
+        return collocation_rim_state(p, n, h, x[0]);
+    }
+    double slow[4];
+    collocation_averaged_deviation(p, s, slow);
+    n = vec3_sub(n, p->result.normal_correction);
+    h = vec3_sub(h, p->result.momentum_correction);
+    const struct rim_state then = collocation_rim_state(p, n, h, x[0]);
+    const struct collocation_correction correction = collocation_rim_correction(
+        p, &then, acceleration_at_rim(p, p->half * s), x[0] - slow[0], x[1] - slow[1]);
+    return collocation_rim_state(p, vec3_add(n, correction.normal), vec3_add(h, correction.momentum), x[0]);
+}
+
+static struct collocation_change collocation_rim_change_at(const struct collocation *p, double s)
+{
+    const double none[4] = {0.0, 0.0, 0.0, 0.0};
+    double x[4];
+    collocation_deviation(p, s, x);
+    const struct rim_state start = rim_state_of(&p->from.rim, none, 0.0);
+    const struct rim_state then = rim_state_then(p, s, x);
+    const struct vec3 before = rim_velocity(&start, p->local.rate.x);
+    return (struct collocation_change){
+        collocation_in_world(p, rim_moved(&p->from.rim, &then)),
+        collocation_in_world(p, vec3_sub(rim_velocity(&then, x[1] / p->half), before)), x[0]};
+}
+
+void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
+                       double axial[3])
+{
+    double tilt[3] = {p->from.rim.tilt, 0.0, 0.0};
+    if (!p->local.head_on) {
+        const int points = p->nodes->points;
+        tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.normal_correction.y;
+        tilt[1] = nodal_polynomial_at(p->result.tilt_rate, points, s);
+        tilt[2] = nodal_slope(p->result.tilt_rate, points, s);
+        if (p->kind != COLLOCATION_RESOLVED) { /* what y adds, as collocation_rim_correction says */
+            double slow[4];
+            collocation_averaged_deviation(p, s, slow);
+            const double by = -2.0 * tilt[1] / (p->from.reach + x[0]);
+            const double y = x[0] - slow[0];
+            const double y_rate = x[1] - slow[1];
+            tilt[0] += by * collocation_oscillation_integral(p, y, y_rate) / p->half;
+            tilt[1] += by * y;
+            tilt[2] += by * y_rate;
+        }
+    }
+    rim_edges(tilt, p->from.reach, radial, axial);
+}
+
+#endif
+
+/* Dense output of a collocated step: x at any s, and what y adds to n and H. */
+
+/* Parts of the interior error that remain at the end of a step of four radians with eight nodes: of the
+ * quadrature, and of products of an oscillation as large as d. Measured in tests/unit/collocation.c, with a
+ * margin of three or more. */
+static const double LEFT_AT_END = 1e-4;
+static const double LEFT_OF_PRODUCTS = 2e-2;
+
+double collocation_error_near_end(const struct collocation *p, double s)
+{
+    const int points = p->nodes->points;
+    const double swing = (fabs(p->result.y) + fabs(p->result.y_rate)) / p->local.distance;
+    /* A polynomial that is zero at the nodes has a slope at the last one below the square of their number,
+     * relative to its size. */
+    const double off_node = points * points * fabs(2.0 - s);
+    return p->result.interior_error * fmin(1.0, LEFT_AT_END + LEFT_OF_PRODUCTS * swing + off_node);
+}
+
+void collocation_averaged_deviation(const struct collocation *p, double s, double x[4])
+{
+    nodal_derivatives(p->result.slow, p->result.terms, s, x);
+}
+
+/* y and its derivatives, added to x. */
+static void add_oscillation(const struct collocation *p, double y, double y_rate, double x[4])
+{
+    const double bend = -p->result.oscillator.damping_rate * y_rate - p->result.oscillator.omega2 * y;
+    x[0] += y;
+    x[1] += y_rate;
+    x[2] += bend;
+    x[3] += -p->result.oscillator.damping_rate * bend - p->result.oscillator.omega2 * y_rate;
+}
+
+void collocation_deviation(const struct collocation *p, double s, double x[4])
+{
+    const struct oscillator_basis by = oscillator_basis_at(&p->result.oscillator, s);
+    nodal_derivatives(p->result.slow, p->result.terms, s, x);
+    add_oscillation(p, p->result.y * by.y_of_y + p->result.y_rate * by.y_of_rate,
+                    p->result.y * by.rate_of_y + p->result.y_rate * by.rate_of_rate, x);
+}
+
+void collocation_deviation_at_node(const struct collocation *p, int node, double x[4])
+{
+    const double s = 1.0 + p->nodes->node[node];
+    if (p->kind != COLLOCATION_RESOLVED) {
+        collocation_deviation(p, s, x);
+        return;
+    }
+    const double of_y = p->result.y_of_y[node];
+    const double of_rate = p->result.y_of_rate[node];
+    nodal_derivatives(p->result.slow, p->result.terms, s, x);
+    add_oscillation(p, p->result.y * of_y + p->result.y_rate * of_rate,
+                    -p->result.oscillator.omega2 * p->result.y * of_rate +
+                        p->result.y_rate * (of_y - p->result.oscillator.damping_rate * of_rate),
+                    x);
+}
+
+void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[3])
+{
+    double all[4];
+    nodal_derivatives(p->result.normal_mismatch, p->nodes->points, s, all);
+    memcpy(normal_mismatch, all, 3 * sizeof *normal_mismatch);
+}
+
+void collocation_overdamped_push(const struct collocation *p, double s, double push[3])
+{
+    const int points = p->nodes->points;
+    nodal_values bend;
+    nodal_values drive;
+    double of_bend[4];
+    double of_drive[4];
+    for (int k = 0; k < points; ++k) {
+        bend[k] = k + 2 < points ? (k + 1) * (k + 2) * p->result.slow[k + 2] : 0.0;
+        drive[k] = p->result.load[k] + p->result.oscillator.damping_rate * p->result.normal_mismatch[k];
+    }
+    nodal_derivatives(bend, points, s, of_bend);
+    nodal_derivatives(drive, points, s, of_drive);
+    const double faster = oscillator_rates_of(&p->result.oscillator).faster;
+    double fast = p->result.y * exp(-faster * s) * faster * faster;
+    for (int i = 0; i < 3; ++i) {
+        push[i] = of_bend[i] + fast - of_drive[i];
+        fast *= -faster;
+    }
+}
+
+double collocation_oscillation_integral(const struct collocation *p, double y, double y_rate)
+{
+    /* A single decay has y' = -faster y: the same, but also good without a spring. */
+    const double integral =
+        p->kind == COLLOCATION_OVERDAMPED
+            ? -y / oscillator_rates_of(&p->result.oscillator).faster
+            : -(y_rate + p->result.oscillator.damping_rate * y) / p->result.oscillator.omega2;
+    return p->half * integral;
+}
+
+struct collocation_correction collocation_correction_of(const struct collocation *p, double y, double y_rate,
+                                                        struct vec3 n, struct vec3 h,
+                                                        struct vec3 acceleration, double d)
+{
+    const double correction = collocation_oscillation_integral(p, y, y_rate);
+    return (struct collocation_correction){vec3_scale(-2.0 * correction / (d * d * d), vec3_cross(h, n)),
+                                           vec3_scale(correction, vec3_cross(n, acceleration))};
+}
+
+/* Dense output of a collocated step: dissipated energy and moments at any s. */
+
+/* The integral from 0 to s of the polynomial `a` times the rate of x without y. */
+static double along_slow(const struct collocation *p, const double *a, double s)
+{
+    const int points = p->nodes->points;
+    nodal_values product;
+    nodal_values slope = {0.0};
+    nodal_values values;
+    nodal_values values_of_slope;
+    for (int k = 0; k < points; ++k) {
+        slope[k] = k + 1 < points ? (k + 1) * p->result.slow[k + 1] : 0.0;
+    }
+    nodal_values_of(p->nodes, a, values);
+    nodal_values_of(p->nodes, slope, values_of_slope);
+    for (int i = 0; i < points; ++i) {
+        values[i] *= values_of_slope[i];
+    }
+    nodal_coefficients(p->nodes, values, product);
+    return nodal_integral(product, points, s);
+}
+
+/* The integral from 0 to s of the polynomial `a` times y', in closed form. With a spring: (Q y + Q' y' /
+ * omega2)' = a y' where Q + Q'' / omega2 - damping_rate Q' / omega2 = a. A single decay: (Q y)' = a y' where
+ * Q - Q' / faster = a. */
+static double along_oscillation(const struct collocation *p, const double *a, double s, double y,
+                                double y_rate)
+{
+    const int points = p->nodes->points;
+    nodal_values scaled = {0.0};
+    nodal_values q;
+    const bool decays = p->kind == COLLOCATION_OVERDAMPED;
+    const struct oscillator mirrored = {p->result.oscillator.omega2, -p->result.oscillator.damping_rate};
+    const double factor = decays ? -oscillator_rates_of(&p->result.oscillator).faster : mirrored.omega2;
+    for (int k = 0; k < points; ++k) {
+        scaled[k] = factor * a[k];
+    }
+    if (decays) {
+        relaxation_particular(factor, scaled, q, points);
+        return nodal_polynomial_at(q, points, s) * y - nodal_polynomial_at(q, points, 0.0) * p->result.y;
+    }
+    oscillator_particular(&mirrored, scaled, q, points);
+    return nodal_polynomial_at(q, points, s) * y + nodal_slope(q, points, s) * y_rate / mirrored.omega2 -
+           (nodal_polynomial_at(q, points, 0.0) * p->result.y +
+            nodal_slope(q, points, 0.0) * p->result.y_rate / mirrored.omega2);
+}
+
+/* From the oscillator's own balance of energy, exact at any frequency:
+ * damping_rate x'^2 = -(x'^2 / 2 + omega2 x^2 / 2)' + f x', and (x' + e)^2 = x'^2 + 2 e x' + e^2. */
+double collocation_dissipated(const struct collocation *p, double s)
+{
+    const double damping_rate = p->from.damping_rate * p->half;
+    const double omega2 = p->from.omega2 * p->half * p->half;
+    const double softening = p->result.oscillator.omega2 - omega2;
+    double x[4];
+    double slow[4];
+    nodal_values a;
+    collocation_deviation(p, s, x);
+    collocation_averaged_deviation(p, s, slow);
+    for (int k = 0; k < p->nodes->points; ++k) {
+        a[k] = p->result.load[k] +
+               (p->from.has_mismatch ? 2.0 * damping_rate * p->result.normal_mismatch[k] : 0.0);
+    }
+    const double start_rate = p->half * p->local.rate.x;
+    const double x0 = p->from.deviation;
+    const double y = x[0] - slow[0];
+    const double dissipated_energy =
+        0.5 * ((start_rate - x[1]) * (start_rate + x[1]) + omega2 * (x0 - x[0]) * (x0 + x[0]) +
+               softening * (p->result.y - y) * (p->result.y + y));
+    double sum = dissipated_energy + along_slow(p, a, s) + along_oscillation(p, a, s, y, x[1] - slow[1]);
+    if (p->from.has_mismatch) {
+        nodal_values values;
+        nodal_values_of(p->nodes, p->result.normal_mismatch, values);
+        for (int i = 0; i < p->nodes->points; ++i) {
+            values[i] *= values[i];
+        }
+        nodal_coefficients(p->nodes, values, a);
+        sum += damping_rate * nodal_integral(a, p->nodes->points, s);
+    }
+    return sum / (p->half * p->half);
+}
+
+/* The integral from 0 to s of b y, b given by `values` at the nodes, by parts: with B' = b, (B y)' - B y' = b
+ * y. */
+static double moment_of_oscillation(const struct collocation *p, const double *values, double s)
+{
+    const int points = p->nodes->points;
+    nodal_values sum = {0.0};
+    nodal_values b;
+    double x[4];
+    double slow[4];
+    collocation_deviation(p, s, x);
+    collocation_averaged_deviation(p, s, slow);
+    (void)nodal_integrate(p->nodes, values, sum);
+    nodal_coefficients(p->nodes, sum, b);
+    const double y = x[0] - slow[0];
+    return nodal_polynomial_at(b, points, s) * y - along_oscillation(p, b, s, y, x[1] - slow[1]);
+}
+
+/* c - c(0) and n at a node, in the world, the oscillation left out. */
+static void at_node(const struct collocation *p, int i, struct vec3 *moved, struct vec3 *normal)
+{
+    const struct vec3 start = {1.0, 0.0, 0.0};
+    const struct vec3 normal_change = vec3_sub(
+        vec3_make(p->result.n.x[i], p->result.n.y[i], p->result.n.z[i]), p->result.normal_correction);
+    const double d = p->from.reach + p->result.x[i];
+    *moved = collocation_in_world(
+        p, vec3_axpy(vec3_scale(d, normal_change), p->result.x[i] - p->from.deviation, start));
+    *normal = collocation_in_world(p, vec3_add(start, normal_change));
+}
+
+double collocation_moment(const struct collocation *p, const struct vec3 weight[2], double s)
+{
+    nodal_values values = {0.0};
+    nodal_values along = {0.0};
+    nodal_values a;
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const double at = 1.0 + p->nodes->node[i];
+        const struct vec3 weight_then = vec3_axpy(weight[0], p->half * at, weight[1]);
+        struct vec3 moved;
+        struct vec3 normal;
+        if (collocation_at_rim(p)) {
+            collocation_rim_at_node(p, i, &moved, &normal);
+        } else {
+            at_node(p, i, &moved, &normal);
+        }
+        values[i] = vec3_dot(weight_then, moved);
+        along[i] = vec3_dot(weight_then, normal);
+    }
+    nodal_coefficients(p->nodes, values, a);
+    const double slow = nodal_integral(a, p->nodes->points, s);
+    const double rest = p->kind == COLLOCATION_RESOLVED ? 0.0 : moment_of_oscillation(p, along, s);
+    return p->half * (slow + rest);
+}
+
+/* Dense output of a collocated step: motion at any s. */
+
+static struct vec3 acceleration_then(const struct collocation *p, double t)
+{
+    return vec3_axpy(vec3_axpy(p->local.acceleration[0], t, p->local.acceleration[1]), t * t,
+                     p->local.acceleration[2]);
+}
+
+/* Change of n and H since the start, y included. */
+static void frame_change_at(const struct collocation *p, double s, const double x[4],
+                            struct vec3 *normal_change, struct vec3 *momentum_change)
+{
+    const struct lobatto *nodes = p->nodes;
+    normal_change->x = nodal_integral_to(nodes, p->result.n.x, p->result.n_rate.x, s);
+    normal_change->y = nodal_integral_to(nodes, p->result.n.y, p->result.n_rate.y, s);
+    momentum_change->z = nodal_integral_to(nodes, p->result.h.z, p->result.h_rate.z, s);
+    if (!p->local.planar) {
+        normal_change->z = nodal_integral_to(nodes, p->result.n.z, p->result.n_rate.z, s);
+        momentum_change->x = nodal_integral_to(nodes, p->result.h.x, p->result.h_rate.x, s);
+        momentum_change->y = nodal_integral_to(nodes, p->result.h.y, p->result.h_rate.y, s);
+    }
+    if (p->kind != COLLOCATION_RESOLVED) {
+        double slow[4];
+        collocation_averaged_deviation(p, s, slow);
+        *normal_change = vec3_sub(*normal_change, p->result.normal_correction);
+        *momentum_change = vec3_sub(*momentum_change, p->result.momentum_correction);
+        const struct collocation_correction correction = collocation_correction_of(
+            p, x[0] - slow[0], x[1] - slow[1], vec3_add(vec3_make(1.0, 0.0, 0.0), *normal_change),
+            vec3_add(p->local.momentum, *momentum_change), acceleration_then(p, p->half * s),
+            p->from.reach + x[0]);
+        *normal_change = vec3_add(*normal_change, correction.normal);
+        *momentum_change = vec3_add(*momentum_change, correction.momentum);
+    }
+}
+
+struct collocation_change collocation_change_at(const struct collocation *p, double s)
+{
+    const struct vec3 normal = {1.0, 0.0, 0.0};
+    if (collocation_at_rim(p)) {
+        return collocation_rim_change_at(p, s);
+    }
+    double x[4];
+    collocation_deviation(p, s, x);
+    struct vec3 normal_change = {0.0, 0.0, 0.0};
+    struct vec3 momentum_change = {0.0, 0.0, 0.0};
+    if (!p->local.head_on) {
+        frame_change_at(p, s, x, &normal_change, &momentum_change);
+    }
+    const double d = p->from.reach + x[0];
+    /* n keeps its length: |normal + normal_change|^2 = 1 + longer */
+    const double longer = vec3_dot(vec3_axpy(normal_change, 2.0, normal), normal_change);
+    const double root = sqrt(1.0 + longer);
+    normal_change =
+        vec3_axpy(normal_change, -longer / (root * (1.0 + root)), vec3_add(normal, normal_change));
+    /* Differences of c = d n and c' = x' n + H x n / d, so that a short step keeps its digits. */
+    const double grown = x[0] - p->from.deviation;
+    const double radial = x[1] / p->half;
+    struct vec3 gained = vec3_axpy(vec3_scale(radial, normal_change), radial - p->local.rate.x, normal);
+    if (!p->local.head_on) { /* which may be at the centre, where d = 0 */
+        const struct vec3 swing = vec3_add(vec3_cross(momentum_change, vec3_add(normal, normal_change)),
+                                           vec3_cross(p->local.momentum, normal_change));
+        gained = vec3_axpy(gained, 1.0 / d, swing);
+        gained = vec3_axpy(gained, -grown / (d * p->local.distance), vec3_cross(p->local.momentum, normal));
+    }
+    return (struct collocation_change){
+        collocation_in_world(p, vec3_axpy(vec3_scale(d, normal_change), grown, normal)),
+        collocation_in_world(p, gained), x[0]};
+}
+
+/* How a collocated step begins: its frame, what acts at the nodes, the first guess. */
+
+/* Rounding of a product with the frame's vectors, relative to its factors. */
+static const double FRAME_ROUNDING = 4.0 * DBL_EPSILON;
+
+/* The direction of the part of `a` perpendicular to n, if there is one. Projected twice, because the first
+ * projection of a long `a` leaves rounding. */
+static bool direction_across(struct vec3 n, struct vec3 a, struct vec3 *direction)
+{
+    struct vec3 across = vec3_axpy(a, -vec3_dot(n, a), n);
+    if (!(vec3_max_abs(across) > FRAME_ROUNDING * vec3_max_abs(a))) {
+        return false;
+    }
+    across = vec3_scale(1.0 / vec3_norm(across), across);
+    across = vec3_axpy(across, -vec3_dot(n, across), n);
+    *direction = vec3_scale(1.0 / vec3_norm(across), across);
+    return true;
+}
+
+static void set_frame(struct collocation *p)
+{
+    const struct collocation_problem *from = &p->from;
+    const struct vec3 n = from->normal;
+    struct vec3 along = {0.0, 0.0, 0.0};
+    bool found = direction_across(n, from->rate, &along);
+    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS && !found; ++i) {
+        found = direction_across(n, from->acceleration[i], &along);
+    }
+    p->local.frame[0] = n;
+    p->local.frame[1] = along;
+    p->local.frame[2] = vec3_cross(n, along);
+}
+
+/* Whether a vector lies to rounding in the plane of the frame's first two; then a->z becomes zero. */
+static bool flatten(struct vec3 *a)
+{
+    if (fabs(a->z) > FRAME_ROUNDING * (fabs(a->x) + fabs(a->y))) {
+        return false;
+    }
+    a->z = 0.0;
+    return true;
+}
+
+/* Whether n and H are constant: c' and A are along the normal. */
+static bool is_head_on(const struct collocation_problem *from)
+{
+    double across = vec3_max_abs(vec3_cross(from->normal, from->rate));
+    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
+        across = fmax(across, vec3_max_abs(vec3_cross(from->normal, from->acceleration[i])));
+    }
+    return !(across > 0.0);
+}
+
+static void put_problem_in_frame(struct collocation *p)
+{
+    p->local.rate = collocation_in_frame(p, p->from.rate);
+    p->local.rate.x = p->from.radial;
+    p->local.planar = flatten(&p->local.rate);
+    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
+        p->local.acceleration[i] = collocation_in_frame(p, p->from.acceleration[i]);
+        p->local.planar = flatten(&p->local.acceleration[i]) && p->local.planar;
+    }
+    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS && p->from.has_mismatch; ++i) {
+        p->local.mismatch[i] = collocation_in_frame(p, p->from.mismatch[i]);
+    }
+    p->local.momentum = vec3_scale(p->local.distance, vec3_make(0.0, -p->local.rate.z, p->local.rate.y));
+}
+
+static double load_at_start(const struct collocation *p)
+{
+    if (collocation_at_rim(p)) {
+        return collocation_rim_load_at_start(p);
+    }
+    const double mismatch = p->from.has_mismatch ? p->from.damping_rate * p->local.mismatch[0].x : 0.0;
+    return vec3_dot(p->local.momentum, p->local.momentum) /
+               (p->local.distance * p->local.distance * p->local.distance) +
+           p->local.acceleration[0].x - mismatch;
+}
+
+void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
+                       enum collocation_kind kind, const struct lobatto *nodes)
+{
+    p->from = *from;
+    p->nodes = nodes;
+    p->kind = kind;
+    p->half = 0.5 * step;
+    p->local.distance = from->reach + from->deviation;
+    p->local.head_on = is_head_on(from);
+    p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
+    p->work.sweeps = 0;
+    if (collocation_at_rim(p)) {
+        collocation_rim_begin(p);
+    } else {
+        set_frame(p);
+        put_problem_in_frame(p);
+    }
+    p->result.oscillator =
+        (struct oscillator){from->omega2 * p->half * p->half, from->damping_rate * p->half};
+    memset(p->result.slow, 0, sizeof p->result.slow);
+    memset(p->result.normal_mismatch, 0, sizeof p->result.normal_mismatch);
+    p->result.terms = 1;
+    p->result.slow[0] = kind == COLLOCATION_OVERDAMPED ? from->deviation : load_at_start(p) / from->omega2;
+    p->result.y = from->deviation - p->result.slow[0];
+    p->result.y_rate = p->half * p->local.rate.x;
+}
+
+static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
+{
+    struct vec3 sum = a[terms - 1];
+    for (int i = terms - 2; i >= 0; --i) {
+        sum = vec3_axpy(a[i], t, sum);
+    }
+    return sum;
+}
+
+/* The first guess: x under the load as it begins, n and H to second and first order. */
+static void guess(struct collocation *p, double half)
+{
+    const struct vec3 n = {1.0, 0.0, 0.0};
+    const double per_distance_squared = 1.0 / (p->local.distance * p->local.distance);
+    const struct vec3 momentum_rate = vec3_scale(p->local.distance, vec3_cross(n, p->local.acceleration[0]));
+    const struct vec3 normal_rate = vec3_scale(per_distance_squared, vec3_cross(p->local.momentum, n));
+    const struct vec3 bend =
+        vec3_scale(0.5 * per_distance_squared,
+                   vec3_add(vec3_cross(momentum_rate, n), vec3_cross(p->local.momentum, normal_rate)));
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const double t = half * (1.0 + p->nodes->node[i]);
+        nodal_put_vec3(&p->result.h, i, vec3_scale(t, momentum_rate));
+        nodal_put_vec3(&p->result.n, i, vec3_scale(t, vec3_axpy(normal_rate, t, bend)));
+        p->result.x[i] = p->result.slow[0];
+    }
+}
+
+/* Adds y at the nodes to x (sign 1) or takes it out (sign -1). */
+static void add_oscillation_at_nodes(struct collocation *p, double sign)
+{
+    for (int i = 0; i < p->nodes->points; ++i) {
+        p->result.x[i] +=
+            sign * (p->result.y * p->result.y_of_y[i] + p->result.y_rate * p->result.y_of_rate[i]);
+    }
+}
+
+/* Extrapolates to the nodes of a step that is longer by `part`; takes y out of x. */
+static void extrapolate(struct collocation *p, double part)
+{
+    add_oscillation_at_nodes(p, -1.0);
+    for (int i = 0; i < p->nodes->points && !p->local.head_on; ++i) {
+        const double later = part * (1.0 + p->nodes->node[i]);
+        p->result.h.z[i] += later * p->result.h_rate.z[i];
+        p->result.n.x[i] += later * p->result.n_rate.x[i];
+        p->result.n.y[i] += later * p->result.n_rate.y[i];
+        if (!p->local.planar) {
+            p->result.h.x[i] += later * p->result.h_rate.x[i];
+            p->result.h.y[i] += later * p->result.h_rate.y[i];
+            p->result.n.z[i] += later * p->result.n_rate.z[i];
+        }
+    }
+}
+
+static void fill_nodes(struct collocation *p)
+{
+    const bool steady = !p->from.has_mismatch && vec3_is_zero(p->local.acceleration[1]) &&
+                        vec3_is_zero(p->local.acceleration[2]);
+    for (int i = 0; i < p->nodes->points && steady; ++i) {
+        nodal_put_vec3(&p->work.acceleration_at, i, p->local.acceleration[0]);
+        nodal_put_vec3(&p->work.drive_at, i, p->local.acceleration[0]);
+    }
+    for (int i = 0; i < p->nodes->points && !steady; ++i) {
+        const double t = p->half * (1.0 + p->nodes->node[i]);
+        const struct vec3 acceleration =
+            polynomial_of_time(p->local.acceleration, COLLOCATION_ACCELERATION_TERMS, t);
+        struct vec3 drive = acceleration;
+        if (p->from.has_mismatch) {
+            const struct vec3 mismatch = polynomial_of_time(p->local.mismatch, COLLOCATION_MISMATCH_TERMS, t);
+            nodal_put_vec3(&p->work.mismatch_at, i, vec3_scale(p->half, mismatch));
+            drive = vec3_axpy(acceleration, -p->from.damping_rate, mismatch);
+        }
+        nodal_put_vec3(&p->work.acceleration_at, i, acceleration);
+        nodal_put_vec3(&p->work.drive_at, i, drive);
+    }
+}
+
+void collocation_size(struct collocation *p, double step)
+{
+    const bool resolved = p->kind == COLLOCATION_RESOLVED;
+    const double longer = 0.5 * step / p->half;
+    if (p->work.sweeps == 0) {
+        guess(p, 0.5 * step);
+        if (collocation_at_rim(p)) {
+            collocation_rim_guess(p, 0.5 * step);
+        }
+    } else if (resolved) {
+        extrapolate(p, longer - 1.0);
+    }
+    p->result.y_rate *= longer;
+    p->half = 0.5 * step;
+    p->result.terms = p->nodes->points;
+    p->result.oscillator =
+        (struct oscillator){p->from.omega2 * p->half * p->half, p->from.damping_rate * p->half};
+    fill_nodes(p);
+    if (resolved) {
+        oscillator_basis_about_one(&p->result.oscillator, p->nodes->node, p->nodes->points, p->result.y_of_y,
+                                   p->result.y_of_rate);
+        add_oscillation_at_nodes(p, 1.0);
+    }
+}

@@ -1,0 +1,1107 @@
+#include <float.h>
+#include <string.h>
+
+#include "flight/flight.h"
+#include "math/compiler.h"
+#include "scene/evaluate.h"
+#include "scene/present.h"
+#include "touch/pair.h"
+
+static struct pair_work work_on(const struct contact_pair *p, const struct scene_values *v,
+                                const struct scene_state *q, int body, double sign)
+{
+    struct pair_work work = {.order = 0};
+    const struct body_path *path = &q->path[body];
+    if (body_is_free(v, body)) {
+        memcpy(work.path, path->force, sizeof work.path);
+        work.factor = sign * p->reduced_mass / body_mass(v, body);
+        work.order = 1;
+    } else if (body_is_prescribed(v, body)) {
+        memcpy(work.path, path->velocity, sizeof work.path);
+        work.factor = -sign * p->reduced_mass;
+        work.order = 2;
+    } else {
+        return work;
+    }
+    path_shift(work.path, 3, q->clock);
+    return work;
+}
+
+/* Across a plane's normal no work is done, whatever the path. */
+static bool is_constant(const struct contact_pair *p, const struct pair_work *work)
+{
+    if (contact_is_plane(&p->shape)) {
+        return work->order == 0 || (contact_along_plane(p->normal, work->path[1]) == 0.0 &&
+                                    contact_along_plane(p->normal, work->path[2]) == 0.0);
+    }
+    return work->order == 0 || (vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
+}
+
+bool pair_is_head_on(const struct contact_pair *p)
+{
+    return is_constant(p, &p->work[0]) && is_constant(p, &p->work[1]) &&
+           flight_is_head_on(&p->shape, &p->flight, p->normal);
+}
+
+/*
+ * At d = 0, n is undefined. It becomes the direction of motion, and c, which is rounding there, is set along
+ * it. At rest it keeps the direction at hand, unless the relative acceleration outweighs the contact force
+ * along it: then it takes that of the relative acceleration.
+ */
+static void leave_centre(struct contact_pair *p, const struct contact_geometry *geometry)
+{
+    const double reach = contact_reach(&p->shape);
+    struct vec3 acceleration = pair_across(p, vec3_scale(2.0, p->flight.c[2]));
+    if (!(p->coefficients.k * reach / p->reduced_mass + vec3_dot(p->normal, acceleration) < 0.0)) {
+        acceleration = vec3_make(0.0, 0.0, 0.0);
+    }
+    p->normal = singularity_escape(&p->shape, p->flight.c[1], acceleration, p->normal);
+    p->distance = fmax(reach + p->gap, 2.0 * DBL_EPSILON * reach);
+    p->gap = p->distance - reach;
+    p->rounded = vec3_axpy(vec3_scale(p->distance, p->normal), -1.0, geometry->offset);
+    p->flight.c[0] = p->flight.offset = vec3_scale(p->distance, p->normal);
+    p->starts_rounded = true;
+}
+
+/* Corrects w so that side n.w is `rate`, the g' carried from the segment before. */
+static void take_carried_rate(struct contact_pair *p, double rate)
+{
+    const double missing = p->shape.side * rate - vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
+    p->carried_rate = rate;
+    p->rate_rounded = vec3_scale(missing, p->normal);
+    p->flight.c[1] = vec3_add(p->flight.c[1], p->rate_rounded);
+    p->flight.w[0] = vec3_add(p->flight.w[0], p->rate_rounded);
+}
+
+/* Whether a prescribed displacement has a derivative other than the prescribed velocity, by more than
+ * rounding. */
+static bool path_contradicts(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    if (!body_is_prescribed(v, body)) {
+        return false;
+    }
+    struct body_path path = q->path[body];
+    path_shift(path.displacement, 4, q->clock);
+    path_shift(path.velocity, 3, q->clock);
+    for (int i = 0; i < 3; ++i) {
+        const struct vec3 rate = vec3_scale(i + 1, path.displacement[i + 1]);
+        const double size = vec3_max_abs(rate) + vec3_max_abs(path.velocity[i]);
+        if (vec3_max_abs(vec3_sub(path.velocity[i], rate)) > 16.0 * DBL_EPSILON * size) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void take_law(struct contact_pair *p, const struct contact_law *law, enum contact_regime regime,
+                     const struct contact_geometry *geometry)
+{
+    p->law = *law;
+    p->coefficients = contact_coefficients_of(law, regime);
+    p->chi = p->hertz_stiffness = 0.0;
+    if (contact_is_hertz(law)) {
+        const struct contact_slopes slopes =
+            contact_force_slopes(law, regime, geometry->gap, geometry->gap_rate);
+        p->coefficients = (struct contact_coefficients){-slopes.by_gap, -slopes.by_rate};
+        p->hertz_stiffness = contact_factors_of(law).k;
+        p->chi = regime == REGIME_COMPRESSION ? contact_factors_of(law).c : 0.0;
+    }
+}
+
+void pair_make(struct contact_pair *p, const struct scene_values *v, const struct scene_state *q,
+               const struct scene_instant *at, int contact)
+{
+    const struct contact_geometry *geometry = &at->geometry[contact];
+    p->shape = scene_contact_shape(v, q, contact);
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    take_law(p, &law, (enum contact_regime)q->contact[contact].regime, geometry);
+    p->flight = separation_path_of(v, q, at, q->clock, contact);
+    p->normal = geometry->normal;
+    p->axial = geometry->axial;
+    p->distance = geometry->distance;
+    p->gap = geometry->gap;
+    const double shorter = p->shape.side * p->gap - (geometry->distance - contact_reach(&p->shape));
+    p->rounded = vec3_scale(shorter, p->normal);
+    p->rate_rounding = rounding_of_rate(at, contact);
+    p->reduced_mass = 1.0 / scene_inverse_mass(v, contact);
+    p->rate_rounded = vec3_make(0.0, 0.0, 0.0);
+    p->carried_rate = (double)NAN;
+    p->rate_is_known = p->starts_rounded = false;
+    if (singularity_is_reached(v, at, contact, &p->shape)) {
+        leave_centre(p, geometry);
+    } else {
+        const bool is_carried = scene_rate_is_known(q, at, contact);
+        const double rate = is_carried ? geometry->gap_rate
+                                       : p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
+        p->rate_is_known = is_carried || rate == 0.0;
+        if (p->rate_is_known || p->coefficients.k >= PAIR_STIFF) { /* all formulas are to see the same rate */
+            take_carried_rate(p, rate);
+        }
+    }
+    p->has_mismatch = path_contradicts(v, q, contact_source(contact)) ||
+                      path_contradicts(v, q, contact_destination(contact));
+    p->work[0] = work_on(p, v, q, contact_source(contact), -1.0);
+    p->work[1] = work_on(p, v, q, contact_destination(contact), 1.0);
+    p->is_head_on = pair_is_head_on(p);
+}
+
+struct vec3 pair_across(const struct contact_pair *p, struct vec3 c)
+{
+    return contact_across(&p->shape, c);
+}
+
+struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across)
+{
+    if (contact_is_plane(&p->shape)) {
+        return vec3_make(0.0, 0.0, 0.0);
+    }
+    return vec3_axpy(across, -vec3_dot(p->normal, across), p->normal);
+}
+
+double pair_gap_derivative(const struct contact_pair *p)
+{
+    if (isnan(p->carried_rate)) {
+        return p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.c[1]));
+    }
+    if (!p->has_mismatch) {
+        return p->carried_rate;
+    }
+    const struct vec3 mismatch = vec3_sub(p->flight.w[0], p->flight.c[1]);
+    return p->carried_rate - p->shape.side * vec3_dot(p->normal, pair_across(p, mismatch));
+}
+
+double pair_turning(const struct contact_pair *p, double distance)
+{
+#if SCENE_ANY_CAPS
+    if (contact_is_rim(&p->shape)) {
+        const struct contact_geometry at =
+            contact_geometry_at(&p->shape, p->flight.c[0], p->flight.c[1], p->normal);
+        return contact_turning_rate(&p->shape, &at, p->flight.c[1], p->flight.c[1]) / distance;
+    }
+#endif
+    const struct vec3 across = pair_tangential(p, pair_across(p, p->flight.c[1]));
+    return vec3_dot(across, across) / distance;
+}
+
+#if SCENE_ANY_CAPS
+struct rim_start pair_rim_start(const struct contact_pair *p)
+{
+    const struct contact_solid *solid = &p->shape.solid;
+    return rim_start_of(p->shape.axis, solid->radius, solid->half_height, p->flight.c[0],
+                        contact_reach(&p->shape) + p->gap, p->flight.c[1]);
+}
+#endif
+
+double pair_load(const struct contact_pair *p)
+{
+    const double distance = fmax(p->distance, 0.5 * contact_reach(&p->shape));
+    return p->reduced_mass * fabs(pair_turning(p, distance) + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
+}
+
+static double speed_of(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    if (body_is_prescribed(v, body)) {
+        return vec3_norm(path_at(q->path[body].velocity, 3, q->clock));
+    }
+    return body_is_free(v, body) ? vec3_norm(q->body[body].velocity) : 0.0;
+}
+
+/* Error of the force, relative to it, up to which g' is taken from the rounded velocities. */
+static const double FORCE_ACCURACY = 1e-6;
+
+double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
+                                const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    const double speeds =
+        speed_of(v, q, contact_source(contact)) + speed_of(v, q, contact_destination(contact));
+    /* In lasting contact flight and deviation nearly cancel: the size of either counts. */
+    const double rounding = 16.0 * DBL_EPSILON * (speeds + vec3_norm(change->r_rate));
+    const double force_per_rate = sqrt(p->coefficients.k * p->reduced_mass) + p->coefficients.c;
+    const double rate = fabs(vec3_dot(p->normal, pair_across(p, p->flight.w[0])));
+    if (rounding <= FORCE_ACCURACY * rate) {
+        return 0.0; /* an impact: its speed alone tells */
+    }
+    const double force =
+        pair_load(p) + p->coefficients.k * fmax(fabs(p->gap), fabs(change->gap)) + force_per_rate * rate;
+    const bool counts = force_per_rate * rounding > FORCE_ACCURACY * force;
+    return counts || p->coefficients.k >= PAIR_STIFF ? rounding : 0.0;
+}
+
+static inline void move_body(const struct scene_values *v, struct scene_state *q, int body, double time,
+                             struct vec3 r, struct vec3 r_rate)
+{
+    struct vec3 force[3];
+    flight_force(q, body, q->clock, force);
+    if (!vec3_is_zero(force[0]) || !vec3_is_zero(force[1]) || !vec3_is_zero(force[2])) {
+        q->external_work += flight_work(v, body, q->body[body], force, time);
+    }
+    const struct body_state flown = flight_from(v, body, q->body[body], force, time);
+    q->body[body].moved = vec3_add(flown.moved, r);
+    q->body[body].velocity = vec3_add(flown.velocity, r_rate);
+}
+
+/* The part of a vector that head-on motion leaves alone: in a plane, along a cylinder's axis; a sphere has
+ * none. */
+static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
+{
+    if (contact_is_plane(&p->shape)) {
+        return contact_across_plane(p->normal, a);
+    }
+    return contact_is_cylinder(&p->shape) ? vec3_scale(vec3_dot(p->shape.axis, a), p->shape.axis)
+                                          : vec3_make(0.0, 0.0, 0.0);
+}
+
+static struct vec3 not_aside(const struct contact_pair *p, struct vec3 a)
+{
+    return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, a), p->normal) : pair_across(p, a);
+}
+
+/* The motion that both bodies share, but for what is aside: that of the one that is not free, or that of
+ * their centre of mass. velocity[i] is the coefficient of time^i. */
+struct common_motion {
+    struct vec3 velocity[2];
+};
+
+static struct common_motion common_motion_of(const struct contact_pair *p, const struct scene_values *v,
+                                             const struct scene_state *q, const int ends[PAIR_BODIES])
+{
+    struct common_motion common = {{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
+    double inverse_mass = 0.0; /* of both together */
+    for (int end = 0; end < PAIR_BODIES; ++end) {
+        if (body_is_prescribed(v, ends[end])) {
+            struct vec3 velocity[3];
+            memcpy(velocity, q->path[ends[end]].velocity, sizeof velocity);
+            path_shift(velocity, 3, q->clock);
+            memcpy(common.velocity, velocity, sizeof common.velocity);
+        }
+    }
+    if (body_is_free(v, ends[0]) && body_is_free(v, ends[1])) {
+        inverse_mass = 1.0 / (body_mass(v, ends[0]) + body_mass(v, ends[1]));
+        common.velocity[1] = gravity(v);
+    }
+    for (int end = 0; inverse_mass > 0.0 && end < PAIR_BODIES; ++end) {
+        struct vec3 force[3];
+        flight_force(q, ends[end], q->clock, force);
+        const double part = body_mass(v, ends[end]) * inverse_mass;
+        common.velocity[0] = vec3_axpy(common.velocity[0], part, q->body[ends[end]].velocity);
+        common.velocity[1] = vec3_axpy(common.velocity[1], inverse_mass, force[0]);
+    }
+    common.velocity[0] = not_aside(p, common.velocity[0]);
+    common.velocity[1] = not_aside(p, common.velocity[1]);
+    return common;
+}
+
+/*
+ * Moves a body head-on: as the common motion, its flight aside and its share of the separation. Bodies that
+ * rest against each other for long would lose the digits of their places in a difference of two flights.
+ */
+static void move_head_on(const struct contact_pair *p, const struct pair_change *change,
+                         const struct scene_values *v, struct scene_state *q, int body, double share,
+                         const struct common_motion *common)
+{
+    struct vec3 force[3];
+    struct vec3 velocity[FLIGHT_TERMS];
+    struct body_state *state = &q->body[body];
+    const double side = p->shape.side;
+    flight_force(q, body, q->clock, force);
+    const int terms = flight_velocity(v, body, state->velocity, force, velocity);
+    for (int i = 0; i < terms; ++i) {
+        velocity[i] = aside(p, velocity[i]);
+    }
+    const struct vec3 apart = vec3_axpy(p->rounded, side * (change->gap - p->gap), p->normal);
+    const struct vec3 moved = vec3_axpy(flight_displacement(common->velocity, 2, change->time), share, apart);
+    if (!vec3_is_zero(force[0]) || !vec3_is_zero(force[1]) || !vec3_is_zero(force[2])) {
+        q->external_work +=
+            flight_work_along(velocity, terms, force, change->time) + vec3_dot(force[0], moved);
+    }
+    const struct vec3 flown = aside(p, flight_displacement(velocity, terms, change->time));
+    const struct vec3 together = path_at(common->velocity, 2, change->time);
+    state->moved = vec3_add(state->moved, vec3_add(flown, moved));
+    state->velocity = vec3_add(aside(p, path_at(velocity, terms, change->time)),
+                               vec3_axpy(together, share * side * change->gap_rate, p->normal));
+}
+
+void pair_apply(const struct contact_pair *p, const struct pair_change *change, const struct scene_values *v,
+                struct scene_state *q, int contact)
+{
+    struct contact_state *state = &q->contact[contact];
+    const int ends[PAIR_BODIES] = {contact_source(contact), contact_destination(contact)};
+    const struct vec3 rounded = vec3_axpy(p->rounded, change->time, p->rate_rounded);
+    const struct vec3 r = vec3_add(change->r, rounded);
+    const struct vec3 r_rate = vec3_add(change->r_rate, p->rate_rounded);
+    struct common_motion common = {{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
+    if (change->head_on) {
+        common = common_motion_of(p, v, q, ends);
+    }
+    for (int end = 0; end < PAIR_BODIES; ++end) {
+        if (!body_is_free(v, ends[end])) {
+            q->external_work += p->work[end].factor * change->work[end];
+            continue;
+        }
+        const double share = (end == 0 ? -1.0 : 1.0) * p->reduced_mass / body_mass(v, ends[end]);
+        if (change->head_on) {
+            move_head_on(p, change, v, q, ends[end], share, &common);
+        } else {
+            q->external_work += p->work[end].factor * change->work[end];
+            move_body(v, q, ends[end], change->time, vec3_scale(share, r), vec3_scale(share, r_rate));
+        }
+    }
+    q->dissipated += change->dissipated;
+    state->physics.impulse = vec3_axpy(state->physics.impulse, -p->reduced_mass, change->r_rate);
+    state->physics.accumulated_gap = change->gap;
+}
+
+/* Everything that the recurrence needs besides the results. */
+struct recurrence {
+    struct taylor_vec3 c; /* separation; of a cylinder the part across its axis */
+    struct taylor_vec3 w; /* its rate */
+    struct taylor_vec3 n;
+    double d_squared[TAYLOR_TERMS]; /* c.c */
+    double d[TAYLOR_TERMS];
+    double closing[TAYLOR_TERMS]; /* c.w */
+    double speed[TAYLOR_TERMS];   /* c.w / d = n.w */
+    bool head_on;                 /* n stays: d = n.c, through the centre too */
+};
+
+/* Exactly so, not nearly: head-on, whatever the forces do with time. */
+static bool stays_on_normal(const struct contact_pair *from)
+{
+    if (contact_is_plane(&from->shape)) {
+        return true;
+    }
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        const struct vec3 c = vec3_cross(from->normal, pair_across(from, from->flight.c[i]));
+        const struct vec3 w = vec3_cross(from->normal, pair_across(from, from->flight.w[i - 1]));
+        if (!vec3_is_zero(c) || !vec3_is_zero(w)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Time in which d changes by its own size: at the present speed, or by the force from rest [s]. */
+static double passage_of(const struct contact_pair *from)
+{
+    const double force = fabs(from->coefficients.k * from->gap) / from->reduced_mass;
+    const double acceleration = force + 2.0 * vec3_norm(from->flight.c[2]);
+    return fmin(from->distance / vec3_norm(from->flight.w[0]), sqrt(from->distance / acceleration));
+}
+
+/* The unit of time: one radian of the spring's oscillation, one decay time of the dashpot, or the time of
+ * passage, whichever is shortest. Where the passage is shortest, terms that do not contain d vanish below the
+ * range of numbers; they do so for up to LONGEST_PASSAGE units. */
+static const double LONGEST_PASSAGE = 16.0;
+
+static double natural_unit(const struct contact_pair *from, double passage)
+{
+    const struct contact_coefficients full = contact_coefficients_of(&from->law, REGIME_COMPRESSION);
+    const double spring = sqrt(from->reduced_mass / full.k);
+    const double dashpot = from->reduced_mass / full.c;
+    const double unit = fmin(spring, fmin(dashpot, passage));
+    return isfinite(unit) && unit > 0.0 ? unit : 1.0;
+}
+
+/* Jorba and Zou: from the last two coefficients, the step at which they are a rounding of `whole`. */
+static double convergent_step(double last_but_one, double last, double whole)
+{
+    const double rounding = 0.5 * DBL_EPSILON * whole;
+    return fmin(pow(rounding / fabs(last_but_one), 1.0 / (TAYLOR_ORDER - 1)),
+                pow(rounding / fabs(last), 1.0 / (double)TAYLOR_ORDER));
+}
+
+/* The step for which both the motion, relative to its largest term, and the gap, relative to `distance`, have
+ * converged. A contact without force at the start has r = 0, but a gap. */
+static double reliable_step(const struct pair_taylor *p, double distance)
+{
+    double largest = 0.0;
+    for (int i = 2; i < TAYLOR_TERMS; ++i) {
+        largest = fmax(largest, vec3_norm(p->r.at[i]));
+    }
+    const double by_gap = convergent_step(p->gap[TAYLOR_ORDER - 1], p->gap[TAYLOR_ORDER], distance);
+    const double by_motion =
+        convergent_step(vec3_norm(p->r.at[TAYLOR_ORDER - 1]), vec3_norm(p->r.at[TAYLOR_ORDER]), largest);
+    return largest > 0.0 ? fmin(by_gap, by_motion) : by_gap;
+}
+
+/* Coefficient i of everything, from r[0..i + 1]; then r[i + 2]. */
+static void next_coefficient(struct pair_taylor *p, struct recurrence *z, int i, double power)
+{
+    const struct contact_pair *from = p->from;
+    const int side = from->shape.side;
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    const struct vec3 c = i <= SEPARATION_DEGREE ? vec3_scale(power, from->flight.c[i]) : none;
+    const struct vec3 w = i < SEPARATION_DEGREE ? vec3_scale(power, from->flight.w[i]) : none;
+    const struct vec3 next = i + 1 < TAYLOR_TERMS ? p->r.at[i + 1] : none;
+    z->c.at[i] = pair_across(from, vec3_add(c, p->r.at[i]));
+    z->w.at[i] = vec3_axpy(w, (i + 1) / p->unit, next);
+    if (z->head_on) {
+        z->d[i] = vec3_dot(from->normal, z->c.at[i]);
+        z->speed[i] = vec3_dot(from->normal, z->w.at[i]);
+        z->n.at[i] = i == 0 ? from->normal : none;
+    } else {
+        z->d_squared[i] = taylor_dot(&z->c, &z->c, i);
+        z->d[i] = taylor_root(z->d_squared, z->d, i);
+        z->closing[i] = taylor_dot(&z->c, &z->w, i);
+        z->speed[i] = taylor_divide(z->closing, z->d, z->speed, i);
+        z->n.at[i] = taylor_divide_vec3(&z->c, z->d, &z->n, i);
+    }
+    const bool is_carried = !isnan(from->carried_rate);
+    p->gap[i] = i == 0 ? from->gap : side * z->d[i];
+    if (i == 1 && is_carried) { /* d from c moves by the rounding of velocities */
+        p->gap[1] = p->unit * pair_gap_derivative(from);
+    }
+    p->rate[i] = i == 0 && is_carried ? from->carried_rate : side * z->speed[i];
+    p->force[i] = contact_linear_force(from->coefficients, p->gap[i], p->rate[i]);
+    if (i + 2 < TAYLOR_TERMS) {
+        struct vec3 push = {0.0, 0.0, 0.0};
+        for (int k = 0; k <= i; ++k) {
+            push = vec3_axpy(push, p->force[k], z->n.at[i - k]);
+        }
+        p->r.at[i + 2] =
+            vec3_scale(side * p->unit * p->unit / (from->reduced_mass * (i + 1) * (i + 2)), push);
+    }
+}
+
+void pair_taylor_make(struct pair_taylor *p, const struct contact_pair *from)
+{
+    struct recurrence z;
+    p->from = from;
+    z.head_on = stays_on_normal(from);
+    const double passage = z.head_on ? (double)INFINITY : passage_of(from);
+    p->unit = natural_unit(from, passage);
+    p->r.at[0] = p->r.at[1] = vec3_make(0.0, 0.0, 0.0);
+    double power = 1.0;
+    for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        next_coefficient(p, &z, i, power);
+        power *= p->unit;
+    }
+    p->step =
+        reliable_step(p, z.head_on ? fmax(contact_reach(&from->shape), from->distance) : from->distance);
+    if (p->unit == passage) {
+        p->step = fmin(p->step, LONGEST_PASSAGE);
+    }
+}
+
+static void sample_series(const double *series, double s, double out[3])
+{
+    out[0] = out[1] = out[2] = 0.0;
+    for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
+        out[2] = out[2] * s + 2.0 * out[1];
+        out[1] = out[1] * s + out[0];
+        out[0] = out[0] * s + series[i];
+    }
+}
+
+void pair_taylor_sample(const void *pair_taylor, double s, struct pair_sample *sample)
+{
+    const struct pair_taylor *p = pair_taylor;
+    sample_series(p->gap, s, sample->of[PAIR_GAP]);
+    sample_series(p->rate, s, sample->of[PAIR_GAP_RATE]);
+    sample_series(p->force, s, sample->of[PAIR_FORCE]);
+}
+
+/* The integral of pair_work over [0, s]. */
+static double work_along_series(const struct pair_taylor *p, const struct pair_work *work, double s)
+{
+    double sum[TAYLOR_TERMS + 2] = {0.0};
+    double power = 1.0;
+    if (work->order == 0) {
+        return 0.0;
+    }
+    for (int j = 0; j < 3; ++j) {
+        for (int i = work->order; i < TAYLOR_TERMS; ++i) {
+            const double factor = work->order == 1 ? i : i * (i - 1);
+            sum[i - work->order + j] += power * factor * vec3_dot(work->path[j], p->r.at[i]);
+        }
+        power *= p->unit;
+    }
+    /* dt = unit ds; r' and r'' bring 1/unit and 1/unit^2 */
+    return taylor_integral(sum, TAYLOR_TERMS + 2 - work->order, s) / (work->order == 1 ? 1.0 : p->unit);
+}
+
+static double dissipated(const struct pair_taylor *p, double s)
+{
+    double rate_squared[TAYLOR_TERMS];
+    if (!(p->from->coefficients.c > 0.0)) {
+        return 0.0;
+    }
+    for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        rate_squared[i] = taylor_multiply(p->rate, p->rate, i);
+    }
+    return p->from->coefficients.c * p->unit * taylor_integral(rate_squared, TAYLOR_TERMS, s);
+}
+
+struct pair_change pair_taylor_change(const void *pair_taylor, double s)
+{
+    const struct pair_taylor *p = pair_taylor;
+    struct taylor_vec3 slope;
+    for (int i = 1; i < TAYLOR_TERMS; ++i) {
+        slope.at[i - 1] = vec3_scale(i / p->unit, p->r.at[i]);
+    }
+    return (struct pair_change){
+        .time = p->unit * s,
+        .r = taylor_at_vec3(&p->r, TAYLOR_TERMS, s),
+        .r_rate = taylor_at_vec3(&slope, TAYLOR_ORDER, s),
+        .gap = taylor_at(p->gap, TAYLOR_TERMS, s),
+        .dissipated = dissipated(p, s),
+        .work = {work_along_series(p, &p->from->work[0], s), work_along_series(p, &p->from->work[1], s)}};
+}
+
+/* Lowest damped frequency treated as an oscillation [radians per s]: at 0.97 of critical damping. Beyond, y
+ * decays below rounding within one period. */
+static const double LOWEST_FREQUENCY = 0.25;
+
+/* A viscous contact drifts towards the centre. Largest |g| at which such a segment may start, and at which it
+ * ends, in parts of the reach. */
+static const double DRIFT_STARTS = 0.5;
+static const double DRIFT_ENDS = 0.75;
+
+static double along_normal(const struct contact_pair *from, int degree)
+{
+    return from->shape.side * vec3_dot(from->normal, pair_across(from, from->flight.c[degree]));
+}
+
+/* What |g| must stay below. */
+static double largest_gap(const struct contact_pair *from)
+{
+    return contact_may_reach_centre(&from->shape) ? contact_reach(&from->shape) : DBL_MAX;
+}
+
+static bool make_of_spring(struct pair_oscillation *p)
+{
+    const struct contact_pair *from = p->from;
+    p->stiffness = from->coefficients.k;
+    p->oscillator = (struct oscillator){1.0, from->coefficients.c / from->reduced_mass / p->rate};
+    p->omega_d = sqrt(fmax(1.0 - 0.25 * p->oscillator.damping_rate * p->oscillator.damping_rate, 0.0));
+    p->equilibrium = p->load;
+    p->y = from->gap - p->equilibrium;
+    p->amplitude = oscillator_envelope_of(&p->oscillator, p->y, p->y_rate).amplitude;
+    if (p->omega_d < LOWEST_FREQUENCY) {
+        p->omega_d = 0.0;
+        p->overdamped = overdamped_of(p->oscillator.damping_rate, p->y, p->y_rate);
+    }
+    return fabs(p->equilibrium) + p->amplitude < largest_gap(from);
+}
+
+static bool make_of_dashpot(struct pair_oscillation *p)
+{
+    const struct contact_pair *from = p->from;
+    p->stiffness = from->coefficients.c * p->rate;
+    p->omega_d = p->equilibrium = 0.0;
+    p->y = from->gap;
+    p->overdamped = overdamped_of_dashpot(p->y, p->y_rate, p->load);
+    p->amplitude = fabs(p->y) + fabs(p->overdamped.by_faster);
+    return p->amplitude < DRIFT_STARTS * largest_gap(from);
+}
+
+bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from)
+{
+    const bool has_spring = from->coefficients.k > 0.0;
+    p->rate = has_spring ? sqrt(from->coefficients.k / from->reduced_mass)
+                         : from->coefficients.c / from->reduced_mass;
+    if (!(p->rate > 0.0)) {
+        return false;
+    }
+    p->from = from;
+    p->load = 2.0 * along_normal(from, 2) / (p->rate * p->rate);
+    p->y_rate = pair_gap_derivative(from) / p->rate;
+    return has_spring ? make_of_spring(p) : make_of_dashpot(p);
+}
+
+double pair_oscillation_longest(const struct pair_oscillation *p)
+{
+    if (p->omega_d > 0.0) {
+        return (double)INFINITY;
+    }
+    const double longest = p->overdamped.half_period;
+    if (p->from->coefficients.k > 0.0 || !contact_may_reach_centre(&p->from->shape)) {
+        return longest;
+    }
+    const double free = DRIFT_ENDS * contact_reach(&p->from->shape) - p->amplitude;
+    return fmin(longest, free / fabs(p->overdamped.drift));
+}
+
+/* Whether y or y' is more accurate by itself than by its increment since the start: it has decayed. */
+static bool has_decayed(double now, double start)
+{
+    return 2.0 * fabs(now) < fabs(start);
+}
+
+static double gap_after_decay(const struct pair_oscillation *p, double y, double change)
+{
+    return has_decayed(y, p->y) ? p->equilibrium + y : p->from->gap + change;
+}
+
+/* How much y and y' have changed since the start. */
+static struct oscillator_increment oscillation_change(const struct pair_oscillation *p, double s)
+{
+    const double damping_rate = p->oscillator.damping_rate;
+    if (s * (1.0 + damping_rate) <= OSCILLATOR_SERIES_RANGE) {
+        return oscillator_increment(&p->oscillator, p->y, p->y_rate, 0.0, s);
+    }
+    const double half_angle = 0.5 * p->omega_d * s;
+    const double sine = sin(half_angle);
+    const double cosine_less = -2.0 * sine * sine; /* cos - 1 */
+    const double shrink_less = damping_rate > 0.0 ? expm1(-0.5 * damping_rate * s) : 0.0;
+    const double by_rate = 2.0 * (1.0 + shrink_less) * sine * cos(half_angle) / p->omega_d;
+    const double by_y = shrink_less + (1.0 + shrink_less) * cosine_less + 0.5 * damping_rate * by_rate;
+    return (struct oscillator_increment){p->y * by_y + p->y_rate * by_rate,
+                                         p->y_rate * (by_y - damping_rate * by_rate) - p->y * by_rate};
+}
+
+/* Increments of y and y' since the start, which would lose digits if added to the start values, then y'' and
+ * y'''. */
+static void grow(const struct pair_oscillation *p, double s, double y[4])
+{
+    const struct oscillator_increment change = oscillation_change(p, s);
+    y[0] = change.x;
+    y[1] = change.x_rate;
+    y[2] = -p->oscillator.damping_rate * (p->y_rate + y[1]) - (p->y + y[0]);
+    y[3] = -p->oscillator.damping_rate * y[2] - (p->y_rate + y[1]);
+}
+
+/* y' = exp(-damping_rate s / 2) (y_rate cos + sideways sin) of omega_d s. */
+double pair_oscillation_first_extremum(const struct pair_oscillation *p)
+{
+    const double sideways = -(p->y + 0.5 * p->oscillator.damping_rate * p->y_rate) / p->omega_d;
+    const double angle = p->y_rate == 0.0  ? PI
+                         : p->y_rate < 0.0 ? atan2(-p->y_rate, sideways)
+                                           : atan2(p->y_rate, -sideways);
+    return angle / p->omega_d;
+}
+
+bool pair_oscillation_closes(const struct pair_oscillation *p)
+{
+    return p->y_rate < 0.0 || (p->y_rate == 0.0 && p->y > 0.0);
+}
+
+bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_quantity quantity,
+                                  double factor, double offset)
+{
+    if (!(p->from->coefficients.k > 0.0)) {
+        return false; /* without a spring the gap drifts */
+    }
+    if (quantity == PAIR_GAP) {
+        return p->amplitude < factor * p->equilibrium + offset;
+    }
+    const double k = p->from->coefficients.k;
+    const double c = p->from->coefficients.c * p->rate;
+    const double bend = -p->oscillator.damping_rate * p->y_rate - p->y;
+    double equilibrium = 0.0;
+    double start = p->rate * p->y_rate; /* of what oscillates, and its rate */
+    double start_rate = p->rate * bend;
+    if (quantity == PAIR_FORCE) {
+        equilibrium = -k * p->equilibrium;
+        start = k * p->y + c * p->y_rate;
+        start_rate = k * p->y_rate + c * bend;
+    }
+    return oscillator_envelope_of(&p->oscillator, start, start_rate).amplitude <
+           factor * equilibrium + offset;
+}
+
+static void sample_from(const struct pair_oscillation *p, const double y[4], struct pair_sample *sample)
+{
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PAIR_GAP][i] = y[i];
+        sample->of[PAIR_GAP_RATE][i] = p->rate * y[i + 1];
+        sample->of[PAIR_FORCE][i] =
+            contact_linear_force(p->from->coefficients, y[i], sample->of[PAIR_GAP_RATE][i]);
+    }
+}
+
+/* F_n = m_red (g'' - side n.A). */
+static void sample_overdamped(const struct pair_oscillation *p, double s, struct pair_sample *sample)
+{
+    double y[1 + OVERDAMPED_DERIVATIVES];
+    overdamped_at(&p->overdamped, s, y);
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PAIR_GAP][i] = y[i];
+        sample->of[PAIR_GAP_RATE][i] = p->rate * y[1 + i];
+        sample->of[PAIR_FORCE][i] = p->stiffness * y[2 + i];
+    }
+    sample->of[PAIR_GAP][0] = gap_after_decay(p, y[0], overdamped_since(&p->overdamped, s).y);
+    sample->of[PAIR_FORCE][0] -= p->stiffness * p->load;
+}
+
+void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample)
+{
+    const struct pair_oscillation *p = pair_oscillation;
+    double y[4];
+    if (!(p->omega_d > 0.0)) {
+        sample_overdamped(p, s, sample);
+        return;
+    }
+    grow(p, s, y);
+    y[0] += p->from->gap;
+    y[1] += p->y_rate;
+    sample_from(p, y, sample);
+}
+
+/* Where y' = 0 the phase of y is that of a turning point: |y| = omega_d amplitude exp(-damping_rate s /
+ * 2). */
+void pair_oscillation_sample_extremum(const struct pair_oscillation *p, double s, bool deepest,
+                                      struct pair_sample *sample)
+{
+    const double damping_rate = p->oscillator.damping_rate;
+    const double shrunk = damping_rate > 0.0 ? p->omega_d * exp(-0.5 * damping_rate * s) : 1.0;
+    const double size = deepest ? -shrunk * p->amplitude : shrunk * p->amplitude;
+    const double y[4] = {p->equilibrium + size, 0.0, -size, damping_rate * size};
+    sample_from(p, y, sample);
+}
+
+/* From the oscillator's own balance of energy: p_nv g'^2 = -(m g'^2 / 2 + p_n (g - equilibrium)^2 / 2)', or
+ * -(m g'^2 / 2 - side m n.A g)'. */
+static double dissipated_by_dashpot(const struct pair_oscillation *p, const double grown[2])
+{
+    const bool has_spring = p->from->coefficients.k > 0.0;
+    const double by_rate = grown[1] * (2.0 * p->y_rate + grown[1]);
+    const double by_place = grown[0] * (has_spring ? 2.0 * p->y + grown[0] : -2.0 * p->load);
+    return p->from->coefficients.c > 0.0 ? -0.5 * p->stiffness * (by_rate + by_place) : 0.0;
+}
+
+/* The gap and its rate per s, and how much either has grown since the start. */
+static double gap_grown(const struct pair_oscillation *p, double s, double grown[2], double *y_rate)
+{
+    double y[1 + OVERDAMPED_DERIVATIVES];
+    if (p->omega_d > 0.0) {
+        grow(p, s, y);
+        grown[0] = y[0];
+        grown[1] = y[1];
+        *y_rate = p->y_rate + y[1];
+        return p->from->gap + grown[0];
+    }
+    const struct overdamped_change since = overdamped_since(&p->overdamped, s);
+    overdamped_at(&p->overdamped, s, y);
+    grown[0] = since.y;
+    grown[1] = since.y_rate;
+    *y_rate = has_decayed(y[1], p->y_rate) ? y[1] : p->y_rate + since.y_rate;
+    return gap_after_decay(p, y[0], since.y);
+}
+
+struct pair_change pair_oscillation_change(const void *pair_oscillation, double s)
+{
+    const struct pair_oscillation *p = pair_oscillation;
+    const struct contact_pair *from = p->from;
+    const double time = s / p->rate;
+    const double side = from->shape.side;
+    const double fall = 2.0 * along_normal(from, 2) * time;
+    double grown[2];
+    double y_rate;
+    const double gap = gap_grown(p, s, grown, &y_rate);
+    const double r = grown[0] - (p->y_rate * s + 0.5 * fall * time);
+    const double r_rate = p->rate * grown[1] - fall;
+    struct pair_change change = {.time = time,
+                                 .r = vec3_scale(side * r, from->normal),
+                                 .r_rate = vec3_scale(side * r_rate, from->normal),
+                                 .gap = gap,
+                                 .head_on = true,
+                                 .gap_rate = p->rate * y_rate,
+                                 .dissipated = dissipated_by_dashpot(p, grown)};
+    for (int end = 0; end < PAIR_BODIES; ++end) {
+        const struct pair_work *work = &from->work[end];
+        const struct vec3 by = work->order == 1 ? change.r : change.r_rate;
+        change.work[end] = work->order == 0 ? 0.0 : vec3_dot(work->path[0], by);
+    }
+    return change;
+}
+
+static void add_force(const struct contact_pair *from, struct pair_sample *sample)
+{
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PAIR_FORCE][i] =
+            contact_linear_force(from->coefficients, sample->of[PAIR_GAP][i], sample->of[PAIR_GAP_RATE][i]);
+    }
+}
+
+/* Spring and dashpot forces nearly cancel: the force from the acceleration that it causes. */
+static void add_overdamped_force(const struct pair_collocation *p, double s, struct pair_sample *sample)
+{
+    const double factor = p->from->shape.side * p->from->reduced_mass / (p->step.half * p->step.half);
+    double push[3];
+    collocation_overdamped_push(&p->step, s, push);
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PAIR_FORCE][i] = factor * push[i];
+    }
+}
+
+static void fill_sample(const struct pair_collocation *p, const double x[4], double s,
+                        struct pair_sample *sample)
+{
+    const double side = p->from->shape.side;
+    const double per_time = side / p->step.half;
+    double normal_mismatch[3] = {0.0, 0.0, 0.0};
+    if (p->step.from.has_mismatch) {
+        collocation_mismatch(&p->step, s, normal_mismatch);
+    }
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PAIR_GAP][i] = side * x[i];
+        sample->of[PAIR_GAP_RATE][i] = per_time * (x[i + 1] + normal_mismatch[i]);
+    }
+#if SCENE_ANY_CAPS
+    if (p->step.from.at_rim) {
+        collocation_edges(&p->step, s, x, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
+    }
+#endif
+    if (p->step.kind == COLLOCATION_OVERDAMPED) {
+        add_overdamped_force(p, s, sample);
+    } else {
+        add_force(p->from, sample);
+    }
+}
+
+void pair_collocation_sample(const void *pair_collocation, double s, struct pair_sample *sample)
+{
+    const struct pair_collocation *p = pair_collocation;
+    double x[4];
+    collocation_deviation(&p->step, s, x);
+    fill_sample(p, x, s, sample);
+}
+
+void pair_collocation_sample_node(const struct pair_collocation *p, int node, struct pair_sample *sample)
+{
+    double x[4];
+    collocation_deviation_at_node(&p->step, node, x);
+    fill_sample(p, x, 1.0 + p->step.nodes->node[node], sample);
+}
+
+/* y, its rate and its force all solve the oscillator's equation. */
+void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,
+                           double *rate)
+{
+    const struct oscillator *o = &p->step.result.oscillator;
+    const double half = p->step.half;
+    const double y = p->step.result.y;
+    const double y_rate = p->step.result.y_rate;
+    const double bend = -o->damping_rate * y_rate - o->omega2 * y;
+    const double k = p->from->coefficients.k;
+    const double c = p->from->coefficients.c / half;
+    *start = quantity == PAIR_GAP ? y : quantity == PAIR_GAP_RATE ? y_rate / half : k * y + c * y_rate;
+    *rate = quantity == PAIR_GAP ? y_rate : quantity == PAIR_GAP_RATE ? bend / half : k * y_rate + c * bend;
+}
+
+struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, enum pair_quantity quantity)
+{
+    double start;
+    double rate;
+    pair_free_oscillation(p, quantity, &start, &rate);
+    return oscillator_envelope_of(&p->step.result.oscillator, start, rate);
+}
+
+void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample)
+{
+    const struct pair_collocation *p = pair_collocation;
+    double x[4];
+    collocation_averaged_deviation(&p->step, s, x);
+    fill_sample(p, x, s, sample);
+}
+
+void pair_lower_bound_from(const struct pair_lower_bound *bound, const struct oscillator_envelope *envelope,
+                           double s, const struct pair_sample *slow, double *value, double *slope)
+{
+    const double still = envelope->decay_rate > 0.0 ? envelope->amplitude * exp(-envelope->decay_rate * s)
+                                                    : envelope->amplitude;
+    *value = bound->factor * slow->of[bound->quantity][0] + bound->offset - still;
+    *slope = bound->factor * slow->of[bound->quantity][1] + envelope->decay_rate * still;
+}
+
+void pair_lower_bound_at(const void *pair_lower_bound, double s, double *value, double *slope)
+{
+    const struct pair_lower_bound *bound = pair_lower_bound;
+    const struct oscillator_envelope envelope = pair_envelope_of(bound->of, bound->quantity);
+    struct pair_sample slow;
+    pair_collocation_sample_averaged(bound->of, s, &slow);
+    pair_lower_bound_from(bound, &envelope, s, &slow, value, slope);
+}
+
+/* Integrated by parts, so that the oscillation of r' and r'' need not be resolved: (path r)' = path' r + path
+ * r', and once more. The remaining integrand is path' or path'', linear in time, times r = c - c(0) - (C -
+ * C(0)). */
+static double work_by_parts(const struct pair_collocation *p, const struct pair_work *work,
+                            const struct pair_change *change, double s)
+{
+    const double t = change->time;
+    const struct vec3 path = path_at(work->path, 3, t);
+    const struct vec3 slope = vec3_axpy(work->path[1], 2.0 * t, work->path[2]);
+    struct vec3 weight[2] = {work->path[1], vec3_scale(2.0, work->path[2])};
+    if (work->order == 0) {
+        return 0.0;
+    }
+    double boundary = vec3_dot(path, change->r);
+    double sign = -1.0;
+    if (work->order == 2) {
+        boundary = vec3_dot(path, change->r_rate) - vec3_dot(slope, change->r);
+        sign = 1.0;
+        weight[0] = weight[1];
+        weight[1] = vec3_make(0.0, 0.0, 0.0);
+    }
+    if (!(vec3_max_abs(weight[0]) + vec3_max_abs(weight[1]) > 0.0)) {
+        return boundary;
+    }
+    /* C - C(0) has degree four, the weight one: five Gauss-Legendre nodes would be more than enough; term by
+     * term it is exact. */
+    double flown = 0.0;
+    double power = t;
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        const struct vec3 c = p->felt[i - 1];
+        power *= t;
+        flown += power * (vec3_dot(weight[0], c) / (i + 1) + t * vec3_dot(weight[1], c) / (i + 2));
+    }
+    return boundary + sign * (collocation_moment(&p->step, weight, s) - flown);
+}
+
+struct pair_change pair_collocation_change(const void *pair_collocation, double s)
+{
+    const struct pair_collocation *p = pair_collocation;
+    const struct contact_pair *from = p->from;
+    const struct collocation_change step = collocation_change_at(&p->step, s);
+    struct pair_change change = {.time = p->step.half * s, .r = step.moved, .r_rate = step.gained};
+    double power = 1.0;
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        const struct vec3 c = p->felt[i - 1];
+        if (i > 1) {
+            change.r_rate = vec3_axpy(change.r_rate, -i * power, c);
+        }
+        power *= change.time;
+        change.r = vec3_axpy(change.r, -power, c);
+    }
+    change.gap = from->shape.side * step.deviation;
+    if (from->coefficients.c > 0.0) {
+        change.dissipated = from->reduced_mass * collocation_dissipated(&p->step, s);
+    }
+    for (int end = 0; end < PAIR_BODIES; ++end) {
+        change.work[end] = work_by_parts(p, &from->work[end], &change, s);
+    }
+    return change;
+}
+
+/* Rates and sizes of the motion at the start of a collocated step. */
+
+/* The part of a vector that the contact's motion feels: across a cylinder's axis; along a plane's normal, so
+ * that nothing turns (H = 0) and a polynomial load is followed exactly. */
+static struct vec3 coupled(const struct contact_pair *p, struct vec3 c)
+{
+    return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, c), p->normal) : pair_across(p, c);
+}
+
+/* A: second derivative of C. E = W - C'. Both across a cylinder's axis. */
+static void set_paths(const struct contact_pair *p, const struct vec3 felt[SEPARATION_DEGREE],
+                      struct collocation_problem *problem)
+{
+    for (int i = 0; i < COLLOCATION_ACCELERATION_TERMS; ++i) {
+        problem->acceleration[i] = vec3_scale((i + 1) * (i + 2), felt[i + 1]);
+    }
+    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS; ++i) {
+        const struct vec3 mismatch = vec3_axpy(p->flight.w[i], -(i + 1), p->flight.c[i + 1]);
+        const bool is_none = !(vec3_max_abs(mismatch) > 0.0);
+        problem->mismatch[i] = is_none ? mismatch : coupled(p, mismatch);
+        problem->has_mismatch = problem->has_mismatch || !is_none;
+    }
+}
+
+/* Where W and C' are the same but for rounding, the dashpot makes a load of the difference, and the spring an
+ * oscillation. Below this part of the load it is left as it is: peaks are right to it. */
+static const double NEGLIGIBLE_LOAD = 1e-6;
+
+/* A difference by rounding alone, seen over a radian of the tangential motion, is none if it makes a force
+ * to be seen beside the load. */
+static void drop_rounded_mismatch(const struct contact_pair *p, double tangential_rate,
+                                  struct collocation_problem *problem)
+{
+    double size = 0.0;
+    double power = 1.0;
+    for (int i = 0; i < COLLOCATION_MISMATCH_TERMS; ++i) {
+        const double rate = vec3_norm(p->flight.w[i]);
+        size += rate > 0.0 ? rate * power : 0.0;
+        power /= tangential_rate;
+    }
+    const double load = vec3_norm(problem->acceleration[0]);
+    const double per_rate = problem->damping_rate + sqrt(problem->omega2);
+    if (per_rate * 16.0 * DBL_EPSILON * size > NEGLIGIBLE_LOAD * load) {
+        memset(problem->mismatch, 0, sizeof problem->mismatch);
+        problem->has_mismatch = false;
+    }
+}
+
+void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p)
+{
+    struct collocation_problem *problem = &out->problem;
+    problem->has_mismatch = false;
+    problem->normal = p->normal;
+    for (int i = 0; i < SEPARATION_DEGREE; ++i) {
+        out->felt[i] = coupled(p, p->flight.c[i + 1]);
+    }
+    problem->rate = out->felt[0];
+    problem->reach = contact_reach(&p->shape);
+    problem->deviation = p->shape.side * p->gap;
+    problem->omega2 = p->coefficients.k / p->reduced_mass;
+    problem->damping_rate = p->coefficients.c / p->reduced_mass;
+    set_paths(p, out->felt, problem);
+    const double d = contact_is_plane(&p->shape) ? (double)INFINITY : problem->reach + problem->deviation;
+    const struct vec3 along = pair_tangential(p, problem->rate);
+    const double radial = p->shape.side * pair_gap_derivative(p);
+    problem->radial = radial;
+    out->distance = d;
+    out->rate_along = vec3_norm(along) / d;
+    out->tangential_rate = out->rate_along + sqrt(vec3_norm(problem->acceleration[0]) / d);
+    if (problem->has_mismatch && !p->has_mismatch) {
+        drop_rounded_mismatch(p, out->tangential_rate, problem);
+    }
+    double turning = vec3_dot(along, along) / d;
+#if SCENE_ANY_CAPS
+    problem->at_rim = contact_is_rim(&p->shape);
+    if (problem->at_rim) {
+        problem->rim = pair_rim_start(p);
+        turning = pair_turning(p, d);
+    }
+#endif
+    const double load = turning + vec3_dot(p->normal, problem->acceleration[0]) -
+                        problem->damping_rate * vec3_dot(p->normal, problem->mismatch[0]);
+    const struct oscillator oscillator = {problem->omega2, problem->damping_rate};
+    out->rates = oscillator_rates_of(&oscillator);
+    out->equilibrium_depth = -p->shape.side * load / problem->omega2;
+    out->underdamped = 4.0 * problem->omega2 > problem->damping_rate * problem->damping_rate;
+    out->oscillation =
+        oscillator_envelope_of(&oscillator, problem->deviation - load / problem->omega2, radial).amplitude;
+}
+
+/* |A| at its largest, seen at the start, the middle and the end of the step [m/s^2]. */
+static double largest_acceleration(const struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS],
+                                   double step)
+{
+    double largest = vec3_norm(acceleration[0]);
+    for (int i = 1; i <= 2; ++i) {
+        largest =
+            fmax(largest, vec3_norm(path_at(acceleration, COLLOCATION_ACCELERATION_TERMS, 0.5 * i * step)));
+    }
+    return largest;
+}
+
+double pair_tangential_rate_within(const struct pair_timescales *scales, double step)
+{
+    const struct vec3 *acceleration = scales->problem.acceleration;
+    if (vec3_is_zero(acceleration[1]) && vec3_is_zero(acceleration[2])) {
+        return scales->tangential_rate;
+    }
+    return scales->rate_along + sqrt(largest_acceleration(acceleration, step) / scales->distance);
+}
+
+/* A step may cover this many times the radians asked for: they are an estimate. */
+static const double RADIANS_MORE = 1.1;
+
+/* Each trial at least halves the logarithm of the excess length: a step 1e6 times too long needs eight. */
+enum { STEP_TRIALS = 12 };
+
+double pair_step_within(const struct pair_timescales *scales, double longest, double radians)
+{
+    double step = fmin(longest, radians / scales->tangential_rate);
+    for (int i = 0; i < STEP_TRIALS; ++i) {
+        const double tangential_rate = pair_tangential_rate_within(scales, step);
+        if (step * tangential_rate <= RADIANS_MORE * radians) {
+            break;
+        }
+        /* The step sought lies between this one and radians / tangential_rate. The rate grows with a power
+         * of the step between 0 and 1, so the geometric mean of the two is nearer to it than either. */
+        step = sqrt(step * (radians / tangential_rate));
+    }
+    return step;
+}

@@ -1,0 +1,256 @@
+/*
+ * A contact pair: two bodies that exchange a contact force, from one instant on, within one regime.
+ *
+ * Without that force the separation would follow the polynomial C(t), its rate W(t) (relative_path.h). With
+ * it c = C + r, w = W + r' and m_red r'' = side F_n n, where 1/m_red is the sum of the free bodies' inverse
+ * masses. Momentum is conserved exactly: the bodies deviate from their flights by -r m_red/m_s and +r
+ * m_red/m_d, and the impulse on the source is -m_red r'. r is found by pair_oscillation.h, pair_collocation.h
+ * or pair_taylor.h.
+ */
+#ifndef CONTACT_TOUCH_PAIR_H
+#define CONTACT_TOUCH_PAIR_H
+
+#include "flight/relative_path.h"
+#include "math/oscillator.h"
+#include "math/series.h"
+#include "scene/dense_output.h"
+#include "touch/collocation.h"
+#include "touch/rim_local.h"
+
+/* Below this [N/m] gap and rate are always known well enough: their rounding, some 1e-16 m and m/s, makes
+ * forces that nobody sees beside a load. The stiffest contacts that are built have some 1e10. */
+#define PAIR_STIFF 1e18
+
+enum { PAIR_BODIES = 2 }; /* source, destination */
+
+/* External work on one body that is due to r: factor times the integral of path(t).d^order r/dt^order dt.
+ * Free: its external force (order 1). Prescribed: its velocity against the contact force (order 2). Fixed:
+ * none (order 0). */
+struct pair_work {
+    struct vec3 path[3]; /* coefficients of time from the instant */
+    double factor;
+    int order;
+};
+
+struct contact_pair {
+    struct contact_shape shape;
+    struct contact_law law;
+    /* k and c in the regime; of Hertz's law the slopes of the force at the start, for estimates */
+    struct contact_coefficients coefficients;
+    double hertz_stiffness; /* k_h; 0 under the linear law [N/m^1.5] */
+    double chi;             /* the factor of Hunt and Crossley in the regime; 0 under the linear law [s/m] */
+    /* C, W; of a cylinder the part along its axis too, but for C(0) at the axis */
+    struct separation_path flight;
+    double axial;         /* c.e_d of a cylinder [m] */
+    struct vec3 normal;   /* n */
+    double distance, gap; /* d [m], accumulated gap g [m] */
+    /* rounding: added to c so that its length agrees with the accumulated gap, or with the direction taken at
+     * the centre [m] */
+    struct vec3 rounded;
+    bool starts_rounded;      /* whether C(0) has it already, as at the centre */
+    struct vec3 rate_rounded; /* rounding: added to w so that side n.w is the carried rate [m/s] */
+    double carried_rate;      /* g' that is more than side n.w; NaN: that is as accurate [m/s] */
+    bool rate_is_known;       /* carried, or exactly zero: without the rounding of velocities */
+    bool has_mismatch;        /* whether W is other than C', by more than rounding */
+    bool is_head_on;          /* pair_is_head_on */
+    double reduced_mass;      /* m_red [kg] */
+    double rate_rounding;     /* of g', by rounding [m/s] */
+    struct pair_work work[PAIR_BODIES];
+};
+
+/* What has happened since the instant. */
+struct pair_change {
+    double time;              /* [s] */
+    struct vec3 r, r_rate;    /* [m], [m/s] */
+    double gap;               /* g now [m] */
+    bool head_on;             /* whether gap and gap_rate tell all of the relative motion along n */
+    double gap_rate;          /* g' now, where that is so [m/s] */
+    double dissipated;        /* by the dashpot [J] */
+    double work[PAIR_BODIES]; /* the integrals of pair_work [J] */
+};
+
+/* Whether the motion goes along n alone, under a constant acceleration along it; over a plane and along a
+ * cylinder's axis the bodies may move as they like. */
+bool pair_is_head_on(const struct contact_pair *p);
+
+/* From the present instant `at`, taken at q->clock, for a contact in compression or restitution. */
+void pair_make(struct contact_pair *p, const struct scene_values *v, const struct scene_state *q,
+               const struct scene_instant *at, int contact);
+
+/* dg/dt at the start [m/s]. It differs from g' where a prescribed velocity is not the derivative of its
+ * displacement. */
+double pair_gap_derivative(const struct contact_pair *p);
+
+/* g'' by the turning of n alone, at such a distance: |w_t|^2 / d, of a rim less [m/s^2]. */
+double pair_turning(const struct contact_pair *p, double distance);
+
+/* The force that would keep the bodies at their present distance, |m_red (|w_t|^2 / d + n.A)| [N]. Near the
+ * centre half the reach stands for d, since the bodies only pass there. */
+double pair_load(const struct contact_pair *p);
+
+#if SCENE_ANY_CAPS
+/* Of a rim. */
+struct rim_start pair_rim_start(const struct contact_pair *p);
+#endif
+
+/* The part of c perpendicular to a cylinder's axis. */
+struct vec3 pair_across(const struct contact_pair *p, struct vec3 c);
+
+/* The tangential part of such a vector, which turns n: without its component along n; none of a plane. */
+struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
+
+/* Rounding error of g' computed from the velocities after the change [m/s]; 0 where the error of the force
+ * that it causes is negligible. */
+double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
+                                const struct scene_values *v, const struct scene_state *q, int contact);
+
+/* Moves the bodies, books impulse, dissipated energy and external work; the clock is the caller's. */
+void pair_apply(const struct contact_pair *p, const struct pair_change *change, const struct scene_values *v,
+                struct scene_state *q, int contact);
+
+/*
+ * A contact pair by Taylor series of time: F_n and n follow from c and w by products, a square root and
+ * quotients, so the coefficients of r are found order by order (Jorba and Zou, Experimental Mathematics 14
+ * (2005) 99). Exact to rounding; a step covers about two radians of the contact's oscillation or two decay
+ * times.
+ *
+ * Series variable s = time / unit, dimensionless.
+ */
+
+struct pair_taylor {
+    const struct contact_pair *from;
+    struct taylor_vec3 r;       /* deviation of the separation from flight [m] */
+    double gap[TAYLOR_TERMS];   /* g [m] */
+    double rate[TAYLOR_TERMS];  /* g' as the law sees it [m/s] */
+    double force[TAYLOR_TERMS]; /* F_n [N] */
+    double unit;                /* [s] */
+    double step;                /* the sums are exact to rounding up to this s */
+};
+
+void pair_taylor_make(struct pair_taylor *p, const struct contact_pair *from);
+
+void pair_taylor_sample(const void *pair_taylor, double s, struct pair_sample *sample);
+
+struct pair_change pair_taylor_change(const void *pair_taylor, double s);
+
+/*
+ * A contact pair in head-on motion: along the normal alone, under a constant relative acceleration along the
+ * normal. The gap is a damped oscillator under a constant load, in closed form for any length of time:
+ *
+ *   g = equilibrium + y,   m_red y'' + p_nv y' + p_n y = 0,   equilibrium = side m_red n.A / p_n
+ *
+ * Variable s = rate time, in radians of the undamped oscillator. Up to 0.97 of critical damping y oscillates,
+ * beyond it decays. Without a spring y = g, m_red y'' + p_nv y' = side m_red n.A, with s in decay times of
+ * the dashpot.
+ */
+
+struct pair_oscillation {
+    const struct contact_pair *from;
+    double rate;                  /* sqrt(p_n / m_red), or p_nv / m_red [1/s] */
+    double stiffness;             /* m_red rate^2: p_n where there is a spring [N/m] */
+    double load;                  /* side n.A per s^2 [m] */
+    struct oscillator oscillator; /* of y, per s, where there is a spring: omega2 1 */
+    double omega_d;               /* radians of y per s: sqrt(1 - damping_rate^2 / 4); 0 where it decays */
+    struct overdamped overdamped; /* there */
+    double equilibrium;           /* static equilibrium: the load with a spring, 0 without [m] */
+    double y, y_rate;             /* at the start, per s [m] */
+    double amplitude;             /* |y| stays below it, the drift left out [m] */
+};
+
+/* Of a pair that moves head-on (pair->is_head_on). False where it might reach the centre of solid bodies
+ * (inside a hollow body contact ends before). */
+bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from);
+
+/* Whether factor quantity + offset stays positive for all s >= 0. */
+bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_quantity quantity,
+                                  double factor, double offset);
+
+/* Upper bound of s for a segment with events. Where y decays, no quantity has two extrema within it. INFINITY
+ * where y oscillates. */
+double pair_oscillation_longest(const struct pair_oscillation *p);
+
+/* The first s > 0 at which the gap has an extremum. Further ones follow every half period pi / omega_d, and
+ * so do the extrema of the other quantities. */
+double pair_oscillation_first_extremum(const struct pair_oscillation *p);
+
+/* Whether the gap decreases until that first extremum. */
+bool pair_oscillation_closes(const struct pair_oscillation *p);
+
+/* The sample at an extremum of the oscillation, a minimum of the gap (deepest) or a maximum, without
+ * trigonometric functions. */
+void pair_oscillation_sample_extremum(const struct pair_oscillation *p, double s, bool deepest,
+                                      struct pair_sample *sample);
+
+void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample);
+
+struct pair_change pair_oscillation_change(const void *pair_oscillation, double s);
+
+/* A contact pair by collocation in local coordinates (touch/collocation.h): steps as long as the tangential
+ * motion allows, whatever the penalty factor. Variable s in [0, 2], time = half s. */
+
+/* Rates and sizes of the motion at the start of a step. */
+struct pair_timescales {
+    struct collocation_problem problem;
+    /* coefficients of C, from the first one on: the part that the contact's motion feels */
+    struct vec3 felt[SEPARATION_DEGREE];
+    double distance;   /* d [m]; INFINITY of a plane, whose normal never turns */
+    double rate_along; /* |c' along the contact| / d [1/s] */
+    /* rate_along + sqrt(|A| / d) at the start: n turns by about a radian in its inverse [1/s] */
+    double tangential_rate;
+    /* of the radial oscillator; sqrt(p_n / m_red) below critical damping [1/s] */
+    struct oscillator_rates rates;
+    double oscillation;       /* amplitude of the oscillation of x about its particular solution [m] */
+    bool underdamped;         /* below critical damping */
+    double equilibrium_depth; /* penetration at equilibrium with the load, -side f / omega2 [m] */
+};
+
+void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p);
+
+/* The largest tangential rate within a step of so many seconds [1/s]. It exceeds that at the start where the
+ * relative acceleration A grows with time, perhaps from zero. */
+double pair_tangential_rate_within(const struct pair_timescales *scales, double step);
+
+/* The longest step, up to `longest` [s], in which the tangential motion covers about `radians`. */
+double pair_step_within(const struct pair_timescales *scales, double longest, double radians);
+
+struct pair_collocation {
+    const struct contact_pair *from;
+    const struct vec3 *felt; /* of pair_timescales */
+    struct collocation step;
+};
+
+void pair_collocation_sample(const void *pair_collocation, double s, struct pair_sample *sample);
+
+/* The same at a Lobatto node, cheaper. */
+void pair_collocation_sample_node(const struct pair_collocation *p, int node, struct pair_sample *sample);
+
+/* Of the averaged motion, the oscillation left out. */
+void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample);
+
+/* Lower bound of factor quantity + offset in an averaged step: the averaged quantity less the envelope of the
+ * oscillation. */
+struct pair_lower_bound {
+    const struct pair_collocation *of;
+    enum pair_quantity quantity;
+    double factor, offset;
+};
+
+/* Value and slope at s of factor quantity + offset - envelope; a root_function of a struct
+ * pair_lower_bound. */
+void pair_lower_bound_at(const void *pair_lower_bound, double s, double *value, double *slope);
+
+/* The same from the averaged sample at s; `envelope` is pair_envelope_of the bounded quantity. */
+void pair_lower_bound_from(const struct pair_lower_bound *bound, const struct oscillator_envelope *envelope,
+                           double s, const struct pair_sample *slow, double *value, double *slope);
+
+/* What the oscillation alone adds to a quantity but for its sign (the force is minus it): its value at the
+ * start and its rate per s. */
+void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,
+                           double *rate);
+
+/* Bound of it. */
+struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, enum pair_quantity quantity);
+
+struct pair_change pair_collocation_change(const void *pair_collocation, double s);
+
+#endif

@@ -1,0 +1,1360 @@
+#include <float.h>
+#include <string.h>
+
+#include "contact/shape.h"
+#include "flight/zone_path.h"
+#include "math/compiler.h"
+#include "math/nodes.h"
+#include "math/polynomial.h"
+#include "scene/evaluate.h"
+#include "scene/present.h"
+#include "touch/segment.h"
+#include "touch/terminal_event.h"
+
+/* How far rounding may change the peaks of a contact that is stiff beyond all technique. */
+
+/* To be called once the peaks of a segment of `time` seconds are in the state. */
+static void peak_error_note(const struct segment *p, double time, struct contact_state *state);
+
+/* Largest force and penetration within a segment. */
+
+/* Takes the segment up to `end` into account for the peaks of the communication step. */
+static void peaks_note(struct segment *p, struct contact_state *state, double end);
+
+/*
+ * The impulse of the torque on a destination where nothing turns or rubs: then c x F, with F the force on the
+ * source, for the source's lever arm is along it. With c = C + r, F = -m_red r'' (contact_pair.h)
+ *
+ *   integral of c x F = -m_red ([C x r' - C' x r + r x r'] + integral of C'' x r)
+ *
+ * r is along n. So of C only the part along the axis counts at the side of a cylinder, that across n at a
+ * plane and at a cap, and r x r' counts at a rim alone. Towards a sphere there is no torque.
+ */
+
+/* The motion since the start of a segment, at s. */
+typedef struct pair_change pair_changer(const void *motion, double s);
+
+/* Over [0, s], at which `change` is [N m s]. */
+struct vec3 torque_impulse(struct segment *p, pair_changer *changer, const struct pair_change *change,
+                           double s);
+
+static bool taylor_applies(const struct segment *p)
+{
+    (void)p;
+    return true;
+}
+
+static bool taylor_make(struct segment *p)
+{
+    pair_taylor_make(&p->as.taylor, &p->pair);
+    p->unit = p->as.taylor.unit;
+    p->end = fmin(p->as.taylor.step, p->longest / p->unit);
+    /* A step is a fifth of the radius of convergence at most (TAYLOR_ORDER); within a quarter of it, a
+     * twentieth of the radius, no quantity of the contact has two extrema. */
+    for (int i = 0; i < 5; ++i) {
+        dense_output_add(&p->output, p->end * i / 4);
+    }
+    return true;
+}
+
+/* The first kind that applies and can be made is taken. */
+static const struct {
+    bool (*applies)(const struct segment *p);
+    bool (*make)(struct segment *p);
+    dense_output_sampler *sample;
+    struct pair_change (*change)(const void *motion, double s);
+} kinds[] = {
+    /* Head-on under constant acceleration: exact for any time, so it comes first. */
+    [SEGMENT_CLOSED_FORM] = {closed_form_applies, closed_form_make, pair_oscillation_sample,
+                             pair_oscillation_change},
+    /* Fast oscillations that are small and clear of g = 0: many in one step, as far as the tangential motion
+     * allows. */
+    [SEGMENT_AVERAGED] = {averaged_applies, averaged_make, pair_collocation_sample, pair_collocation_change},
+    /* Other oscillations, below critical damping: half a period and more, most of an impact. */
+    [SEGMENT_RESOLVED] = {resolved_applies, resolved_make, pair_collocation_sample, pair_collocation_change},
+    /* Far beyond critical damping, or without a spring: a radian of the tangential motion. */
+    [SEGMENT_OVERDAMPED] = {overdamped_applies, overdamped_make, pair_collocation_sample,
+                            pair_collocation_change},
+    /* Everything else, soft contacts and short remainders: two radians of the contact or of its passage. */
+    [SEGMENT_TAYLOR] = {taylor_applies, taylor_make, pair_taylor_sample, pair_taylor_change},
+#if SCENE_ANY_HERTZ
+    /* Hertz's law, the oscillation died away: a radian of the tangential motion. */
+    [SEGMENT_HERTZ_SLOW] = {hertz_slow_applies, hertz_slow_make, slow_hertz_sample, slow_hertz_change},
+    /* Hertz's law without damping, head-on under constant acceleration: all the rest of an impact. */
+    [SEGMENT_HERTZ_ELASTIC] = {hertz_elastic_applies, hertz_elastic_segment_make, hertz_elastic_sample,
+                               hertz_elastic_change},
+    /* Hertz's law: a third of the radius of convergence in a variable of its own. */
+    [SEGMENT_HERTZ] = {hertz_applies, hertz_make, pair_hertz_sample, pair_hertz_change},
+#endif
+#if SCENE_ANY_CAPS
+    /* At a rim, whatever the law, what no collocated or slow segment takes: two radians of the contact, or a
+     * fifth of the rim. */
+    [SEGMENT_RIM] = {rim_applies, rim_make, rim_series_sample, rim_series_change},
+#endif
+};
+
+static bool make_kind(struct segment *p, enum segment_kind kind)
+{
+    p->kind = kind;
+    p->event_free = false;
+    /* in a hollow body contact ends before */
+    p->clear_of_centre = !contact_may_reach_centre(&p->pair.shape);
+    p->largest_gap = p->largest_rate = 0.0;
+    p->terminal.s = (double)NAN;
+    p->output.sampler = kinds[kind].sample;
+    p->output.segment = &p->as;
+    p->output.worth_a_search = DENSE_OUTPUT_WORTH_A_SEARCH;
+    p->output.count = 0;
+    p->output.latest_s = -1.0;
+    return kinds[kind].applies(p) && kinds[kind].make(p);
+}
+
+static bool is_collocated(const struct segment *p)
+{
+    return p->kind != SEGMENT_CLOSED_FORM && p->kind < SEGMENT_TAYLOR;
+}
+
+#if SCENE_ANY_HERTZ
+/* What is in closed form first; then the series, whose first coefficients tell if anything is fast; where
+ * they were wrong it is made in spite of them. */
+static void make_hertz(struct segment *p)
+{
+    if (make_kind(p, SEGMENT_HERTZ_ELASTIC)) {
+        return;
+    }
+    p->may_be_slow = hertz_slow_applies(p);
+    if (make_kind(p, SEGMENT_HERTZ)) {
+        return;
+    }
+    if (!p->may_be_slow) {
+        (void)make_kind(p, SEGMENT_TAYLOR);
+    } else if (!make_kind(p, SEGMENT_HERTZ_SLOW)) {
+        p->may_be_slow = false;
+        (void)make_kind(p, SEGMENT_HERTZ);
+    }
+}
+#else /* then it is not called */
+static void make_hertz(struct segment *p)
+{
+    (void)p;
+}
+#endif
+
+/* Where nothing turns, nothing would end a segment. But unless the bodies are head-on their motion is that of
+ * the flight without contact and a deviation that nearly cancels it: the flight may be as long as the gap's
+ * own rounding bound allows [s]. */
+static double longest_by_flight(const struct segment *p)
+{
+    const double flight = p->gap_rounding / DBL_EPSILON;
+    double longest = (double)INFINITY;
+    for (int i = 2; i <= SEPARATION_DEGREE; ++i) {
+        const double along = fabs(vec3_dot(p->pair.normal, p->pair.flight.c[i]));
+        longest = fmin(longest, pow(flight / (SEPARATION_DEGREE * along), 1.0 / i));
+    }
+    return longest;
+}
+
+/* By collocation, where that applies and stays clear of the centre. */
+static bool make_collocated(struct segment *p)
+{
+    enum segment_kind kind = SEGMENT_AVERAGED;
+    pair_timescales_make(&p->scales, &p->pair);
+    p->as.collocation.from = &p->pair;
+    p->as.collocation.felt = p->scales.felt;
+    while (kind < SEGMENT_TAYLOR && !make_kind(p, kind)) {
+        kind += 1;
+    }
+    return kind < SEGMENT_TAYLOR && collocated_stays_off_centre(p);
+}
+
+#if SCENE_ANY_CAPS
+#if SCENE_ANY_HERTZ
+/* As make_hertz. */
+static bool make_hertz_at_rim(struct segment *p)
+{
+    p->may_be_slow = hertz_slow_applies(p);
+    if (make_kind(p, SEGMENT_RIM) || make_kind(p, SEGMENT_HERTZ_SLOW)) {
+        return true;
+    }
+    p->may_be_slow = false;
+    return make_kind(p, SEGMENT_RIM);
+}
+#else /* then it is not called */
+static bool make_hertz_at_rim(struct segment *p)
+{
+    (void)p;
+    return false;
+}
+#endif
+
+static bool make_at_rim(struct segment *p)
+{
+    if (!contact_is_rim(&p->pair.shape)) {
+        return false;
+    }
+    return contact_is_hertz(&p->pair.law) ? make_hertz_at_rim(p)
+                                          : make_collocated(p) || make_kind(p, SEGMENT_RIM);
+}
+#else
+static bool make_at_rim(struct segment *p)
+{
+    (void)p;
+    return false;
+}
+#endif
+
+static void make_up_to(struct segment *p, double longest)
+{
+    p->longest = p->pair.is_head_on ? longest : fmin(longest, longest_by_flight(p));
+    if (make_at_rim(p)) {
+        /* it has kinds of its own */
+    } else if (contact_is_hertz(&p->pair.law)) {
+        make_hertz(p);
+    } else if (!make_kind(p, SEGMENT_CLOSED_FORM) && !make_collocated(p)) {
+        (void)make_kind(p, SEGMENT_TAYLOR);
+    }
+    if (isnan(p->terminal.s)) {
+        p->terminal = terminal_event_first(p);
+    }
+}
+
+/* `tolerance` bounds the error of the whole segment. If contact ends within its first 0.1 %, that is no
+ * longer small: rebuild with twice the contact's length. */
+static const double EARLY_EVENT = 1e-3;
+
+#if SCENE_ANY_CAPS
+/* A collocated step is most accurate at its end: where a zone ends within, it is made to end there, or a
+ * little beyond by this part, so that the edge is found again. */
+static const double BEYOND_EDGE = 1e-6;
+
+static void note_zone_end(struct segment *p)
+{
+    zone_end_note(p);
+    if (p->leaves_zone && p->terminal.s > 0.0 && is_collocated(p) && contact_is_rim(&p->pair.shape)) {
+        make_up_to(p, p->terminal.s * p->unit * (1.0 + BEYOND_EDGE));
+        zone_end_note(p);
+    }
+}
+#else
+static void note_zone_end(struct segment *p)
+{
+    (void)p;
+}
+#endif
+
+bool segment_make(struct segment *p, const struct scene_values *v, const struct scene_state *q,
+                  const struct scene_instant *at, int contact, double longest, double tolerance)
+{
+    pair_make(&p->pair, v, q, at, contact);
+    p->regime = (enum contact_regime)q->contact[contact].regime;
+    p->gap_rounding = rounding_of_gap(v, at, contact);
+    p->gap_is_known = p->pair.gap == 0.0 || scene_gap_is_accumulated(q, at, contact);
+    p->tolerance = tolerance;
+    make_up_to(p, longest);
+    if (is_collocated(p) && p->terminal.s > 0.0 && p->terminal.s < EARLY_EVENT * p->end) {
+        make_up_to(p, 2.0 * p->terminal.s * p->unit);
+    }
+    terminal_event_at_centre(p);
+    note_zone_end(p);
+    return p->end > 0.0;
+}
+
+const struct pair_sample *segment_sample(struct segment *p, double s)
+{
+    return dense_output_at(&p->output, s);
+}
+
+/* Corrects r along n so that the bodies are as far apart as the gap says. Gap and r are truncated apart, and
+ * bodies that part at a gap of zero must not overlap by that. */
+static void agree_with_gap(const struct segment *p, struct pair_change *change)
+{
+    const struct contact_pair *from = &p->pair;
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    struct vec3 c = vec3_add(path_at(from->flight.c, SEPARATION_DEGREE + 1, change->time), change->r);
+    if (change->head_on) {
+        return;
+    }
+    if (!from->starts_rounded) {
+        c = vec3_add(c, from->rounded);
+    }
+    const struct contact_geometry then = contact_geometry_at(&from->shape, c, none, from->normal);
+    const double missing = change->gap - then.gap;
+    if (fabs(missing) <= p->tolerance) { /* else the gap has its sign beyond a centre */
+        change->r = vec3_axpy(change->r, from->shape.side * missing, then.normal);
+    }
+}
+
+void segment_advance(struct segment *p, double s, const struct scene_values *v, struct scene_state *q,
+                     int contact)
+{
+    struct contact_state *state = &q->contact[contact];
+    struct pair_change change = kinds[p->kind].change(&p->as, s);
+    agree_with_gap(p, &change);
+    peaks_note(p, state, s);
+    pair_apply(&p->pair, &change, v, q, contact);
+    state->physics.rate_rounding = pair_rate_rounding_after(&p->pair, &change, v, q, contact);
+    if (state->physics.rate_rounding > 0.0) {
+        state->physics.carried_rate = segment_sample(p, s)->of[PAIR_GAP_RATE][0];
+    }
+#if SCENE_HAS_TORQUES
+    state->torques.destination_impulse =
+        vec3_add(state->torques.destination_impulse, torque_impulse(p, kinds[p->kind].change, &change, s));
+#endif
+}
+
+/* Samples at the extrema of gap, rate and force, of which each has one at most. */
+static void add_extrema_of_decay(struct segment *p)
+{
+    struct dense_output *w = &p->output;
+    for (int order = 1; order <= OVERDAMPED_DERIVATIVES; ++order) {
+        const double extremum = overdamped_zero(&p->as.oscillation.overdamped, order);
+        if (extremum > 0.0 && extremum < p->end) {
+            dense_output_add(w, extremum);
+        }
+    }
+    dense_output_add(w, p->end);
+}
+
+/* Samples at the first two extrema of the gap. They are half a period apart, so no quantity has two extrema
+ * between them. */
+static void add_extrema_of_oscillation(struct segment *p)
+{
+    const struct pair_oscillation *made = &p->as.oscillation;
+    struct dense_output *w = &p->output;
+    bool deepest = pair_oscillation_closes(made);
+    double extremum = pair_oscillation_first_extremum(made);
+    for (; w->count < 3 && extremum < p->end; extremum += PI / made->omega_d) {
+        pair_oscillation_sample_extremum(made, extremum, deepest, &w->at[w->count]);
+        w->s[w->count++] = extremum;
+        deepest = !deepest;
+    }
+    if (w->count < 3) {
+        dense_output_add(w, p->end);
+    }
+}
+
+/* Whether the bodies neither part nor change their regime any more. */
+static bool is_event_free(const struct segment *p)
+{
+    const struct pair_oscillation *made = &p->as.oscillation;
+    if (!pair_oscillation_stays_above(made, PAIR_GAP, -1.0, terminal_event_gap_tolerance(p))) {
+        return false;
+    }
+    const struct event_function margin = terminal_event_margin(p);
+    return !terminal_event_by_law(p) ||
+           pair_oscillation_stays_above(made, margin.quantity, margin.factor, margin.offset);
+}
+
+bool closed_form_applies(const struct segment *p)
+{
+    return p->pair.is_head_on;
+}
+
+bool closed_form_make(struct segment *p)
+{
+    struct pair_oscillation *made = &p->as.oscillation;
+    if (!pair_oscillation_make(made, &p->pair)) {
+        return false;
+    }
+    p->clear_of_centre = true;
+    p->unit = 1.0 / made->rate;
+    double end = p->longest / p->unit;
+    if (end * p->unit < p->longest) {
+        end = nextafter(end, (double)INFINITY);
+    }
+    p->end = fmin(end, pair_oscillation_longest(made));
+    dense_output_add(&p->output, 0.0);
+    if (made->omega_d > 0.0) {
+        /* the samples are extrema of the gap, where the rate is zero */
+        p->largest_gap = fabs(made->equilibrium) + made->amplitude;
+        p->largest_rate = made->rate * made->amplitude;
+        add_extrema_of_oscillation(p);
+    } else {
+        add_extrema_of_decay(p);
+    }
+    p->event_free = is_event_free(p);
+    p->end = p->event_free ? end : p->output.s[p->output.count - 1];
+    return true;
+}
+
+bool collocated_applies(const struct segment *p)
+{
+    const struct pair_timescales *scales = &p->scales;
+    return scales->rates.faster * p->longest >= COLLOCATED_SHORTEST && scales->problem.reach > 0.0 &&
+           scales->rates.faster >= SEPARATION_OF_RATES * scales->tangential_rate;
+}
+
+void collocated_begin(struct segment *p)
+{
+    p->unit = p->as.collocation.step.half;
+    p->end = 2.0;
+    p->output.latest_s = -1.0;
+    p->output.count = 0;
+}
+
+/* Samples at 0.5, 1, 2, 4, ... fast decay times, before the nodes: between two samples no quantity has two
+ * extrema. */
+static void add_decay_samples(struct segment *p)
+{
+    const struct lobatto *nodes = p->as.collocation.step.nodes;
+    const double first = 0.5 / oscillator_rates_of(&p->as.collocation.step.result.oscillator).faster;
+    double s = 0.0;
+    while (s < 1.0 + nodes->node[2] && p->output.count < DENSE_OUTPUT_POINTS - LOBATTO_MAX) {
+        dense_output_add(&p->output, s);
+        s = fmax(first, 2.0 * s);
+    }
+}
+
+void collocated_sample(struct segment *p)
+{
+    const enum collocation_kind kind = p->as.collocation.step.kind;
+    const struct lobatto *nodes = p->as.collocation.step.nodes;
+    collocated_begin(p);
+    if (kind == COLLOCATION_OVERDAMPED) {
+        add_decay_samples(p);
+    }
+    for (int i = 0; i < nodes->points; ++i) {
+        const double s = 1.0 + nodes->node[i];
+        if (p->output.count == 0 || s > p->output.s[p->output.count - 1]) {
+            struct pair_sample *at = &p->output.at[p->output.count];
+            if (kind == COLLOCATION_AVERAGED) {
+                pair_collocation_sample_averaged(&p->as.collocation, s, at);
+            } else {
+                pair_collocation_sample_node(&p->as.collocation, i, at);
+            }
+            p->output.s[p->output.count++] = s;
+        }
+    }
+}
+
+bool collocated_make(struct segment *p, double step, enum collocation_kind kind)
+{
+    if (!collocation_make(&p->as.collocation.step, &p->scales.problem, step, kind, &lobatto[LOBATTO_TWELVE],
+                          0.1 * p->tolerance) ||
+        !(p->as.collocation.step.result.interior_error <= p->tolerance)) {
+        return false;
+    }
+    collocated_sample(p);
+    return true;
+}
+
+/* Part of the reach. Where a node is nearer to the centre than this, the motion between the nodes may be
+ * nearer still, and d = reach + x loses digits. */
+static const double NEAR_CENTRE = 0.1;
+
+bool collocated_stays_off_centre(const struct segment *p)
+{
+    const struct collocation *step = &p->as.collocation.step;
+    double nearest = step->from.reach;
+    for (int i = 0; i < step->nodes->points; ++i) {
+        nearest = fmin(nearest, step->from.reach + step->result.x[i]);
+    }
+    if (step->local.head_on || nearest > NEAR_CENTRE * step->from.reach) {
+        return true;
+    }
+    return step->kind == COLLOCATION_OVERDAMPED && !(terminal_event_centre(p) < (double)INFINITY);
+}
+
+/* Longest averaged step [radians of the tangential motion]: twelve nodes then have full accuracy, with about
+ * 15 sweeps. */
+static const double LONG_STEP = 2.5;
+
+/* Radians of the tangential motion up to which four or eight nodes are tried first. */
+static const double FOUR_NODES = 0.05;
+static const double EIGHT_NODES = 0.5;
+
+enum { AVERAGED_ATTEMPTS = 12 };
+
+double averaged_error(double a, double ratio, double distance, double radians)
+{
+    return 4.0 * a * ratio * ratio + 3.0 * a * a / distance * radians;
+}
+
+static void lower_bound_slope(const void *data, double s, double *value, double *slope)
+{
+    double ignored;
+    pair_lower_bound_at(data, s, &ignored, value);
+    *slope = 0.0; /* root_in_bracket then bisects */
+}
+
+/* The s up to which a lower bound stays positive. */
+static double positive_until(const struct dense_output *w, const struct pair_lower_bound *bound)
+{
+    double low_value;
+    double low_slope;
+    const struct oscillator_envelope envelope = pair_envelope_of(bound->of, bound->quantity);
+    pair_lower_bound_from(bound, &envelope, 0.0, &w->at[0], &low_value, &low_slope);
+    if (!(low_value > 0.0)) {
+        return 0.0;
+    }
+    for (int i = 1; i < w->count; ++i) {
+        const double low = w->s[i - 1];
+        double high = w->s[i];
+        double value;
+        double slope;
+        pair_lower_bound_from(bound, &envelope, high, &w->at[i], &value, &slope);
+        if (value > 0.0 && low_slope < 0.0 && slope > 0.0) {
+            double ignored;
+            double at_dip;
+            const double dip = root_in_bracket(lower_bound_slope, bound, low, high);
+            pair_lower_bound_at(bound, dip, &at_dip, &ignored);
+            if (!(at_dip > 0.0)) {
+                high = dip;
+                value = at_dip;
+            }
+        }
+        if (!(value > 0.0)) {
+            return root_in_bracket(pair_lower_bound_at, bound, low, high);
+        }
+        low_slope = slope;
+    }
+    return 2.0;
+}
+
+/* The s up to which neither the bodies part nor the law ends the regime. */
+static double event_free_until(const struct segment *p)
+{
+    const struct pair_collocation *made = &p->as.collocation;
+    const struct pair_lower_bound overlap = {made, PAIR_GAP, -1.0, terminal_event_gap_tolerance(p)};
+    const double parts = positive_until(&p->output, &overlap);
+    if (!terminal_event_by_law(p)) {
+        return parts;
+    }
+    const struct event_function margin = terminal_event_margin(p);
+    const struct pair_lower_bound bound = {made, margin.quantity, margin.factor, margin.offset};
+    return fmin(parts, positive_until(&p->output, &bound));
+}
+
+static enum lobatto_size nodes_for(double radians)
+{
+    if (radians <= FOUR_NODES) {
+        return LOBATTO_FOUR;
+    }
+    return radians <= EIGHT_NODES ? LOBATTO_EIGHT : LOBATTO_TWELVE;
+}
+
+/* Whether a step is accurate although the oscillation enters n and H to first order only. */
+static bool averaged_is_accurate(const struct segment *p, double step)
+{
+    const struct pair_timescales *scales = &p->scales;
+    const double tangential_rate = pair_tangential_rate_within(scales, step);
+    const double slower = scales->rates.slower;
+    const double left_out = averaged_error(scales->oscillation, tangential_rate / slower,
+                                           scales->problem.reach, tangential_rate * step);
+    return slower >= SEPARATION_OF_RATES * tangential_rate && left_out <= p->tolerance;
+}
+
+/* The longest step to try [s]; 0: none. A shorter one helps only where the relative acceleration grows. */
+static double longest_step(const struct segment *p)
+{
+    const struct pair_timescales *scales = &p->scales;
+    double step = pair_step_within(scales, p->longest, LONG_STEP);
+    while (step * scales->rates.slower >= COLLOCATED_SHORTEST && !averaged_is_accurate(p, step)) {
+        step *= pair_tangential_rate_within(scales, step) > scales->tangential_rate ? 0.5 : 0.0;
+    }
+    return step;
+}
+
+bool averaged_applies(const struct segment *p)
+{
+    const struct pair_timescales *scales = &p->scales;
+    /* Where the load has faded, so may have the oscillation, to less than rounding. */
+    return collocated_applies(p) && scales->rates.slower >= SEPARATION_OF_RATES * scales->tangential_rate &&
+           scales->oscillation < fmax(scales->equilibrium_depth, terminal_event_gap_noise(&p->pair));
+}
+
+bool averaged_make(struct segment *p)
+{
+    const struct pair_timescales *scales = &p->scales;
+    const double d = scales->problem.reach;
+    double step = longest_step(p);
+    enum lobatto_size size = LOBATTO_FOUR;
+    for (int i = 0; i < AVERAGED_ATTEMPTS && step * scales->rates.slower >= COLLOCATED_SHORTEST; ++i) {
+        struct pair_collocation *made = &p->as.collocation;
+        const enum lobatto_size enough = nodes_for(scales->tangential_rate * step);
+        size = enough > size ? enough : size;
+        if (!collocation_make(&made->step, &scales->problem, step, COLLOCATION_AVERAGED, &lobatto[size],
+                              0.1 * p->tolerance)) {
+            step *= 0.5;
+            continue;
+        }
+        /* The error at the end of a step is about the square of that in between. Ten times the square of the
+         * tails and of the number of points is above all measured errors (tests/unit/collocation.c). */
+        const double tail = made->step.nodes->points * made->step.result.interior_error;
+        const double error = tail * (10.0 * tail / d);
+        if (!(error <= p->tolerance)) {
+            step *= size == LOBATTO_TWELVE ? 0.5 : 1.0;
+            size += size == LOBATTO_TWELVE ? 0 : 1;
+            continue;
+        }
+        collocated_sample(p);
+        const double until = event_free_until(p);
+        p->event_free = until >= 2.0;
+        if (p->event_free) {
+            return true;
+        }
+        /* End two resolved segments before the event: those locate it. */
+        step = until * made->step.half - 2.0 * RESOLVED_LENGTH / scales->rates.slower;
+    }
+    return false;
+}
+
+/* Places at which the first guess of a step of RESOLVED_LENGTH is looked at: no quantity has two extrema in
+ * a radian. */
+enum { GUESS_PLACES = 5 };
+
+/* A step ends beyond the contact's end by these parts of its length: the error of the first guess, with a
+ * constant load; the least after one sweep; and the part of the shift that the sweep made. */
+static const double BEYOND_GUESS = 1e-3;
+static const double BEYOND = 1e-6;
+static const double BEYOND_SHIFT = 0.02;
+
+/* Smallest length of a step with eight nodes [radians]: oscillator_particular then loses as few digits as
+ * with twelve nodes at COLLOCATED_SHORTEST. */
+static const double SHORTEST_OF_EIGHT = 1.0;
+
+/* The terminal event under a constant load. */
+static struct terminal_event guess_terminal_event(struct segment *p, double longest)
+{
+    struct pair_collocation *made = &p->as.collocation;
+    collocation_begin(&made->step, &p->scales.problem, longest, COLLOCATION_RESOLVED,
+                      &lobatto[LOBATTO_EIGHT]);
+    collocated_begin(p);
+    for (int i = 0; i < GUESS_PLACES; ++i) {
+        dense_output_add(&p->output, p->end * i / (GUESS_PLACES - 1));
+    }
+    return terminal_event_first(p);
+}
+
+/* How far a sweep shifts the event: one Newton step. */
+static double shift_of(const struct segment *p, const struct event_function *function, double s)
+{
+    struct pair_sample at;
+    pair_collocation_sample(&p->as.collocation, s, &at);
+    return -(function->factor * at.of[function->quantity][0] + function->offset) /
+           (function->factor * at.of[function->quantity][1]);
+}
+
+/* Sizes a step to end with the contact, expected at `time`. Collocation is most accurate at its end, so fewer
+ * nodes suffice. */
+static bool fit_to_terminal_event(struct segment *p, const struct event_function *function, double time)
+{
+    struct collocation *step = &p->as.collocation.step;
+    collocation_size(step, time * (1.0 + BEYOND_GUESS));
+    const double change = collocation_sweep(step);
+    const double s = 2.0 / (1.0 + BEYOND_GUESS);
+    const double shift = shift_of(p, function, s);
+    if (!(fabs(shift) < BEYOND_GUESS)) {
+        return false;
+    }
+    collocation_size(step, (s + shift) * step->half * (1.0 + fmax(BEYOND, BEYOND_SHIFT * fabs(shift))));
+    if (!collocation_finish(step, change, 0.1 * p->tolerance)) {
+        return false;
+    }
+    collocated_sample(p);
+    p->terminal = terminal_event_first(p);
+    return collocation_error_near_end(step, p->terminal.s) <= p->tolerance;
+}
+
+static bool make_to_terminal_event(struct segment *p, double longest)
+{
+    struct collocation *step = &p->as.collocation.step;
+    const double rate = p->scales.rates.slower;
+    const struct terminal_event guess = guess_terminal_event(p, longest);
+    const double time = guess.s * step->half;
+    if (time * (1.0 + BEYOND_GUESS) > longest || !(time * rate >= SHORTEST_OF_EIGHT)) {
+        return false;
+    }
+    if (fit_to_terminal_event(p, &guess.function, time)) {
+        return true;
+    }
+    if (!(time * rate >= COLLOCATED_SHORTEST)) {
+        return false;
+    }
+    collocation_begin(step, &p->scales.problem, time, COLLOCATION_RESOLVED, &lobatto[LOBATTO_TWELVE]);
+    return fit_to_terminal_event(p, &guess.function, time);
+}
+
+bool resolved_applies(const struct segment *p)
+{
+    return collocated_applies(p) && p->scales.underdamped;
+}
+
+bool resolved_make(struct segment *p)
+{
+    const double rate = p->scales.rates.slower;
+    const double step = fmin(p->longest, RESOLVED_LENGTH / rate);
+    if (make_to_terminal_event(p, step)) {
+        return true;
+    }
+    p->terminal.s = (double)NAN;
+    return rate * step >= COLLOCATED_SHORTEST &&
+           (collocated_make(p, step, COLLOCATION_RESOLVED) ||
+            collocated_make(p, COLLOCATED_SHORTEST / rate, COLLOCATION_RESOLVED));
+}
+
+/* Length of an overdamped segment [radians of the tangential motion]. An event may end it anywhere, so it
+ * must be accurate between its ends too. */
+static const double OVERDAMPED_STEP = 1.0;
+
+/* In an overdamped segment from near the centre d grows at most by this factor: n' is proportional to
+ * 1 / d^2. */
+static const double OVERDAMPED_GROWTH = 4.0;
+
+/* Ratio of the two decay rates from which the faster decay is treated apart from the slower. */
+static const double SEPARATION_OF_DECAYS = 4.0;
+
+enum { ATTEMPTS = 12 };
+
+bool overdamped_applies(const struct segment *p)
+{
+    return collocated_applies(p) && !p->scales.underdamped &&
+           !(p->scales.rates.faster < SEPARATION_OF_DECAYS * p->scales.rates.slower);
+}
+
+/* Whether a step is accurate although the fast decay, of amplitude `decay` [m], enters n and H to first order
+ * only. */
+static bool overdamped_is_accurate(const struct segment *p, double step, double decay)
+{
+    const double tangential_rate = pair_tangential_rate_within(&p->scales, step);
+    const double ratio = tangential_rate / p->scales.rates.faster;
+    return p->scales.rates.faster >= SEPARATION_OF_RATES * tangential_rate &&
+           averaged_error(decay, ratio, p->scales.problem.reach, ratio) <= p->tolerance;
+}
+
+bool overdamped_make(struct segment *p)
+{
+    const struct pair_timescales *scales = &p->scales;
+    const double longest = fmin(p->longest, COLLOCATED_SHORTEST / scales->rates.slower);
+    double step = pair_step_within(scales, longest, OVERDAMPED_STEP);
+    if (pair_tangential_rate_within(scales, step) > 0.0) {
+        step = fmin(step, OVERDAMPED_GROWTH * p->pair.distance / vec3_norm(scales->problem.rate));
+    }
+    double decay = 0.0;
+    for (int i = 0; i < ATTEMPTS && step * scales->rates.faster >= COLLOCATED_SHORTEST; ++i) {
+        if (overdamped_is_accurate(p, step, decay) && collocated_make(p, step, COLLOCATION_OVERDAMPED)) {
+            decay = fabs(p->as.collocation.step.result.y);
+            if (overdamped_is_accurate(p, step, decay)) {
+                return true;
+            }
+        }
+        step *= 0.5;
+    }
+    return false;
+}
+
+/* Roundings that the bounds in scene/evaluate.h are made of. */
+static const double BOUND_ROUNDINGS = 8.0;
+
+/* Of a product n.w, besides that of n: two roundings. */
+static const double RATE_ROUNDINGS = 2.0;
+
+/* An error of a peak by less than this part of the load or peak is none: the force of all other contacts is
+ * known no better (contact_pair.c). */
+static const double NEGLIGIBLE = 1e-6;
+
+/* A dashpot's force at the start is no peak if it is less than this part of what follows. */
+static const double OUTWEIGHED = 0.5;
+
+/* exp(-40) of an oscillation is less than a rounding of it. */
+static const double FORGOTTEN = 40.0;
+
+/* What the start of a segment knows [N]: its load, the oscillation about it by gap and by rate, the largest
+ * of all, and the error of the largest force. */
+struct start {
+    double load, by_gap, by_rate, size, error;
+};
+
+/*
+ * Gap and rate that are carried from the segment before have no new rounding, and what comes out as exactly
+ * zero is meant so: bodies set down where they touch, or at rest. An error of the rate makes an oscillation
+ * longer as a small side does a hypotenuse; one of the gap, and a dashpot's force that is itself the peak,
+ * count in full.
+ */
+static struct start start_of(const struct segment *p)
+{
+    const struct contact_pair *pair = &p->pair;
+    const double k = pair->coefficients.k;
+    const double c = pair->coefficients.c;
+    const double per_rate = sqrt(k * pair->reduced_mass);
+    const double rate = fabs(pair_gap_derivative(pair));
+    const double spring = fabs(k * pair->gap);
+    struct start start = {.load = pair_load(pair), .by_rate = per_rate * rate};
+    start.by_gap = fabs(spring - start.load);
+    start.size = fmax(fmax(start.load, spring), fmax(start.by_rate, c * rate));
+    start.error = p->gap_is_known ? 0.0 : k * p->gap_rounding / BOUND_ROUNDINGS;
+    if (!pair->rate_is_known) {
+        const double turned = contact_is_plane(&pair->shape)
+                                  ? 0.0
+                                  : p->gap_rounding / pair->distance * vec3_norm(pair->flight.w[0]);
+        const double rounding = (RATE_ROUNDINGS * pair->rate_rounding + turned) / BOUND_ROUNDINGS;
+        const double by_error = per_rate * rounding;
+        const double dashpot = c * (rate + rounding);
+        const double swing = fmax(start.by_gap, start.by_rate);
+        const double longer = fmin(1.0, (start.by_rate + 0.5 * by_error) / fmax(swing, DBL_MIN));
+        start.error += by_error * longer + (dashpot > OUTWEIGHED * start.size ? c * rounding : 0.0);
+    }
+    return start;
+}
+
+static void peak_error_note(const struct segment *p, double time, struct contact_state *state)
+{
+    struct contact_record *record = &state->record;
+    if (record->force_error == 0.0 && p->gap_is_known && p->pair.rate_is_known) {
+        return;
+    }
+    const struct start start = start_of(p);
+    const struct contact_coefficients *by = &p->pair.coefficients;
+    const struct oscillator oscillator = {by->k / p->pair.reduced_mass, by->c / p->pair.reduced_mass};
+    const double decay = fmin(oscillator_rates_of(&oscillator).slower, 0.5 * oscillator.damping_rate) * time;
+    const double error = fmin(record->force_error + start.error, DBL_MAX);
+    const double peak = state->peaks.force;
+    record->force_error = error * exp(-decay);
+    if (!(error > NEGLIGIBLE * fmax(start.size, peak))) {
+        return;
+    }
+    /* A load, set on at once, makes 1 + 1/(1 + c/sqrt(k m)) times its force at most; it changes little while
+     * the oscillation dies away. */
+    const double damped = 1.0 + by->c / sqrt(by->k * p->pair.reduced_mass);
+    const double first = start.load + start.by_gap / damped + start.by_rate * damped + error;
+    const bool is_outweighed = decay > FORGOTTEN && first * (1.0 + FORGOTTEN / decay) < peak;
+    const double bound = is_outweighed ? peak : fmax(first, peak + error);
+    record->force_bound = fmin(fmax(record->force_bound, bound), DBL_MAX);
+}
+
+/* A turn of fewer representable places than this is not searched: its largest value could no longer be told
+ * to rounding, for it is missed by (2 pi / places)^2 / 8 of the oscillation at most. */
+static const double PLACES_OF_TURN = 4096.0;
+
+/* The envelope of an oscillation is a bound that nothing reaches where its square of turn is less than this
+ * part of that of its decay (oscillator_envelope_of): it dies away within a period. */
+static const double HARDLY_TURNS = 1.0 / 16.0;
+
+/* A top foreseen outside the segment by less than this part of a turn may be inside: the slope of the slow
+ * part changes. */
+static const double JUST_OUTSIDE = 0.25;
+
+static const struct event_function peak_force = {PAIR_FORCE, 1.0, 0.0};
+static const struct event_function peak_penetration = {PAIR_GAP, -1.0, 0.0};
+
+/*
+ * A quantity of an averaged segment and its largest value so far: slow(s) + u(s), of which u oscillates,
+ * |u| <= amplitude exp(-decay_rate s). u alone has its tops at omega s = phase + 2 pi n, and is steepest by
+ * `steepness` times its bound.
+ */
+struct search {
+    const struct segment *p;
+    const struct event_function *what;
+    struct pair_lower_bound bound; /* of minus the quantity */
+    struct oscillator_envelope envelope;
+    double omega, phase, steepness;
+    double end, largest;
+};
+
+/* A positive deviation outside is a positive gap; penetration and force are minus that. */
+static double sign_of_oscillation(const struct segment *p)
+{
+    return -p->pair.shape.side;
+}
+
+static double slow_of(const struct search *f, const struct pair_sample *slow, int derivative)
+{
+    return f->what->factor * slow->of[f->what->quantity][derivative];
+}
+
+static struct search search_of(struct segment *p, const struct event_function *what, double omega, double end,
+                               double known)
+{
+    const struct pair_collocation *made = &p->as.collocation;
+    struct search f = {.p = p, .what = what, .omega = omega, .end = end};
+    double u;
+    double rate;
+    pair_free_oscillation(made, what->quantity, &u, &rate);
+    u *= sign_of_oscillation(p);
+    rate *= sign_of_oscillation(p);
+    f.bound = (struct pair_lower_bound){made, what->quantity, -what->factor, 0.0};
+    f.envelope = pair_envelope_of(made, what->quantity);
+    f.phase = atan2((rate + f.envelope.decay_rate * u) / omega, u) - atan2(f.envelope.decay_rate, omega);
+    f.steepness = sqrt(omega * omega + f.envelope.decay_rate * f.envelope.decay_rate);
+    const double last = slow_of(&f, dense_output_at(&p->output, end), 0);
+    f.largest = fmax(known, fmax(slow_of(&f, &p->output.at[0], 0) + u, last));
+    return f;
+}
+
+static void climb(struct search *f, double top, double turn)
+{
+    if (top > -JUST_OUTSIDE * turn && top < f->end + JUST_OUTSIDE * turn) {
+        (void)dense_output_climb(&f->p->output, f->what, fmin(fmax(top, 0.0), f->end), 0.0, f->end,
+                                 &f->largest);
+    }
+}
+
+/* The two tops next to a place. Where the slow part is steeper than the oscillation, its top; where a turn
+ * has no places to speak of, the top of one. */
+static void climb_about(struct search *f, double place, const struct pair_sample *slow)
+{
+    const double turn = 2.0 * PI / f->omega;
+    const double still = f->envelope.amplitude * exp(-f->envelope.decay_rate * place);
+    const double slope =
+        slow_of(f, slow, 1) / (f->steepness * still); /* against the oscillation's steepest */
+    if (turn <= PLACES_OF_TURN * DBL_EPSILON * place) {
+        f->largest = fmax(f->largest, slow_of(f, slow, 0) + still);
+    } else if (fabs(slope) < 1.0) {
+        const double beyond = remainder(f->omega * place - f->phase - asin(slope), 2.0 * PI) / f->omega;
+        climb(f, place - beyond, turn);
+        climb(f, place - beyond + (beyond > 0.0 ? turn : -turn), turn);
+    } else if (place > 0.0 && place < f->end) { /* the slow part's own top, or none */
+        climb(f, place, turn);
+    }
+}
+
+/* Where slow part and envelope together are highest between two places: up to half a turn, for the tops next
+ * to it are searched, or to the last digit. The lower bound falls towards it and rises beyond. */
+static double summit_between(const struct search *f, double low, double high)
+{
+    double middle = 0.5 * (low + high);
+    while (high - low > PI / f->omega && middle > low && middle < high) {
+        double left;
+        double slope;
+        pair_lower_bound_at(&f->bound, middle, &left, &slope);
+        low = slope < 0.0 ? middle : low;
+        high = slope < 0.0 ? high : middle;
+        middle = 0.5 * (low + high);
+    }
+    return middle;
+}
+
+/* About the summit; then about every other node where the bound is above the largest found: an oscillation
+ * that decays may not reach its envelope where that is highest. */
+static void search_swinging(struct search *f)
+{
+    const struct dense_output *w = &f->p->output;
+    double left[DENSE_OUTPUT_POINTS] = {0.0};
+    double slope[DENSE_OUTPUT_POINTS] = {0.0};
+    int best = 0;
+    for (int i = 0; i < w->count; ++i) {
+        pair_lower_bound_from(&f->bound, &f->envelope, w->s[i], &w->at[i], &left[i], &slope[i]);
+        best = left[i] < left[best] ? i : best;
+    }
+    const int next = slope[best] < 0.0 ? best + 1 : best - 1;
+    if (slope[best] != 0.0 && next >= 0 && next < w->count) {
+        const double place = summit_between(f, fmin(w->s[best], w->s[next]), fmax(w->s[best], w->s[next]));
+        struct pair_sample slow;
+        pair_collocation_sample_averaged(&f->p->as.collocation, place, &slow);
+        climb_about(f, place, &slow);
+    }
+    for (int i = 0; i < w->count; ++i) {
+        const int node = i == 0 ? best : i <= best ? i - 1 : i;
+        if (dense_output_is_larger(w, -left[node], f->largest) && !(w->s[node] > f->end)) {
+            climb_about(f, w->s[node], &w->at[node]);
+        }
+    }
+    if (f->end < f->p->end) { /* and about the end, which is no node then */
+        struct pair_sample slow;
+        pair_collocation_sample_averaged(&f->p->as.collocation, f->end, &slow);
+        climb_about(f, f->end, &slow);
+    }
+}
+
+/* Of the slow part alone. */
+static double largest_of_slow(struct segment *p, const struct event_function *what, double end)
+{
+    struct dense_output *w = &p->output;
+    dense_output_sampler *whole = w->sampler;
+    struct pair_sample then = w->at[w->count - 1];
+    w->sampler = pair_collocation_sample_averaged;
+    if (end < p->end) {
+        w->sampler(w->segment, end, &then);
+    }
+    const double largest = dense_output_largest(w, what, end, &then, -(double)INFINITY);
+    w->sampler = whole;
+    return largest;
+}
+
+static double largest_of_swinging(struct segment *p, const struct event_function *what, double omega,
+                                  double end, double known)
+{
+    struct search f = search_of(p, what, omega, end, known);
+    const double slow = largest_of_slow(p, what, end);
+    if (!dense_output_is_larger(&p->output, fabs(slow) + f.envelope.amplitude, fabs(slow))) {
+        return fmax(f.largest, slow);
+    }
+    if (dense_output_is_larger(&p->output, slow + f.envelope.amplitude, f.largest)) {
+        search_swinging(&f);
+    }
+    return f.largest;
+}
+
+/* Between places that double, from half the fast decay's time on, and the nodes: what decays turns as the
+ * exponentials do, what follows the load as the nodes show. In portions of the places that there is room
+ * for. */
+static double largest_of_decaying(const struct segment *p, const struct event_function *what, double faster,
+                                  double end, double largest)
+{
+    struct dense_output w = {p->output.sampler, p->output.segment, p->output.worth_a_search, .count = 0};
+    double place = 0.0;
+    int next = 0;
+    for (;;) {
+        dense_output_add(&w, place);
+        if (w.count == DENSE_OUTPUT_POINTS || !(place < end)) {
+            largest = dense_output_largest(&w, what, place, &w.at[w.count - 1], largest);
+            w.s[0] = w.s[w.count - 1];
+            w.at[0] = w.at[w.count - 1];
+            w.count = 1;
+        }
+        if (!(place < end)) {
+            return largest;
+        }
+        while (next < p->output.count && !(p->output.s[next] > place)) {
+            next += 1;
+        }
+        place = fmin(fmin(fmax(0.5 / faster, 2.0 * place), end),
+                     next < p->output.count ? p->output.s[next] : end);
+    }
+}
+
+/* The nodes of an averaged step do not see the oscillation. */
+static double largest_of(struct segment *p, const struct event_function *what, double end, double known)
+{
+    const struct oscillator *o = &p->as.collocation.step.result.oscillator;
+    if (p->kind != SEGMENT_AVERAGED) {
+        return dense_output_largest(&p->output, what, end, dense_output_at(&p->output, end), known);
+    }
+    const double decay_square = 0.25 * o->damping_rate * o->damping_rate;
+    const double omega_d2 = o->omega2 - decay_square;
+    return omega_d2 > HARDLY_TURNS * decay_square
+               ? largest_of_swinging(p, what, sqrt(omega_d2), end, known)
+               : largest_of_decaying(p, what, oscillator_rates_of(o).faster, end, known);
+}
+
+static void peaks_note(struct segment *p, struct contact_state *state, double end)
+{
+    struct contact_peaks *peaks = &state->peaks;
+    if (p->pair.coefficients.c > 0.0 || p->pair.chi > 0.0) {
+        peaks->penetration = largest_of(p, &peak_penetration, end, peaks->penetration);
+        peaks->force = largest_of(p, &peak_force, end, peaks->force);
+    } else { /* the largest force of a spring is that of its largest penetration */
+        const double deepest = largest_of(p, &peak_penetration, end, -(double)INFINITY);
+        const double force = contact_is_hertz(&p->pair.law)
+                                 ? contact_normal_force_of(&p->pair.law, p->regime, -deepest, 0.0)
+                                 : p->pair.coefficients.k * deepest;
+        contact_peaks_note(peaks, force, deepest);
+    }
+    if (p->pair.coefficients.k >= PAIR_STIFF) {
+        peak_error_note(p, segment_time(p, end), state);
+    }
+}
+
+#if SCENE_HAS_TORQUES
+
+/* What counts of C, at most; its second derivative: polynomials of time. */
+struct lever {
+    struct vec3 c[SEPARATION_DEGREE + 1];
+    struct vec3 bend[SEPARATION_DEGREE - 1];
+};
+
+/* Whether the relative acceleration of the flight varies. */
+static bool varies(const struct vec3 c[SEPARATION_DEGREE + 1])
+{
+    return !vec3_is_zero(c[3]) || !vec3_is_zero(c[4]);
+}
+
+/* C x r' - C' x r at a time. */
+static inline struct vec3 boundary_terms(const struct vec3 c[SEPARATION_DEGREE + 1], bool vary,
+                                         const struct pair_change *change)
+{
+    const double t = change->time;
+    struct vec3 at = vec3_axpy(c[1], t, c[2]);
+    struct vec3 rate = vec3_axpy(c[1], 2.0 * t, c[2]);
+    if (vary) {
+        at = vec3_axpy(vec3_axpy(at, t * t, c[3]), t * t * t, c[4]);
+        rate = vec3_axpy(vec3_axpy(rate, 3.0 * t * t, c[3]), 4.0 * t * t * t, c[4]);
+    }
+    at = vec3_axpy(c[0], t, at);
+    return vec3_sub(vec3_cross(at, change->r_rate), vec3_cross(rate, change->r));
+}
+
+/*
+ * The integrals of t^j rho over a head-on motion in closed form, where r = side rho n and m_red rho'' = F_n =
+ * -k g - c g'. With G_j that of t^j (g - g(0))
+ *
+ *   k (G_j + g(0) t^(j+1)/(j+1)) = -m_red I_j - c J_j,   without a spring 0 = m_red I_(j+1) + c J_(j+1)
+ *   I_j = t^j rho' - j t^(j-1) rho + j (j-1) M_(j-2),    J_j = t^j (g - g(0)) - j G_(j-1)
+ *
+ * and rho = g less the gap of the flight.
+ */
+static void head_on_moments(const struct contact_pair *p, const struct pair_change *change,
+                            double moment[SEPARATION_DEGREE - 1])
+{
+    const double k = p->coefficients.k;
+    const double c = p->coefficients.c;
+    const double t = change->time;
+    const double grown = change->gap - p->gap;
+    const double rho = p->shape.side * vec3_dot(p->normal, change->r);
+    const double rho_rate = p->shape.side * vec3_dot(p->normal, change->r_rate);
+    double before = 0.0; /* G_(j-1) */
+    double power = 1.0;  /* t^j */
+    for (int j = 0; j < SEPARATION_DEGREE - 1; ++j) {
+        const double second = j < 2 ? 0.0 : moment[j - 2];
+        const double inertia =
+            power * rho_rate - (j > 0 ? j * (power / t) * rho : 0.0) + j * (j - 1) * second;
+        const double next =
+            power * t * rho_rate - (j + 1) * power * rho + (j > 0 ? (j + 1) * j * moment[j - 1] : 0.0);
+        const double damped = power * grown - j * before;
+        const double of_gap =
+            k > 0.0 ? -(p->reduced_mass * inertia + c * damped) / k - p->gap * power * t / (j + 1)
+                    : (power * t * grown + p->reduced_mass / c * next) / (j + 1);
+        double flown = 0.0;
+        for (int i = SEPARATION_DEGREE; i > 0; --i) {
+            flown = t * (flown + p->shape.side * vec3_dot(p->normal, p->flight.c[i]) / (i + j + 1));
+        }
+        moment[j] = of_gap - power * t * flown;
+        before = of_gap;
+        power *= t;
+    }
+}
+
+static struct vec3 head_on(const struct contact_pair *p, const struct lever *lever,
+                           const struct pair_change *change)
+{
+    double moment[SEPARATION_DEGREE - 1];
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    head_on_moments(p, change, moment);
+    for (int j = 0; j < SEPARATION_DEGREE - 1; ++j) {
+        sum = vec3_axpy(sum, p->shape.side * moment[j], vec3_cross(lever->bend[j], p->normal));
+    }
+    return sum;
+}
+
+/* The motion of an impact is smooth but for the power 7/2 of time at its ends. */
+enum { PANELS = 8 };
+
+static struct vec3 by_quadrature(struct segment *p, pair_changer *changer, const struct lever *lever,
+                                 double time)
+{
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    const double half = 0.5 * time / PANELS;
+    for (int i = 0; i < PANELS * GAUSS_NODES; ++i) {
+        const struct gauss_place place = gauss_place(i % GAUSS_NODES, true);
+        const int panel = i / GAUSS_NODES;
+        const double t = half * (2.0 * panel + place.at);
+        const struct pair_change then = changer(&p->as, segment_place(p, t));
+        const struct vec3 bend = path_at(lever->bend, SEPARATION_DEGREE - 1, t);
+        const double weight = half * GAUSS_WEIGHT[i % GAUSS_NODES] * place.factor;
+        sum = vec3_axpy(sum, weight, vec3_cross(bend, then.r));
+    }
+    return sum;
+}
+
+/* As works (contact_pair.h), which segments integrate exactly: e_k.(C'' x r) = (e_k x C'').r, and by parts
+ * the integral of W.r is that of P.r' less P.r at the end, with P' = -W. */
+static struct vec3 as_works(struct segment *p, pair_changer *changer, const struct lever *lever,
+                            const struct pair_change *change, double s)
+{
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    for (int k = 0; k < 3; k += PAIR_BODIES) {
+        struct pair_work *work = p->pair.work;
+        for (int i = 0; i < PAIR_BODIES; ++i) {
+            struct vec3 unit = {0.0, 0.0, 0.0};
+            vec3_set(&unit, (k + i) % 3, 1.0);
+            work[i] = (struct pair_work){.order = 1, .factor = 0.0};
+            work[i].path[1] = vec3_scale(-1.0, vec3_cross(unit, lever->bend[0]));
+            work[i].path[2] = vec3_scale(-0.5, vec3_cross(unit, lever->bend[1]));
+        }
+        const struct pair_change then = changer(&p->as, s);
+        for (int i = 0; i < PAIR_BODIES && k + i < 3; ++i) {
+            const struct vec3 path = path_at(work[i].path, 3, change->time);
+            vec3_set(&sum, k + i, then.work[i] - vec3_dot(path, change->r));
+        }
+    }
+    return sum;
+}
+
+static CONTACT_NOINLINE struct vec3 of_bend(struct segment *p, pair_changer *changer, struct lever *lever,
+                                            const struct pair_change *change, double s)
+{
+    for (int i = 2; i <= SEPARATION_DEGREE; ++i) {
+        lever->bend[i - 2] = vec3_scale(i * (i - 1), lever->c[i]);
+    }
+    if (p->kind == SEGMENT_CLOSED_FORM) {
+        return head_on(&p->pair, lever, change);
+    }
+    bool by_nodes = !vec3_is_zero(lever->bend[2]); /* a path has three coefficients */
+#if SCENE_ANY_HERTZ
+    by_nodes = by_nodes || p->kind == SEGMENT_HERTZ_ELASTIC;
+#endif
+    return by_nodes ? by_quadrature(p, changer, lever, change->time) : as_works(p, changer, lever, change, s);
+}
+
+/* Along the axis of a cylinder's side. */
+static CONTACT_NOINLINE struct vec3 at_side(struct segment *p, pair_changer *changer,
+                                            const struct pair_change *change, double s,
+                                            const double along[SEPARATION_DEGREE + 1])
+{
+    struct lever lever;
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+        lever.c[i] = vec3_scale(along[i], p->pair.shape.axis);
+    }
+    const bool vary = along[3] != 0.0 || along[4] != 0.0;
+    const bool bends = along[2] != 0.0 || vary;
+    const struct vec3 sum = boundary_terms(lever.c, vary, change);
+    return bends ? vec3_add(sum, of_bend(p, changer, &lever, change, s)) : sum;
+}
+
+/* At a plane, a cap or a rim. The part of C along n is in no product with r but by rounding; where C'' has no
+ * other part there is nothing to integrate. */
+static struct vec3 at_face(struct segment *p, pair_changer *changer, const struct pair_change *change,
+                           double s)
+{
+    struct vec3 c[SEPARATION_DEGREE + 1];
+    const bool is_rim = contact_is_rim(&p->pair.shape);
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) { /* of bodies at rest C along n is a flight, however far */
+        const struct vec3 flight = p->pair.flight.c[i];
+        c[i] = is_rim ? flight : contact_across_plane(p->pair.normal, flight);
+    }
+    const bool vary = varies(c);
+    bool bends = vary || !vec3_is_zero(vec3_cross(c[2], p->pair.normal));
+    struct vec3 sum = boundary_terms(c, vary, change);
+    if (is_rim) {
+        sum = vec3_add(sum, vec3_cross(change->r, change->r_rate));
+        bends = true;
+    }
+    if (bends) {
+        struct lever lever;
+        memcpy(lever.c, c, sizeof lever.c);
+        sum = vec3_add(sum, of_bend(p, changer, &lever, change, s));
+    }
+    return sum;
+}
+
+struct vec3 torque_impulse(struct segment *p, pair_changer *changer, const struct pair_change *change,
+                           double s)
+{
+    const struct contact_pair *pair = &p->pair;
+    struct vec3 sum = {0.0, 0.0, 0.0};
+    if (!(change->time > 0.0)) {
+        return sum;
+    }
+    if (contact_is_plane(&pair->shape) || contact_is_rim(&pair->shape)) {
+        sum = at_face(p, changer, change, s);
+    } else if (contact_is_cylinder(&pair->shape)) {
+        double along[SEPARATION_DEGREE + 1] = {pair->axial}; /* c[0] may lack it */
+        bool acts = pair->axial != 0.0;
+        for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+            along[i] = vec3_dot(pair->shape.axis, pair->flight.c[i]);
+            acts = acts || along[i] != 0.0;
+        }
+        sum = acts ? at_side(p, changer, change, s, along) : sum;
+    }
+    return vec3_scale(-pair->reduced_mass, sum);
+}
+
+#endif
+
+#if SCENE_ANY_CAPS
+
+#if SCENE_ANY_CAPS
+
+/* Where the centre is no longer beyond the side, or the cap, as far as `beyond` says at the start [m]: a
+ * segment is right to its tolerance there. It may be within a face up to `rounding` outside. */
+static double end_of_rim_by(const struct segment *p, enum pair_quantity quantity, double beyond,
+                            double rounding)
+{
+    const double missing = beyond - p->output.at[0].of[quantity][0];
+    const struct event_function margin = {quantity, 1.0, fmax(missing, 0.0) - rounding};
+    return dense_output_first_event(&p->output, &margin);
+}
+
+static double end_at_rim(const struct segment *p)
+{
+    const struct contact_solid *solid = &p->pair.shape.solid;
+    const double rounding = zone_path_rounding(solid, &p->pair.flight);
+    const struct solid_place place = contact_place_at(solid, p->pair.flight.c[0]);
+    return fmin(end_of_rim_by(p, PAIR_RADIAL, place.radial, rounding),
+                end_of_rim_by(p, PAIR_AXIAL, place.axial, rounding));
+}
+
+/* The force has no part along the side, nor across the axis at a cap: the centre leaves either by its flight,
+ * whose edges are roots of polynomials. */
+static double end_of_face(const struct segment *p, double end)
+{
+    const double time = zone_path_leaves_face(&p->pair.shape.solid, &p->pair.flight, segment_time(p, end));
+    return time < (double)INFINITY ? segment_place(p, time) : (double)INFINITY;
+}
+
+/* How far a centre within the solid is from where another face is nearest [m]: its depth is known by the gap,
+ * and how far it is from the other face by its flight. Positive outside the solid. */
+static double depth_margin(const struct segment *p, double s)
+{
+    struct pair_sample at;
+    p->output.sampler(p->output.segment, s, &at);
+    const double depth = at.of[PAIR_GAP][0] + p->pair.shape.source_radius;
+    const struct solid_place place = contact_place_at(
+        &p->pair.shape.solid, path_at(p->pair.flight.c, SEPARATION_DEGREE + 1, segment_time(p, s)));
+    if (depth > 0.0) {
+        return depth;
+    }
+    return p->pair.shape.solid.zone == ZONE_SIDE
+               ? depth - place.axial
+               : fmin(depth - place.radial, p->pair.shape.solid.half_height + depth);
+}
+
+/* Places at which that is looked at. A centre comes so deep in soft contact only, which a segment follows for
+ * a few radians. */
+enum { DEPTHS = 64, DEPTH_HALVINGS = 100 };
+
+static double end_by_depth(const struct segment *p, double end)
+{
+    const double beyond = -zone_path_rounding(&p->pair.shape.solid, &p->pair.flight);
+    double low = 0.0;
+    for (int i = 1; i <= DEPTHS; ++i) {
+        double high = end * i / DEPTHS;
+        if (depth_margin(p, high) < beyond) {
+            for (int k = 0; k < DEPTH_HALVINGS && depth_margin(p, low) > beyond; ++k) {
+                const double middle = 0.5 * (low + high);
+                *(depth_margin(p, middle) < beyond ? &high : &low) = middle;
+            }
+            return high;
+        }
+        low = high;
+    }
+    return (double)INFINITY;
+}
+
+/* Between two samples a quantity may have one extremum larger than both, but less than four times as large
+ * (terminal_event.c). */
+static bool may_be_inside(const struct segment *p)
+{
+    double deepest = 0.0;
+    for (int i = 0; i < p->output.count; ++i) {
+        deepest = fmax(deepest, fabs(p->output.at[i].of[PAIR_GAP][0]));
+    }
+    return 4.0 * deepest >= p->pair.shape.source_radius;
+}
+
+void zone_end_note(struct segment *p)
+{
+    p->leaves_zone = false;
+    if (!contact_is_capped(&p->pair.shape)) {
+        return;
+    }
+    const double end = fmin(p->end, p->terminal.s);
+    double s;
+    if (contact_is_rim(&p->pair.shape)) {
+        s = end_at_rim(p);
+    } else {
+        s = end_of_face(p, end);
+        if (may_be_inside(p)) {
+            s = fmin(s, end_by_depth(p, fmin(s, end)));
+        }
+    }
+    if (s <= p->end && s < p->terminal.s) {
+        p->terminal.s = s;
+        p->terminal.regime = p->regime;
+        p->leaves_zone = true;
+    }
+}
+
+#endif
+
+#endif
