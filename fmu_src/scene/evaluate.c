@@ -84,7 +84,7 @@ static const double SERIES_REACH = 8.0;
  * (n + 1) q_(n+1) = sum_i (0, omega_i) q_(n-i) / 2, in steps of at most one radian. A step takes the
  * polynomial along to its own start.
  */
-static struct quaternion rotation_over(const struct vec3 omega[3], double clock, struct quaternion q)
+static struct quaternion rotation_over(const struct vec3 *omega, double clock, struct quaternion q)
 {
     struct vec3 rest[3] = {omega[0], omega[1], omega[2]};
     double left = clock;
@@ -122,7 +122,7 @@ static bool is_around_one_direction(const struct vec3 omega[3])
     return path_is_steady(omega, 3);
 }
 
-static struct quaternion turned_by(const struct vec3 omega[3], double clock, struct quaternion q)
+static struct quaternion turned_by(const struct vec3 *omega, double clock, struct quaternion q)
 {
     if (clock == 0.0) {
         return q;

@@ -190,7 +190,7 @@ static fmi3Status product(fmi3Instance c, struct bytes *b)
     return status;
 }
 
-static fmi3Status output_derivatives(fmi3Instance c, struct bytes *b)
+static fmi3Status array_output_derivatives(fmi3Instance c, struct bytes *b)
 {
     struct arrays3 a = any_arrays(b, TYPE_Float64, 1u << VARIABLE_OUTPUT);
     const fmi3Status status = fmi3GetOutputDerivatives(
@@ -217,7 +217,7 @@ fmi3Status arrays3_call(fmi3Instance c, struct bytes *b)
         return product(c, b);
     }
     if (which == 3) {
-        return output_derivatives(c, b);
+        return array_output_derivatives(c, b);
     }
     if (which == 4) {
         return binaries(c, b);
