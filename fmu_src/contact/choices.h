@@ -2,7 +2,8 @@
 #ifndef CONTACT_CONTACT_CHOICES_H
 #define CONTACT_CONTACT_CHOICES_H
 
-/* A rim is no body's shape: it is what a capped cylinder looks like from beyond its side and cap (zone.h). */
+/* A rim is no body's shape: it is what a capped cylinder looks like from beyond its side and cap (shape.h).
+ * */
 enum shape { SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE, SHAPE_RIM };
 
 enum ends { ENDS_OPEN = 1, ENDS_CAPPED };

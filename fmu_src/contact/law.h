@@ -90,7 +90,7 @@ CONTACT_COLD double restitution_hunt_crossley(double restitution, enum dashpot d
  *   viscous only       F_n = -p_nv g'             (p_n = 0)
  *
  * for g < 0, zero otherwise; or, with delta = -g, Hertz's law with the damping of Hunt and Crossley
- * (hertz_law.h)
+ *
  *
  *   hertz              F_n = k_h delta^(3/2) (1 + chi delta')
  *
@@ -242,7 +242,7 @@ struct contact_factors {
 };
 
 /* The factors in force. Automatic: p_n = f_p E_ref diag, p_nv = tau_n p_n; viscous only: p_n = 0,
- * p_nv = tau_n E_ref diag. Restitution: p_nv = 2 zeta sqrt(p_n m_red) with zeta of restitution.h. Hertz:
+ * p_nv = tau_n E_ref diag. Restitution: p_nv = 2 zeta sqrt(p_n m_red) with zeta of law.h. Hertz:
  * k_h as given, chi = tau_n / diag where it is automatic; with restitution chi times the speed of the onset,
  * a number, stands for it. `diagonal` is that of the bounding box of both bodies [m]. */
 struct contact_law contact_law_of(const struct contact_factors *factors, enum dashpot dashpot,

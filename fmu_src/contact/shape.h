@@ -8,7 +8,7 @@
  *   plane:     d = -c.e_d, n = -e_d; the half-space behind it is solid, and d is negative there
  *   outside:   g = d - (r_s + r_d)        inside a hollow destination:   g = (r_d - r_s) - d
  *
- *   capped:    side, cap or rim of the solid cylinder, whichever is nearest (zone.h); of the rim, a circle,
+ *   capped:    side, cap or rim of the solid cylinder, whichever is nearest; of the rim, a circle,
  *              n is the unit vector to its nearest point, d how far that is
  *
  * All are g = side (d - reach) with side +1 outside, -1 inside, and reach r_s + r_d or r_d - r_s, so that g'
@@ -227,7 +227,7 @@ struct vec3 contact_default_normal(const struct contact_shape *shape);
  *
  * The gap is that distance less r_s. Outside the solid it is continuous with its slope n, which turns at
  * another rate in each zone; a centre inside the solid is pushed out through the nearest face, and n jumps
- * where that changes. In each zone the shape is one of geometry.h, smooth beyond the edges of the zone too:
+ * where that changes. In each zone the shape is one of shape.h, smooth beyond the edges of the zone too:
  * who integrates stays in a zone until its margin falls through zero. A cap is a plane whose height is
  * measured from the cylinder's centre, so that its reach is h + r_s.
  */

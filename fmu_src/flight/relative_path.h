@@ -37,7 +37,8 @@ struct relative_path {
     double reach;            /* [scale] */
     double half_length;      /* [scale], where it has ends */
     bool has_ends;
-    bool starts_within; /* until s = ends_settle: whether the source is between the end planes (settling.h) */
+    bool starts_within; /* until s = ends_settle: whether the source is between the end planes (prediction.h)
+ * */
     double ends_settle;
     int side;
 };

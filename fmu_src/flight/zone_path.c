@@ -244,7 +244,7 @@ static const double RIM_STEP = 0.05;
 enum { RIM_SHORT_STEPS = 20000 };
 static const double RIM_LONG_STEP = 1e-4;
 
-/* Roundings of sums of products of vectors (driven_change.c). */
+/* Roundings of sums of products of vectors (prediction.c). */
 static const double RIM_ROUNDINGS = 8.0 * DBL_EPSILON;
 
 /* What the law sees at one time. */

@@ -64,7 +64,7 @@ double rim_least_gap(const struct contact_shape *shape, const struct separation_
 #endif
 
 /* The next change of regime of a contact with a capped cylinder, or of its zone, where no contact force acts
- * or all motion is given: regime_change.h for that shape. A change of zone leaves the regime as it is. */
+ * or all motion is given: prediction.h for that shape. A change of zone leaves the regime as it is. */
 
 #if SCENE_ANY_CAPS
 

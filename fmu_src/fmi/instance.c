@@ -19,7 +19,7 @@
 
 struct state_block {
     struct state_block *next;
-    _Alignas(double) unsigned char bytes[]; /* a header and the model's state, see state_block.c */
+    _Alignas(double) unsigned char bytes[]; /* a header and the model's state, see instance.c */
 };
 
 /* The block at an address, or NULL when this instance has none there. */
@@ -591,7 +591,7 @@ static void state_list_clear(struct instance *instance)
 /*
  * Saved states: one flat row of bytes without pointers, a header of the adapter followed by the model's part.
  * What the importer serializes are these bytes as they stand; what it brings back is checked as a whole
- * before it is used. In memory they follow a link (state_list.h), by which the importer's pointers are
+ * before it is used. In memory they follow a link, by which the importer's pointers are
  * recognised.
  */
 

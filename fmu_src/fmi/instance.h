@@ -37,7 +37,7 @@ struct experiment {
     bool set_up;       /* the experiment was accepted */
 };
 
-struct state_block; /* state_list.h */
+struct state_block; /* instance.h */
 struct instance;
 
 /* What the versions of the standard differ in. */
@@ -263,7 +263,7 @@ enum model_status instance_reset(struct instance *instance, const struct call *c
 
 /*
  * Saved states of an instance: got, set, freed, made bytes and made of bytes. An importer's state is a
- * pointer into the instance's list (state_list.h); what it brings is checked as a whole before it is used.
+ * pointer into the instance's list; what it brings is checked as a whole before it is used.
  */
 
 enum model_status state_block_get(struct instance *instance, const struct call *call, void **state);

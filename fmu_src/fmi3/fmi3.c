@@ -65,7 +65,7 @@ extern const struct adapter adapter_of_fmi3;
     ROW(Verb##String, phases)                                                                                \
     ROW(Verb##Binary, phases)
 
-/* What is never in order: there are no clocks and no structural parameters (absent.c). */
+/* What is never in order: there are no clocks and no structural parameters. */
 #define CALL_ABSENT(ROW)                                                                                     \
     ROW(GetClock, 0)                                                                                         \
     ROW(SetClock, 0)                                                                                         \
@@ -299,7 +299,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(
     return NULL;
 }
 
-/* Setting up, starting, ending and resetting an instance; instantiate.c creates it. */
+/* Setting up, starting, ending and resetting an instance; fmi3.c creates it. */
 
 const char *fmi3GetVersion(void)
 {
@@ -1058,7 +1058,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
     return fmi3_status(status);
 }
 
-/* Model Exchange by the names of FMI 3.0; event mode is in events.c. */
+/* Model Exchange by the names of FMI 3.0; event mode is in fmi3.c. */
 
 fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c)
 {

@@ -15,7 +15,7 @@
 #include "scene/dense_output.h"
 #include "scene/ode.h"
 
-/* What an instance of CVODE consists of; for cvode.c and cvode_memory.c only. */
+/* What an instance of CVODE consists of. */
 
 struct cvode_problem {
     struct scene_ode ode;

@@ -65,30 +65,30 @@ static inline double general_newton_share(const struct general *g)
     return g->step.problem.turns ? GENERAL_TURNING_NEWTON_SHARE : GENERAL_NEWTON_SHARE;
 }
 
-/* general.c: what is of values and state, not of a step; offsets of the events from the present instant
+/* What is of values and state, not of a step; offsets of the events from the present instant
  * on; both, and a step that starts from the motion. */
 void general_attach(struct general *g, const struct scene_values *v, struct scene_state *q);
 void general_set_events(struct general *g, struct scene_instant *at);
 void general_start(struct general *g, const struct scene_values *v, struct scene_state *q);
 
-/* general_step.c: begins steps at y; makes one of at most `limit` [s], accurate enough, as general->step;
+/* Begins steps at y; makes one of at most `limit` [s], accurate enough, as general->step;
  * false with a message where there is none, or where a `budget` of steps is used up. One that is longer than
  * `left` [s] is to be accurate at places within as well. */
 void general_begin(struct general *g, double clock, const double *y);
 bool general_step_make(struct general *g, double limit, double left, long *budget);
 
-/* general_peaks.c: what peaks are found by, after general_first_event; moves the scene to a clock within the
+/* What peaks are found by, after general_first_event; moves the scene to a clock within the
  * step, or its end, and notes the peaks up to there and, where nothing turns, the impulses of torque. */
 void general_set_peaks(struct general *g);
 void general_move_scene(struct general *g, struct scene_state *q, double clock, const double *y);
 
-/* general_ahead.c: keeps the step in q; goes on with the one that q keeps, false where there is none; moves
+/* Keeps the step in q; goes on with the one that q keeps, false where there is none; moves
  * the scene along it to a clock within. Where nothing turns or rubs no step is kept. */
 void general_keep_step(const struct general *g, struct scene_state *q);
 bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q);
 void general_follow(struct general *g, struct scene_state *q, double clock);
 
-/* general_length.c: how long a step may be that is the first [s], INFINITY where nothing tells: by springs
+/* How long a step may be that is the first [s], INFINITY where nothing tells: by springs
  * between the bodies at the start of general->step; by impacts under Hertz's law that begin; of any step, by
  * regularized friction whose slip ends. */
 double general_length_of_springs(const struct general *g);
@@ -96,14 +96,14 @@ double general_length_of_sliding(const struct scene_values *v, const struct scen
 double general_length_of_impacts(const struct scene_values *v, const struct scene_state *q,
                                  const struct scene_instant *at);
 
-/* general_weights.c: errors allowed in the states, by their sizes in the step as far as that is known. */
+/* Errors allowed in the states, by their sizes in the step as far as that is known. */
 void general_set_weights(struct general *g);
 
-/* general_full.c: solves a stiff step from its guess; false where that does not converge. Unless it is to be
+/* Solves a stiff step from its guess; false where that does not converge. Unless it is to be
  * done thoroughly a guess that goes on from the last step has to be a good one. */
 bool general_solve_fully(struct general *g, bool thoroughly);
 
-/* general_events.c: the first terminal event within general->step. */
+/* The first terminal event within general->step. */
 struct general_event general_first_event(struct general *g);
 
 /* Makes the step end there, and `y` the state at the event, `clock` its clock. Where a shorter step shows

@@ -63,7 +63,7 @@ static struct driven_change driven_first_change(const struct relative_path *path
 
 /*
  * The first change of regime of a contact along a path that is known (relative_path.h), and what the path
- * tells about the centres: regime_change.h puts it together.
+ * tells about the centres: prediction.h puts it together.
  */
 
 /* The first of `count` sorted events, all in [0, 1], from which on the regime is not the present one; none

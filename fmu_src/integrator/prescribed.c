@@ -48,7 +48,7 @@ static void powers(const struct scene_values *v, const struct scene_state *q, do
 }
 
 /* Near the touch Hertz's force goes with the power 3/2 of time: a panel at one end of which the depth is less
- * than this part of the depth in its middle is graded (gauss.h). Elsewhere equal steps converge faster. */
+ * than this part of the depth in its middle is graded (nodes.h). Elsewhere equal steps converge faster. */
 static const double SHALLOW = 0.1;
 
 static bool is_shallow(const struct scene_values *v, const struct scene_state *q, double clock, double middle,

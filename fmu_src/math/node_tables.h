@@ -5,7 +5,7 @@
 /* Both ends are nodes, so that the load is exact at the start, where the free oscillation is separated from
  * the particular solution. Twelve points integrate about one radian of a slow motion to full accuracy; more
  * would need more sweeps. A sweep costs the square of their number: eight reach half as far, four a tenth.
- * Multiples of four, because nodal_values.c computes four sums at a time. */
+ * Multiples of four, because nodes.c computes four sums at a time. */
 enum lobatto_size { LOBATTO_FOUR, LOBATTO_EIGHT, LOBATTO_TWELVE, LOBATTO_SIZES };
 
 enum { LOBATTO_MAX = 12 };

@@ -6,7 +6,7 @@
 #include "math/nodes.h"
 #include "math/radau_step.h"
 
-/* Rows of numbers as radau_step.c and radau_solve.c keep them. */
+/* Rows of numbers as radau_step.c keep them. */
 
 /* Rows end with at least one zero and are so many numbers long, for loops that take some at a time. */
 enum { RADAU_ROW_BLOCK = 4 };
@@ -60,18 +60,18 @@ static inline double radau_product(const double *a, const double *b, int count)
     return sum;
 }
 
-/* radau_step.c: the parts of p->jacobian that are kept as by_others and by_places. */
+/* The parts of p->jacobian that are kept as by_others and by_places. */
 static void radau_take_jacobian(const struct radau_step *p, double *by_others, double *by_places);
 
-/* radau_solve.c: what follows for the places, h A times their speeds; the residual h f - A^-1 change. */
+/* What follows for the places, h A times their speeds; the residual h f - A^-1 change. */
 static void radau_move_places(struct radau_step *p);
 static void radau_evaluate_residual(struct radau_step *p);
 
-/* radau_full.c: p->stage_others and p->stage_places at what is known of a stage. */
+/* P->stage_others and p->stage_places at what is known of a stage. */
 static void radau_take_stage_jacobian(struct radau_step *p, int stage);
 
-/* radau_forces.c: factors of the system of the forces at what is known of the stages, false where there are
- * none. radau_forces_correct.c: changes of the states left by the residual, into p->side. */
+/* Factors of the system of the forces at what is known of the stages, false where there are
+ * none. Changes of the states left by the residual, into p->side. */
 static size_t radau_forces_memory(const struct radau_problem *problem);
 static void radau_forces_place(struct radau_step *p, double *memory);
 static bool radau_forces_factor(struct radau_step *p);

@@ -14,7 +14,7 @@
 #include "scene/transition.h"
 
 /*
- * What free_exchange.c has of bodies that turn and contacts that rub: orientations, of any length,
+ * What free_motion.c has of bodies that turn and contacts that rub: orientations, of any length,
  * angular velocities, springs of elastic friction and the work of friction as states; their rates; event
  * indicators of friction. All are false, or zero, for what is none of these.
  */

@@ -1,4 +1,4 @@
-/* In place of free_motion.c and free_outputs.c in scenes without a body that may be free: a force element has
+/* In place of free_motion.c in scenes without a body that may be free: a force element has
  * no state but the clock; its outputs are functions of the inputs, now or over the last step. */
 #include <math.h>
 #include <string.h>

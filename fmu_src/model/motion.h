@@ -1,6 +1,6 @@
 /*
  * How the model moves from one time to another. Scenes with a body that may be free integrate their motion
- * (free_motion.c, free_outputs.c); in all others motion is given (given_motion.c).
+ * (free_motion.c); in all others motion is given (given_motion.c).
  */
 #ifndef CONTACT_MODEL_MOTION_H
 #define CONTACT_MODEL_MOTION_H

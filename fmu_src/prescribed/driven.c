@@ -10,8 +10,8 @@
 
 /*
  * Impulses and energies of a contact that turns or rubs while all motion is given, over the time in which it
- * touches: quadratures (driven_panel.h) of smooth formulas, whose panels are halved until halves and whole
- * agree, from one change of a regime (driven_regime.h) to the next, which is located.
+ * touches: quadratures of smooth formulas, whose panels are halved until halves and whole
+ * agree, from one change of a regime to the next, which is located.
  */
 
 #if SCENE_ANY_TURNING

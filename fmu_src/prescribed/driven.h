@@ -50,7 +50,7 @@ struct driven_panel {
 void driven_instant(const struct driven_contact *c, double clock, struct vec3 spring,
                     struct scene_instant *at);
 
-/* False where the spring is not found: the panel is too long for it. `graded`: see gauss.h. */
+/* False where the spring is not found: the panel is too long for it. `graded`: see nodes.h. */
 bool driven_panel_make(const struct driven_contact *c, double from, double to, struct vec3 spring,
                        bool graded, struct driven_panel *panel);
 
@@ -101,8 +101,8 @@ struct vec3 driven_spring(const struct scene_state *q, int contact);
 
 /*
  * Contacts that turn or rub over a span of time in which all motion is given: neither body is free or turns
- * freely. No touch is missed (tumbling_touch.h). Within a contact impulses and energies are quadratures
- * (driven_quadrature.h).
+ * freely. No touch is missed (tumbling.h). Within a contact impulses and energies are quadratures
+ *.
  */
 
 #if SCENE_ANY_TURNING

@@ -45,7 +45,7 @@ struct body_instant {
     struct vec3 velocity;     /* v [m/s] */
 };
 
-/* The shape of a contact: of a capped cylinder, in contact, the zone that the contact is in (zone.h). The
+/* The shape of a contact: of a capped cylinder, in contact, the zone that the contact is in (shape.h). The
  * same without regard to zones; and as it is met at an instant, also where there is no contact. */
 struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
                                          int contact);
@@ -196,7 +196,7 @@ void turning_place(const struct scene_values *v, struct scene_state *q);
 
 /*
  * What free bodies add to the state of motion, to an instant of it and to its jet. Scenes without a body that
- * may be free have given_bodies.c instead, where these functions do nothing.
+ * may be free have evaluate.c instead, where these functions do nothing.
  */
 
 /* Parts of scene_rebase: the origins of bodies are moved to where they are; the clocks kept of contacts are

@@ -116,12 +116,12 @@ enum contact_regime ode_regime_after(const struct scene_values *v, const struct 
  * depend on the place; of energies and impulses at least that of the free bodies. */
 void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes);
 
-/* The instant at y; for ode.c and ode_jacobian.c. */
+/* The instant at y; for ode.c. */
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at);
 
 /*
  * What scenes that turn or rub add to the scene's differential equations (scene/ode.h), for ode.c and
- * ode_jacobian.c.
+ * ode.c.
  */
 
 #if SCENE_ANY_TURNING

@@ -16,7 +16,7 @@ bool singularity_is_reached(const struct scene_values *v, const struct scene_ins
 struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 rate, struct vec3 acceleration,
                                struct vec3 held);
 
-/* In which zone of a capped cylinder a contact is (zone.h): set when it begins, changed at the zone's edges,
+/* In which zone of a capped cylinder a contact is (shape.h): set when it begins, changed at the zone's edges,
  * forgotten when it ends. In scenes without capped cylinders nothing happens. */
 
 /* Margin [m] of a contact that has no zone. */

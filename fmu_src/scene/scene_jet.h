@@ -59,7 +59,7 @@ CONTACT_COLD void jet_of_motion(const struct scene_values *v, const struct scene
                                 const struct scene_instant *at, struct scene_jet *along);
 
 /*
- * The jet (scene_jet.h) of what turns and rubs: rotations of the bodies, and contacts whose axis turns,
+ * The jet of what turns and rubs: rotations of the bodies, and contacts whose axis turns,
  * with their torques, slip, friction and springs. Coefficients of order up to two.
  */
 

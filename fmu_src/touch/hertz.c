@@ -811,7 +811,7 @@ void hertz_elastic_sample(const void *hertz_elastic, double s, struct pair_sampl
     sample->of[PAIR_FORCE][2] = by_root * u * (24.0 * w * w - 6.0 * u);
 }
 
-/* The work of paths that are constant, as in pair_oscillation.c. */
+/* The work of paths that are constant, as in pair.c. */
 struct pair_change hertz_elastic_change(const void *hertz_elastic, double s)
 {
     const struct hertz_elastic *p = hertz_elastic;

@@ -10,7 +10,7 @@
  *   u F_n = k_h u^4 (1 + chi delta'),   d = reach - side u^2,   delta' = -side n.c',   n = c / d
  *
  * which is analytic throughout: at the touch and where the bodies part u passes through zero with a slope. So
- * the coefficients follow order by order from products and quotients (as in pair_taylor.h), a step may begin
+ * the coefficients follow order by order from products and quotients (as in pair.h), a step may begin
  * at u = 0, and the release is an ordinary root of u.
  */
 #ifndef CONTACT_TOUCH_HERTZ_H
@@ -72,7 +72,7 @@ double pair_hertz_depth_under(const struct contact_pair *from, double accelerati
  * brought that about, delta^4 = a / (2 (k chi)^2). */
 double pair_hertz_depth_to_come(const struct contact_pair *from, double opening);
 
-/* The coefficients of the series of pair_hertz.h, order by order. */
+/* The coefficients of the series of hertz.h, order by order. */
 
 typedef double hertz_row[TAYLOR_TERMS];
 typedef double hertz_rows[HERTZ_DIMENSIONS][TAYLOR_TERMS];

@@ -38,7 +38,7 @@ struct hertz_slow {
     nodal_values bend;                     /* d2 delta/ds2 [m] */
     nodal_values rate_terms;               /* of `rate`, coefficients of s - 1 */
 #if SCENE_ANY_CAPS
-    struct rim_start rim; /* at a rim (hertz_slow_rim.h) */
+    struct rim_start rim; /* at a rim */
 #endif
 };
 
@@ -77,7 +77,7 @@ static inline double slow_distance(const struct hertz_slow *p, double depth)
 static inline bool is_turning(const struct hertz_slow *p, int row)
 {
 #if SCENE_ANY_CAPS
-    if (contact_is_rim(&p->from->shape)) { /* its third rows are zero (hertz_slow_rim.h) */
+    if (contact_is_rim(&p->from->shape)) { /* its third rows are zero */
         return p->flight.dimensions > 1 && row % HERTZ_DIMENSIONS < 2;
     }
 #endif

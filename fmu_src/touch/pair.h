@@ -4,8 +4,8 @@
  * Without that force the separation would follow the polynomial C(t), its rate W(t) (relative_path.h). With
  * it c = C + r, w = W + r' and m_red r'' = side F_n n, where 1/m_red is the sum of the free bodies' inverse
  * masses. Momentum is conserved exactly: the bodies deviate from their flights by -r m_red/m_s and +r
- * m_red/m_d, and the impulse on the source is -m_red r'. r is found by pair_oscillation.h, pair_collocation.h
- * or pair_taylor.h.
+ * m_red/m_d, and the impulse on the source is -m_red r'. r is found by pair.h
+ * or pair.h.
  */
 #ifndef CONTACT_TOUCH_PAIR_H
 #define CONTACT_TOUCH_PAIR_H

@@ -7,7 +7,7 @@
 #include "touch/rim.h"
 #include "touch/segment.h"
 
-/* The unit of a series at a rim (rim_series.h). */
+/* The unit of a series at a rim. */
 
 /* One radian of the spring, one decay time of the dashpot, or the passage, whichever is shortest: [s], or
  * [s/sqrt(m)] by the root of the penetration. The order of magnitude is enough. */
@@ -23,7 +23,7 @@ static double passage_of_rim(const struct contact_pair *from)
 }
 
 #if SCENE_ANY_HERTZ
-/* Under Hertz's law at the deepest that speed, load and penetration lead to (as in hertz_series.c). */
+/* Under Hertz's law at the deepest that speed, load and penetration lead to (as in hertz.c). */
 static double hertz_unit_at_rim(const struct contact_pair *from)
 {
     const double k = from->hertz_stiffness / from->reduced_mass;

@@ -1,6 +1,6 @@
 /*
- * A contact pair at the rim of a capped cylinder, by power series (Jorba and Zou, as in pair_taylor.h and
- * pair_hertz.h). The geometry is that of a circle: with the axis e of the cap, the centre's distance rho from
+ * A contact pair at the rim of a capped cylinder, by power series (Jorba and Zou, as in pair.h and
+ * hertz.h). The geometry is that of a circle: with the axis e of the cap, the centre's distance rho from
  * it, which changes along the unit vector a, and the place beyond rim and cap
  *
  *   c = C + r,   dr = rho - r_d,   dz = -c.e - h,   d = sqrt(dr^2 + dz^2),   n = (dr a - dz e) / d

@@ -23,7 +23,7 @@ static void peaks_note(struct segment *p, struct contact_state *state, double en
 
 /*
  * The impulse of the torque on a destination where nothing turns or rubs: then c x F, with F the force on the
- * source, for the source's lever arm is along it. With c = C + r, F = -m_red r'' (contact_pair.h)
+ * source, for the source's lever arm is along it. With c = C + r, F = -m_red r'' (pair.h)
  *
  *   integral of c x F = -m_red ([C x r' - C' x r + r x r'] + integral of C'' x r)
  *
@@ -750,7 +750,7 @@ static const double BOUND_ROUNDINGS = 8.0;
 static const double RATE_ROUNDINGS = 2.0;
 
 /* An error of a peak by less than this part of the load or peak is none: the force of all other contacts is
- * known no better (contact_pair.c). */
+ * known no better (pair.c). */
 static const double NEGLIGIBLE = 1e-6;
 
 /* A dashpot's force at the start is no peak if it is less than this part of what follows. */
@@ -1146,7 +1146,7 @@ static struct vec3 by_quadrature(struct segment *p, pair_changer *changer, const
     return sum;
 }
 
-/* As works (contact_pair.h), which segments integrate exactly: e_k.(C'' x r) = (e_k x C'').r, and by parts
+/* As works (pair.h), which segments integrate exactly: e_k.(C'' x r) = (e_k x C'').r, and by parts
  * the integral of W.r is that of P.r' less P.r at the end, with P' = -W. */
 static struct vec3 as_works(struct segment *p, pair_changer *changer, const struct lever *lever,
                             const struct pair_change *change, double s)

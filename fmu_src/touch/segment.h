@@ -1,7 +1,7 @@
 /*
  * A segment: smooth motion of one contact pair. Its users make it, sample it, advance the bodies along it and
  * stop at its terminal event; by which kind of segment it is computed is known in this folder only
- * (kinds.h).
+ *.
  */
 #ifndef CONTACT_TOUCH_SEGMENT_H
 #define CONTACT_TOUCH_SEGMENT_H
@@ -188,7 +188,7 @@ static const double SEPARATION_OF_RATES = 20.0;
  * rate)^2, is then accurate to 3e-7. */
 static const double RESOLVED_LENGTH = 4.0;
 
-/* What the averaged, resolved and overdamped kinds share (collocated.c). */
+/* What the averaged, resolved and overdamped kinds share. */
 
 /* Whether the step may be long enough, and its oscillator or decay is faster than the tangential motion. */
 bool collocated_applies(const struct segment *p);
@@ -208,7 +208,7 @@ bool collocated_stays_off_centre(const struct segment *p);
  * (a/d)^2 in n', which acts over `radians` of the tangential motion, 3 a^2 radians / d [m]. */
 double averaged_error(double a, double ratio, double distance, double radians);
 
-/* Where a segment leaves the zone of a capped cylinder that it is made for (zone.h): a terminal event, after
+/* Where a segment leaves the zone of a capped cylinder that it is made for (shape.h): a terminal event, after
  * which the regime goes on in the next zone. Without capped cylinders there is none. */
 
 #if SCENE_ANY_CAPS

@@ -1,8 +1,8 @@
-"""Writes the constants of fmu_src/math/node_tables.c, collocation at the Gauss-Lobatto nodes, and radau.c, at
-those of Radau, with 60 digits.
+"""Prints constants for fmu_src/math/node_tables.c, computed with 60 digits: collocation at the Gauss-Lobatto nodes,
+and with `radau` the same at the nodes of Radau.
 
-    python scripts/tools/make_lobatto.py > fmu_src/math/node_tables.c
-    python scripts/tools/make_lobatto.py radau > fmu_src/math/node_tables.c
+    python scripts/tools/make_lobatto.py
+    python scripts/tools/make_lobatto.py radau
 
 Nodes: -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32); of Radau the roots of P_{n-1} - P_n,
 of which 1 is one (25.4.31, mirrored). With l_j the Lagrange polynomials

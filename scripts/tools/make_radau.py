@@ -1,7 +1,8 @@
-"""Writes the constants of simplified Newton iterations for Radau IIA, with 60 digits.
+"""Prints constants for fmu_src/math/node_tables.c, with 60 digits: simplified Newton iterations
+for Radau IIA.
 
-    python scripts/tools/make_radau.py 4 8 > fmu_src/math/node_tables.c
-    python scripts/tools/make_radau.py 12 > fmu_src/math/node_tables.c
+    python scripts/tools/make_radau.py 4 8
+    python scripts/tools/make_radau.py 12
 
 Of s stages at the right Radau nodes c of [0, 1] (make_lobatto.py), A_ij the integral of l_j from 0 to c_i:
 

@@ -10,7 +10,7 @@ from support.sources import HEADERS, UNITS, code_only, label
 READS = r"(?:->|\.)(?:stiffness|damping)\b"
 LAW = {
     f"fmu_src/contact/{name}"
-    for name in ("law.h", "law.c", "factors.h", "factors.c", "hertz_law.h", "hertz_law.c")
+    for name in ("law.h", "law.c", "factors.h", "factors.c", "law.h", "law.c")
 }
 OWN_STIFFNESS = {"fmu_src/touch/pair.h", "fmu_src/touch/pair.c"}
 # Of the tangential spring and dashpot of elastic friction, k_t and c_t: a law of its own.

@@ -20,7 +20,7 @@ static inline struct vec3 random_across(struct random *r, struct vec3 axis)
     return vec3_scale(1.0 / vec3_norm(across), across);
 }
 
-/* A contact in the zone `zone` of the solid `shape`; z and dr as in zone.h, for the end of the zone. */
+/* A contact in the zone `zone` of the solid `shape`; z and dr as in shape.h, for the end of the zone. */
 struct problem {
     struct contact_shape shape;
     int zone;
