@@ -1,3 +1,4 @@
+#include <float.h>
 #include <fmi2Functions.h>
 #include <math.h>
 #include <stdlib.h>
@@ -14,6 +15,7 @@
 struct fmi2_instance {
     struct instance shared; /* comes first, so that both have one address */
     fmi2CallbackFunctions callbacks;
+    double asked_end; /* of the last step, as the importer asked for it [s] */
 };
 
 /* The model's statuses are fmi2Status values by another name. */
@@ -503,6 +505,7 @@ CONTACT_FLATTEN fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunica
     if (instance == NULL) {
         return fmi2Error;
     }
+    ((struct fmi2_instance *)instance)->asked_end = currentCommunicationPoint + communicationStepSize;
     if (step_plainly_in_order(instance, currentCommunicationPoint, communicationStepSize) &&
         model_step_deferred(instance->model, currentCommunicationPoint + communicationStepSize)) {
         return fmi2OK; /* as the step before, so that step_status need not be written */
@@ -555,6 +558,14 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *va
     return asked;
 }
 
+/* The model's time is a sum, which may differ from the end of a step by a rounding: who goes on while its own
+ * time is before the stop time is told the time that it asked for. */
+static double time_reached(const struct fmi2_instance *own)
+{
+    const double time = model_time(own->shared.model);
+    return fabs(own->asked_end - time) <= 4.0 * DBL_EPSILON * fabs(time) ? own->asked_end : time;
+}
+
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 {
     struct instance *instance = c;
@@ -562,7 +573,7 @@ fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *
     const fmi2Status asked =
         ask_status(instance, CALL2(GetRealStatus), s, "fmi2LastSuccessfulTime", known, value);
     if (asked == fmi2OK) {
-        *value = model_time(instance->model);
+        *value = time_reached(c);
     }
     return asked;
 }

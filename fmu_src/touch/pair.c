@@ -1022,6 +1022,14 @@ static void drop_rounded_mismatch(const struct contact_pair *p, double tangentia
     }
 }
 
+/* From where the depth is measured: d = reach + deviation is positive. A plane has no centre, and may be
+ * deeper in the source than that is wide. */
+static double origin_below(const struct contact_pair *p, double deviation)
+{
+    const double reach = contact_reach(&p->shape);
+    return contact_is_plane(&p->shape) ? fmax(reach, -2.0 * deviation) : reach;
+}
+
 void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p)
 {
     struct collocation_problem *problem = &out->problem;
@@ -1031,8 +1039,8 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
         out->felt[i] = coupled(p, p->flight.c[i + 1]);
     }
     problem->rate = out->felt[0];
-    problem->reach = contact_reach(&p->shape);
     problem->deviation = p->shape.side * p->gap;
+    problem->reach = origin_below(p, problem->deviation);
     problem->omega2 = p->coefficients.k / p->reduced_mass;
     problem->damping_rate = p->coefficients.c / p->reduced_mass;
     set_paths(p, out->felt, problem);

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from support.checks import run, start
+from support.checks import check_close, run, start
 
 # FMU, start values, depth of the overlap [m]; radii of 0.1 m and 0.5 m
 LYING = {"destination.axis": [0.0, 1.0, 0.0]}
@@ -58,3 +58,32 @@ def test_a_dashpot_alone_stores_nothing(opened):
     name, values, _ = DEEP["plane"]
     fmu = start(opened(name), {**values, "contact.penalty_control": "viscous_only"})
     assert "and 0 J are stored" in warnings(fmu)[0]
+
+
+@pytest.mark.parametrize("depth", [0.045, 0.05, 0.06, 0.1, 1.0])
+def test_a_plane_that_accelerates_takes_no_more_steps_below_the_centre_than_above(opened, depth):
+    """A small ball, far beyond critical damping: a plane has no centre, at any depth. The law is linear, and
+    so is the gap later in the gap at the start.
+    """
+    gaps = []
+    for start_depth in (0.02, 0.04, depth):
+        values = {
+            "source.radius": 0.05,
+            "source.mass": 1e-3,
+            "source.center": [0.0, 0.0, 0.05 - start_depth],
+            "contact.penalty_factor": 1e3,
+            "contact.viscous_penalty_factor": 1e4,
+            "contact.dashpot": "unclamped",
+            "destination.motion": "prescribed",
+            "destination.prescribed_velocity": [0.0, 0.0, -1.0],
+            "gravity": [0.0, 0.0, 0.0],
+        }
+        fmu = start(opened("SpherePlane"), values, 1e-8)
+        fmu.set_derivative("destination.prescribed_displacement", [0.0, 0.0, -1.0], order=1)
+        fmu.set_derivative("destination.prescribed_displacement", [0.0, 0.0, -1.0], order=2)
+        fmu.set_derivative("destination.prescribed_velocity", [0.0, 0.0, -1.0], order=1)
+        fmu.step(0.1)
+        assert fmu["solver.steps"] <= 5
+        gaps.append(fmu["contact.gap"])
+    near, far, gap = gaps
+    check_close("gap", gap, near + (far - near) * (depth - 0.02) / 0.02, 1e-11)
