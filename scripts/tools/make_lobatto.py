@@ -1,5 +1,5 @@
-"""Prints constants for fmu_src/math/node_tables.c, with 60 digits: collocation at the Gauss-Lobatto nodes, and
-with `radau` the same at the nodes of Radau.
+"""Prints constants for fmu_src/math/node_tables.c, with 60 digits: collocation at the Gauss-Lobatto nodes,
+and the same at the nodes of Radau with `radau`.
 
     python scripts/tools/make_lobatto.py
     python scripts/tools/make_lobatto.py radau
