@@ -52,7 +52,7 @@ struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
 double jet_dot(const struct vec3 *a, const struct vec3 *b, int order)
 {
     double sum = 0.0;
-    for (int i = 0; i <= order; ++i) {
+    for (int i = 0; i <= order && i < JET_TERMS; ++i) {
         sum += vec3_dot(a[i], b[order - i]);
     }
     return sum;
@@ -61,7 +61,7 @@ double jet_dot(const struct vec3 *a, const struct vec3 *b, int order)
 struct vec3 jet_scale(const double *a, const struct vec3 *b, int order)
 {
     struct vec3 sum = {0.0, 0.0, 0.0};
-    for (int i = 0; i <= order; ++i) {
+    for (int i = 0; i <= order && i < JET_TERMS; ++i) {
         sum = vec3_axpy(sum, a[i], b[order - i]);
     }
     return sum;

@@ -215,7 +215,7 @@ static enum model_status add_column(struct model *m, const uint32_t *unknowns, s
                                     const uint32_t *known, const double *seed, double *value)
 {
     const double one = 1.0;
-    double column[MODEL_ADJOINT_MOST];
+    double column[MODEL_ADJOINT_MOST] = {0.0};
     const enum model_status status =
         model_get_directional_derivative(m, unknowns, unknown_count, known, 1, &one, column);
     *value = 0.0;

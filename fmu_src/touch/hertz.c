@@ -125,7 +125,7 @@ static inline void hertz_geometry(struct pair_hertz *p, struct hertz_recurrence 
     }
     z->square[i] = sum->square + (kind.first ? 1.0 : 2.0) * p->root[0] * p->root[i];
     z->d[i] = kind.first ? from->distance : -side * z->square[i];
-    for (int j = 0; j < kind.dimensions; ++j) {
+    for (int j = 0; j == 0 || j < kind.dimensions; ++j) {
         z->w[j][i] = hertz_along_time(p, z, p->flight.w, kind.degree, j, i) + p->r_rate[j][i];
         z->n[j][i] = kind.first && j == 0 ? 1.0 : 0.0;
         if (kind.dimensions > 1 && !kind.first) {

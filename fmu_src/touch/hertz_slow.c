@@ -676,7 +676,7 @@ static void slow_powers(const struct hertz_slow *p, double s, struct pair_change
         change->dissipated += weight * (force - spring) * rate;
         for (int body = 0; body < PAIR_BODIES; ++body) {
             const struct pair_work *work = &p->from->work[body];
-            for (int j = 0; j < p->flight.dimensions && work->order > 0; ++j) {
+            for (int j = 0; j < HERTZ_DIMENSIONS && j < p->flight.dimensions && work->order > 0; ++j) {
                 rows[2][j] = p->from->shape.side * force / p->from->reduced_mass * n[j];
                 const struct vec3 path =
                     vec3_axpy(vec3_axpy(work->path[0], time, work->path[1]), time * time, work->path[2]);

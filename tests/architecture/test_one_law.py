@@ -8,10 +8,7 @@ from support.sources import HEADERS, UNITS, code_only, label
 
 # The law's own constants, p_n and p_nv, or k_h and chi.
 READS = r"(?:->|\.)(?:stiffness|damping)\b"
-LAW = {
-    f"fmu_src/contact/{name}"
-    for name in ("law.h", "law.c", "factors.h", "factors.c", "law.h", "law.c")
-}
+LAW = {f"fmu_src/contact/{name}" for name in ("law.h", "law.c", "factors.h", "factors.c", "law.h", "law.c")}
 OWN_STIFFNESS = {"fmu_src/touch/pair.h", "fmu_src/touch/pair.c"}
 # Of the tangential spring and dashpot of elastic friction, k_t and c_t: a law of its own.
 OF_FRICTION = {
