@@ -31,7 +31,7 @@ foreach(scene ${CONTACT_MODEL_SCENES})
 endforeach()
 
 # What model.h includes, and exchange.h for an integrator of one's own.
-foreach(header model/model.h model/variable.h model/exchange.h integrator/advance.h math/compiler.h)
+foreach(header model/model.h model/variable.h model/exchange.h integrator/step_request.h math/compiler.h)
     get_filename_component(place "${header}" DIRECTORY)
     install(FILES "${CONTACT_SOURCE_FOLDER}/${header}"
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/contact_fmus/${place}" ${component})

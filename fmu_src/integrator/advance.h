@@ -24,15 +24,4 @@ struct advance {
 const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
                                         const struct scene_state *q);
 
-/* What is asked of a step. */
-
-struct step_request {
-    double end_time; /* [s] */
-    /* Asked at each instant within the step at which a contact begins or ends: when shall the step end [s]?
-     * At once, where the answer is not later than the present. NULL: nobody is asked. */
-    double (*at_event)(void *context, double end_time);
-    void *context;
-    bool whole; /* a step that solver.max_internal_steps ends early is undone */
-};
-
 #endif

@@ -16,6 +16,7 @@
 #include <stddef.h>
 
 #include "integrator/advance.h"
+#include "integrator/step_request.h"
 
 enum integrator_status {
     INTEGRATOR_DONE,       /* arrived at the end time */

@@ -12,7 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "integrator/advance.h"
+#include "integrator/step_request.h"
 #include "integrator/phases.h"
 #include "math/compiler.h"
 #include "model/variable.h"

@@ -162,6 +162,29 @@ def _context(resolved: Resolved) -> dict:
         "has_derivatives": any(
             v.cell.row.causality == "output" and v.cell.row.type.base == "Real" for v in variables
         ),
+        **_facts(resolved),
+        "rows": list(rows),
+        "present": c_code.rows_present(resolved),
+        "structs": c_code.structs(resolved),
+        "value_bytes": _value_bytes(resolved),
+        "readers": c_code.readers(resolved),
+        "writers": c_code.writers(resolved),
+        "start_statements": c_code.start_statements(resolved),
+        "table": c_code.table(resolved),
+        "reals": c_code.reals(resolved),
+        "uses": (uses := c_code.uses(resolved)),
+        "choices": list({use.choice.key: use.choice for use in uses}.values()),
+        "positions": c_code.positions(resolved),
+        "nominals": c_code.nominals(resolved),
+        "state_of": _state_of(resolved),
+        "references": [(variable.reference, i) for i, variable in enumerate(variables, 1)],
+        "page": page.context(resolved),
+    }
+
+
+def _facts(resolved: Resolved) -> dict:
+    """What a scene may have: the macros SCENE_ANY_... and SCENE_HAS_... of scene.h"""
+    return {
         "any_free": resolved.may("body.motion", "free") or resolved.may("body.rotation", "free"),
         "any_prescribed": resolved.may("body.motion", "prescribed"),
         "any_cylinder": any(body.shape == "cylinder" for body in resolved.scene.bodies),
@@ -181,22 +204,6 @@ def _context(resolved: Resolved) -> dict:
         "any_plane": any(body.shape == "plane" for body in resolved.scene.bodies),
         "has_cvode": resolved.may_need_cvode,
         "has_general": resolved.may_need_general,
-        "rows": list(rows),
-        "present": c_code.rows_present(resolved),
-        "structs": c_code.structs(resolved),
-        "value_bytes": _value_bytes(resolved),
-        "readers": c_code.readers(resolved),
-        "writers": c_code.writers(resolved),
-        "start_statements": c_code.start_statements(resolved),
-        "table": c_code.table(resolved),
-        "reals": c_code.reals(resolved),
-        "uses": (uses := c_code.uses(resolved)),
-        "choices": list({use.choice.key: use.choice for use in uses}.values()),
-        "positions": c_code.positions(resolved),
-        "nominals": c_code.nominals(resolved),
-        "state_of": _state_of(resolved),
-        "references": [(variable.reference, i) for i, variable in enumerate(variables, 1)],
-        "page": page.context(resolved),
     }
 
 

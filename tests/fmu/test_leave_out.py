@@ -147,12 +147,14 @@ def test_the_force_element_has_at_most_43_percent_of_the_variables(variables):
     assert len(variables("ForceElement")) <= 0.43 * len(variables("SphereCylinder"))
 
 
-def test_the_force_element_has_a_library_of_at_most_88_kb(library_bytes):
+def test_the_force_element_has_a_library_of_at_most_93_kb(library_bytes):
     """60 kB for the force at an instant, 4 kB for the functions of Model Exchange and their messages, 20 kB
     for mean and peaks over a step: the polynomials that tell when contact begins and ends within it, their
-    roots, the quadrature between; 4 kB for factors that may be set between steps and the search for peaks.
+    roots, the quadrature between; 4 kB for factors that may be set between steps and the search for peaks;
+    4 kB for changes of the law that are located where a dashpot is clipped, and for warnings of parameters
+    that were set and are not in force.
     """
-    assert library_bytes("ForceElement") <= 88_500
+    assert library_bytes("ForceElement") <= 93_000
 
 
 def test_the_force_element_has_no_solver(strings):

@@ -174,7 +174,10 @@ def test_a_cylinder_tumbles_as_the_closed_form_says(opened):
         fmu = ended(opened, case, steps=steps)
         q, right = fmu["destination.orientation"], case.expected["destination.orientation"]
         check_close("orientation", q * np.sign(q @ right), right, 1e-12)
-        check_close("axis", fmu["destination.current_axis"], case.expected["destination.current_axis"], 1e-12)
+        # An angle of 6,283 rad is a multiple of 9.1e-13 rad; two such roundings are allowed.
+        check_close(
+            "axis", fmu["destination.current_axis"], case.expected["destination.current_axis"], 1.9e-12
+        )
         spin = fmu["destination.angular_velocity"]
         check_close("spin", spin, case.expected["destination.angular_velocity"], 13e-12)
 
