@@ -703,10 +703,10 @@ static double energy_term(const struct model *m, const struct scene_jet *along, 
     }
 }
 
-bool motion_jet(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
-                const struct variable *variable, int order, double *term)
+bool motion_jet(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
+                const struct scene_jet *along, const struct variable *variable, int order, double *term)
 {
-    const struct contact_state *contact = m->state.motion.contact;
+    const struct contact_state *contact = q->contact;
     const int j = variable->element;
     switch (variable->row) {
     case ROW_energy_kinetic:
@@ -727,7 +727,7 @@ bool motion_jet(const struct model *m, const struct scene_instant *at, const str
         *term = 0.0;
         return true;
     default:
-        return motion_jet_of_step(m, at, along, variable, order, term);
+        return motion_jet_of_step(m, q, at, along, variable, order, term);
     }
 }
 
@@ -774,7 +774,8 @@ void motion_begin(const struct scene_values *v, struct scene_state *q)
     transition_begin_step(v, q, &at);
 }
 
-bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next)
+bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
+                   bool jumps)
 {
     struct scene_state before;
     scene_state_copy(v, q, &before);
@@ -785,6 +786,11 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     memcpy(q->path, next, sizeof q->path);
 #if SCENE_ANY_TURNING
     turning_take_axes(v, q);
+    if (jumps && scene_turns(v) && scene_is_force_element(v)) {
+        driven_lay_springs(v, q);
+    }
+#else
+    (void)jumps;
 #endif
     transition_settle_regimes(v, q, stored, false);
     if (isfinite(q->external_work) || scene_is_force_element(v)) {

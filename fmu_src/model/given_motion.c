@@ -45,8 +45,10 @@ void motion_begin(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next)
+bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
+                   bool jumps)
 {
+    (void)jumps;
     scene_rebase(v, q);
     memcpy(q->path, next, sizeof q->path);
 #if SCENE_ANY_TURNING
@@ -153,10 +155,10 @@ const char *motion_unknown(const struct model *m, const struct variable *variabl
     return NULL;
 }
 
-bool motion_jet(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
-                const struct variable *variable, int order, double *term)
+bool motion_jet(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
+                const struct scene_jet *along, const struct variable *variable, int order, double *term)
 {
-    return motion_jet_of_step(m, at, along, variable, order, term);
+    return motion_jet_of_step(m, q, at, along, variable, order, term);
 }
 
 void motion_begin_exchange(struct scene_state *q)

@@ -477,7 +477,7 @@ bool model_apply_inputs(struct model *m)
     if (m->state.exchange == EXCHANGE_CONTINUOUS) {
         memcpy(q->path, next, sizeof q->path); /* its power is integrated */
     } else {
-        applied = same || motion_follow(&m->state.values, q, next);
+        applied = same || motion_follow(&m->state.values, q, next, !m->host.exchange);
     }
     m->state.signals_changed = !applied;
     return applied;

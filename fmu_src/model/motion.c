@@ -24,11 +24,12 @@ bool model_has_derivatives(const struct variable *variable)
            variable->row != ROW_contact_peak_penetration;
 }
 
-bool motion_jet_of_step(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
-                        const struct variable *variable, int order, double *term)
+bool motion_jet_of_step(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
+                        const struct scene_jet *along, const struct variable *variable, int order,
+                        double *term)
 {
     const int j = variable->element;
-    const bool touches = m->state.motion.contact[j].regime != REGIME_APART;
+    const bool touches = q->contact[j].regime != REGIME_APART;
     switch (variable->row) {
     case ROW_contact_peak_force: /* peaks are those of the start until the end of initialization */
         *term =

@@ -21,8 +21,10 @@ void motion_place(const struct scene_values *v, struct scene_state *q);
 void motion_begin(const struct scene_values *v, struct scene_state *q);
 
 /* Changes the paths of the inputs and books the work that the change does; false, and nothing changed, where
- * the work is not finite. */
-bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next);
+ * the work is not finite. `jumps`: no integrator outside has the springs as its states, so that those of
+ * contacts without a free body are laid onto the new tangent planes. */
+bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
+                   bool jumps);
 
 /* New factors of the contacts, and by how much gravity has changed. */
 struct motion_tuning {
@@ -62,13 +64,14 @@ double motion_show(struct scene_values *v, const struct scene_state *q, const st
 /* Why such an output cannot be read although the motion is finite; NULL: it can. */
 const char *motion_unknown(const struct model *m, const struct variable *variable);
 
-/* Coefficient `order` of an output of these along a path; false where the variable is none of them. */
-bool motion_jet(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
-                const struct variable *variable, int order, double *term);
+/* Coefficient `order` of an output of these along a path, in the state that is shown; false where the variable is none of them. */
+bool motion_jet(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
+                const struct scene_jet *along, const struct variable *variable, int order, double *term);
 
 /* The same of mean force and peaks, which scenes of both kinds have. */
-bool motion_jet_of_step(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
-                        const struct variable *variable, int order, double *term);
+bool motion_jet_of_step(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
+                        const struct scene_jet *along, const struct variable *variable, int order,
+                        double *term);
 
 /* For an integrator outside (exchange.h). At the start; a state is set; a local variable is computed; regimes
  * change where their margins ask for it, and whether one did; a sum that tells whether events have changed

@@ -149,19 +149,19 @@ static double distance_term(const struct scene_values *v, const struct contact_s
     return along->contact[contact].distance[order];
 }
 
-static double contact_term(const struct model *m, const struct scene_instant *at,
+static double contact_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
                            const struct scene_jet *along, const struct variable *variable, int order)
 {
     const struct scene_values *v = &m->state.values;
     const int j = variable->element;
-    const struct contact_shape shape = scene_shape_met(v, &m->state.motion, at, j);
+    const struct contact_shape shape = scene_shape_met(v, q, at, j);
     const struct contact_jet *contact = &along->contact[j];
     struct vec3 vector = {0.0, 0.0, 0.0};
     switch (variable->row) {
     case ROW_contact_gap:
-        return scene_shown_within(v, &m->state.motion, at, j, &shape) ? contact->gap[order] : 0.0;
+        return scene_shown_within(v, q, at, j, &shape) ? contact->gap[order] : 0.0;
     case ROW_contact_gap_rate:
-        return scene_shown_within(v, &m->state.motion, at, j, &shape) ? contact->gap_rate[order] : 0.0;
+        return scene_shown_within(v, q, at, j, &shape) ? contact->gap_rate[order] : 0.0;
     case ROW_contact_distance:
         return distance_term(v, &shape, at, along, j, order);
     case ROW_contact_normal_force:
@@ -193,8 +193,8 @@ static double contact_term(const struct model *m, const struct scene_instant *at
     return vec3_get(vector, variable->component);
 }
 
-double output_term(const struct model *m, const struct scene_instant *at, const struct scene_jet *along,
-                   const struct variable *variable, int order)
+double output_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
+                   const struct scene_jet *along, const struct variable *variable, int order)
 {
     switch (variable->row) {
     case ROW_body_displacement:
@@ -214,8 +214,9 @@ double output_term(const struct model *m, const struct scene_instant *at, const 
         break;
     }
     double term = 0.0;
-    return motion_jet(m, at, along, variable, order, &term) ? term
-                                                            : contact_term(m, at, along, variable, order);
+    return motion_jet(m, q, at, along, variable, order, &term)
+               ? term
+               : contact_term(m, q, at, along, variable, order);
 }
 
 /* The outputs of the present instant: what the model shows, computed from the motion and nothing else. */

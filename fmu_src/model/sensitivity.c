@@ -11,14 +11,14 @@
 #include "scene/scene_jet.h"
 
 /* Torques and slip where nothing turns or rubs. */
-static void complete(const struct model *m, struct scene_instant *at)
+static void complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
 {
 #if SCENE_ANY_TURNING
-    if (!scene_turns(&m->state.values)) {
-        turning_complete(&m->state.values, &m->state.motion, at);
+    if (!scene_turns(v)) {
+        turning_complete(v, q, at);
     }
 #else
-    (void)m, (void)at;
+    (void)v, (void)q, (void)at;
 #endif
 }
 
@@ -35,17 +35,20 @@ enum model_status model_get_output_derivatives(struct model *m, const uint32_t *
                                                size_t count, double *values)
 {
     enum model_status status = MODEL_OK;
+    const struct scene_values *v = &m->state.values;
+    struct scene_state settled;
     struct scene_instant at;
     struct scene_jet along;
     if (!model_update_outputs(m, OUTPUTS_ALL)) {
         return model_refuse_inputs(m);
     }
-    scene_now(&m->state.values, &m->state.motion, &at);
-    complete(m, &at);
-    jet_in_time(&m->state.values, &m->state.motion, &at, &along);
+    const struct scene_state *q = motion_shown(v, &m->state.motion, &settled);
+    scene_now(v, q, &at);
+    complete(v, q, &at);
+    jet_in_time(v, q, &at, &along);
     for (size_t i = 0; i < count && status == MODEL_OK; ++i) {
         const struct variable *variable = scene_variable(references[i]);
-        values[i] = orders[i] * output_term(m, &at, &along, variable, orders[i]); /* 1! and 2! */
+        values[i] = orders[i] * output_term(m, q, &at, &along, variable, orders[i]); /* 1! and 2! */
         status = check_finite(m, variable, values[i]);
     }
     return status;
@@ -119,30 +122,32 @@ static void vary_factors(const struct model *m, struct scene_jet *along)
 }
 
 /* Until the end of initialization a contact begins at the start: its damping follows gap and rate there. */
-static void vary_onsets(const struct model *m, const struct scene_instant *at, struct scene_jet *along)
+static void vary_onsets(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
+                        struct scene_jet *along)
 {
 #if SCENE_ANY_HERTZ
     const struct scene_values *v = &m->state.values;
     for (int j = 0; !m->state.initialized && j < SCENE_CONTACTS; ++j) {
         if (scene_damps_by_onset(v, j)) {
-            jet_of_contacts(v, &m->state.motion, at, along);
+            jet_of_contacts(v, q, at, along);
             const struct contact_jet *contact = &along->contact[j];
             along->law_slope[j] = contact_hunt_crossley_slope(
-                onset_damping_slope(v, &m->state.motion, at, j, contact->gap[1], contact->gap_rate[1]));
+                onset_damping_slope(v, q, at, j, contact->gap[1], contact->gap_rate[1]));
         }
     }
 #else
-    (void)m, (void)at, (void)along;
+    (void)m, (void)q, (void)at, (void)along;
 #endif
 }
 
 /* Calculated parameters, too, are those of the start until the end of initialization. */
-static double input_derivative(const struct model *m, const struct scene_instant *at,
-                               const struct scene_jet *along, const struct variable *variable)
+static double input_derivative(const struct model *m, const struct scene_state *q,
+                               const struct scene_instant *at, const struct scene_jet *along,
+                               const struct variable *variable)
 {
     const int j = variable->element;
     if (variable_is_local(variable)) {
-        return motion_local_slope(&m->state.values, &m->state.motion, along, variable);
+        return motion_local_slope(&m->state.values, q, along, variable);
     }
     switch (variable->row) {
 #if SCENE_ANY_TURNING
@@ -162,8 +167,20 @@ static double input_derivative(const struct model *m, const struct scene_instant
         return diagonal_slope(m, along, j);
 #endif
     default:
-        return output_term(m, at, along, variable, 1);
+        return output_term(m, q, at, along, variable, 1);
     }
+}
+
+/* Springs as the state has them, which a reading does not lay onto the tangent planes. */
+static void note_lifts(const struct model *m, const struct scene_instant *at, struct scene_jet *along)
+{
+#if SCENE_ANY_FRICTION
+    for (int j = 0; scene_turns(&m->state.values) && j < SCENE_CONTACTS; ++j) {
+        along->spring_lift[j] = vec3_dot(m->state.motion.turning.spring[j], at->geometry[j].normal);
+    }
+#else
+    (void)m, (void)at, (void)along;
+#endif
 }
 
 enum model_status model_get_directional_derivative(struct model *m, const uint32_t *unknowns,
@@ -172,14 +189,17 @@ enum model_status model_get_directional_derivative(struct model *m, const uint32
                                                    double *values)
 {
     enum model_status status = MODEL_OK;
+    const struct scene_values *v = &m->state.values;
+    struct scene_state settled;
     struct scene_instant at;
     struct scene_jet along;
     if (!model_update_outputs(m, OUTPUTS_ALL)) {
         return model_refuse_inputs(m);
     }
-    scene_now(&m->state.values, &m->state.motion, &at);
+    const struct scene_state *q = motion_shown(v, &m->state.motion, &settled);
+    scene_now(v, q, &at);
     memset(&along, 0, sizeof along);
-    complete(m, &at);
+    complete(v, q, &at);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         along.velocity[i][0] = at.velocity[i];
 #if SCENE_ANY_TURNING
@@ -188,20 +208,21 @@ enum model_status model_get_directional_derivative(struct model *m, const uint32
 #endif
     }
 #if SCENE_ANY_TURNING
-    along.jumps = !m->host.exchange && scene_is_force_element(&m->state.values);
+    along.jumps = !m->host.exchange && scene_is_force_element(v);
 #endif
+    note_lifts(m, &at, &along);
     for (size_t i = 0; i < known_count; ++i) {
-        move_inputs(&m->state.values, &m->state.motion, &at, scene_variable(knowns[i]), direction[i], &along);
+        move_inputs(v, q, &at, scene_variable(knowns[i]), direction[i], &along);
     }
     vary_factors(m, &along);
-    vary_onsets(m, &at, &along);
-    jet_of_contacts(&m->state.values, &m->state.motion, &at, &along);
+    vary_onsets(m, q, &at, &along);
+    jet_of_contacts(v, q, &at, &along);
     if (m->state.initialized && !m->host.exchange) { /* there the work is a state */
-        motion_jet_of_work(&m->state.values, &m->state.motion, &along);
+        motion_jet_of_work(v, q, &along);
     }
     for (size_t i = 0; i < unknown_count && status == MODEL_OK; ++i) {
         const struct variable *variable = scene_variable(unknowns[i]);
-        values[i] = input_derivative(m, &at, &along, variable);
+        values[i] = input_derivative(m, q, &at, &along, variable);
         status = check_finite(m, variable, values[i]);
     }
     return status;

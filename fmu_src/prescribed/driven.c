@@ -450,16 +450,28 @@ static void follow_law(const struct driven_contact *c, double clock, enum contac
     }
 }
 
+static void lay_spring(const struct driven_contact *c)
+{
+    struct scene_instant at;
+    struct vec3 *spring = &c->q->turning.spring[c->contact];
+    driven_instant(c, c->q->clock, *spring, &at);
+    const struct vec3 n = at.geometry[c->contact].normal;
+    *spring = vec3_axpy(*spring, -vec3_dot(*spring, n), n);
+}
+
+void driven_lay_springs(const struct scene_values *v, struct scene_state *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        lay_spring(&(struct driven_contact){v, q, j});
+    }
+}
+
 /* Of what goes on touching while inputs jump: the spring lies across the new normal. */
 static void settle_friction(const struct driven_contact *c, enum contact_regime before)
 {
     const int j = c->contact;
-    struct scene_instant at;
     const double clock = c->q->clock;
-    const struct vec3 spring = c->q->turning.spring[j];
-    driven_instant(c, clock, spring, &at);
-    const struct vec3 n = at.geometry[j].normal;
-    c->q->turning.spring[j] = vec3_axpy(spring, -vec3_dot(spring, n), n);
+    lay_spring(c);
     if (contact_rubs(c->v, j) && !contact_rubs_elastically(c->v, j)) {
         friction_from(c, clock);
     } else {
@@ -468,6 +480,11 @@ static void settle_friction(const struct driven_contact *c, enum contact_regime 
 }
 
 #else /* nothing rubs */
+
+void driven_lay_springs(const struct scene_values *v, struct scene_state *q)
+{
+    (void)v, (void)q;
+}
 
 static void friction_from(const struct driven_contact *c, double clock)
 {

@@ -94,6 +94,9 @@ void driven_end(const struct driven_contact *c);
 /* Puts the regimes to what the present asks for: at the start, and after inputs have jumped. */
 void driven_turning_settle(const struct scene_values *v, struct scene_state *q, int contact);
 
+/* Of contacts that touch: after inputs have jumped the springs lie across the new normals. */
+void driven_lay_springs(const struct scene_values *v, struct scene_state *q);
+
 /* xi, zero in scenes without friction [m]. */
 struct vec3 driven_spring(const struct scene_state *q, int contact);
 

@@ -531,6 +531,7 @@ static void put_friction(const struct scene_values *v, const struct scene_state 
     path.spring[0] = q->turning.spring[contact];
     if (along->jumps) {
         path.spring[1] = vec3_axpy(path.spring[1], -vec3_dot(path.spring[0], jet->normal[1]), jet->normal[0]);
+        path.spring[1] = vec3_axpy(path.spring[1], -along->spring_lift[contact], jet->normal[1]);
     }
 #endif
     for (int i = 0; i < JET_TERMS; ++i) {

@@ -38,6 +38,7 @@ struct scene_jet {
     double slip_velocity_slope[SCENE_CONTACTS]; /* d/ds of v_0 */
     struct turning_jet turning[SCENE_CONTACTS];
     bool jumps; /* the inputs: springs of contacts without a free body are laid onto the new tangent plane */
+    double spring_lift[SCENE_CONTACTS]; /* of the jumps: what the springs had along the normals before [m] */
     double friction[JET_TERMS]; /* energy that friction and its springs take, without the first term */
 #endif
     /* of what only scenes with free bodies have, without the first term */
