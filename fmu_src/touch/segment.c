@@ -264,14 +264,15 @@ const struct pair_sample *segment_sample(struct segment *p, double s)
     return dense_output_at(&p->output, s);
 }
 
-/* Corrects r along n so that the bodies are as far apart as the gap says. Gap and r are truncated apart, and
- * bodies that part at a gap of zero must not overlap by that. */
+/* Corrects r along n so that bodies that part are as far apart as the gap says. Gap and r are truncated apart,
+ * and bodies that part at a gap of zero must not overlap by that. Elsewhere the next segment begins at the gap
+ * (contact_pair.rounded), and near a centre the correction would turn n by its rounding. */
 static void agree_with_gap(const struct segment *p, struct pair_change *change)
 {
     const struct contact_pair *from = &p->pair;
     const struct vec3 none = {0.0, 0.0, 0.0};
     struct vec3 c = vec3_add(path_at(from->flight.c, SEPARATION_DEGREE + 1, change->time), change->r);
-    if (change->head_on) {
+    if (change->head_on || fabs(change->gap) > p->tolerance) {
         return;
     }
     if (!from->starts_rounded) {
@@ -289,6 +290,8 @@ void segment_advance(struct segment *p, double s, const struct scene_values *v, 
 {
     struct contact_state *state = &q->contact[contact];
     struct pair_change change = kinds[p->kind].change(&p->as, s);
+    /* deeper than the bodies are wide, positions do not hold the gap */
+    change.head_on = change.head_on && p->largest_gap <= contact_reach(&p->pair.shape);
     agree_with_gap(p, &change);
     peaks_note(p, state, s);
     pair_apply(&p->pair, &change, v, q, contact);
