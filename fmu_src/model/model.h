@@ -12,8 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "integrator/step_request.h"
 #include "integrator/phases.h"
+#include "integrator/step_request.h"
 #include "math/compiler.h"
 #include "model/variable.h"
 #include "scene.h"
