@@ -2,9 +2,9 @@
 #include <string.h>
 
 #include "contact/law.h"
-#include "model/model.h"
 #include "model/motion.h"
 #include "model/report.h"
+#include "model/state.h"
 #include "scene/evaluate.h"
 
 /*

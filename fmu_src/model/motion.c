@@ -1,6 +1,6 @@
 /* The outputs of the bodies. */
 #include "model/motion.h"
-#include "model/model.h"
+#include "model/state.h"
 
 void model_show_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity)
 {

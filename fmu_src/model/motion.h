@@ -5,7 +5,7 @@
 #ifndef CONTACT_MODEL_MOTION_H
 #define CONTACT_MODEL_MOTION_H
 
-#include "model/model.h"
+#include "model/state.h"
 #include "scene/scene_jet.h"
 
 /* The integrator's memory for the method that v chooses; MODEL_ERROR when there is none to be had, with a

@@ -2,7 +2,7 @@
 #ifndef CONTACT_MODEL_OUTPUTS_H
 #define CONTACT_MODEL_OUTPUTS_H
 
-#include "model/model.h"
+#include "model/state.h"
 #include "scene/scene_jet.h"
 
 /* Coefficient `order` of a variable; zero where nothing along the path changes it. */

@@ -5,9 +5,9 @@
 
 #include "contact/law.h"
 #include "contact/shape.h"
-#include "model/model.h"
 #include "model/motion.h"
 #include "model/report.h"
+#include "model/state.h"
 
 #if SCENE_ANY_FREE_ROTATION
 /* A body of positive density everywhere has at least half of its axial moment across its axis. */

@@ -3,8 +3,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "model/model.h"
 #include "model/report.h"
+#include "model/state.h"
 
 struct shortest shortest_digits(double value)
 {

@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "contact/law.h"
-#include "model/model.h"
 #include "model/motion.h"
 #include "model/outputs.h"
+#include "model/state.h"
 #include "scene/present.h"
 #include "scene/scene_jet.h"
 

@@ -1,6 +1,6 @@
 #include "forge.h"
 
-#include "model/model.h"
+#include "model/state.h"
 
 enum { CHANGES_AT_MOST = 64 };
 

@@ -7,7 +7,7 @@
 
 #include "forge.h"
 #include "host.h"
-#include "model/model.h"
+#include "model/state.h"
 
 enum { MOST_INTERNAL_STEPS = 100 };
 

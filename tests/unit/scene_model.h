@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "model/model.h"
+#include "model/state.h"
 #include "scene/present.h"
 
 enum { SOURCE = 0, DESTINATION = 1 };

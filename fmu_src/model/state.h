@@ -1,0 +1,158 @@
+/* The model's memory, for the files of this folder. */
+#ifndef CONTACT_MODEL_STATE_H
+#define CONTACT_MODEL_STATE_H
+
+#include "integrator/phases.h"
+#include "math/compiler.h"
+#include "model/model.h"
+#include "scene.h"
+#include "scene/scene_state.h"
+
+/* Raised when struct model_state, struct scene_state or struct scene_values change their meaning. */
+#define MODEL_STATE_VERSION 13u
+#define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
+
+/* Who integrates: the model itself; or an integrator outside, which is in event mode or goes on. */
+enum exchange_mode { EXCHANGE_NONE, EXCHANGE_EVENTS, EXCHANGE_CONTINUOUS };
+
+/* Bits of input_signal.marks */
+enum {
+    SIGNAL_VALUE = 1,     /* the value was set at this communication point */
+    SIGNAL_RATE = 2,      /* a first derivative was set at this communication point */
+    SIGNAL_CURVATURE = 4, /* a second derivative was set at this communication point */
+    SIGNAL_EXPLICIT = 8   /* the input goes on by given derivatives */
+};
+
+/* One scalar input as the importer set it. */
+struct input_signal {
+    double rate, curvature; /* d/dt and d^2/dt^2 */
+};
+
+/* Of a body: prescribed displacement, velocity and external force; where bodies may turn, prescribed angular
+ * velocity, axis and external torque. */
+enum { SIGNALS_EACH = SCENE_ANY_ROTATION ? 18 : 9 };
+
+/* Parameters that may be set between steps and of which the motion keeps no copy of its own. */
+struct tunable_values {
+    struct vec3 gravity;                           /* [m/s^2] */
+    double relative_tolerance, absolute_tolerance; /* of the solver */
+    int32_t dashpot[SCENE_CONTACTS];
+#if SCENE_CONTACTS % 2
+    int32_t unused; /* in place of padding */
+#endif
+};
+
+/* Flat and without pointers: this is what is saved. Doubles come first so that there is no padding inside. */
+struct model_state {
+    uint32_t magic, version, scene, size;
+    uint64_t checksum; /* of everything below */
+    struct scene_values values;
+    struct input_signal signals[SCENE_BODIES][SIGNALS_EACH];
+    struct scene_state motion;
+    double importer_tolerance; /* 0: none given */
+    double start_time;
+    uint64_t booked;                /* motion_booked when the importer last set or read the states */
+    struct tunable_values in_force; /* while `tuned`: the parameters that `values` has others for by now */
+    uint8_t marks[SCENE_BODIES][SIGNALS_EACH];
+    uint8_t signals_changed; /* some mark is set that model_apply_inputs has not seen */
+    uint8_t signals_open;    /* some mark is set since the last step */
+    uint8_t tuned;           /* some parameter is set that model_tune has not taken over */
+    uint8_t initialized;
+    uint8_t exchange; /* enum exchange_mode */
+    /* whether warnings of contradictions of a body's inputs (bits, model/inputs.c), of a contact without
+     * direction were given */
+    uint8_t warned_of_rate[SCENE_BODIES], warned_of_direction[SCENE_CONTACTS];
+};
+
+/* Which outputs are those of the present; each includes the ones before. As bits, these are the variables
+ * that can be read as they stand (enum variable_source); VARIABLE_FIXED means nothing there and tells the
+ * first two apart. */
+enum outputs {
+    OUTPUTS_NONE = VARIABLE_GIVEN,
+    OUTPUTS_FIXED = OUTPUTS_NONE | VARIABLE_FIXED,  /* of bodies that never move */
+    OUTPUTS_BODIES = OUTPUTS_FIXED | VARIABLE_BODY, /* displacement, position and velocity of all */
+    OUTPUTS_ALL = OUTPUTS_BODIES | VARIABLE_COMPUTED
+};
+
+struct model {
+    struct model_state state;
+    struct model_host host;
+#if SCENE_ANY_FREE
+    struct integrator integrator;
+#endif
+    enum outputs outputs; /* in state.values */
+};
+
+/* Whether the host wants messages of this status: asked before what costs time only to be shown. */
+bool model_reports(const struct model *m, enum model_status status);
+
+/* The outputs that change are no longer those of the present. */
+void model_forget_outputs(struct model *m);
+
+/* Formats and sends a message when the host wants the category. */
+enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)
+    CONTACT_PRINTF_LIKE(3, 4);
+
+/* MODEL_DISCARD of a step within which contacts change without end, or nearly so. */
+enum model_status model_report_stalled(const struct model *m, const struct step_request *request);
+
+/* Puts the motion at the start that the present parameters and inputs describe. */
+void model_prepare(struct model *m);
+
+/* The factors of a contact that the parameters describe, with the diagonal in force. */
+struct contact_coefficients model_factors(const struct scene_values *v, const struct scene_state *q,
+                                          int contact);
+
+/* d/ds of the diagonal of the bounding box, and of the factors made from it, when the separation at the start
+ * changes by `rate` s. */
+double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate);
+struct contact_law model_law_slope(const struct model *m, int contact, double diagonal_slope);
+
+/* The paths that the inputs describe at the start. */
+void model_start_paths(struct model *m);
+
+/* Contradictions between parameters; reports the first. */
+enum model_status model_check_consistency(struct model *m);
+
+/* Warns of each parameter that has been set and that nothing reads, naming the choice by which something
+ * would. */
+void model_warn_of_idle(struct model *m);
+#if SCENE_ANY_ROTATION
+/* Those of one body, of how it turns; a part of it. */
+enum model_status model_check_rotation(struct model *m, int body);
+#endif
+
+/* Takes changed inputs over into the paths of the motion; false, and the motion as before, where an energy
+ * would be beyond the range of numbers. They remain to be taken over: others may be set. */
+bool model_apply_inputs(struct model *m);
+
+/* Before a parameter is set between steps: keeps those in force. */
+void model_begin_tuning(struct model *m);
+
+/* Takes parameters that were set between steps over into the motion and books the energy that this adds or
+ * removes; false, and the motion as before, where a force or an energy would be beyond the range of numbers.
+ * And whether it would be with this value of one of them. */
+bool model_tune(struct model *m);
+bool model_can_tune(const struct model *m, const struct variable *variable, const void *value);
+
+/* From the present communication point on, inputs go on as they are. */
+void model_close_inputs(struct model *m);
+
+/* Warns once of each prescribed body whose given derivative of displacement is not its prescribed
+ * velocity. */
+void model_warn_of_rates(struct model *m);
+
+/* Computes outputs of the present, `wanted` at least; false where the inputs cannot be taken over. */
+bool model_update_outputs(struct model *m, enum outputs wanted);
+
+/* "The inputs ... beyond the range of numbers ...", for who cannot take them over. */
+enum model_status model_refuse_inputs(const struct model *m);
+
+/* Shows where a body is: its displacement, position and velocity; as given, or those of the present. */
+void model_show_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity);
+/* Shows what turns and rubs; a sum that is finite only if all of it is. */
+double model_show_turning(struct scene_values *v, const struct scene_state *q,
+                          const struct scene_instant *at);
+void model_show_body_now(struct scene_values *v, const struct scene_state *q, int body);
+
+#endif
