@@ -64,7 +64,8 @@ double motion_show(struct scene_values *v, const struct scene_state *q, const st
 /* Why such an output cannot be read although the motion is finite; NULL: it can. */
 const char *motion_unknown(const struct model *m, const struct variable *variable);
 
-/* Coefficient `order` of an output of these along a path, in the state that is shown; false where the variable is none of them. */
+/* Coefficient `order` of an output of these along a path, in the state that is shown; false where the
+ * variable is none of them. */
 bool motion_jet(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
                 const struct scene_jet *along, const struct variable *variable, int order, double *term);
 

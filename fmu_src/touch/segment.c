@@ -264,8 +264,10 @@ const struct pair_sample *segment_sample(struct segment *p, double s)
     return dense_output_at(&p->output, s);
 }
 
-/* Corrects r along n so that bodies that part are as far apart as the gap says. Gap and r are truncated apart,
- * and bodies that part at a gap of zero must not overlap by that. Elsewhere the next segment begins at the gap
+/* Corrects r along n so that bodies that part are as far apart as the gap says. Gap and r are truncated
+ * apart,
+ * and bodies that part at a gap of zero must not overlap by that. Elsewhere the next segment begins at the
+ * gap
  * (contact_pair.rounded), and near a centre the correction would turn n by its rounding. */
 static void agree_with_gap(const struct segment *p, struct pair_change *change)
 {
