@@ -94,8 +94,7 @@ double nodal_integrate(const struct lobatto *nodes, const double *rate, double *
         double now[BLOCK];
         multiply_block(nodes->points, nodes->integral + i, rate, (double2 *)now);
         for (int k = 0; k < BLOCK; ++k) {
-            const double moved = fabs(now[k] - sum[i + k]);
-            change = moved > change ? moved : change;
+            change = larger(fabs(now[k] - sum[i + k]), change);
         }
         double2_put(sum, i, double2_at(now, 0));
         double2_put(sum, i + LANES, double2_at(now, LANES));

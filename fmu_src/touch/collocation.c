@@ -139,11 +139,6 @@ static inline struct collocation_change collocation_rim_change_at(const struct c
 
 #endif
 
-static double larger_change(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 static void collocation_load(const struct collocation *p, double *values, double *softening)
 {
     if (collocation_at_rim(p)) {
@@ -190,8 +185,8 @@ static double integrate_momentum(struct collocation *p)
     }
     double change = nodal_integrate(p->nodes, p->result.h_rate.z, p->result.h.z);
     if (!p->local.planar) {
-        change = larger_change(nodal_integrate(p->nodes, p->result.h_rate.x, p->result.h.x), change);
-        change = larger_change(nodal_integrate(p->nodes, p->result.h_rate.y, p->result.h.y), change);
+        change = larger(nodal_integrate(p->nodes, p->result.h_rate.x, p->result.h.x), change);
+        change = larger(nodal_integrate(p->nodes, p->result.h_rate.y, p->result.h.y), change);
     }
     return 2.0 * p->half / p->local.distance * change;
 }
@@ -220,10 +215,10 @@ static double integrate_normal(struct collocation *p)
         double2_put(p->result.n_rate.x, i, by * to_x);
         double2_put(p->result.n_rate.y, i, by * to_y);
     }
-    double change = larger_change(nodal_integrate(p->nodes, p->result.n_rate.x, p->result.n.x),
+    double change = larger(nodal_integrate(p->nodes, p->result.n_rate.x, p->result.n.x),
                                   nodal_integrate(p->nodes, p->result.n_rate.y, p->result.n.y));
     if (!p->local.planar) {
-        change = larger_change(nodal_integrate(p->nodes, p->result.n_rate.z, p->result.n.z), change);
+        change = larger(nodal_integrate(p->nodes, p->result.n_rate.z, p->result.n.z), change);
     }
     return p->local.distance * change;
 }
@@ -241,7 +236,7 @@ static double collocation_turn(struct collocation *p)
         p->result.momentum_correction = correction.momentum;
     }
     const double by_momentum = integrate_momentum(p);
-    return larger_change(by_momentum, integrate_normal(p));
+    return larger(by_momentum, integrate_normal(p));
 }
 
 static void collocation_keep_mismatch(struct collocation *p)
@@ -272,11 +267,6 @@ enum { MAX_SWEEPS = 30 };
 
 /* Rounding of coefficients relative to the values: sums with factors up to 611 (lobatto_monomial). */
 static const double COEFFICIENT_ROUNDING = 1e-12;
-
-static double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
 
 /* x = s + y: s is the particular solution for the load, y the free oscillation from the start values. */
 static void oscillator_response(struct collocation *p, double softening)

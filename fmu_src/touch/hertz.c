@@ -348,32 +348,26 @@ enum { HERTZ_LAST = 5 };
  * are left out may have vanished below the range of numbers. */
 static const double LONGEST_HERTZ = 16.0;
 
-/* fmax, but for NaN as the first, without a call. */
-static inline double hertz_larger(double so_far, double a)
-{
-    return a > so_far ? a : so_far;
-}
-
 /* Jorba and Zou: the step at which the first term left out is this part of the whole, by the least radius of
  * convergence that the last coefficients tell. */
 static double hertz_reliable_step(const struct pair_hertz *p, const struct hertz_recurrence *z,
                                   double accuracy)
 {
     /* u is as large as its first coefficients, for s is of order one */
-    const double root = hertz_larger(hertz_larger(fabs(p->root[0]), fabs(p->root[1])), fabs(p->root[2]));
+    const double root = larger(fabs(p->root[2]), larger(fabs(p->root[1]), fabs(p->root[0])));
     double speed = fabs(p->rate[0]);
     double growth = -(double)INFINITY; /* binary logarithm of 1 / the radius of convergence */
     for (int i = 1; i < TAYLOR_TERMS; ++i) {
         for (int j = 0; j < p->flight.dimensions; ++j) {
-            speed = hertz_larger(speed, fabs(p->r_rate[j][i]));
+            speed = larger(fabs(p->r_rate[j][i]), speed);
         }
     }
     for (int i = TAYLOR_TERMS - HERTZ_LAST; i < TAYLOR_TERMS; ++i) {
-        double part = hertz_larger(fabs(p->root[i]) / root, fabs(p->rate[i]) / speed);
+        double part = larger(fabs(p->rate[i]) / speed, fabs(p->root[i]) / root);
         for (int j = 0; j < p->flight.dimensions; ++j) {
-            part = hertz_larger(hertz_larger(part, fabs(p->r_rate[j][i]) / speed), fabs(z->n[j][i]));
+            part = larger(fabs(z->n[j][i]), larger(fabs(p->r_rate[j][i]) / speed, part));
         }
-        growth = hertz_larger(growth, log2(part) / i);
+        growth = larger(log2(part) / i, growth);
     }
     return fmin(LONGEST_HERTZ, exp2(log2(accuracy) / TAYLOR_TERMS - growth));
 }

@@ -1,6 +1,8 @@
 #include <float.h>
 #include <string.h>
 
+#include "math/compiler.h"
+#include "math/lu.h"
 #include "math/node_tables.h"
 #include "touch/hertz.h"
 #include "touch/hertz_slow.h"
@@ -86,69 +88,33 @@ static const double SLOW_SWEPT = 4.0 * DBL_EPSILON;
  * part, on its way to its place. */
 static const double NEW_MATRIX = 1e-3;
 
+/* Columns of Newton's matrix are a vector longer than the matrix has rows (lu.h). */
+enum { SLOW_STRIDE = SLOW_N + LANES };
+
 /* d g_i / d of the change of the bend: 1 + spring I I + dashpot I, factored. */
 struct slow_newton {
-    double a[SLOW_N][SLOW_N];
+    double at[SLOW_N * SLOW_STRIDE];
     int pivot[SLOW_N];
 };
 
-/* Gaussian elimination with pivots of columns. */
-static void slow_factor(struct slow_newton *newton)
+static struct dense_matrix slow_system(struct slow_newton *newton)
 {
-    for (int k = 0; k < SLOW_N; ++k) {
-        int best = k;
-        for (int i = k + 1; i < SLOW_N; ++i) {
-            best = fabs(newton->a[i][k]) > fabs(newton->a[best][k]) ? i : best;
-        }
-        newton->pivot[k] = best;
-        for (int j = 0; j < SLOW_N; ++j) {
-            const double moved = newton->a[k][j];
-            newton->a[k][j] = newton->a[best][j];
-            newton->a[best][j] = moved;
-        }
-        const double inverse = 1.0 / newton->a[k][k];
-        for (int i = k + 1; i < SLOW_N; ++i) {
-            const double by = newton->a[i][k] * inverse;
-            newton->a[i][k] = by;
-            for (int j = k + 1; j < SLOW_N; ++j) {
-                newton->a[i][j] -= by * newton->a[k][j];
-            }
-        }
-    }
+    return (struct dense_matrix){SLOW_N, SLOW_STRIDE, newton->at, newton->pivot};
 }
 
-static void slow_solve(const struct slow_newton *newton, double *x)
+/* False where it is singular. */
+static bool slow_matrix(const struct hertz_slow *p, struct slow_newton *newton)
 {
-    for (int k = 0; k < SLOW_N; ++k) {
-        const int best = newton->pivot[k];
-        const double moved = x[k];
-        x[k] = x[best];
-        x[best] = moved;
-    }
-    for (int i = 1; i < SLOW_N; ++i) {
-        for (int j = 0; j < i; ++j) {
-            x[i] -= newton->a[i][j] * x[j];
-        }
-    }
-    for (int i = SLOW_N - 1; i >= 0; --i) {
-        for (int j = i + 1; j < SLOW_N; ++j) {
-            x[i] -= newton->a[i][j] * x[j];
-        }
-        x[i] /= newton->a[i][i];
-    }
-}
-
-static void slow_matrix(const struct hertz_slow *p, struct slow_newton *newton)
-{
+    memset(newton->at, 0, sizeof newton->at);
     for (int i = 0; i < SLOW_N; ++i) {
         double law[3];
         slow_law(p, p->depth[i], p->rate[i], law);
         for (int j = 0; j < SLOW_N; ++j) {
-            newton->a[i][j] = (i == j ? 1.0 : 0.0) + law[1] * radau_twice[j * SLOW_N + i] +
-                              law[2] * radau.integral[j * SLOW_N + i];
+            newton->at[j * SLOW_STRIDE + i] = (i == j ? 1.0 : 0.0) + law[1] * radau_twice[j * SLOW_N + i] +
+                                              law[2] * radau.integral[j * SLOW_N + i];
         }
     }
-    slow_factor(newton);
+    return dense_lu_factor(slow_system(newton));
 }
 
 /* delta and its rate from the bend; false where the bodies would part. */
@@ -165,7 +131,7 @@ static bool take_bend(struct hertz_slow *p, double *change)
     for (int i = 0; i < SLOW_N; ++i) {
         const double depth = p->depth_start + deeper[i];
         const double part = fabs(depth - p->depth[i]) / depth;
-        *change = part > *change ? part : *change;
+        *change = larger(part, *change);
         if (!(depth > 0.0)) {
             return false;
         }
@@ -230,19 +196,19 @@ static bool slow_iterate(struct hertz_slow *p, double depth_tolerance)
     double change = 1.0;
     double largest = 0.0; /* of the changes of delta and n; none yet */
     for (int i = 0; i < SLOW_SWEEPS; ++i) {
-        double error[SLOW_N];
+        double error[SLOW_STRIDE] = {0.0};
         const double before = largest;
         const double turned = slow_sweep_turning(p);
         slow_load(p, load);
-        if (change > NEW_MATRIX) {
-            slow_matrix(p, &newton);
+        if (change > NEW_MATRIX && !slow_matrix(p, &newton)) {
+            return false;
         }
         for (int j = 0; j < SLOW_N; ++j) {
             double law[3];
             slow_law(p, p->depth[j], p->rate[j], law);
             error[j] = load[j] - law[0] - p->bend[j] - (i == 0 ? law[1] * apart[j] : 0.0);
         }
-        slow_solve(&newton, error);
+        dense_lu_solve(slow_system(&newton), error);
         for (int j = 0; j < SLOW_N; ++j) {
             p->bend[j] += error[j];
         }
