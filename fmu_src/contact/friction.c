@@ -260,6 +260,11 @@ double friction_stored_energy(const struct friction_law *law, enum friction_regi
     return 0.5 * law->stiffness * vec3_dot(spring, spring);
 }
 
+bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime)
+{
+    return regime == FRICTION_STICKING || has_dashpot(law);
+}
+
 double friction_stick_event(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at, double normal_force_rate)
 {

@@ -98,6 +98,9 @@ double friction_stored_energy(const struct friction_law *law, enum friction_regi
  */
 double friction_stick_event(const struct friction_law *law, enum friction_regime regime,
                             struct friction_state at, double normal_force_rate);
+
+/* Whether that of an elastic contact compares |F*| with a limit. */
+bool friction_compares_forces(const struct friction_law *law, enum friction_regime regime);
 double friction_cap_event(const struct friction_law *law, enum friction_regime regime, double normal_force);
 double friction_lift_event(const struct friction_law *law, enum friction_regime regime, double push);
 

@@ -65,6 +65,56 @@ static void sample_events_at(struct general *g, double clock, int place)
     }
 }
 
+#if SCENE_ANY_ELASTIC_FRICTION
+/* The limit that an event function compares F* with [N]. */
+static double limit_of_event(const struct friction_law *law, enum friction_regime regime,
+                             enum ode_event event, double normal_force)
+{
+    if (regime != FRICTION_STICKING) {
+        return friction_limit(law, regime, normal_force);
+    }
+    return event == ODE_EVENT_CAP ? law->largest : law->static_coefficient * normal_force;
+}
+
+/*
+ * |F*| of elastic friction has a kink where the spring passes zero. |F*|^2 is a polynomial wherever the
+ * motion is. In place of L - |F*| the samples become (L^2 - |F*|^2) / S, where S is the largest of L + |F*|
+ * in the step: the sign stays at every sample, and with it the event.
+ */
+static void smooth_limit(struct general *g, int contact, const struct friction_law *law, enum ode_event event,
+                         double offset)
+{
+    const int e = ODE_EVENTS_EACH * contact + (int)event;
+    const int count = g->step.stages->stages + 1;
+    const enum friction_regime regime = (enum friction_regime)g->state->contact[contact].friction_regime;
+    const double sign = regime == FRICTION_STICKING ? -1.0 : 1.0;
+    double sum[BERNSTEIN_MOST]; /* L + |F*| */
+    double most = 0.0;
+    for (int i = 0; i < count; ++i) {
+        const double limit = limit_of_event(law, regime, event, g->loads[i][contact][GENERAL_FORCE]);
+        sum[i] = 2.0 * limit + sign * (g->events[i][e] - offset);
+        most = fmax(most, sum[i]);
+    }
+    for (int i = 0; i < count && most > 0.0 && isfinite(most); ++i) {
+        g->events[i][e] *= fmax(sum[i] / most, DBL_EPSILON);
+    }
+}
+
+static void smooth_friction(struct general *g, int contact)
+{
+    const struct friction_law law = scene_friction_law(g->ode.values, g->state, contact);
+    const enum friction_regime regime = (enum friction_regime)g->state->contact[contact].friction_regime;
+    if (law.kind != FRICTION_ELASTIC || regime == FRICTION_LIFTED || !contact_transmits(g->state, contact) ||
+        !friction_compares_forces(&law, regime)) {
+        return;
+    }
+    smooth_limit(g, contact, &law, ODE_EVENT_STICK, g->ode.stick_offset[contact]);
+    if (regime == FRICTION_STICKING) {
+        smooth_limit(g, contact, &law, ODE_EVENT_CAP, g->ode.cap_offset[contact]);
+    }
+}
+#endif
+
 /* Event functions at the start and at all stages. */
 static void sample_events(struct general *g)
 {
@@ -76,6 +126,11 @@ static void sample_events(struct general *g)
         radau_step_stage(p, i, g->y);
         sample_events_at(g, p->start + p->stages->node[i] * p->length, i + 1);
     }
+#if SCENE_ANY_ELASTIC_FRICTION
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        smooth_friction(g, j);
+    }
+#endif
 }
 
 /* Bernstein coefficients of one event function; false where it is above zero everywhere. */
@@ -143,14 +198,48 @@ static bool enclose_root(const struct general *g, int event, double ends[2])
     return false;
 }
 
+/* Places between two samples at which an event function's polynomial is searched for its lowest value. */
+enum { DIP_PLACES = 16 };
+
+/* Parts of the step about a root between two samples that are both above zero, where the polynomial falls
+ * through zero at `from`. The function itself is evaluated where the polynomial is lowest before the next
+ * sample. False: it is above zero there, and the polynomial, which is as good as the function is smooth, is
+ * wrong. */
+static bool enclose_dip(struct general *g, int event, const double *of, double from, double ends[2])
+{
+    const struct radau_stages *stages = g->step.stages;
+    const int count = stages->stages + 1;
+    int after = 0;
+    while (after + 1 < stages->stages && stages->node[after] <= from) {
+        after += 1;
+    }
+    double least = (double)INFINITY;
+    ends[1] = from;
+    for (int i = 0; i < DIP_PLACES; ++i) {
+        const double place = from + (stages->node[after] - from) * i / DIP_PLACES;
+        const double value = bernstein_at(of, count, place);
+        ends[1] = value < least ? place : ends[1];
+        least = fmin(value, least);
+    }
+    ends[0] = after > 0 ? stages->node[after - 1] : 0.0;
+    return !(event_within(g, event, ends[1]) > 0.0);
+}
+
 /* The polynomial of an event function is as good as the function is smooth; the root is that of the
- * function itself, on the polynomial of the states. By halves and secants in turn. Of two events in a step
- * the first is the first by these. */
-static double root_within(struct general *g, int event, double part)
+ * function itself, on the polynomial of the states. It is found by halves and secants in turn. Which of two
+ * events in a step comes first is decided by these roots. INFINITY: the function itself does not fall. */
+static double root_within(struct general *g, int event, const double *of, double part)
 {
     double ends[2];
-    if (!enclose_root(g, event, ends)) {
-        return part;
+    double dip[2];
+    const bool enclosed = enclose_root(g, event, ends);
+    if (!enclosed || part < ends[0]) {
+        if (enclose_dip(g, event, of, part, dip)) {
+            ends[0] = dip[0];
+            ends[1] = dip[1];
+        } else if (!enclosed) {
+            return (double)INFINITY;
+        }
     }
     double values[2] = {event_within(g, event, ends[0]), event_within(g, event, ends[1])};
     for (int i = 0; i < MOST_TRIALS && values[0] > 0.0 && values[1] < 0.0; ++i) {
@@ -197,7 +286,7 @@ struct general_event general_first_event(struct general *g)
         const struct bernstein_fall fall = bernstein_first_fall(of, count, noise);
         if (earliest_root(g, e, fall.low) < first.part) {
             const double by_polynomial = bernstein_root(of, count, fall);
-            const double part = g->step.problem.turns ? root_within(g, e, by_polynomial) : by_polynomial;
+            const double part = g->step.problem.turns ? root_within(g, e, of, by_polynomial) : by_polynomial;
             first = part < first.part ? (struct general_event){part, e} : first;
         }
     }
@@ -293,7 +382,9 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
             continue;
         }
         const double missing = missing_to(g, event, rate, *clock, y);
-        if (fabs(missing) <= CLOSE * length) {
+        const bool is_first =
+            found->event < 0 || found->part >= 1.0 - CLOSE; /* by the shorter step's polynomial */
+        if (is_first && fabs(missing) <= CLOSE * length) {
             *found = (struct general_event){1.0, event};
             move_to_event(g, event, rate, clock, y);
             return true;

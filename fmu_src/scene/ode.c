@@ -379,12 +379,16 @@ void turning_events(const struct scene_ode *ode, double clock, const double *y,
     }
 }
 
-/* What an event function of friction may be off by where speeds are right to `tolerated` [m/s]. */
-static double stick_rounding(const struct turning_laws *laws, double normal_force, double tolerated)
+/* What an event function of friction may be off by where speeds are right to `tolerated` [m/s] and F_n to
+ * `of_force` [N]. */
+static double stick_rounding(const struct turning_laws *laws, double normal_force, double of_force,
+                             double tolerated)
 {
-    const double limit = fabs(friction_limit(&laws->friction, laws->friction_regime, normal_force));
-    const bool is_force = laws->friction_regime == FRICTION_STICKING || laws->friction.damping > 0.0;
-    return is_force ? laws->friction.damping * tolerated + 8.0 * DBL_EPSILON * limit : tolerated;
+    const struct friction_law *law = &laws->friction;
+    const double limit = fabs(friction_limit(law, laws->friction_regime, normal_force));
+    const bool is_force = friction_compares_forces(law, laws->friction_regime);
+    const double of_limit = law->static_coefficient * of_force + 8.0 * DBL_EPSILON * limit;
+    return is_force ? law->damping * tolerated + of_limit : tolerated;
 }
 
 /* That of contact_push, which is the force or its factor. */
@@ -402,7 +406,8 @@ static void put_friction_offsets(struct scene_ode *ode, const struct scene_insta
     const struct contact_geometry *g = &at->geometry[contact];
     const double by_rate = contact_force_slopes(&laws.normal, laws.regime, g->gap, g->gap_rate).by_rate;
     const double rounding = 8.0 * DBL_EPSILON * fabs(force) + fabs(by_rate) * tolerated;
-    ode->stick_offset[contact] = 2.0 * stick_rounding(&laws, force, tolerated);
+    const double of_force = rounding_of_force(ode->values, ode->state, at, contact);
+    ode->stick_offset[contact] = 2.0 * stick_rounding(&laws, force, of_force, tolerated);
     ode->cap_offset[contact] =
         breaks_away(&laws) ? ode->stick_offset[contact] : 2.0 * laws.friction.coefficient * rounding;
     ode->lift_offset[contact] = 2.0 * push_rounding(&laws.normal, rounding, tolerated);

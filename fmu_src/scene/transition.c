@@ -52,11 +52,13 @@ enum contact_regime regime_by_margins(const struct scene_values *v, const struct
 {
     const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
     const struct contact_law law = scene_contact_law(v, q, contact);
-    const bool touches = regime_touch_margin(v, q, at, contact) < 0.0;
+    const double touch = regime_touch_margin(v, q, at, contact);
+    const bool apart = regime == REGIME_APART;
+    const bool touches = apart ? touch <= 0.0 : touch < 0.0; /* at zero, too, it has changed */
     if (!touches) {
         return REGIME_APART;
     }
-    if (regime == REGIME_APART) {
+    if (apart) {
         return scene_regime(v, q, at, contact);
     }
     const double margin = regime_dashpot_margin(v, q, at, contact);
@@ -77,15 +79,19 @@ static bool is_beyond(enum friction_regime regime, enum ode_event event)
     }
 }
 
+/* What the tolerances leave of a slip [m/s]. */
+static double tolerated_slip(const struct scene_values *v, const struct scene_instant *at, int contact)
+{
+    return solver_relative_tolerance(v) * vec3_norm(at->turning.slip[contact]) + solver_absolute_tolerance(v);
+}
+
 /* Its event function, raised by what rounding and the tolerance of speeds may make of it. */
 static double raised_friction_event(const struct scene_values *v, const struct scene_state *q,
                                     const struct scene_instant *at, int contact, enum ode_event event)
 {
     struct scene_ode ode = {.values = v, .state = q};
     double events[ODE_EVENTS_EACH];
-    const double tolerated =
-        solver_relative_tolerance(v) * vec3_norm(at->turning.slip[contact]) + solver_absolute_tolerance(v);
-    turning_friction_events(&ode, at, contact, tolerated, events);
+    turning_friction_events(&ode, at, contact, tolerated_slip(v, at, contact), events);
     return events[event];
 }
 
@@ -104,7 +110,9 @@ enum ode_event regime_friction_event(const struct scene_values *v, const struct 
 {
     static const enum ode_event EVENTS[] = {ODE_EVENT_STICK, ODE_EVENT_CAP, ODE_EVENT_LIFT};
     for (int i = 0; i < 3 && contact_rubs(v, contact) && contact_transmits(q, contact); ++i) {
-        if (raised_friction_event(v, q, at, contact, EVENTS[i]) < 0.0) {
+        const double margin = raised_friction_event(v, q, at, contact, EVENTS[i]);
+        if (margin < 0.0 ||
+            (margin == 0.0 && at->normal_force[contact] > 0.0)) { /* without force it begins */
             return EVENTS[i];
         }
     }
@@ -164,21 +172,32 @@ static double impact_force(const struct scene_values *v, const struct scene_stat
 /* A spring's length where no force tells: of the source's radius. */
 static const double TYPICAL_LENGTH = 1e-4;
 
-/* Of sliding without a dashpot the state is the spring's direction, that of the slip as it begins, with a
- * typical length. */
-static struct vec3 first_direction(const struct scene_values *v, const struct scene_state *q,
-                                   const struct scene_instant *at, const struct friction_law *law,
-                                   int contact)
+/* Of sliding without a dashpot the state is the spring's direction, with a length that errors of the spring
+ * are small beside; the force does not depend on it. */
+static struct vec3 direction_to_slide(const struct scene_values *v, const struct scene_state *q,
+                                      const struct scene_instant *at, const struct friction_law *law,
+                                      int contact, struct vec3 along)
 {
-    const struct vec3 slip = at->turning.slip[contact];
-    const double speed = vec3_norm(slip);
-    if (law->damping > 0.0 || !(speed > 0.0)) {
-        return vec3_make(0.0, 0.0, 0.0);
-    }
+    const double size = vec3_norm(along);
     const double force = fmax(at->normal_force[contact], impact_force(v, q, at, contact));
     const double length = fmin(law->coefficient * force, law->largest) / law->stiffness;
     const double typical = length > 0.0 ? length : TYPICAL_LENGTH * body_radius(v, contact_source(contact));
-    return vec3_scale(typical / speed, slip);
+    return size > 0.0 ? vec3_scale(typical / size, along) : along;
+}
+
+/* F_n at an onset, where one that rounding and the tolerance of speeds explain is zero: it grows from there,
+ * and the rates decide. */
+static double onset_force(const struct scene_values *v, const struct scene_state *q,
+                          const struct scene_instant *at, int contact)
+{
+    const struct contact_law law = scene_contact_law(v, q, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    const enum contact_regime regime = (enum contact_regime)q->contact[contact].regime;
+    const double by_rate = contact_force_slopes(&law, regime, g->gap, g->gap_rate).by_rate;
+    const double error =
+        rounding_of_force(v, q, at, contact) + fabs(by_rate) * tolerated_slip(v, at, contact);
+    const double force = at->normal_force[contact];
+    return force > MARGIN_ROUNDINGS * error ? force : 0.0;
 }
 
 static void begin_friction(const struct scene_values *v, struct scene_state *q, int contact)
@@ -186,14 +205,14 @@ static void begin_friction(const struct scene_values *v, struct scene_state *q, 
     struct scene_instant at;
     end_friction(q, contact);
     scene_now(v, q, &at);
-    const double force = at.normal_force[contact];
+    const double force = onset_force(v, q, &at, contact);
     const struct friction_law law = scene_friction_law(v, q, contact);
     const double force_rate = turning_normal_force_rate(v, q, q->clock, &at, contact);
     const struct vec3 slip = at.turning.slip[contact];
     const enum friction_regime next = friction_onset_regime(&law, force, force_rate, slip);
     set_friction_regime(q, contact, next);
-    if (law.kind == FRICTION_ELASTIC && next != FRICTION_STICKING) {
-        q->turning.spring[contact] = first_direction(v, q, &at, &law, contact);
+    if (law.kind == FRICTION_ELASTIC && law.damping == 0.0 && next != FRICTION_STICKING) {
+        q->turning.spring[contact] = direction_to_slide(v, q, &at, &law, contact, slip);
     }
 }
 
@@ -204,8 +223,9 @@ static void stick(const struct friction_law *law, enum friction_regime regime, s
     set_friction_regime(q, contact, FRICTION_STICKING);
 }
 
-/* Under mu_s > mu the spring jumps back as it breaks away; where the slip does not stretch it on from there,
- * the contact sticks again at once. */
+/* Without a dashpot a contact slides only while the slip stretches the spring on. Where it does not, the
+ * contact sticks again at once: under mu_s > mu, where the spring jumps back as it breaks away, and where
+ * errors have found F* beyond its limit while it falls. */
 static void break_away(const struct scene_values *v, struct scene_state *q, int contact)
 {
     struct scene_instant at;
@@ -220,9 +240,12 @@ static void break_away(const struct scene_values *v, struct scene_state *q, int 
     scene_now(v, q, &at);
     const struct friction_state rubbing = turning_rubbing(&q->turning, &at, contact);
     const double force_rate = turning_normal_force_rate(v, q, q->clock, &at, contact);
-    const bool jumps = law.damping == 0.0 && law.static_coefficient > law.coefficient;
-    if (jumps && friction_stick_event(&law, next, rubbing, force_rate) < 0.0) {
+    const bool jumps = law.static_coefficient > law.coefficient;
+    const double least = jumps ? 0.0 : -tolerated_slip(v, &at, contact); /* below it no error decides */
+    if (law.damping == 0.0 && friction_stick_event(&law, next, rubbing, force_rate) < least) {
         stick(&law, next, rubbing, q, contact);
+    } else if (law.damping == 0.0) {
+        q->turning.spring[contact] = direction_to_slide(v, q, &at, &law, contact, rubbing.spring);
     }
 }
 
