@@ -655,7 +655,7 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
     const int size = wanted.size;
     if (*slot == NULL || !same_layout(&(*slot)->step.problem, &wanted)) {
         const size_t own = (sizeof(struct general) + 15) / 16 * 16;
-        const size_t rows = 4 * (size_t)size * sizeof(double);
+        const size_t rows = 6 * (size_t)size * sizeof(double);
         struct general *g = memory->allocate(1, own + rows + radau_step_memory(&wanted));
         if (g == NULL) {
             snprintf(message, INTEGRATOR_MESSAGE_SIZE, "the integrator's memory could not be had");
@@ -668,7 +668,9 @@ bool general_open(struct general **slot, const struct scene_values *v, const str
         g->y = (double *)(void *)((char *)g + own);
         g->size_of = g->y + size;
         g->end_size = g->size_of + size;
-        g->end.y = g->end_size + size;
+        g->rate_rounding = g->end_size + size;
+        g->largest_error = g->rate_rounding + size;
+        g->end.y = g->largest_error + size;
     }
     const struct radau_problem problem = problem_of(*slot, v);
     radau_step_place(&(*slot)->step, &problem, (*slot)->end.y + size);

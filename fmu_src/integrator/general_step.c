@@ -145,27 +145,48 @@ static double spring_of_places(const struct radau_step *p)
     return most;
 }
 
-/* Rounding of places makes forces, which act for a radian of the oscillation at most, or until what they
- * change has died away: speeds and what else the forces change are no better. */
+/* Differences of states, such as the slip, have eight roundings of them, as the rate of a gap has
+ * (rounding_of_rate). */
+static const double ROUNDING_OF_STATES = 8.0 * DBL_EPSILON;
+
+/* What rounding makes of the rate [per second] of one of the states left: that of gaps, through the springs,
+ * and that of all states left, each by its size. */
+static double rounding_of_rates(const struct general *g, int left)
+{
+    const struct radau_step *p = &g->step;
+    double by_places = 0.0;
+    double by_others = 0.0;
+    for (int j = 0; j < p->problem.paired; ++j) {
+        by_places += fabs(p->by_places[j * p->others + left]);
+    }
+    for (int j = 0; j < p->others; ++j) {
+        by_others += fabs(p->by_others[j * p->others + left]) * g->size_of[p->other[j]];
+    }
+    return by_places * g->place_rounding + ROUNDING_OF_STATES * by_others;
+}
+
+/* Rounding makes forces, which act for a radian of the oscillation at most, or until what they change has
+ * died away: speeds and what else the forces change are no better. */
 static void allow_rounding(struct general *g)
 {
     struct radau_step *p = &g->step;
     const double spring = spring_of_places(p);
     const double fastest = fmax(sqrt(spring), 1.0 / p->length);
-    double of_places[ODE_MOST_STATES] = {0.0}; /* of those left, by their places [1/s] */
+    double rounding[ODE_MOST_STATES] = {0.0}; /* of those left */
     for (int i = 0; i < p->others; ++i) {
-        double sum = 0.0;
-        for (int j = 0; j < p->problem.paired; ++j) {
-            sum += fabs(p->by_places[j * p->others + i]);
-        }
-        of_places[i] = sum / fmax(fastest, fabs(p->by_others[i * p->others + i]));
+        rounding[i] = rounding_of_rates(g, i) / fmax(fastest, fabs(p->by_others[i * p->others + i]));
     }
     for (int j = 0; j < p->problem.paired; ++j) {
-        of_places[p->speed_among[j]] = spring / fastest;
+        double *of_speed = rounding + p->speed_among[j];
+        *of_speed = fmax(*of_speed, spring / fastest * g->place_rounding);
     }
     for (int i = 0; i < p->others; ++i) {
         double *weight = p->weight + p->other[i];
-        *weight = 1.0 / (1.0 / *weight + of_places[i] * g->place_rounding);
+        const double allowed = fmin(1.0 / *weight, g->largest_error[p->other[i]]);
+        *weight = 1.0 / (allowed + rounding[i]);
+    }
+    for (int i = p->problem.integrals; i < g->size; ++i) {
+        p->weight[i] = 1.0 / (1.0 / p->weight[i] + p->length * g->rate_rounding[i]);
     }
 }
 
@@ -316,16 +337,91 @@ static const struct radau_stages *stages_for(double length, double longest)
                                                 : &radau_stages_12;
 }
 
-/* Of the gaps, at the start of a step [m]. */
-static double rounding_of_places(struct general *g)
+#if SCENE_ANY_FRICTION
+/* Beyond so many v_0 regularized friction is at its limit: exp(-40) is less than rounding of 1. */
+static const double SATURATED_SLIP = 40.0;
+
+/* What rounding of the slip leaves of regularized friction in an integral [N]. Corrections by the Jacobian rid
+ * integrals of what is linear in it (move_integrals, math/radau_step.c); its square, as part of v_0,
+ * remains. */
+static double rounding_of_friction(const struct friction_law *law, double limit, double speeds)
+{
+    const double part = fmin(ROUNDING_OF_STATES * speeds / law->slip_velocity, 1.0);
+    return fmax(limit, 0.0) * part * part;
+}
+
+/* Friction is a function of slip / v_0: the error allowed in speeds of a body at the contact, and in its spin
+ * at the end of an arm [m], is v_0 at most. Newton's method leaves its share of that, whose square as a
+ * part of v_0 is what integrals see, and is to be no more than the tolerance. */
+static void limit_errors_of_slip(struct general *g, double slip_velocity, int body, double arm)
+{
+    const struct scene_values *v = g->ode.values;
+    const double part = sqrt(solver_relative_tolerance(v)) / general_newton_share(g);
+    const double speed = fmin(part, 1.0) * slip_velocity;
+    const int spin = turning_layout_of(v).spin[body];
+    for (int k = 0; k < 3; ++k) {
+        if (body_is_free(v, body)) {
+            double *largest = g->largest_error + ode_body(v, body) + 3 + k;
+            *largest = fmin(*largest, speed);
+        }
+        if (spin >= 0) {
+            g->largest_error[spin + k] = fmin(g->largest_error[spin + k], speed / arm);
+        }
+    }
+}
+
+/* What regularized friction of a contact says of errors: of integrals, by rounding; of states, at most. */
+static void note_friction(struct general *g, const struct scene_instant *at, int contact)
+{
+    const struct scene_values *v = g->ode.values;
+    const struct friction_law law = scene_friction_law(v, g->state, contact);
+    const enum friction_regime regime = (enum friction_regime)g->state->contact[contact].friction_regime;
+    if (!contact_transmits(g->state, contact) || law.kind != FRICTION_REGULARIZED) {
+        return;
+    }
+    const int body[2] = {contact_source(contact), contact_destination(contact)};
+    const double arm[2] = {vec3_norm(at->turning.source_arm[contact]),
+                           vec3_norm(at->turning.destination_arm[contact])};
+    double speeds = 0.0;
+    for (int i = 0; i < 2; ++i) {
+        speeds +=
+            vec3_norm(at->velocity[body[i]]) + vec3_norm(at->turning.body[body[i]].angular_velocity) * arm[i];
+        if (!(vec3_norm(at->turning.slip[contact]) > SATURATED_SLIP * law.slip_velocity)) {
+            limit_errors_of_slip(g, law.slip_velocity, body[i], arm[i]);
+        }
+    }
+    const double limit = friction_limit(&law, regime, at->normal_force[contact]);
+    const double force = rounding_of_friction(&law, limit, speeds);
+    double *impulses = g->rate_rounding + ode_impulse(v, contact);
+    for (int k = 0; k < 3; ++k) {
+        impulses[k] = force;
+        impulses[3 + k] = force * arm[0];
+        impulses[6 + k] = force * arm[1];
+    }
+    for (int i = ode_dissipated(v); i < g->size; ++i) {
+        g->rate_rounding[i] += force * speeds;
+    }
+}
+#endif
+
+/* What the start of a step says of errors: rounding of gaps [m] and of the rates of integrals; the largest
+ * error allowed in a state. */
+static void note_errors(struct general *g)
 {
     struct scene_instant at;
-    double most = 0.0;
     ode_instant(&g->ode, g->step.start, g->step.y, &at);
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        most = fmax(most, ROUNDING_OF_GAP * rounding_of_gap(g->ode.values, &at, j));
+    g->place_rounding = 0.0;
+    for (int i = 0; i < g->size; ++i) {
+        g->rate_rounding[i] = 0.0;
+        g->largest_error[i] = (double)INFINITY;
     }
-    return most;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const double of_gap = ROUNDING_OF_GAP * rounding_of_gap(g->ode.values, &at, j);
+        g->place_rounding = fmax(g->place_rounding, of_gap);
+#if SCENE_ANY_FRICTION
+        note_friction(g, &at, j);
+#endif
+    }
 }
 
 /* Of the rates by the states left: how fast the fastest of them dies away [1/s]. */
@@ -343,7 +439,7 @@ void general_begin(struct general *g, double clock, const double *y)
     radau_step_begin(&g->step, clock, y);
     if (SCENE_ANY_TURNING && g->step.problem.turns) {
         g->fastest_decay = fastest_decay_of(&g->step);
-        g->place_rounding = rounding_of_places(g);
+        note_errors(g);
     }
     if (!(g->longest > 0.0)) {
         g->longest = general_length_of_springs(g);
@@ -426,7 +522,7 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
         const double reach = length / reach_of(stages);
         if (error <= 1.0) {
             const double next = reach * factor_of(g, error, stages);
-            g->longest = fmin(fmax(next, length), GROWTH * fmax(g->longest, length));
+            g->longest = fmin(next, GROWTH * fmax(g->longest, length));
             g->longest = fmin(g->longest, fmax(g->solvable, length));
             g->solvable *= g->step.iterations <= EASY_ITERATIONS ? EASY_GROWTH : SOLVABLE_GROWTH;
             g->simple *= SIMPLE_GROWTH;

@@ -47,6 +47,8 @@ struct general {
     double within_share;   /* of an error anywhere in the step, what is compared with that at its end */
     double read_share;     /* the same where outputs are read within the step; above 1 they are not */
     double *y, *size_of, *end_size; /* [size]: a state, and what errors are compared with */
+    /* [size], by the start of the step: rounding of the rates of integrals; the largest errors of states */
+    double *rate_rounding, *largest_error;
     struct general_end end;
     double at_start[ODE_EVENTS];                      /* event functions */
     double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* at the start of the step and its stages, smooth */

@@ -1116,7 +1116,9 @@ static void move_integrals(struct radau_step *p)
 }
 
 /* Newton's method. The Jacobians are made anew where corrections with those at hand shrink too little. A
- * `quick` one is given up where the first ones do. `*moved` is what has been corrected since. */
+ * `quick` one is given up where the first ones do while they are more than the error allowed: below that they
+ * are rounding, or as good as done, and new Jacobians cost less than another guess. `*moved` is what has been
+ * corrected since. */
 static bool iterate_fully(struct radau_step *p, double tolerance, bool quick, double *moved)
 {
     double last = (double)INFINITY;
@@ -1145,7 +1147,7 @@ static bool iterate_fully(struct radau_step *p, double tolerance, bool quick, do
         }
         const bool shrinks = p->contraction < KEEPING_CONTRACTION || is_rounding;
         if ((jacobians > FREE_ITERATIONS && anew && p->contraction > 0.5) ||
-            (quick && p->iterations == 2 && !shrinks)) {
+            (quick && p->iterations == 2 && !shrinks && size > 1.0)) {
             return false;
         }
         anew = p->iterations > 1 && !shrinks;

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from support.checks import start
-from support.scenes.agreement import Scene, check_agreement, seeds
+from support.scenes.agreement import SUMS, Scene, check_agreement, seeds
 
 CORNER = {"bodies": ("ball",), "contacts": ("at_wall", "at_side", "at_floor")}
 ROW = {"bodies": ("left", "middle", "right"), "contacts": ("first", "second")}
@@ -79,6 +79,59 @@ def balls_in_a_row(random):
     return Scene("ThreeBalls", values, end, AT_REST if rests else {}, slack_of(values), **ROW)
 
 
+# A limit on internal steps of a communication step: ten times what the runs below take at most.
+FEW_STEPS = 400
+
+
+def direction(random):
+    axis = np.array(one_of(random, [0, 0, 1], [1, 0, 0], [3, 4, 0], [1, 1, 0], [1, 2, 2], [1, 1, 1]), float)
+    return axis / np.linalg.norm(axis)
+
+
+def dropped_without_slip(random):
+    """A ball that falls head-on along an axis that has no digits: its slip is rounding alone."""
+    normal = direction(random)
+    radius = one_of(random, 0.01, 0.1)
+    values = {
+        "source.radius": radius,
+        "source.center": list((radius + one_of(random, 0.05, 0.1, 0.5)) * normal),
+        "source.rotation": "free",
+        "gravity": list(-9.81 * normal),
+        "contact.friction": "regularized",
+        "contact.friction_coefficient": one_of(random, 0.3, 0.5, 1.0),
+        "contact.penalty_factor": one_of(random, 1e4, 1e6),
+        "contact.viscous_penalty_factor": one_of(random, 0.0, 10.0, 100.0),
+        "solver.max_internal_steps": FEW_STEPS,
+    }
+    if random.integers(2):
+        values["contact.slip_velocity_control"] = "user_defined"
+        values["contact.characteristic_slip_velocity"] = one_of(random, 1e-3, 1e-6, 1e-9)
+    fmu = one_of(random, "SpherePlane", "SpherePlane", "SphereSphere")
+    if fmu == "SpherePlane":
+        values["destination.axis"] = list(normal)
+    else:
+        values["destination.center"] = list(-0.5 * normal)
+    return Scene(fmu, values, end=one_of(random, 0.2, 0.5, 1.0))
+
+
+def rolling_on_a_turntable(random):
+    """Friction that rolls from the start on, down to a v_0 that is hardly more than rounding of speeds."""
+    values = {
+        "contact.characteristic_slip_velocity": one_of(random, 1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12),
+        "contact.friction_coefficient": one_of(random, 0.3, 0.5, 1.0),
+        "destination.prescribed_angular_velocity": [0.0, 0.0, one_of(random, 1.0, 3.0, -2.0)],
+        "solver.max_internal_steps": FEW_STEPS,
+    }
+    if random.integers(2):
+        values["source.initial_angular_velocity"] = [one_of(random, 0.0, 14.0), one_of(random, 0.0, 4.0), 0.0]
+    # The slip has a rounding of speeds whose sum is 4 m/s. Its square, as part of v_0, of 10 N over 2 s is
+    # what impulses and work may be off by; agreement is to 1e-10 of the least scale.
+    part = 4.0 * np.finfo(float).eps / values["contact.characteristic_slip_velocity"]
+    rounded = max(1.0, 10.0 * 2.0 * part**2 / 1e-10)
+    floor = dict.fromkeys((*SUMS, "external_work", "friction", "total"), rounded)
+    return Scene("Turntable", values, one_of(random, 0.06, 0.5, 2.0), floor)
+
+
 @pytest.mark.parametrize("seed", seeds())
 def test_a_ball_in_a_corner_ends_the_same_however_it_is_stepped(opened_several, seed):
     check_agreement(opened_several, ball_into_corner(np.random.default_rng(seed)), seed)
@@ -100,3 +153,49 @@ def test_a_touch_during_another_contact_is_found_in_any_number_of_steps(opened_s
         assert fmu["at_wall.onsets"] == fmu["at_side.onsets"] == 1, steps
         assert abs(fmu["at_wall.last_onset_time"] - gap) <= 1e-14, steps
         assert abs(fmu["at_wall.last_duration"] - np.pi / 100) <= 10.0 * tolerance, steps
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_a_slip_that_is_rounding_takes_no_steps(opened, seed):
+    check_agreement(opened, dropped_without_slip(np.random.default_rng(seed)), seed)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8, 1e-12])
+def test_a_ball_on_an_oblique_plane_bounces_as_on_a_level_one(opened, tolerance):
+    heights = []
+    for normal in (np.array([0.0, 0.0, 1.0]), np.array([0.6, 0.8, 0.0])):
+        values = {
+            "source.radius": 0.01,
+            "source.center": list(0.06 * normal),
+            "source.rotation": "free",
+            "destination.axis": list(normal),
+            "gravity": list(-9.81 * normal),
+            "contact.friction": "regularized",
+            "solver.max_internal_steps": FEW_STEPS,
+        }
+        fmu = start(opened("SpherePlane"), values, tolerance)
+        fmu.step(0.2)
+        heights.append(normal @ fmu["source.position"])
+        assert np.max(np.abs(fmu["source.angular_velocity"])) <= 1e-12
+        assert fmu["solver.steps"] < 20
+    assert abs(heights[1] - heights[0]) <= 10.0 * max(tolerance, 1e-11)
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_a_ball_on_a_turntable_ends_the_same_however_it_is_stepped(opened, seed):
+    check_agreement(opened, rolling_on_a_turntable(np.random.default_rng(seed)), seed)
+
+
+@pytest.mark.parametrize("slip_velocity", [1e-9, 1e-11, 1e-12])
+def test_a_turntable_rolls_at_the_smallest_slip(opened, slip_velocity):
+    """Rolling without slip on a turning table, the ball's centre goes round at 2/7 of its rate."""
+    fmu = opened("Turntable")
+    values = {"contact.characteristic_slip_velocity": slip_velocity, "solver.max_internal_steps": FEW_STEPS}
+    start(fmu, values, 1e-8)
+    place, velocity = fmu["source.position"][:2], fmu["source.velocity"][:2]
+    for time in (0.06, 2.0):
+        fmu.step(time - fmu.time)
+        angle = 3.0 * 2.0 / 7.0 * time
+        turned = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        centre = place + np.array([-velocity[1], velocity[0]]) * 7.0 / 6.0
+        assert np.max(np.abs(fmu["source.position"][:2] - centre - turned @ (place - centre))) <= 1e-8
