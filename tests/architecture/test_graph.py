@@ -7,10 +7,7 @@ prototype may be declared where no include shows it.
 import pytest
 
 from support.graph import circle, file_graph, object_symbols, upward
-from support.sources import LAYERS, SOURCE, units_of
-
-# Together they have all units: one with CVODE, one without, one without free bodies.
-SCENES = ["SphereCylinder", "PinnedEvent", "ForceElement"]
+from support.sources import LAYERS, SCENES, SOURCE, units_of
 
 
 @pytest.fixture(

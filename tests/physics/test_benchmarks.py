@@ -36,13 +36,6 @@ def test_end_of_the_run_is_the_reference(final_position, name, method, steps):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", BENCHMARKS)
-def test_one_huge_step_and_a_thousand_small_ones_agree(final_position, name, method):
-    huge, small = final_position(name, method, 1), final_position(name, method, 1000)
-    check_close(f"{name} position", huge, small, ALLOWED)
-
-
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("name", BENCHMARKS)
 def test_the_error_follows_the_tolerance(opened, name, method):
     """At the everyday tolerance 1e-8 CVODE is still right to a tenth of a millimetre, event_driven to ten
     times the tolerance.

@@ -7,7 +7,6 @@ import pytest
 
 from support.checks import METHODS, check_close, run
 from support.scenes.head_on import AXIS, DASHPOTS, GEOMETRIES, approach, head_on
-from support.scenes.random_scenes import SCENES, random_scene
 from support.scenes.scene_checks import FMU
 
 BALANCE = 1e-8  # of the largest term, at tolerance 1e-10
@@ -69,49 +68,3 @@ def test_energy_balances_for_every_law_and_dashpot(opened, shape, location, law,
         assert all(b >= a - slack for a, b in pairwise(balance.dissipated)), (
             f"dissipated work falls: {balance.dissipated}"
         )
-
-
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("shape, kind, seed", SCENES)
-def test_energy_balances_in_random_scenes(opened, shape, kind, seed, method):
-    """Finite ends, free, moving and driven bodies, work of external forces and of what moves a
-    prescribed body.
-    """
-    configuration, end = random_scene(shape, kind, seed)
-    balance = Balance()
-    run(opened(FMU[shape]), configuration, end, 30, method=method, each=balance)
-    balance.check()
-
-
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize(
-    "shape, kind, seed", [scene for scene in SCENES if scene[1] in ("both free", "inside")]
-)
-def test_every_term_is_what_it_says(opened, shape, kind, seed, method):
-    configuration, end = random_scene(shape, kind, seed)
-
-    def check_terms(fmu):
-        kinetic = potential = 0.0
-        for body in ("source", "destination"):
-            if configuration[f"{body}.motion"] == "free":
-                mass = fmu[f"{body}.mass"]
-                kinetic += mass * fmu[f"{body}.velocity"] @ fmu[f"{body}.velocity"] / 2
-                potential -= mass * fmu["gravity"] @ fmu[f"{body}.position"]
-        gap = fmu["contact.gap"]
-        stored = fmu["contact.effective_penalty_factor"] * gap**2 / 2 if fmu["contact.active"] else 0.0
-        check_close("energy.kinetic", fmu["energy.kinetic"], kinetic, 1e-13 * kinetic)
-        check_close("energy.potential", fmu["energy.potential"], potential, 1e-13 * (1 + abs(potential)) * 10)
-        check_close("energy.contact", fmu["energy.contact"], stored, 1e-10 * (1e-3 + stored))
-
-    run(opened(FMU[shape]), configuration, end, 50, method=method, each=check_terms)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_restitution_and_dissipated_work_agree(opened, method):
-    """Head-on, gravity off: what is dissipated is what the kinetic energy lost."""
-    values = head_on(
-        "sphere", "outside", contact_method="penalty_dynamic", contact_viscous_penalty_factor=500.0
-    )
-    fmu = run(opened("SphereSphere"), values, 0.1, 1, method=method)
-    speed = np.linalg.norm(fmu["source.velocity"])
-    check_close("energy.dissipated", fmu["energy.dissipated"], (1 - speed**2) / 2, BALANCE * 0.5)

@@ -6,6 +6,7 @@ CONTACT_SCENES is the number of scenes of a family, CONTACT_FIRST_SCENE the firs
 
 import os
 from dataclasses import replace
+from functools import cache
 
 import pytest
 
@@ -17,11 +18,16 @@ COUNT = int(os.environ.get("CONTACT_SCENES", "24"))
 FIRST = int(os.environ.get("CONTACT_FIRST_SCENE", "0"))
 
 
+@cache
+def case(family, seed):
+    scene = drawn(family, seed)
+    return scene, expected(scene)
+
+
 @pytest.mark.parametrize("seed", range(FIRST, FIRST + COUNT))
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_scene_goes_as_the_reference_says(opened, family, seed):
-    scene = drawn(family, seed)
-    right = expected(scene)
+    scene, right = case(family, seed)
     wrong = {}
     for method in METHODS:
         fmu = opened(FMU[scene.shape])
@@ -34,14 +40,13 @@ def test_a_scene_goes_as_the_reference_says(opened, family, seed):
 def test_the_families_reach_what_they_are_about():
     """Of the first scenes of each: contacts, both shapes, and centres passed on the way."""
     for family in FAMILIES:
-        scenes = [drawn(family, seed) for seed in range(12)]
-        found = [expected(scene) for scene in scenes]
+        scenes, found = zip(*(case(family, seed) for seed in range(12)), strict=True)
         assert sum(one.onsets > 0 for one in found) >= 4, family
         assert len({scene.shape for scene in scenes}) == 1 + (family != "unequal masses"), family
         assert len({len(scene.stops) for scene in scenes}) > 1 or family == "set down", family
-    passing = [drawn("through the centre", seed) for seed in range(12)]
-    assert all(moves_straight(scene) for scene in passing)
-    assert sum("centre" in expected(scene).happened for scene in passing) >= 4
+    passing = [case("through the centre", seed) for seed in range(12)]
+    assert all(moves_straight(scene) for scene, _ in passing)
+    assert sum("centre" in right.happened for _, right in passing) >= 4
 
 
 def test_what_still_moves_is_not_taken_for_settled():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from support.checks import check_close
-from support.reference.make_stiff_references import COUNTABLE, DAMPING, END, FILE, expansion, taylor
+from support.reference.make_stiff_references import COUNTABLE, DAMPING, END, FILE, expansion
 from support.reference.stiff_motion import MASS, damped_motion, mean_motion
 
 ROWS = {
@@ -16,15 +16,6 @@ ROWS = {
     for row in json.loads(FILE.read_text(encoding="utf-8"))
 }
 SHAPES = ("cylinder", "sphere")
-
-
-@pytest.mark.parametrize("penalty", [1e5, 1e6])
-@pytest.mark.parametrize("damping", [DAMPING, 0.0])
-@pytest.mark.parametrize("shape", SHAPES)
-def test_the_taylor_integrator_finds_the_stored_position(shape, damping, penalty):
-    """For the damped motion it is a second method in other coordinates."""
-    row = ROWS[shape, damping, penalty]
-    check_close("position", taylor(shape, penalty, damping, 24), row["position"], 3e-14)
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -132,9 +132,12 @@ def test_a_ball_goes_straight_through_the_axis(opened, kind, law, dashpot, seed,
     assert fmu["solver.steps"] < 200 + 2 * steps
 
 
-@pytest.mark.parametrize("miss", [1e-12, 1e-9, 1e-6, 1e-3])
-@pytest.mark.parametrize("dashpot", DASHPOTS)
-@pytest.mark.parametrize("law", LAWS)
+# Each miss with each law and each dashpot, though not with each pair of them
+NEAR = [(law, DASHPOTS[(LAWS.index(law) + k) % 3], miss)
+        for law in LAWS for k, miss in enumerate([1e-12, 1e-8, 1e-3])]  # fmt: skip
+
+
+@pytest.mark.parametrize("law, dashpot, miss", NEAR)
 def test_a_near_miss_of_a_tilted_axis_ends_where_the_taylor_reference_does(opened, law, dashpot, miss):
     scene = Scene("both free", law, dashpot, 1, miss)
     with localcontext(prec=40):

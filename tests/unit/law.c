@@ -60,26 +60,6 @@ static double force_rounding(const struct contact_law *law, double gap, double r
     return 2.0 * DBL_EPSILON * (fabs(law->stiffness * gap) + fabs(law->damping * rate));
 }
 
-static void check_force(const struct contact_law *law, double gap, double rate)
-{
-    const double force = law_force(law, gap, rate, true);
-    CHECK_CLOSE("F_n", force, design_force(law, gap, rate, true), force_rounding(law, gap, rate));
-    CHECK_CLOSE("F_n beyond the ends", law_force(law, gap, rate, false), 0.0, 0.0);
-    CHECK(force >= 0.0 || (law->dashpot == DASHPOT_UNCLAMPED && law->damping > 0.0));
-    CHECK(gap < 0.0 || force == 0.0);
-}
-
-static void the_force_is_that_of_the_design_and_attracts_only_unclamped(void)
-{
-    on_the_grid(check_force);
-    struct random r = {11};
-    for (int i = 0; i < 50000; ++i) {
-        const struct contact_law law = {random_power(&r, -6.0, 12.0), random_power(&r, -9.0, 9.0),
-                                        DASHPOTS[random_index(&r, 3)], LAW_LINEAR};
-        check_force(&law, -random_power(&r, -15.0, 1.0), random_sign(&r) * random_power(&r, -12.0, 3.0));
-    }
-}
-
 /* F_n = -(k g + c g') with the regime's constants. */
 static void check_coefficients(const struct contact_law *law, double gap, double rate)
 {
@@ -146,31 +126,6 @@ static void regimes_change_where_the_design_says(void)
     CHECK_CLOSE("clip", contact_normal_force_of(&clipped, REGIME_COMPRESSION, -0.25, 3.0), 0.0, 0.0);
 }
 
-/* d/dt E_c + dissipated power = -F_n g', the power that goes into the contact. */
-static void check_energy(const struct contact_law *law, double gap, double rate)
-{
-    const enum contact_regime regime = contact_regime_of(law, gap, rate, true);
-    const double force = law_force(law, gap, rate, true);
-    const double energy = contact_stored_energy(law, regime, gap);
-    const double lost = contact_dissipated_power(law, regime, force, gap, rate);
-    const bool touching = gap < 0.0;
-    const long double p_n = law->stiffness;
-    const long double noise = 2.0L * force_rounding(law, gap, rate) * fabs(rate);
-    CHECK_CLOSE("E_c", energy, touching ? p_n * gap * gap / 2.0L : 0.0L, 2.0 * DBL_EPSILON * energy);
-    CHECK_CLOSE("power balance", touching ? p_n * gap * rate + lost : lost, -(long double)force * rate,
-                noise);
-    if (touching && law->dashpot == DASHPOT_UNCLAMPED) {
-        CHECK_CLOSE("p_nv g'^2", lost, (long double)law->damping * rate * rate, noise);
-    }
-    /* Clipping gives up less than the spring would return: no energy appears. */
-    CHECK(lost >= (double)-noise);
-}
-
-static void energy_is_stored_or_dissipated_and_never_made(void)
-{
-    on_the_grid(check_energy);
-}
-
 /* Of functions linear in g and g': the slopes give every difference. */
 static void check_slopes(const struct contact_law *law, double gap, double rate)
 {
@@ -218,51 +173,12 @@ static void the_terms_are_those_of_the_products(void)
     }
 }
 
-static const struct contact_factors CHOSEN = {.multiplier = 3.0,
-                                              .penalty_factor = 5e4,
-                                              .characteristic_time = 2e-3,
-                                              .viscous_penalty_factor = 70.0,
-                                              .reference_modulus = 1e7};
-
-static void check_factors(enum method method, enum penalty_control penalty, enum viscous_control viscous,
-                          double diagonal)
-{
-    struct contact_factors factors = CHOSEN;
-    factors.method = method;
-    factors.penalty_control = penalty;
-    factors.viscous_control = viscous;
-    const long double scale = 1e7L * diagonal;
-    const long double p_n = penalty == PENALTY_CONTROL_AUTOMATIC ? 3.0L * scale : 5e4L;
-    const long double based_on = penalty == PENALTY_CONTROL_VISCOUS_ONLY ? scale : p_n;
-    const long double p_nv = viscous == VISCOUS_CONTROL_AUTOMATIC ? 2e-3L * based_on : 70.0L;
-    const long double spring = penalty == PENALTY_CONTROL_VISCOUS_ONLY ? 0.0L : p_n;
-    const long double dashpot = method == METHOD_PENALTY ? 0.0L : p_nv;
-    const struct contact_law law = contact_law_of(&factors, DASHPOT_APPROACH_ONLY, diagonal);
-    CHECK_CLOSE("p_n", law.stiffness, spring, 4.0L * DBL_EPSILON * spring);
-    CHECK_CLOSE("p_nv", law.damping, dashpot, 4.0L * DBL_EPSILON * dashpot);
-    CHECK(law.dashpot == DASHPOT_APPROACH_ONLY);
-}
-
-static void the_factors_follow_method_and_controls(void)
-{
-    for (double diagonal = 1e-6; diagonal < 1e7; diagonal *= 10.0) {
-        for (int i = 0; i < 12; ++i) {
-            check_factors((enum method)(METHOD_PENALTY + i % 2),
-                          (enum penalty_control)(PENALTY_CONTROL_AUTOMATIC + i / 2 % 3),
-                          (enum viscous_control)(VISCOUS_CONTROL_AUTOMATIC + i / 6), diagonal);
-        }
-    }
-}
-
 int main(void)
 {
-    CHECK_TEST(the_force_is_that_of_the_design_and_attracts_only_unclamped);
     CHECK_TEST(a_regimes_constants_give_its_force);
     CHECK_TEST(a_regime_lasts_while_its_event_function_is_positive);
     CHECK_TEST(regimes_change_where_the_design_says);
-    CHECK_TEST(energy_is_stored_or_dissipated_and_never_made);
     CHECK_TEST(the_slopes_are_those_of_force_event_and_energy);
     CHECK_TEST(the_terms_are_those_of_the_products);
-    CHECK_TEST(the_factors_follow_method_and_controls);
     return check_summary("law");
 }
