@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from contact_fmus.bench.problems import benchmarks
 from contact_fmus.fmu.files import fmu_file
 from support import exchange_runs
-from support.fmi2.raw import SCENES
 
 ENERGIES = ["energy.total", "energy.dissipated", "energy.external_work", "solver.events"]
 
@@ -21,25 +19,6 @@ def vector(name: str) -> list[str]:
 
 def last(result, names: list[str]) -> np.ndarray:
     return np.array([result[name][-1] for name in names])
-
-
-@pytest.mark.parametrize("name", ["P1", "P2", "P3", "P3b"])
-def test_cvode_outside_reaches_the_references(name):
-    problem = benchmarks()[name]
-    result = simulate(problem.fmu, problem.start, problem.stop, [*vector("source.position"), *ENERGIES])
-    assert problem.error(last(result, vector("source.position"))) < 1e-6
-    assert np.ptp(result["energy.total"]) < 1e-6
-    assert result["solver.events"][-1] >= 1
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_every_scene_runs_to_its_end_as_in_co_simulation(scene):
-    """Two integrators that share no code come to the same place."""
-    names = ["contact.gap", "contact.normal_force"]
-    outside, inside = (simulate(scene, {}, 0.45, names, kind) for kind in ("ModelExchange", "CoSimulation"))
-    for name in names:
-        size = np.max(np.abs(inside[name])) + 1e-3
-        assert abs(outside[name][-1] - inside[name][-1]) < 1e-6 * size, name
 
 
 def test_two_free_bodies_keep_momentum_and_energy():

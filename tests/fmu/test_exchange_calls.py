@@ -1,7 +1,5 @@
 """Model Exchange call by call: order, bad input, inputs that move bodies, states saved, derivatives."""
 
-from ctypes import byref, c_double, c_int
-
 import numpy as np
 import pytest
 
@@ -9,7 +7,7 @@ from support.fmi2 import raw
 from support.fmi2.call_table import EXCHANGE
 from support.fmi2.caller import Caller
 from support.fmi2.jacobian import jacobian
-from support.fmi2.raw import DISCARD, ERROR, MODEL_EXCHANGE, OK, array
+from support.fmi2.raw import ERROR, MODEL_EXCHANGE, OK
 from support.outside import Outside
 
 # FMI 2.0.5, section 3.2.3: instantiated, Initialization Mode, Event Mode, Continuous-Time Mode, terminated.
@@ -101,38 +99,6 @@ def begun(scene: str = "SphereSphere", values: dict | None = None, inputs=lambda
     return Outside(instance, inputs).begin()
 
 
-def test_bad_times_and_states_are_refused_and_change_nothing():
-    outside = begun()
-    instance, before = outside.instance, outside.states()
-    for time in (float("nan"), float("inf"), -1.0):
-        with instance.expect(ERROR, "time", "allowed: finite, from the last event at 0 s on") as got:
-            got(instance.call("SetTime", time))
-    for bad in (float("nan"), float("inf"), 1e301):
-        with instance.expect(DISCARD, "source.velocity_state[2]", "allowed: -1e+300 .. 1e+300") as got:
-            states = before.copy()
-            states[instance.fmu.roles["state"].index("source.velocity_state[2]")] = bad
-            got(instance.call("SetContinuousStates", array(c_double, states), len(states)))
-    with instance.expect(ERROR, "3 values, expected 32") as got:
-        got(instance.call("SetContinuousStates", array(c_double, before[:3]), 3))
-    with instance.expect(ERROR, "null pointer") as got:
-        got(instance.call("GetDerivatives", None, len(before)))
-    with instance.expect(ERROR, "eventInfo") as got:
-        instance.ok("EnterEventMode")
-        got(instance.call("NewDiscreteStates", None))
-    assert (outside.states() == before).all()
-
-
-def test_a_step_past_the_stop_time_is_refused_and_looking_past_it_is_not():
-    with raw.Instance(raw.load("SphereSphere"), kind=MODEL_EXCHANGE) as instance:
-        instance.initialize(stop=1.0)
-        Outside(instance).begin()
-        instance.ok("SetTime", 1.5)
-        with instance.expect(ERROR, "past stopTime = 1 s") as got:
-            got(instance.call("CompletedIntegratorStep", 1, byref(c_int()), byref(c_int())))
-        instance.ok("SetTime", 1.0)
-        instance.ok("CompletedIntegratorStep", 1, byref(c_int()), byref(c_int()))
-
-
 def wall(time: float) -> dict:
     return {
         "destination.prescribed_displacement": [0.0, 0.0, time],
@@ -161,25 +127,6 @@ def test_a_wall_that_inputs_move_does_work():
     assert get("contact.last_duration") == pytest.approx(np.pi * np.sqrt(1.0 / 1e5), abs=1e-7)
 
 
-def test_a_jump_of_an_input_in_event_mode_is_work_and_one_of_a_state():
-    start = {
-        "destination.motion": "prescribed",
-        "gravity": [0.0, 0.0, 0.0],
-        "source.center": [0.0, 0.0, 0.7],
-        "contact.method": "penalty",
-        "contact.penalty_factor": 1e5,
-    }
-    outside = begun("SphereSphere", start)
-    instance = outside.instance
-    instance.ok("EnterEventMode")
-    instance.set({"destination.prescribed_displacement": [0.0, 0.0, 0.11]})  # an overlap of 0.01 m
-    assert outside.update()
-    work = outside.states()[instance.fmu.roles["state"].index("energy.external_work_state")]
-    assert work == pytest.approx(0.5 * 1e5 * 0.01**2, rel=1e-12)
-    assert instance.get("contact.active") == 1
-    assert instance.get("energy.total") == pytest.approx(0.0, abs=1e-12)
-
-
 def test_a_force_element_is_a_function_of_its_inputs():
     poses = [(0.58, -0.3), (0.61, 0.2), (0.59, 0.4)]
     with raw.Instance(raw.load("ForceElement")) as stepping:
@@ -195,24 +142,6 @@ def test_a_force_element_is_a_function_of_its_inputs():
                 instance.set(pose)
             assert stepping.bits("output") == outside.instance.bits("output")
         assert outside.states().size == outside.indicators().size == 0
-
-
-def test_a_saved_state_goes_on_with_the_same_bits_and_fits_only_its_kind():
-    start = {"source.center": [0.02, 0.0, 0.65], "source.initial_velocity": [0.0, 0.0, -1.0]}
-    outside = begun("SphereSphere", start)
-    outside.run(0.042, 1e-3)
-    assert outside.instance.get("contact.active") == 1
-    blob, time = outside.instance.save(), outside.time
-    outside.run(0.1, 1e-3)
-    wanted = outside.states().tobytes(), outside.instance.bits("output", "local")
-    outside.instance.restore(blob)
-    outside.time = time
-    outside.run(0.1, 1e-3)
-    assert (outside.states().tobytes(), outside.instance.bits("output", "local")) == wanted
-    with raw.Instance(raw.load("SphereSphere")) as stepping:
-        stepping.initialize()
-        status, _ = stepping.deserialize(blob)
-        assert status == ERROR
 
 
 @pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])

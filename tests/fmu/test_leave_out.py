@@ -113,11 +113,6 @@ def code_of_lines(scene, pattern, folder="."):
 
 
 @pinned_scenes
-def test_a_pinned_scene_has_fewer_variables(variables, scene):
-    assert len(variables(scene)) < len(variables(UNIVERSAL[scene]))
-
-
-@pinned_scenes
 def test_a_pinned_scene_has_no_variable_that_the_universal_lacks(variables, scene):
     assert variables(scene) <= variables(UNIVERSAL[scene])
 
@@ -140,11 +135,6 @@ def test_the_library_names_no_variable_that_the_interface_lacks(variables, strin
     gone = variables(UNIVERSAL[scene]) - variables(scene)
     assert gone
     assert inside & gone == set()
-
-
-def test_the_force_element_has_at_most_43_percent_of_the_variables(variables):
-    """40 % for the instant, 3 % for mean force and peaks over a step"""
-    assert len(variables("ForceElement")) <= 0.43 * len(variables("SphereCylinder"))
 
 
 def test_the_force_element_has_a_library_of_at_most_93_kb(library_bytes):

@@ -64,21 +64,10 @@ def test_fmpy_reports_nothing(fmu_path, scene):
     assert validate_fmu(str(fmu_path(scene))) == []
 
 
-@every_fmu
-def test_the_schema_of_the_standard_accepts_it(description, schema, scene):
-    schema.assertValid(etree.fromstring(description(scene)))
-
-
 @pytest.mark.parametrize("model", vdmcheck.MODELS)
 @every_fmu
 def test_vdmcheck_reports_nothing(fmu_path, vdm_folder, scene, model):
     assert vdmcheck.check(fmu_path(scene), model, vdm_folder) == []
-
-
-@every_fmu
-def test_the_description_is_ascii(description, scene):
-    """VDMCheck stumbles over others in a bare XML file; Greek letters stand there as character references."""
-    description(scene).decode("ascii")
 
 
 # What is wrong, what to write for what, what the complaint has to name, and which models see it.

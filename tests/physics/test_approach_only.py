@@ -2,7 +2,6 @@
 true motion has, few steps, and the right place.
 """
 
-import json
 import math
 from dataclasses import replace
 
@@ -12,40 +11,11 @@ from scipy.integrate import solve_ivp
 
 from contact_fmus.stability.expected import of_head_on
 from contact_fmus.stability.head_on import GEOMETRIES, PLANE, HeadOn
-from support.checks import check_close, run, start
-from support.reference.make_swaying_references import FILE, end_of
+from support.checks import check_close, run
 from support.reference.stiff_limit import StiffContact
-from support.reference.swaying_load import integrate, random_scene
-from support.scenes.scene_families import drawn
 
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
-ROWS = json.loads(FILE.read_text(encoding="utf-8"))
 TOLERANCES = [1e-6, 1e-8, 1e-10]
-
-
-@pytest.mark.parametrize("steps", [1, 37])
-@pytest.mark.parametrize("tolerance", TOLERANCES)
-@pytest.mark.parametrize("row", ROWS, ids=lambda row: str(row["seed"]))
-def test_events_are_those_of_the_true_motion(opened, row, tolerance, steps):
-    """Half of critical damping to a hundred times. One event more where a ball starts at rest and is pressed
-    in further: at once. A gap rate that just touches zero may do so unseen, or once more: two events.
-    """
-    scene = random_scene(row["seed"])
-    fmu = run(opened(FMU[scene.shape]), scene.values(), end_of(scene), steps, tolerance, "event_driven")
-    assert fmu["contact.onsets"] == row["onsets"]
-    assert abs(fmu["solver.events"] - row["events"]) <= 3
-    assert fmu["solver.steps"] <= 200 + 4 * steps + 3 * row["events"]
-    check_close("position", fmu["source.position"], row["position"], max(1e-3 * tolerance, 1e-11))
-
-
-@pytest.mark.parametrize("seed", [10, 22, 29, 31, 35])
-def test_the_stored_motion_is_what_the_integrators_give(seed):
-    """Those that take less than a second, at another accuracy than the stored ones"""
-    [row] = [row for row in ROWS if row["seed"] == seed]
-    scene = random_scene(seed)
-    motion = integrate(scene, end_of(scene), accuracy=1e-11)
-    assert (motion.events, motion.onsets) == (row["events"], row["onsets"])
-    check_close("position", motion.position, row["position"], 1e-12)
 
 
 def sliding(shape, inside, stiffness, ratio, mass, angle, speed):
@@ -117,58 +87,6 @@ def test_a_load_that_sways_turns_a_few_times(opened, stiffness, damping, toleran
     assert fmu["solver.events"] <= turns
     assert fmu["solver.steps"] <= 60
     check_close("position", fmu["source.position"], stiff_end(values, "sphere", end).position, 1e-9 + rise)
-
-
-def swings(mass, stiffness, damping, load, depth, end):
-    """Depth and speed at the end, turns, largest depth and force of a body set down at rest, by DOP853 from
-    turn to turn. Time in 1/omega, lengths in load / p_n.
-    """
-    ratio = damping / math.sqrt(stiffness * mass)
-
-    def turns(t, y):
-        return y[1]
-
-    turns.terminal = True
-    time, y, count, peaks = 0.0, [depth * stiffness / load, 0.0], 0, [0.0, 0.0]
-    last = end * math.sqrt(stiffness / mass)
-    while time < last:
-        acts = ratio if 1.0 - y[0] > 0.0 else 0.0  # approaches from here on
-        turns.direction = -1.0 if acts else 1.0
-        path = solve_ivp(
-            lambda t, y, acts=acts: [y[1], 1.0 - y[0] - acts * y[1]],
-            (time, last),
-            y,
-            "DOP853",
-            rtol=1e-13,
-            atol=1e-15,
-            events=turns,
-            max_step=0.02,
-        )
-        peaks = [max(peaks[0], *path.y[0]), max(peaks[1], *(path.y[0] + acts * path.y[1]))]
-        time, y = path.t[-1], [path.y[0][-1], path.y[1][-1] if path.status == 0 else 0.0]
-        count += path.status
-    speed = y[1] * load / math.sqrt(stiffness * mass)
-    return y[0] * load / stiffness, speed, count, peaks[0] * load / stiffness, peaks[1] * load
-
-
-@pytest.mark.parametrize("seed", [0, 1, 3, 4, 6, 8])
-def test_a_body_set_down_swings_as_dop853_says(opened, seed):
-    """Below critical damping: only while it approaches does it lose energy"""
-    scene = drawn("swinging out", seed)
-    values, load = scene.values, 10.0
-    towards = np.divide(values["source.external_force"], load)
-    factors = [values[f"contact.{name}"] for name in ("penalty_factor", "viscous_penalty_factor")]
-    fmu = start(opened(FMU[scene.shape]), values, 1e-10, "event_driven")
-    end, first = min(scene.end, 60.0 / math.sqrt(factors[0] / values["source.mass"])), -fmu["contact.gap"]
-    right = swings(values["source.mass"], *factors, load, first, end)
-    fmu.step(end)
-    moved = np.dot(np.subtract(fmu["source.position"], values["source.center"]), towards)
-    small = load / factors[0]
-    check_close("depth", first + moved, right[0], 1e-14 + 1e-9 * small)
-    check_close("speed", np.dot(fmu["source.velocity"], towards), right[1], 1e-9)
-    assert 0 <= fmu["solver.events"] - right[2] <= 1  # one more where it touches at the start
-    check_close("peak depth", fmu["contact.peak_penetration"], right[3], 1e-14 + 3e-4 * small)
-    check_close("peak force", fmu["contact.peak_force"], right[4], 3e-4 * load)
 
 
 @pytest.mark.parametrize("penalty", [1e8, 1e10])
