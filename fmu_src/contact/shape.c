@@ -261,32 +261,55 @@ void contact_axis_distance(const struct vec3 c[3], const struct vec3 axis[3], do
     }
 }
 
-int contact_zone_after(const struct contact_solid *solid, int zone, struct vec3 c)
+/* How far a centre is beyond a face [m], and how fast that grows [m/s]. */
+struct beyond {
+    double by, rate;
+};
+
+/* What is no more than rounding counts by its rate. */
+static double beyond_ahead(struct beyond at, double rounding, double rate_rounding)
 {
-    const struct solid_place at = contact_place_at(solid, c);
-    const int end = zone < 0 ? -1 : 1;
-    if (zone == ZONE_SIDE) {
-        return at.end * (at.radial > 0.0 ? ZONE_RIM : ZONE_CAP);
+    if (fabs(at.by) > rounding) {
+        return at.by;
     }
-    const double height = -end * vec3_dot(c, solid->axis);
-    const double beyond = height - solid->half_height;
-    if (end * zone == ZONE_RIM) {
-        return at.radial < beyond ? end * ZONE_CAP : ZONE_SIDE;
-    }
-    if (height < fmin(beyond, 0.0) - at.radial) {
-        return -zone; /* through the middle */
-    }
-    return beyond > 0.0 ? end * ZONE_RIM : ZONE_SIDE;
+    return fabs(at.rate) > rate_rounding ? at.rate : 0.0;
 }
 
-int contact_zone_ahead(const struct contact_solid *solid, struct vec3 c, struct vec3 rate)
+int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c, struct vec3 rate,
+                      double rounding)
 {
+    const double noise = 8.0 * DBL_EPSILON * vec3_norm(rate);
     const double axial = vec3_dot(c, solid->axis);
-    const struct vec3 across = vec3_axpy(c, -axial, solid->axis);
     const double along = vec3_dot(rate, solid->axis);
-    const struct solid_place ahead = {vec3_dot(across, rate) / vec3_norm(across),
-                                      axial > 0.0 ? along : -along, axial > 0.0 ? -1 : 1};
-    return contact_zone_by(&ahead);
+    const struct vec3 across = vec3_axpy(c, -axial, solid->axis);
+    const double rho = vec3_norm(across);
+    const double outward =
+        rho > 0.0 ? vec3_dot(across, rate) / rho : vec3_norm(vec3_axpy(rate, -along, solid->axis));
+    const struct beyond side = {rho - solid->radius, outward};
+    const int up = axial > 0.0 ? -1 : 1;
+    if ((zone == ZONE_SIDE && side.by > rounding) ||
+        (zone == up * ZONE_CAP && fabs(axial) - solid->half_height > rounding)) {
+        return up * ZONE_RIM; /* a face ends there outside the solid, whatever the rate rounds to */
+    }
+    struct beyond most = {-(double)INFINITY, 0.0};
+    int next = 0;
+    if (zone != ZONE_SIDE) {
+        next = ZONE_SIDE;
+        most = side;
+    }
+    for (int end = -1; end <= 1; end += 2) {
+        const struct beyond cap = {-end * axial - solid->half_height, -end * along};
+        const struct beyond more = {cap.by - most.by, cap.rate - most.rate};
+        if (zone != end * ZONE_RIM && beyond_ahead(side, rounding, noise) > 0.0 &&
+            beyond_ahead(cap, rounding, noise) > 0.0) {
+            return end * ZONE_RIM;
+        }
+        if (zone != end * ZONE_CAP && beyond_ahead(more, rounding, noise) > 0.0) {
+            next = end * ZONE_CAP;
+            most = cap;
+        }
+    }
+    return next;
 }
 
 #endif

@@ -254,12 +254,14 @@ double contact_zone_margin(const struct contact_solid *solid, int zone, struct v
 /* The distance from the axis along a path of the separation and of e_d: value and Taylor coefficients [m]. */
 void contact_axis_distance(const struct vec3 c[3], const struct vec3 axis[3], double rho[3]);
 
-/* The zone beyond the edge that is nearest to c, from within a zone. */
-int contact_zone_after(const struct contact_solid *solid, int zone, struct vec3 c);
-
-/* The zone into which a centre goes that is at the circle of the rim, where all zones meet, by its rate
- * [m/s]. */
-int contact_zone_ahead(const struct contact_solid *solid, struct vec3 c, struct vec3 rate);
+/*
+ * The zone that a centre goes into as it leaves `zone`, at c with the rate of c as the solid sees it [m/s]:
+ * the nearest of the others. Where several are as near but for `rounding` [m], as at the circle of the rim,
+ * where all zones meet, and in a point as near to both caps as to the side, the rate tells which will be
+ * nearest; where that tells nothing either, it is the side.
+ */
+int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c, struct vec3 rate,
+                      double rounding);
 
 #endif
 

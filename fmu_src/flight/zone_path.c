@@ -163,6 +163,39 @@ int zone_path_edges(const struct contact_solid *solid, const struct separation_p
 
 typedef double zone_margin(const struct contact_solid *solid, struct vec3 c);
 
+/* Places between two edges. An edge polynomial, of degree eight at most, touches zero without a change of
+ * sign in four of them at most, as where a path turns back just at an edge: one of five is clear of it. */
+enum { CLEAR_PLACES = 5 };
+
+/* Of those the one that is clearest of an edge. */
+static double zone_clear_place(const struct contact_solid *solid, const struct separation_path *path,
+                               double horizon, double from, double to, zone_margin *margin)
+{
+    double clearest = 0.5 * (from + to);
+    double most = -1.0;
+    for (int i = 1; i <= CLEAR_PLACES; ++i) {
+        const double place = from + (to - from) * i / (CLEAR_PLACES + 1);
+        const double clear = fabs(margin(solid, zone_path_at(path, place * horizon)));
+        if (clear > most) {
+            most = clear;
+            clearest = place;
+        }
+    }
+    return clearest;
+}
+
+static double nearest_margin(const struct contact_solid *solid, struct vec3 c)
+{
+    const struct solid_place place = contact_place_at(solid, c);
+    return contact_zone_margin(solid, contact_zone_by(&place), c);
+}
+
+double zone_path_between(const struct contact_solid *solid, const struct separation_path *path,
+                         double horizon, double from, double to)
+{
+    return zone_clear_place(solid, path, horizon, from, to, nearest_margin);
+}
+
 /* The first place among the edges after which the margin is below zero by more than rounding. */
 static double zone_first_end(const struct contact_solid *solid, const struct separation_path *path,
                              double horizon, const double *edges, int count, zone_margin *margin)
@@ -171,7 +204,8 @@ static double zone_first_end(const struct contact_solid *solid, const struct sep
     for (int i = 0; i <= count; ++i) {
         const double to = i < count ? edges[i] : 1.0;
         if (to > from) {
-            const struct separation_path then = {.c = {zone_path_at(path, 0.5 * (from + to) * horizon)}};
+            const double place = zone_clear_place(solid, path, horizon, from, to, margin);
+            const struct separation_path then = {.c = {zone_path_at(path, place * horizon)}};
             if (margin(solid, then.c[0]) < -zone_path_rounding(solid, &then)) {
                 return from * horizon;
             }
@@ -291,12 +325,16 @@ static bool rim_has_changed(const struct rim_search *search, const struct rim_in
     if (at->regime == present) {
         return false;
     }
-    if (present == REGIME_APART || at->regime == REGIME_APART) {
-        return present == REGIME_APART ? at->gap < -at->gap_noise : at->gap > at->gap_noise;
+    if (present == REGIME_APART) {
+        return at->gap < -at->gap_noise;
     }
+    if (at->gap > at->gap_noise) {
+        return true;
+    }
+    /* where they part to rounding, too: the dashpot may have been clipped before */
     const struct contact_slopes slopes = contact_event_slopes(search->law, present, at->gap, at->rate);
-    return fabs(contact_event(search->law, present, at->gap, at->rate)) >
-           fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise;
+    return contact_event(search->law, present, at->gap, at->rate) <
+           -(fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise);
 }
 
 /* From a time and a distance on; `count` steps have been made. */
@@ -428,6 +466,13 @@ struct gap_series {
     double rate[GAP_TERMS];
 };
 
+/* Whether the rate alone closes the gap, and by less than rounding: it turns back at once. */
+static bool is_graze(const struct gap_series *series)
+{
+    return series->gap[1] < 0.0 && series->gap[2] > 0.0 &&
+           series->gap[1] * series->gap[1] <= 4.0 * series->gap[2] * series->rounding;
+}
+
 /* The first term that is more than rounding; 0 where none is, too. */
 static int first_term(const struct gap_series *series, const double *terms)
 {
@@ -510,6 +555,9 @@ static struct meeting meeting_of(const struct contact_shape *shape, const struct
                                  double noise, const double *known)
 {
     struct gap_series series = gap_series_of(shape, path, noise);
+    if (is_graze(&series)) {
+        series.gap[1] = 0.0;
+    }
     int first = first_term(&series, series.gap);
     if (known && *known >= 0.0 && (*known > 0.0 || series.gap[1] > 0.0)) {
         series.gap[0] = *known;

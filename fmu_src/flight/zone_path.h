@@ -7,7 +7,7 @@
  * and no touch is missed however long the path is.
  *
  * In contact the path is followed from zone to zone. Edges of a zone are roots of polynomials, all isolated;
- * between them one point tells the zone.
+ * between them a point that is clear of all edges tells the zone.
  */
 #ifndef CONTACT_FLIGHT_ZONE_PATH_H
 #define CONTACT_FLIGHT_ZONE_PATH_H
@@ -36,6 +36,11 @@ double zone_path_leaves_face(const struct contact_solid *solid, const struct sep
 enum { ZONE_EDGES = 4 * POLYNOMIAL_MAX_DEGREE };
 int zone_path_edges(const struct contact_solid *solid, const struct separation_path *path, double horizon,
                     double edges[ZONE_EDGES]);
+
+/* A place between two neighbouring edges that tells the zone there: the path may touch an edge between
+ * them. */
+double zone_path_between(const struct contact_solid *solid, const struct separation_path *path,
+                         double horizon, double from, double to);
 
 #endif
 

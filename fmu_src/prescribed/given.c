@@ -256,7 +256,7 @@ static void integrate_capped(struct given_step *step, const struct contact_shape
     for (double from = 0.0; from < 1.0;) {
         const double to = first_after(edges, count, from);
         struct scene_instant at;
-        given_instant(step, 0.5 * (from + to), &at);
+        given_instant(step, zone_path_between(&whole->solid, path, step->length, from, to), &at);
         const struct contact_shape shape = scene_shape_met(step->v, step->q, &at, step->contact);
         if (contact_is_rim(&shape)) {
             integrate_at_rim(step, &shape, path, from, to);

@@ -1,6 +1,7 @@
 #include <float.h>
 #include <math.h>
 #include <stddef.h>
+#include <stdlib.h>
 
 #include "contact/law.h"
 #include "math/compiler.h"
@@ -727,6 +728,17 @@ double rounding_of_force(const struct scene_values *v, const struct scene_state 
            angle * (fabs(slopes.by_rate) * vec3_norm(at->rate[contact]) + fabs(at->normal_force[contact]));
 }
 
+/* Whether rounding of positions turns n: not on a plane or a cap. */
+static bool rounding_turns(const struct contact_geometry *g, int contact)
+{
+#if SCENE_ANY_CAPS
+    if (abs(g->zone) == ZONE_CAP) {
+        return false;
+    }
+#endif
+    return !g->degenerate && body_shape(contact_destination(contact)) != SHAPE_PLANE;
+}
+
 /* Below this [m/s] the sign of g' means nothing: rounding of w; rounding of n, which has no meaning where d =
  * 0 (d < 0: a centre below a cap); the speed of an oscillation as large as the gap's rounding bound; the
  * integrator's tolerance. */
@@ -735,8 +747,7 @@ static double rate_rounding(const struct scene_values *v, const struct contact_l
 {
     const double gap_rounding = rounding_of_gap(v, at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    const bool turns = !g->degenerate && body_shape(contact_destination(contact)) != SHAPE_PLANE;
-    const double angle = turns ? fmin(gap_rounding / fabs(g->distance), 1.0) : 0.0;
+    const double angle = rounding_turns(g, contact) ? fmin(gap_rounding / fabs(g->distance), 1.0) : 0.0;
     const double spring = -contact_force_slopes(law, REGIME_COMPRESSION, g->gap, g->gap_rate).by_gap;
     const double oscillation = sqrt(fmax(spring, 0.0) * scene_inverse_mass(v, contact));
     return vec3_norm(at->rate[contact]) * angle + rounding_of_rate(at, contact) + oscillation * gap_rounding +

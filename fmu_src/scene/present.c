@@ -42,26 +42,48 @@ void zones_follow(struct scene_state *q, const struct scene_instant *at, int con
     }
 }
 
-/* Whether the centre is at the circle of the rim, to rounding, and moves. */
-static bool is_at_circle(const struct scene_values *v, const struct contact_shape *shape,
-                         const struct scene_instant *at, int contact)
+/* The rate of the separation as the destination's axis sees it, which may turn. */
+static struct vec3 rate_by_axis(const struct scene_values *v, const struct scene_instant *at, int contact)
 {
-    const struct solid_place place = contact_place_at(&shape->solid, at->separation[contact]);
-    return fmax(fabs(place.radial), fabs(place.axial)) <= rounding_of_gap(v, at, contact) &&
-           !vec3_is_zero(at->rate[contact]);
+#if SCENE_ANY_ROTATION
+    if (scene_turns(v)) {
+        const struct vec3 spin = at->turning.body[contact_destination(contact)].angular_velocity;
+        return vec3_sub(at->rate[contact], vec3_cross(spin, at->separation[contact]));
+    }
+#endif
+    (void)v;
+    return at->rate[contact];
 }
 
-void zones_pass(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
+/* On the axis n of the side is what it is held to be: a cap's, which is along the axis, is none. */
+static void take_zone(struct contact_state *state, const struct contact_shape *shape, int zone)
+{
+    state->zone = zone;
+    if (zone == ZONE_SIDE) {
+        const struct contact_shape side = contact_shape_in(shape, zone);
+        state->normal = contact_default_normal(&side);
+    }
+}
+
+static bool is_at_rim(int zone)
+{
+    return abs(zone) == ZONE_RIM;
+}
+
+bool zones_pass(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
                 int contact)
 {
-    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
     const int zone = q->contact[contact].zone;
-    if (zone != 0 && is_at_circle(v, &shape, at, contact)) {
-        q->contact[contact].zone =
-            contact_zone_ahead(&shape.solid, at->separation[contact], at->rate[contact]);
-    } else if (zone != 0) {
-        q->contact[contact].zone = contact_zone_after(&shape.solid, zone, at->separation[contact]);
+    if (zone == 0) {
+        return false;
     }
+    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
+    const struct vec3 c = at->separation[contact];
+    const double rounding = fmax(rounding_of_gap(v, at, contact), fabs(zones_margin(v, q, at, contact)));
+    const int next = contact_zone_next(&shape.solid, zone, c, rate_by_axis(v, at, contact), rounding);
+    const struct solid_place place = contact_place_at(&shape.solid, c);
+    take_zone(&q->contact[contact], &shape, next);
+    return !(is_at_rim(zone) || is_at_rim(next)) || fmax(fabs(place.radial), fabs(place.axial)) <= rounding;
 }
 
 void zones_settle(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
@@ -70,7 +92,7 @@ void zones_settle(const struct scene_values *v, struct scene_state *q, const str
     if (zones_margin(v, q, at, contact) < -rounding_of_gap(v, at, contact)) {
         const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
         const struct solid_place place = contact_place_at(&shape.solid, at->separation[contact]);
-        q->contact[contact].zone = contact_zone_by(&place);
+        take_zone(&q->contact[contact], &shape, contact_zone_by(&place));
     }
 }
 

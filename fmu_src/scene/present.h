@@ -27,8 +27,9 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
 /* After a regime has been set at the instant: the zone that is met then, or none without contact. */
 void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact);
 
-/* The contact passes into the next zone. */
-void zones_pass(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
+/* The contact passes into the next zone. Whether n jumps there: the centre is inside the solid, or at the
+ * circle of the rim. */
+bool zones_pass(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
                 int contact);
 
 /* The zone that is met at the instant, where that is another by more than rounding. */
@@ -50,10 +51,11 @@ static inline void zones_follow(struct scene_state *q, const struct scene_instan
     (void)q, (void)at, (void)contact;
 }
 
-static inline void zones_pass(const struct scene_values *v, struct scene_state *q,
+static inline bool zones_pass(const struct scene_values *v, struct scene_state *q,
                               const struct scene_instant *at, int contact)
 {
     (void)v, (void)q, (void)at, (void)contact;
+    return false;
 }
 
 static inline void zones_settle(const struct scene_values *v, struct scene_state *q,

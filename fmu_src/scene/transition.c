@@ -430,14 +430,33 @@ static inline void note_peaks_of_touching(const struct scene_values *v, struct s
     }
 }
 
-/* Into the next zone of a capped cylinder, with the gap as it is known. */
-static void pass_zone(const struct scene_values *v, struct scene_state *q, struct scene_instant *at,
-                      int contact)
+/* Where n jumps, so does the gap rate: the gap is as positions give it, the regime is what the law says of
+ * the new rate, and the spring of elastic friction begins at rest in the new face. */
+static enum contact_regime regime_at_jump(const struct scene_values *v, struct scene_state *q,
+                                          struct scene_instant *at, int contact)
 {
-    zones_pass(v, q, at, contact);
+    q->contact[contact].physics.accumulated_gap = DBL_MAX;
+    scene_kinematics_now(v, q, at);
+#if SCENE_ANY_FRICTION
+    if (contact_rubs(v, contact)) {
+        end_friction(q, contact);
+    }
+#endif
+    return scene_regime_of_touching(v, q, at, contact);
+}
+
+/* Into the next zone of a capped cylinder, outside the solid with the gap as it is known. Returns the regime
+ * there. */
+static enum contact_regime pass_zone(const struct scene_values *v, struct scene_state *q,
+                                     struct scene_instant *at, int contact)
+{
+    if (zones_pass(v, q, at, contact)) {
+        return regime_at_jump(v, q, at, contact);
+    }
     if (SCENE_ANY_CAPS) {
         scene_kinematics_now(v, q, at);
     }
+    return (enum contact_regime)q->contact[contact].regime;
 }
 
 void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
@@ -454,7 +473,7 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
     at->geometry[contact].gap = gap_at_change(v, q, at, contact, regime, lasted);
     q->contact[contact].physics.accumulated_gap = at->geometry[contact].gap;
     if (regime == (enum contact_regime)q->contact[contact].regime) {
-        pass_zone(v, q, at, contact);
+        regime = pass_zone(v, q, at, contact);
     }
     regime = onset_note(v, q, at, contact, regime);
     set_regime(v, q, contact, regime);

@@ -223,6 +223,14 @@ static void make_up_to(struct segment *p, double longest)
 static const double EARLY_EVENT = 1e-3;
 
 #if SCENE_ANY_CAPS
+static void keep_faces_apart(struct segment *p)
+{
+    const double longest = zone_longest_inside(p);
+    if (longest < (double)INFINITY) {
+        make_up_to(p, longest);
+    }
+}
+
 /* A collocated step is most accurate at its end: where a zone ends within, it is made to end there, or a
  * little beyond by this part, so that the edge is found again. */
 static const double BEYOND_EDGE = 1e-6;
@@ -236,6 +244,11 @@ static void note_zone_end(struct segment *p)
     }
 }
 #else
+static void keep_faces_apart(struct segment *p)
+{
+    (void)p;
+}
+
 static void note_zone_end(struct segment *p)
 {
     (void)p;
@@ -251,6 +264,7 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
     p->gap_is_known = p->pair.gap == 0.0 || scene_gap_is_accumulated(q, at, contact);
     p->tolerance = tolerance;
     make_up_to(p, longest);
+    keep_faces_apart(p);
     if (is_collocated(p) && p->terminal.s > 0.0 && p->terminal.s < EARLY_EVENT * p->end) {
         make_up_to(p, 2.0 * p->terminal.s * p->unit);
     }
@@ -265,10 +279,8 @@ const struct pair_sample *segment_sample(struct segment *p, double s)
 }
 
 /* Corrects r along n so that bodies that part are as far apart as the gap says. Gap and r are truncated
- * apart,
- * and bodies that part at a gap of zero must not overlap by that. Elsewhere the next segment begins at the
- * gap
- * (contact_pair.rounded), and near a centre the correction would turn n by its rounding. */
+ * apart, and bodies that part at a gap of zero must not overlap by that. Elsewhere the next segment begins at
+ * the gap (contact_pair.rounded), and near a centre the correction would turn n by its rounding. */
 static void agree_with_gap(const struct segment *p, struct pair_change *change)
 {
     const struct contact_pair *from = &p->pair;
@@ -1279,62 +1291,129 @@ static double end_at_rim(const struct segment *p)
                 end_of_rim_by(p, PAIR_AXIAL, place.axial, rounding));
 }
 
+/* A face of the solid with the centre near it or inside, along a segment. */
+struct face_path {
+    const struct segment *segment;
+    struct separation_path flight;
+    double raised; /* by which the margin begins above zero, see depth_margin [m] */
+};
+
+static struct face_path face_path_of(const struct segment *p)
+{
+    struct face_path path = {.segment = p, .flight = p->pair.flight};
+    if (p->pair.starts_rounded) { /* on the axis: C(0) is across it alone (leave_centre) */
+        path.flight.c[0] = vec3_axpy(path.flight.c[0], p->pair.axial, p->pair.shape.axis);
+    }
+    path.raised = zone_path_rounding(&p->pair.shape.solid, &path.flight);
+    return path;
+}
+
 /* The force has no part along the side, nor across the axis at a cap: the centre leaves either by its flight,
  * whose edges are roots of polynomials. */
-static double end_of_face(const struct segment *p, double end)
+static double end_of_face(const struct face_path *path, double end)
 {
-    const double time = zone_path_leaves_face(&p->pair.shape.solid, &p->pair.flight, segment_time(p, end));
+    const struct segment *p = path->segment;
+    const double time = zone_path_leaves_face(&p->pair.shape.solid, &path->flight, segment_time(p, end));
     return time < (double)INFINITY ? segment_place(p, time) : (double)INFINITY;
 }
 
-/* How far a centre within the solid is from where another face is nearest [m]: its depth is known by the gap,
- * and how far it is from the other face by its flight. Positive outside the solid. */
-static double depth_margin(const struct segment *p, double s)
+/* How far a centre within the solid is from where another face is nearest [m], raised by rounding and by what
+ * the edge just passed is off: its depth is known by the gap, and how far it is from the other face by its
+ * flight. Positive outside the solid. */
+static void depth_margin(const void *data, double s, double *value, double *slope)
 {
+    const struct face_path *path = data;
+    const struct segment *p = path->segment;
+    const struct contact_solid *solid = &p->pair.shape.solid;
     struct pair_sample at;
     p->output.sampler(p->output.segment, s, &at);
     const double depth = at.of[PAIR_GAP][0] + p->pair.shape.source_radius;
-    const struct solid_place place = contact_place_at(
-        &p->pair.shape.solid, path_at(p->pair.flight.c, SEPARATION_DEGREE + 1, segment_time(p, s)));
-    if (depth > 0.0) {
-        return depth;
-    }
-    return p->pair.shape.solid.zone == ZONE_SIDE
-               ? depth - place.axial
-               : fmin(depth - place.radial, p->pair.shape.solid.half_height + depth);
+    const struct solid_place place =
+        contact_place_at(solid, path_at(path->flight.c, SEPARATION_DEGREE + 1, segment_time(p, s)));
+    const double margin = solid->zone == ZONE_SIDE ? depth - place.axial
+                                                   : fmin(depth - place.radial, solid->half_height + depth);
+    *value = path->raised + (depth > 0.0 ? depth : margin);
+    *slope = (double)NAN; /* not needed */
 }
 
-/* Places at which that is looked at. A centre comes so deep in soft contact only, which a segment follows for
- * a few radians. */
-enum { DEPTHS = 64, DEPTH_HALVINGS = 100 };
-
-static double end_by_depth(const struct segment *p, double end)
+/* Between two places at the second of which the margin is below zero. */
+static double halve_to_depth(const struct face_path *path, double low, double high)
 {
-    const double beyond = -zone_path_rounding(&p->pair.shape.solid, &p->pair.flight);
-    double low = 0.0;
-    for (int i = 1; i <= DEPTHS; ++i) {
-        double high = end * i / DEPTHS;
-        if (depth_margin(p, high) < beyond) {
-            for (int k = 0; k < DEPTH_HALVINGS && depth_margin(p, low) > beyond; ++k) {
-                const double middle = 0.5 * (low + high);
-                *(depth_margin(p, middle) < beyond ? &high : &low) = middle;
-            }
+    for (;;) {
+        const double middle = 0.5 * (low + high);
+        double value, slope;
+        if (!(middle > low && middle < high)) {
             return high;
         }
-        low = high;
+        depth_margin(path, middle, &value, &slope);
+        *(value < 0.0 ? &high : &low) = middle;
+    }
+}
+
+/* Places at which the margin is looked at, and between which it is no more curved than a parabola. */
+enum { DEPTHS = 64 };
+
+static double end_by_depth(struct face_path *path, double end)
+{
+    struct root_place place[3] = {{0.0, 1.0}, {0.0, 1.0}, {0.0, 1.0}};
+    double slope;
+    depth_margin(path, 0.0, &place[2].value, &slope);
+    path->raised += 2.0 * fmax(-place[2].value, 0.0);
+    place[2].value = fabs(place[2].value);
+    for (int i = 1; i <= DEPTHS; ++i) {
+        place[0] = place[1];
+        place[1] = place[2];
+        place[2].s = end * i / DEPTHS;
+        depth_margin(path, place[2].s, &place[2].value, &slope);
+        if (place[2].value < 0.0) {
+            return halve_to_depth(path, place[1].s, place[2].s);
+        }
+        if (i > 1 && root_may_dip(place)) {
+            const double lowest = root_lowest(depth_margin, path, place);
+            double value;
+            depth_margin(path, lowest, &value, &slope);
+            if (value < 0.0) {
+                return halve_to_depth(path, place[0].s, lowest);
+            }
+        }
     }
     return (double)INFINITY;
 }
 
-/* Between two samples a quantity may have one extremum larger than both, but less than four times as large
- * (terminal_event.c). */
-static bool may_be_inside(const struct segment *p)
+/* The largest |g|. Between two samples a quantity may have one extremum larger than both, but less than four
+ * times as large (terminal_event.c). */
+static double deepest_of(const struct segment *p)
 {
-    double deepest = 0.0;
+    double deepest = 0.25 * p->largest_gap;
     for (int i = 0; i < p->output.count; ++i) {
         deepest = fmax(deepest, fabs(p->output.at[i].of[PAIR_GAP][0]));
     }
-    return 4.0 * deepest >= p->pair.shape.source_radius;
+    return 4.0 * deepest;
+}
+
+/* Whether the centre is inside the solid at some time, and so deep that another face may be nearer: the depth
+ * is at most that of `deepest`, and so far the flight goes along the face. */
+static bool may_change_face(const struct face_path *path)
+{
+    const struct segment *p = path->segment;
+    const struct contact_solid *solid = &p->pair.shape.solid;
+    const double depth = deepest_of(p) - p->pair.shape.source_radius;
+    const double time = segment_time(p, p->end);
+    double length = 0.0;
+    for (int i = SEPARATION_DEGREE; i > 0; --i) {
+        length = (length + vec3_norm(path->flight.c[i])) * time;
+    }
+    const struct solid_place place = contact_place_at(solid, path->flight.c[0]);
+    const double other = solid->zone == ZONE_SIDE ? place.axial : place.radial;
+    const bool opposite = solid->zone != ZONE_SIDE && depth >= solid->half_height;
+    return depth >= 0.0 && (opposite || other + length >= -depth);
+}
+
+static double zone_end_of_face(const struct segment *p, double end)
+{
+    struct face_path path = face_path_of(p);
+    const double s = end_of_face(&path, end);
+    return may_change_face(&path) ? fmin(s, end_by_depth(&path, fmin(s, end))) : s;
 }
 
 void zone_end_note(struct segment *p)
@@ -1344,20 +1423,26 @@ void zone_end_note(struct segment *p)
         return;
     }
     const double end = fmin(p->end, p->terminal.s);
-    double s;
-    if (contact_is_rim(&p->pair.shape)) {
-        s = end_at_rim(p);
-    } else {
-        s = end_of_face(p, end);
-        if (may_be_inside(p)) {
-            s = fmin(s, end_by_depth(p, fmin(s, end)));
-        }
-    }
+    const double s = contact_is_rim(&p->pair.shape) ? end_at_rim(p) : zone_end_of_face(p, end);
     if (s <= p->end && s < p->terminal.s) {
         p->terminal.s = s;
         p->terminal.regime = p->regime;
         p->leaves_zone = true;
     }
+}
+
+/* A segment over many oscillations may be in and out of the depths of another face in each of them: inside
+ * the solid it is no longer than this [radians], in which DEPTHS places show every turn. */
+static const double LONGEST_INSIDE = 8.0;
+
+double zone_longest_inside(const struct segment *p)
+{
+    if (!contact_is_capped(&p->pair.shape) || contact_is_rim(&p->pair.shape)) {
+        return (double)INFINITY;
+    }
+    const struct face_path path = face_path_of(p);
+    const double longest = LONGEST_INSIDE * sqrt(p->pair.reduced_mass / p->pair.coefficients.k);
+    return longest < segment_time(p, p->end) && may_change_face(&path) ? longest : (double)INFINITY;
 }
 
 #endif

@@ -216,6 +216,9 @@ double averaged_error(double a, double ratio, double distance, double radians);
 /* Ends the segment there, if that is before p->terminal. */
 void zone_end_note(struct segment *p);
 
+/* For how long a segment inside the solid may be, so that no change of the nearest face is missed [s]. */
+double zone_longest_inside(const struct segment *p);
+
 static inline bool zone_end_is_terminal(const struct segment *p)
 {
     return p->leaves_zone;

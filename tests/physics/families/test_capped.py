@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from support.checks import check_close, run
+from support.reference import capped
 from support.scenes.agreement import Scene, check_agreement, seeds
 
 R_S, R_D, LENGTH = 0.1, 0.5, 2.0
@@ -263,3 +264,168 @@ def test_outputs_agree_at_an_end_whichever_side_rounding_takes(opened, seed):
     steps = int(random.choice([1, 3, 10, 50]))
     run(fmu, scene.values, scene.end, steps, float(random.choice([1e-4, 1e-8, 1e-12])), each=outputs_agree)
     assert fmu["solver.events"] < 1000, scene
+
+
+# The centre goes inside the solid, where the nearest face pushes it out.
+THROUGH_THE_AXIS = CAPPED | {
+    "source.center": [-1.0, 0.0, 0.95],
+    "source.initial_velocity": [4.0, 0.0, -5.5],
+    "contact.penalty_factor": 10.0,
+    "contact.method": "penalty",
+}
+THREE_FACES_AS_NEAR = CAPPED | {
+    "source.radius": 0.05,
+    "destination.radius": 0.3,
+    "destination.length": 0.3,
+    "source.center": [0.15, 0.0, 0.3],
+    "source.initial_velocity": [0.0, 0.0, -2.0],
+    "contact.penalty_factor": 1.0,
+    "contact.method": "penalty",
+}
+CAP_TO_CAP = CAPPED | {
+    "source.radius": 0.1,
+    "destination.radius": 0.1,
+    "destination.length": 0.1,
+    "source.mass": 2.0,
+    "source.center": [0.03, 0.0, -0.3],
+    "source.initial_velocity": [0.0, 0.0, 5.0],
+    "contact.penalty_factor": 1e3,
+    "contact.viscous_penalty_factor": 10.0,
+    "contact.dashpot": "approach_only",
+}
+
+
+def referred(values, end):
+    """The scene by the independent reference; the destination's axis is z."""
+    free = values.get("destination.motion") == "free"
+    hertz = values.get("contact.law") == "hertz"
+    damped = "contact.hunt_crossley_factor" if hertz else "contact.viscous_penalty_factor"
+    pair = capped.CappedPair(
+        radius=values["source.radius"],
+        other_radius=values["destination.radius"],
+        length=values["destination.length"],
+        axis=(0.0, 0.0, 1.0),
+        masses=(values.get("source.mass", 1.0), values["destination.mass"] if free else np.inf),
+        gravity=tuple(values["gravity"]),
+        hertz=hertz,
+        stiffness=values["contact.hertz_stiffness" if hertz else "contact.penalty_factor"],
+        damping=0.0 if values.get("contact.method") == "penalty" else values[damped],
+        dashpot=values.get("contact.dashpot", "non_adhesive"),
+    )
+    still = [0.0, 0.0, 0.0]
+    start = [*values["source.center"], *still, *values["source.initial_velocity"], *still]
+    return capped.run(pair, start, end)
+
+
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-12])
+@pytest.mark.parametrize("steps", [1, 7, 10])
+@pytest.mark.parametrize(
+    ("values", "end"), [(THROUGH_THE_AXIS, 0.5), (CAP_TO_CAP, 0.2)], ids=["through the axis", "cap to cap"]
+)
+def test_a_centre_inside_passes_from_face_to_face(opened, values, end, steps, tolerance):
+    fmu = run(opened("SphereCylinder"), values, end, steps, tolerance)
+    right = referred(values, end)
+    check_close("position", fmu["source.position"], right.state[0:3], 1e-11)
+    check_close("dissipated", fmu["energy.dissipated"], right.lost, 1e-10)
+    issue = {0.5: 0.885885, 0.2: 0.554541}[end]
+    assert np.min(np.abs(fmu["source.position"] - issue)) < 5e-7
+
+
+@pytest.mark.parametrize("method", ["event_driven", "cvode_bdf"])
+@pytest.mark.parametrize("steps", [1, 7, 10])
+def test_a_point_as_near_to_both_caps_as_to_the_side_is_passed_straight_on(opened, steps, method):
+    """From cap to cap: the side is no nearer anywhere. A spring gives back what it took."""
+    tolerance = 1e-10 if method == "event_driven" else 1e-7
+    fmu = run(opened("SphereCylinder"), THREE_FACES_AS_NEAR, 0.3, steps, 1e-10, method)
+    inside = 2.0 * np.arcsin(0.1)
+    check_close("position", fmu["source.position"], [0.15, 0.0, -0.2 - 2.0 * (0.25 - inside)], tolerance)
+    check_close("velocity", fmu["source.velocity"], [0.0, 0.0, -2.0], tolerance)
+    check_close("dissipated", fmu["energy.dissipated"], 0.0, 1e-14)
+
+
+def pick(random, *values):
+    return values[random.integers(len(values))]
+
+
+def soft_law(random, energy, mass, depth):
+    """Of a contact that gives by some of `depth` before it has taken `energy`."""
+    stiffness = float(f"{energy / (0.5 * depth**2) * pick(random, 0.05, 0.3, 0.9, 1.5):.1g}")
+    if random.random() < 0.25:
+        return {
+            "contact.law": "hertz",
+            "contact.penalty_control": "user_defined",
+            "contact.hertz_stiffness": float(f"{stiffness / depth**0.5:.1g}"),
+            "contact.viscous_control": "user_defined",
+            "contact.hunt_crossley_factor": pick(random, 0.0, 0.01, 0.1),
+        }
+    if random.random() < 0.5:
+        return {"contact.method": "penalty", "contact.penalty_factor": stiffness}
+    critical = float(f"{2.0 * np.sqrt(stiffness * mass):.1g}")
+    damping = pick(random, 0.0, 0.05, 0.3) * critical
+    return {"contact.penalty_factor": stiffness, "contact.viscous_penalty_factor": damping}
+
+
+# None at 45 degrees: along where cap and side are as near, which of them pushes is left to rounding.
+WAYS = ((0, 0, 1), (1, 0, 0), (0, 1, 0), (4, 0, -5.5), (1, 0, -1.5), (0.6, 0, 0.8), (3, 4, 5), (1, 0.5, -2))
+
+
+def deep_inside(random, aside=(0.0, 0.0, 0.001)):
+    """A ball flies through a soft solid, towards a point of the axis, half-way between the caps or nearby."""
+    r_s, r_d = pick(random, 0.05, 0.1, 0.5), pick(random, 0.1, 0.3, 0.5, 1.0)
+    length = pick(random, 0.1, 0.2, 0.3, 0.5, 1.0, 2.0, r_d, 2.0 * r_d)
+    aim = np.array(
+        [
+            pick(random, 0.0, 0.5 * r_d, 0.03, 0.15) * pick(random, 1.0, -1.0),
+            pick(random, *aside),
+            pick(random, 0.0, 0.0, 0.25 * length, -0.125 * length),
+        ]
+    )
+    way = np.array(pick(random, *WAYS), float) * pick(random, 1.0, -1.0)
+    way /= np.linalg.norm(way)
+    speed, mass = pick(random, 1.0, 2.0, 5.0, 10.0), pick(random, 0.1, 1.0, 2.0)
+    far = r_s + r_d + 0.5 * length + np.linalg.norm(aim)
+    values = CAPPED | {
+        "source.radius": r_s,
+        "source.mass": mass,
+        "source.center": [float(x) for x in np.round(aim - pick(random, 1.0, 1.5) * far * way, 3)],
+        "source.initial_velocity": [float(x) for x in speed * way],
+        "destination.radius": r_d,
+        "destination.length": length,
+        "contact.dashpot": pick(random, "non_adhesive", "approach_only"),
+        "gravity": [0.0, 0.0, pick(random, 0.0, 0.0, 0.0, -10.0)],
+    }
+    values |= soft_law(random, 0.5 * mass * speed**2, mass, r_s + min(r_d, 0.5 * length))
+    if random.random() < 0.25:
+        values |= {"destination.motion": "free", "destination.mass": pick(random, 1.0, 5.0)}
+    return Scene("SphereCylinder", values, end=float(f"{pick(random, 2.0, 4.0) * far / speed:.2g}"))
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_a_centre_deep_inside(opened, seed):
+    check_agreement(opened, deep_inside(np.random.default_rng(seed)), seed)
+
+
+@pytest.mark.parametrize("seed", seeds(8))
+def test_a_centre_deep_inside_as_the_reference_has_it(opened, seed):
+    """Off the axis, for on it any direction is right."""
+    scene = deep_inside(np.random.default_rng(seed), aside=(0.013, 0.029))
+    fmu = run(opened("SphereCylinder"), scene.values, scene.end, 1, 1e-11)
+    right = referred(scene.values, scene.end)
+    check_close("source", fmu["source.position"], right.state[0:3], 1e-8)
+    check_close("destination", fmu["destination.position"], right.state[3:6], 1e-8)
+    check_close("dissipated", fmu["energy.dissipated"], right.lost, 1e-8 * (1.0 + right.lost))
+
+
+def test_on_the_axis_a_ball_is_pushed_out_in_the_direction_of_the_side(opened):
+    """Not along the axis, as the cap does from which it comes; nothing is lost."""
+    values = CAPPED | {
+        "source.center": [0.0, 0.0, 1.5],
+        "source.initial_velocity": [0.0, 0.0, -3.0],
+        "contact.penalty_factor": 20.0,
+        "contact.method": "penalty",
+    }
+    fmu = run(opened("SphereCylinder"), values, 2.0, 4, 1e-10)
+    assert fmu["contact.zone"] == "none"
+    assert np.hypot(*fmu["source.position"][:2]) > 0.6
+    check_close("dissipated", fmu["energy.dissipated"], 0.0, 1e-12)
+    check_close("kinetic", fmu["energy.kinetic"], 4.5, 1e-12)

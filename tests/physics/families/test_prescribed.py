@@ -332,3 +332,59 @@ def test_a_plane_that_moves_and_turns_away_has_no_deeper_penetration_than_sample
     peak = parts["contact.peak_penetration"]
     assert peak > 1e-4
     check_close("peak penetration", whole["contact.peak_penetration"], peak, 1e-8 * peak)
+
+
+# A path that turns back just over the rim's circle, half-way between its two passages; along the side without
+# depth; past the rim with a dashpot that is clipped right before a communication point.
+TURNS_AT_THE_CIRCLE = {
+    "gravity": [0.0, 0.0, 0.0],
+    "destination.axis": [0.0, 0.0, 1.0],
+    "destination.finite_length": True,
+    "destination.length": 1.0,
+    "destination.ends": "capped",
+    "source.radius": 0.05,
+    "source.motion": "prescribed",
+    "source.center": [0.02, -0.64, 0.525],
+    "source.prescribed_velocity": [1.2, 1.6, 0.0],
+    "source.prescribed_displacement.derivatives": [[1.2, 1.6, 0.0], [-1.5, -2.0, 0.0]],
+    "source.prescribed_velocity.derivatives": [[-1.5, -2.0, 0.0]],
+    "contact.penalty_factor": 1e4,
+    "contact.viscous_penalty_factor": 0.0,
+}
+
+
+@pytest.mark.parametrize("steps", [1, 2, 22])
+def test_a_path_that_turns_back_at_an_edge_is_over_the_cap_between(opened, steps):
+    """The distance from the axis is 0.5 at 0.10718, 0.8 and 1.49282 s; the gap is zero where it is 0.5433."""
+    values = TURNS_AT_THE_CIRCLE
+    fmu = stepped(opened("SphereCylinder"), values, steps, 2.5 / steps, True)
+    assert fmu["contact.onsets"] == 1
+    check_close("onset", fmu["contact.last_onset_time"], 0.0691576057658999, 1e-12)
+    check_close("duration", fmu["contact.last_duration"], 2.0 * (0.8 - 0.0691576057658999), 1e-12)
+
+
+@pytest.mark.parametrize("steps", [1, 5, 22])
+def test_along_the_side_without_depth_there_is_no_contact(opened, steps):
+    values = TURNS_AT_THE_CIRCLE | {
+        "source.center": [0.55, 0.0, 0.775],
+        "source.prescribed_velocity": [0.0, 0.0, -0.5],
+        "source.prescribed_displacement.derivatives": [[0.0, 0.0, -0.5]],
+        "source.prescribed_velocity.derivatives": [[0.0, 0.0, 0.0]],
+    }
+    fmu = stepped(opened("SphereCylinder"), values, steps, 1.25 / steps, True)
+    assert fmu["contact.onsets"] == 0
+
+
+@pytest.mark.parametrize("steps", [1, 100])
+def test_a_dashpot_is_clipped_before_the_release_wherever_a_step_ends(opened, steps):
+    values = TURNS_AT_THE_CIRCLE | {
+        "source.radius": 0.5,
+        "source.center": [0.55, 0.0, 1.795],
+        "source.prescribed_velocity": [0.0, 0.0, -2.0],
+        "source.prescribed_displacement.derivatives": [[0.0, 0.0, -2.0], [0.0, 0.0, 2.5]],
+        "source.prescribed_velocity.derivatives": [[0.0, 0.0, 2.5]],
+        "contact.penalty_factor": 1e6,
+        "contact.viscous_penalty_factor": 100.0,
+    }
+    fmu = stepped(opened("SphereCylinder"), values, steps, 2.5 / steps, True)
+    check_close("dissipated", fmu["energy.dissipated"], 0.0366930944, 1e-9)

@@ -4,7 +4,7 @@ release, change of the dashpot and edge between side, cap and rim.
 
 The gap is the distance of the ball's centre from the solid, less its radius: of a box [0, r_d] x [-L/2, L/2]
 in the half-plane of rho and z, turned about the axis. Zones matter to it only in that the integrator starts
-anew at their edges.
+anew at their edges, and where the force turns round: half-way between the caps, and at the axis.
 """
 
 from typing import NamedTuple
@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 
 SETTINGS = {"method": "DOP853", "rtol": 2.5e-14, "atol": 1e-16}
 APART, FULL, SPRING, CLIPPED = "apart", "full", "spring", "clipped"
+BEYOND = 1e-18  # a place on the other side of the axis [m], less than any rounding here
 PARTS_OF_A_RADIAN = 0.05  # longest step in contact, so that the dense output is as good as the steps
 
 
@@ -106,7 +107,13 @@ class CappedPair(NamedTuple):
         return PARTS_OF_A_RADIAN / np.sqrt(slope * per_mass)
 
 
-def _events(pair, branch, zone):
+def _away(pair, y, zone):
+    """From the axis, or from half-way between the caps: the side on which the force is the present one."""
+    _, _, outward, up, _ = pair.place(y)
+    return up if zone == "cap" else outward
+
+
+def _events(pair, branch, zone, away):
     """Functions of (t, y) that are positive until the event."""
 
     def edge(_t, y):
@@ -122,6 +129,8 @@ def _events(pair, branch, zone):
         return gap if branch == APART else -gap
 
     functions = [edge, opening] if branch == APART else [edge, opening, lambda _t, y: pair.pull(y, branch)]
+    if branch != APART and zone != "rim":
+        functions.append(lambda _t, y: (y[0:3] - y[3:6]) @ away)
     for function in functions:
         function.terminal, function.direction = True, -1.0
     return functions
@@ -150,7 +159,8 @@ def run(pair, y, end):
     before = energy(pair, y, branch)
     zones, changes = [(0.0, zone)], []
     while time < end:
-        functions = _events(pair, branch, zone)
+        away = _away(pair, y, zone)
+        functions = _events(pair, branch, zone, away)
         longest = pair.longest(y) if branch != APART else 0.02 * (end - 0.0)
         skip = [function(time, y) for function in functions]
         part = solve_ivp(
@@ -166,9 +176,14 @@ def run(pair, y, end):
         if which == 0:
             zone = _zone_beyond(pair, y, zone)
             zones.append((time, zone))
+            if branch != APART and max(pair.place(y)[:2]) < 0:
+                branch = pair.branch_at(y)  # inside the solid the force jumps
             if branch == APART and pair.gap_and_rate(y)[0] <= 0 and pair.branch_at(y) != APART:
                 branch = pair.branch_at(y)  # they touch on the very edge
                 changes.append((time, branch))
+        elif which == 3:
+            y[0:3] -= ((y[0:3] - y[3:6]) @ away + BEYOND) * away
+            branch = pair.branch_at(y)
         else:
             if which == 1:
                 y = _close(pair, y)
