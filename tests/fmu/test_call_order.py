@@ -1,7 +1,6 @@
 """Every function in every state of the standard: allowed calls work, others are refused as a whole."""
 
-import ctypes
-from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import c_double, c_int, c_size_t, c_uint, c_void_p
 
 import pytest
 
@@ -9,7 +8,7 @@ from support.fmi2 import raw
 from support.fmi2.call_table import EXCHANGE, FUNCTIONS, STATES, allowed
 from support.fmi2.caller import Caller
 from support.fmi2.raw import DISCARD, ERROR, OK, array
-from support.fmi2.states import bring_to, fail_a_step
+from support.fmi2.states import bring_to
 
 PHASE_NAMES = {
     "instantiated": "instantiated",
@@ -161,42 +160,3 @@ def test_what_is_calculated_cannot_be_set(fmu):
         for variable in fmu.select("output", "calculatedParameter"):
             with instance.expect(ERROR, variable.name, "cannot be set") as got:
                 got(instance.set_one(variable, 0))
-
-
-@pytest.mark.parametrize("scene", raw.SOLVER_SCENES)
-def test_status_after_a_discarded_step(scene):
-    with raw.Instance(raw.load(scene)) as instance:
-        fail_a_step(instance)
-        status, time, ended = c_int(-1), c_double(-1.0), c_int(-1)
-        instance.ok("GetStatus", raw.DO_STEP_STATUS, byref(status))
-        instance.ok("GetRealStatus", raw.LAST_SUCCESSFUL_TIME, byref(time))
-        instance.ok("GetBooleanStatus", raw.TERMINATED, byref(ended))
-        assert (status.value, ended.value) == (DISCARD, 0)
-        assert 0.0 <= time.value < 1.0
-        with instance.expect(ERROR, "currentCommunicationPoint", "expected the time reached") as got:
-            got(instance.call("DoStep", time.value + 0.5, 0.1, 1))
-
-
-def test_status_after_good_steps(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize(start=2.0)
-        instance.run([0.25, 0.125], start=2.0)
-        status, time = c_int(-1), c_double(-1.0)
-        instance.ok("GetStatus", raw.DO_STEP_STATUS, byref(status))
-        instance.ok("GetRealStatus", raw.LAST_SUCCESSFUL_TIME, byref(time))
-        assert (status.value, time.value) == (OK, 2.375)
-        for function, kind in [
-            ("GetStatus", 1),
-            ("GetRealStatus", 0),
-            ("GetBooleanStatus", 77),
-            ("GetIntegerStatus", 3),
-        ]:
-            with instance.expect(DISCARD, f"fmi2{function}", "not available") as got:
-                value = c_double()
-                got(
-                    getattr(fmu.library, f"fmi2{function}")(
-                        instance.component,
-                        kind,
-                        ctypes.cast(byref(value), raw.ARGUMENTS[f"fmi2{function}"][2]),
-                    )
-                )

@@ -6,14 +6,12 @@ u = (F0 t^2/2 + F1 t^3/6 + F2 t^4/24)/m.
 """
 
 import math
-import tomllib
 from ctypes import c_double, c_int, c_uint
 
 import pytest
 
 from support.fmi2 import raw
 from support.fmi2.raw import array
-from support.sources import ROOT
 
 FREE = {"gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 50.0], "source.mass": 2.0}
 # Both solvers run at this tolerance; a hundred times of it is allowed on numbers of the order of one.
@@ -30,20 +28,6 @@ def feed(instance: raw.Instance, name: str, order: int, values: list[float]) -> 
         array(c_int, [order] * 3),
         array(c_double, values),
     )
-
-
-def derivatives(instance: raw.Instance, name: str) -> list[float]:
-    variables = instance.fmu.variables
-    names = [name] if name in variables else [f"{name}[{index}]" for index in (1, 2, 3)]
-    values = array(c_double, [math.nan] * len(names))
-    instance.ok(
-        "GetRealOutputDerivatives",
-        array(c_uint, [variables[one].reference for one in names]),
-        len(names),
-        array(c_int, [1] * len(names)),
-        values,
-    )
-    return list(values)
 
 
 def close(found: list[float], expected: list[float], scale: float = 1.0) -> None:
@@ -172,79 +156,3 @@ def test_only_given_derivatives_move_a_force_element(orders):
 
 
 # outputs
-
-
-def turns(scene):
-    """Whether its file pins a body to turn"""
-    file = ROOT / "modelDescription" / "scenes" / f"{scene}.toml"
-    pinned = tomllib.loads(file.read_text(encoding="utf-8")).get("pinned", {})
-    return any(pinned.get(f"{body}.rotation", "none") != "none" for body in ("source", "destination"))
-
-
-@pytest.mark.parametrize("scene", raw.SCENES)
-def test_the_gap_rate_is_the_derivative_of_the_gap(scene):
-    with raw.Instance(raw.load(scene)) as instance:
-        instance.initialize({"source.center": [0.2, 0.05, 0.1]})
-        instance.run([0.125])
-        rate, found = instance.get("contact.gap_rate"), derivatives(instance, "contact.gap")
-    # Where a body turns the gap's terms in time are another formula than its rate: both are rounded.
-    assert found == ([pytest.approx(rate, rel=4e-16)] if turns(scene) else [rate])
-
-
-@pytest.mark.parametrize("scene", raw.SOLVER_SCENES)
-def test_positions_and_velocities_have_the_derivatives_of_newtons_law(scene):
-    """dx/dt = du/dt = v and dv/dt = g + (F_contact + F_ext)/m, in flight and in contact"""
-    touched = set()
-    with raw.Instance(raw.load(scene)) as instance:
-        force, mass = [0.5, -0.25, 1.0], 3.0
-        lying = {"destination.axis": [0.0, 1.0, 0.0]} if scene == "SphereCylinder" else {}
-        # Marbles of 1 MPa, 1 mm apart at 2 m/s, touch for some milliseconds.
-        hertz = scene == "HertzImpact"
-        soft = {"source.youngs_modulus": 1e6} if hertz else {"contact.penalty_factor": 1e3}
-        step = 2.0**-12 if hertz else 2.0**-7
-        instance.initialize({"source.mass": mass, "source.external_force": force, **soft, **lying})
-        gravity = instance.get("gravity")
-        time = 0.0
-        for _ in range(160):
-            instance.ok("DoStep", time, step, 1)
-            time += step
-            touched.add(instance.get("contact.active"))
-            velocity = instance.get("source.velocity")
-            assert derivatives(instance, "source.position") == velocity
-            assert derivatives(instance, "source.displacement") == velocity
-            contact = instance.get("contact.source_force")
-            expected = [g + (f + c) / mass for g, f, c in zip(gravity, force, contact, strict=True)]
-            assert derivatives(instance, "source.velocity") == pytest.approx(expected, rel=1e-13, abs=1e-13)
-    lies = scene in ("Bowling", "GolfersDilemma", "SpinningBall", "Turntable")  # on its spring from the start
-    assert touched == ({1} if lies else {0, 1})
-
-
-def test_output_derivatives_are_those_of_difference_quotients():
-    """Independent of how the FMU computes them: five-point differences of the outputs themselves, in contact
-
-    The formula's error is h^4/30 times the fifth derivative, here 1e-16 * (1e3)^2 * 10 m/s^2: far below the
-    bound, which is what the outputs' own errors of 1e-9 become when divided by h.
-    """
-    h = 2.5e-4
-    with raw.Instance(raw.load("SphereSphere")) as instance:
-        instance.initialize(
-            {
-                "source.center": [0.05, 0.0, 0.65],
-                "contact.penalty_factor": 1e3,
-                "contact.viscous_penalty_factor": 5.0,
-            },
-            tolerance=1e-12,
-        )
-        instance.ok("DoStep", 0.0, 0.125, 1)
-        names = ["source.position", "source.velocity"]
-        rows = []
-        slopes = []
-        for index in range(5):
-            rows.append([instance.get(name) for name in names])
-            slopes.append([derivatives(instance, name) for name in names])
-            assert instance.get("contact.active")
-            instance.ok("DoStep", 0.125 + index * h, h, 1)
-        for which in range(len(names)):
-            columns = zip(*(row[which] for row in rows), strict=True)
-            quotients = [(a - 8 * b + 8 * d - e) / (12 * h) for a, b, _, d, e in columns]
-            assert slopes[2][which] == pytest.approx(quotients, abs=1e-9 / h)

@@ -1,7 +1,6 @@
 """Scenes of every family of scene_families.py with all methods, against the independent integrator.
 
-CONTACT_SCENES is the number of scenes of a family, CONTACT_FIRST_SCENE the first one's seed; for long sweeps
-`python -m sweep_scenes` prints the failures alone.
+CONTACT_SCENES is the number of scenes of a family, CONTACT_FIRST_SCENE the first one's seed.
 """
 
 import os
