@@ -1,13 +1,6 @@
-#include "math/series.h"
+#include <math.h>
 
-double taylor_dot(const struct taylor_vec3 *a, const struct taylor_vec3 *b, int order)
-{
-    double sum = 0.0;
-    for (int i = 0; i <= order; ++i) {
-        sum += vec3_dot(a->at[i], b->at[order - i]);
-    }
-    return sum;
-}
+#include "math/series.h"
 
 double taylor_multiply(const double *a, const double *b, int order)
 {
@@ -52,16 +45,6 @@ double taylor_divide(const double *a, const double *b, const double *q, int orde
     return sum / b[0];
 }
 
-struct vec3 taylor_divide_vec3(const struct taylor_vec3 *a, const double *b, const struct taylor_vec3 *q,
-                               int order)
-{
-    struct vec3 sum = a->at[order];
-    for (int i = 1; i <= order; ++i) {
-        sum = vec3_axpy(sum, -b[i], q->at[order - i]);
-    }
-    return vec3_scale(1.0 / b[0], sum);
-}
-
 double taylor_at(const double *a, int terms, double s)
 {
     double sum = 0.0;
@@ -71,13 +54,14 @@ double taylor_at(const double *a, int terms, double s)
     return sum;
 }
 
-struct vec3 taylor_at_vec3(const struct taylor_vec3 *a, int terms, double s)
+void taylor_derivatives(const double *a, int terms, double s, double out[3])
 {
-    struct vec3 sum = {0.0, 0.0, 0.0};
+    out[0] = out[1] = out[2] = 0.0;
     for (int i = terms - 1; i >= 0; --i) {
-        sum = vec3_axpy(a->at[i], s, sum);
+        out[2] = out[2] * s + 2.0 * out[1];
+        out[1] = out[1] * s + out[0];
+        out[0] = out[0] * s + a[i];
     }
-    return sum;
 }
 
 double taylor_integral(const double *a, int terms, double s)

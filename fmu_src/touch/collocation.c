@@ -30,7 +30,7 @@ static inline struct vec3 collocation_in_world(const struct collocation *p, stru
 }
 
 /*
- * Collocation at the rim of a capped cylinder, in the coordinates of rim_local.h. The rows of the result are
+ * Collocation at the rim of a capped cylinder, in the coordinates of rim.h. The rows of the result are
  * those of n and H elsewhere: n.x and n.y are the changes of azimuth and tilt, h.x and h.y those of their
  * momenta; n.z and h.z are zero.
  */
@@ -216,7 +216,7 @@ static double integrate_normal(struct collocation *p)
         double2_put(p->result.n_rate.y, i, by * to_y);
     }
     double change = larger(nodal_integrate(p->nodes, p->result.n_rate.x, p->result.n.x),
-                                  nodal_integrate(p->nodes, p->result.n_rate.y, p->result.n.y));
+                           nodal_integrate(p->nodes, p->result.n_rate.y, p->result.n.y));
     if (!p->local.planar) {
         change = larger(nodal_integrate(p->nodes, p->result.n_rate.z, p->result.n.z), change);
     }

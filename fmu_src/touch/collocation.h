@@ -30,7 +30,7 @@
 #include "math/nodes.h"
 #include "math/oscillator.h"
 #include "math/vec3.h"
-#include "touch/rim_local.h"
+#include "touch/rim.h"
 
 enum collocation_kind { COLLOCATION_RESOLVED, COLLOCATION_AVERAGED, COLLOCATION_OVERDAMPED };
 
@@ -49,7 +49,7 @@ struct collocation_problem {
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E [m/s, ...] */
     bool has_mismatch;                                        /* whether E is other than zero */
 #ifndef CONTACT_NO_CAPS
-    bool at_rim;          /* of a capped cylinder: n, H and f are as in rim_local.h, and the rest */
+    bool at_rim;          /* of a capped cylinder: n, H and f are as in rim.h, and the rest */
     struct rim_start rim; /* is as it is elsewhere */
 #endif
 };

@@ -10,7 +10,7 @@
 #include "touch/terminal_event.h"
 
 /*
- * A slow segment under Hertz's law at the rim of a capped cylinder, in the coordinates of rim_local.h: the
+ * A slow segment under Hertz's law at the rim of a capped cylinder, in the coordinates of rim.h: the
  * rows of n hold the changes of azimuth and tilt, those of H the changes of their momenta; the third ones are
  * zero.
  */
@@ -31,10 +31,9 @@ static double slow_rim_sweep(struct hertz_slow *p);
 static void slow_rim_load(const struct hertz_slow *p, double load[SLOW_N]);
 
 /* In the frame at a place: n; r and r'. */
-static void slow_rim_normal(const struct hertz_slow *p, const struct slow_place *at,
-                            double n[HERTZ_DIMENSIONS]);
+static void slow_rim_normal(const struct hertz_slow *p, const struct slow_place *at, double n[FRAME]);
 static void slow_rim_deviation(const struct hertz_slow *p, const struct slow_place *at, double s,
-                               double r[HERTZ_DIMENSIONS], double r_rate[HERTZ_DIMENSIONS]);
+                               double r[FRAME], double r_rate[FRAME]);
 
 /* PAIR_RADIAL and PAIR_AXIAL at a place; of a head-on motion too. */
 static void slow_rim_edges(const struct hertz_slow *p, const struct slow_place *at, double s,
@@ -64,14 +63,13 @@ static inline void slow_rim_load(const struct hertz_slow *p, double load[SLOW_N]
     (void)p, (void)load;
 }
 
-static inline void slow_rim_normal(const struct hertz_slow *p, const struct slow_place *at,
-                                   double n[HERTZ_DIMENSIONS])
+static inline void slow_rim_normal(const struct hertz_slow *p, const struct slow_place *at, double n[FRAME])
 {
     (void)p, (void)at, (void)n;
 }
 
 static inline void slow_rim_deviation(const struct hertz_slow *p, const struct slow_place *at, double s,
-                                      double r[HERTZ_DIMENSIONS], double r_rate[HERTZ_DIMENSIONS])
+                                      double r[FRAME], double r_rate[FRAME])
 {
     (void)p, (void)at, (void)s, (void)r, (void)r_rate;
 }
@@ -240,7 +238,7 @@ static bool slow_is_accurate(const struct hertz_slow *p, double tolerance, doubl
     if (!(error <= depth_tolerance)) {
         return false;
     }
-    for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
+    for (int j = 0; j < FRAME; ++j) {
         if (is_turning(p, j) && !(p->from->distance * misses_start(p->turned[j], 0.0) <= tolerance)) {
             return false;
         }
@@ -252,7 +250,7 @@ bool slow_hertz_make(struct hertz_slow *p, const struct contact_pair *from, doub
                      double depth_tolerance)
 {
     p->from = from;
-    p->flight = hertz_flight_of(from);
+    p->flight = frame_flight_of(from);
     p->half = 0.5 * step;
     p->k = from->hertz_stiffness / from->reduced_mass;
     p->depth_start = -from->gap;
@@ -282,9 +280,9 @@ bool slow_hertz_make(struct hertz_slow *p, const struct contact_pair *from, doub
 /* How the normal turns in a slow segment, and the load that comes of it. */
 
 /* The relative acceleration of flight at a time, in the frame [m/s^2]. */
-static void slow_acceleration(const struct hertz_flight *flight, double time, double out[HERTZ_DIMENSIONS])
+static void slow_acceleration(const struct frame_flight *flight, double time, double out[FRAME])
 {
-    for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
+    for (int j = 0; j < FRAME; ++j) {
         out[j] = 0.0;
         for (int k = flight->degree; k >= 2; --k) {
             out[j] = out[j] * time + k * (k - 1) * flight->c[k][j];
@@ -317,7 +315,7 @@ static void turned_at(const struct hertz_slow *p, int node, double at[HERTZ_TURN
 static double integrate_turning(struct hertz_slow *p, int first)
 {
     double change = 0.0;
-    for (int j = first; j < first + HERTZ_DIMENSIONS; ++j) {
+    for (int j = first; j < first + FRAME; ++j) {
         if (is_turning(p, j)) {
             change = fmax(change, nodal_integrate(&radau, p->turning[j], p->turned[j]));
         }
@@ -335,21 +333,21 @@ double slow_sweep_turning(struct hertz_slow *p)
     }
     for (int i = 0; i < SLOW_N; ++i) {
         double at[HERTZ_TURNING];
-        double rate[HERTZ_DIMENSIONS];
+        double rate[FRAME];
         turned_at(p, i, at);
         slow_cross(at, p->pull[i], p->half * slow_distance(p, p->depth[i]), rate);
-        for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
-            p->turning[HERTZ_DIMENSIONS + j][i] = rate[j];
+        for (int j = 0; j < FRAME; ++j) {
+            p->turning[FRAME + j][i] = rate[j];
         }
     }
-    (void)integrate_turning(p, HERTZ_DIMENSIONS);
+    (void)integrate_turning(p, FRAME);
     for (int i = 0; i < SLOW_N; ++i) {
         const double d = slow_distance(p, p->depth[i]);
         double at[HERTZ_TURNING];
-        double rate[HERTZ_DIMENSIONS];
+        double rate[FRAME];
         turned_at(p, i, at);
-        slow_cross(at + HERTZ_DIMENSIONS, at, p->half / (d * d), rate);
-        for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
+        slow_cross(at + FRAME, at, p->half / (d * d), rate);
+        for (int j = 0; j < FRAME; ++j) {
             p->turning[j][i] = rate[j];
         }
     }
@@ -367,7 +365,7 @@ void slow_load(const struct hertz_slow *p, double load[SLOW_N])
         turned_at(p, i, at);
         double push = slow_dot(at, p->pull[i]);
         if (p->flight.dimensions > 1) {
-            const double *h = at + HERTZ_DIMENSIONS;
+            const double *h = at + FRAME;
             const double d = slow_distance(p, p->depth[i]);
             push += slow_dot(h, h) / (d * d * d);
         }
@@ -381,7 +379,7 @@ void slow_load(const struct hertz_slow *p, double load[SLOW_N])
 
 /* Rows of azimuth and tilt, then of their momenta. */
 enum { RIM_ROWS = 4 };
-static const int rim_rows[RIM_ROWS] = {0, 1, HERTZ_DIMENSIONS, HERTZ_DIMENSIONS + 1};
+static const int rim_rows[RIM_ROWS] = {0, 1, FRAME, FRAME + 1};
 
 static struct rim_state slow_rim_state(const struct hertz_slow *p, const double turned[HERTZ_TURNING],
                                        double depth)
@@ -407,14 +405,7 @@ static struct rim_slopes slow_rim_slopes(const struct hertz_slow *p, int node, s
 static void slow_rim_begin(struct hertz_slow *p)
 {
     p->rim = pair_rim_start(p->from);
-    memcpy(p->flight.frame, p->rim.frame, sizeof p->flight.frame);
-    p->flight.dimensions = HERTZ_DIMENSIONS;
-    for (int k = 1; k <= p->flight.degree; ++k) {
-        for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
-            p->flight.c[k][j] = vec3_dot(p->flight.frame[j], p->from->flight.c[k]);
-            p->flight.w[k - 1][j] = vec3_dot(p->flight.frame[j], p->from->flight.w[k - 1]);
-        }
-    }
+    p->flight = frame_flight_at_rim(p->from);
     memset(p->start, 0, sizeof p->start);
 }
 
@@ -452,22 +443,21 @@ static void slow_rim_load(const struct hertz_slow *p, double load[SLOW_N])
     }
 }
 
-static void put_components(struct vec3 a, double out[HERTZ_DIMENSIONS])
+static void put_components(struct vec3 a, double out[FRAME])
 {
     out[0] = a.x;
     out[1] = a.y;
     out[2] = a.z;
 }
 
-static void slow_rim_normal(const struct hertz_slow *p, const struct slow_place *at,
-                            double n[HERTZ_DIMENSIONS])
+static void slow_rim_normal(const struct hertz_slow *p, const struct slow_place *at, double n[FRAME])
 {
     const struct rim_state state = slow_rim_state(p, at->turned, at->depth);
     put_components(rim_normal(&state), n);
 }
 
 static void slow_rim_deviation(const struct hertz_slow *p, const struct slow_place *at, double s,
-                               double r[HERTZ_DIMENSIONS], double r_rate[HERTZ_DIMENSIONS])
+                               double r[FRAME], double r_rate[FRAME])
 {
     const double none[RIM_ROWS] = {0.0, 0.0, 0.0, 0.0};
     const double time = p->half * s;
@@ -477,7 +467,7 @@ static void slow_rim_deviation(const struct hertz_slow *p, const struct slow_pla
     put_components(
         vec3_sub(rim_velocity(&then, -at->rate / p->half), rim_velocity(&start, -p->rate_start / p->half)),
         r_rate);
-    for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
+    for (int j = 0; j < FRAME; ++j) {
         double c = 0.0;
         double w = 0.0;
         for (int k = p->flight.degree; k >= 1; --k) {
@@ -575,8 +565,8 @@ static struct slow_place slow_place_of_node(const struct hertz_slow *p, int node
 }
 
 /* r and r' at a place, in the frame. */
-static void slow_deviation(const struct hertz_slow *p, const struct slow_place *at, double s,
-                           double r[HERTZ_DIMENSIONS], double r_rate[HERTZ_DIMENSIONS])
+static void slow_deviation(const struct hertz_slow *p, const struct slow_place *at, double s, double r[FRAME],
+                           double r_rate[FRAME])
 {
     if (slow_at_rim(p)) {
         slow_rim_deviation(p, at, s, r, r_rate);
@@ -585,9 +575,9 @@ static void slow_deviation(const struct hertz_slow *p, const struct slow_place *
     const double time = p->half * s;
     const double d = slow_distance(p, at->depth);
     const double radial = -p->from->shape.side * at->rate / p->half;
-    double along[HERTZ_DIMENSIONS] = {0.0, 0.0, 0.0};
-    slow_cross(at->turned + HERTZ_DIMENSIONS, at->turned, 1.0 / d, along);
-    for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
+    double along[FRAME] = {0.0, 0.0, 0.0};
+    slow_cross(at->turned + FRAME, at->turned, 1.0 / d, along);
+    for (int j = 0; j < FRAME; ++j) {
         double c = 0.0;
         double w = 0.0;
         for (int k = p->flight.degree; k >= 1; --k) {
@@ -631,9 +621,9 @@ static void slow_powers(const struct hertz_slow *p, double s, struct pair_change
         const double force = slow_force(p, &at);
         const double rate = at.rate / p->half;
         const double spring = p->from->hertz_stiffness * at.depth * sqrt(at.depth);
-        double rows[3][HERTZ_DIMENSIONS];
+        double rows[3][FRAME];
         const double *n = at.turned;
-        double rim_normal_then[HERTZ_DIMENSIONS];
+        double rim_normal_then[FRAME];
         if (slow_at_rim(p)) {
             slow_rim_normal(p, &at, rim_normal_then);
             n = rim_normal_then;
@@ -642,7 +632,7 @@ static void slow_powers(const struct hertz_slow *p, double s, struct pair_change
         change->dissipated += weight * (force - spring) * rate;
         for (int body = 0; body < PAIR_BODIES; ++body) {
             const struct pair_work *work = &p->from->work[body];
-            for (int j = 0; j < HERTZ_DIMENSIONS && j < p->flight.dimensions && work->order > 0; ++j) {
+            for (int j = 0; j < FRAME && j < p->flight.dimensions && work->order > 0; ++j) {
                 rows[2][j] = p->from->shape.side * force / p->from->reduced_mass * n[j];
                 const struct vec3 path =
                     vec3_axpy(vec3_axpy(work->path[0], time, work->path[1]), time * time, work->path[2]);
@@ -656,14 +646,14 @@ struct pair_change slow_hertz_change(const void *hertz_slow, double s)
 {
     const struct hertz_slow *p = hertz_slow;
     const struct slow_place at = slow_place_at(p, s);
-    double r[HERTZ_DIMENSIONS];
-    double r_rate[HERTZ_DIMENSIONS];
+    double r[FRAME];
+    double r_rate[FRAME];
     slow_deviation(p, &at, s, r, r_rate);
     struct pair_change change = {.time = p->half * s, .gap = -at.depth};
     change.head_on = p->from->is_head_on;
     change.gap_rate = -at.rate / p->half;
     change.r = change.r_rate = vec3_make(0.0, 0.0, 0.0);
-    for (int j = 0; j < HERTZ_DIMENSIONS; ++j) {
+    for (int j = 0; j < FRAME; ++j) {
         change.r = vec3_axpy(change.r, r[j], p->flight.frame[j]);
         change.r_rate = vec3_axpy(change.r_rate, r_rate[j], p->flight.frame[j]);
     }
@@ -700,7 +690,7 @@ static double slow_accuracy(const struct segment *p)
 /* The derivatives of the slow motion fall with powers of the ratio of the rates, those of what is fast do
  * not: by this order and the next only that is left. */
 enum { FAST_ORDER = 6 };
-_Static_assert(FAST_ORDER + 1 <= HERTZ_FIRST, "they are among the first");
+_Static_assert(FAST_ORDER + 1 <= SERIES_FIRST, "they are among the first");
 
 /* By them an oscillation is known to about a quarter of it; beyond critical damping, where it is none, to
  * about this factor. */
@@ -805,81 +795,4 @@ bool hertz_slow_make(struct segment *p)
         }
     }
     return false;
-}
-
-/* Places at which a segment is sampled: it is a third of the radius of convergence at most, so that between
- * two of them no quantity has two extrema. */
-enum { PLACES = 3 };
-
-/* What the last terms of a series may be, as a part of the whole: the tolerance of a segment, no less than
- * some roundings, and no more than keeps energies closed to 1e-10 over thousands of segments; or a hundredth
- * of that tolerance where it is more, up to what keeps them closed to 1e-10 over an impact. */
-static const double FINEST = 8.0 * DBL_EPSILON;
-static const double FINE = 1e-13;
-static const double PART_OF_COARSE = 0.01;
-static const double COARSEST = 1e-11;
-
-static double series_accuracy(const struct segment *p)
-{
-    const double asked = p->tolerance / fmax(p->pair.distance, contact_reach(&p->pair.shape));
-    return fmax(fmin(fmax(asked, FINEST), FINE), fmin(PART_OF_COARSE * asked, COARSEST));
-}
-
-bool hertz_applies(const struct segment *p)
-{
-    return contact_is_hertz(&p->pair.law);
-}
-
-bool hertz_make(struct segment *p)
-{
-    struct pair_hertz *made = &p->as.hertz;
-    struct hertz_recurrence z;
-    const double coasting = hertz_coasting_time(p);
-    if (coasting > 0.0) {
-        p->longest = coasting;
-        p->may_be_slow = false;
-        return false;
-    }
-    pair_hertz_begin(made, &z, &p->pair);
-    if (p->may_be_slow && hertz_is_slow(p, made->root, made->unit)) {
-        return false;
-    }
-    p->may_be_slow = false;
-    pair_hertz_complete(made, &z, series_accuracy(p));
-    p->unit = made->unit;
-    double parting = pair_hertz_parting(made->root, made->step);
-    p->end = fmin(made->step, parting > 0.0 ? parting : made->step);
-    if (parting > 0.0 && pair_hertz_time(made, p->end) > p->longest) {
-        p->end = pair_hertz_place(made, p->longest, p->end);
-        parting = p->end < parting ? (double)INFINITY : parting;
-    }
-    for (int i = 0; i < PLACES; ++i) {
-        dense_output_add(&p->output, p->end * i / (PLACES - 1));
-    }
-    hertz_find_terminal_event(p, parting);
-    return true;
-}
-
-bool hertz_elastic_applies(const struct segment *p)
-{
-    return contact_is_hertz(&p->pair.law) && p->pair.chi == 0.0;
-}
-
-bool hertz_elastic_segment_make(struct segment *p)
-{
-    struct hertz_elastic *made = &p->as.hertz_elastic;
-    if (!hertz_elastic_make(made, &p->pair)) {
-        return false;
-    }
-    const bool parts = made->end_time <= p->longest;
-    p->clear_of_centre = true;
-    p->end = parts ? made->end : hertz_elastic_place(made, p->longest);
-    p->unit = hertz_elastic_time(made, p->end) / p->end;
-    dense_output_add(&p->output, 0.0);
-    if (made->start < 0.0 && -made->start < p->end) { /* the deepest place, where each has one extremum */
-        dense_output_add(&p->output, -made->start);
-    }
-    dense_output_add(&p->output, p->end);
-    hertz_find_terminal_event(p, parts ? p->end : (double)INFINITY);
-    return p->end > 0.0;
 }

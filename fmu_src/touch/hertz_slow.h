@@ -9,34 +9,34 @@
  * IV.5): only the last equation is stiff and takes Newton's method, n and H follow by sweeps. What oscillates
  * or decays faster than the step is damped away, so the step is only taken where that is within tolerance.
  *
- * Variable s in [0, 2] over the step: time = half s. Vectors in the frame of the start (hertz_flight).
+ * Variable s in [0, 2] over the step: time = half s. Vectors in the frame of the start (frame_flight).
  */
 #ifndef CONTACT_TOUCH_HERTZ_SLOW_H
 #define CONTACT_TOUCH_HERTZ_SLOW_H
 
 #include "math/node_tables.h"
 #include "math/nodes.h"
-#include "touch/hertz.h"
+#include "touch/series.h"
 
 enum {
-    HERTZ_TURNING = 2 * HERTZ_DIMENSIONS, /* components of n, then of H */
+    HERTZ_TURNING = 2 * FRAME, /* components of n, then of H */
     SLOW_N = RADAU_POINTS
 };
 
 struct hertz_slow {
     const struct contact_pair *from;
-    struct hertz_flight flight;
-    double half;                           /* of the step [s] */
-    double k;                              /* k_h / m_red */
-    double start[HERTZ_TURNING];           /* n, H at the start */
-    double pull[SLOW_N][HERTZ_DIMENSIONS]; /* at the nodes: A [m/s^2] */
-    nodal_values turned[HERTZ_TURNING];    /* at the nodes: change of n and H since the start */
-    nodal_values turning[HERTZ_TURNING];   /* d/ds of these */
-    double depth_start, rate_start;        /* delta [m], d delta/ds [m] */
-    nodal_values depth;                    /* at the nodes: delta [m] */
-    nodal_values rate;                     /* d delta/ds [m] */
-    nodal_values bend;                     /* d2 delta/ds2 [m] */
-    nodal_values rate_terms;               /* of `rate`, coefficients of s - 1 */
+    struct frame_flight flight;
+    double half;                         /* of the step [s] */
+    double k;                            /* k_h / m_red */
+    double start[HERTZ_TURNING];         /* n, H at the start */
+    double pull[SLOW_N][FRAME];          /* at the nodes: A [m/s^2] */
+    nodal_values turned[HERTZ_TURNING];  /* at the nodes: change of n and H since the start */
+    nodal_values turning[HERTZ_TURNING]; /* d/ds of these */
+    double depth_start, rate_start;      /* delta [m], d delta/ds [m] */
+    nodal_values depth;                  /* at the nodes: delta [m] */
+    nodal_values rate;                   /* d delta/ds [m] */
+    nodal_values bend;                   /* d2 delta/ds2 [m] */
+    nodal_values rate_terms;             /* of `rate`, coefficients of s - 1 */
 #if SCENE_ANY_CAPS
     struct rim_start rim; /* at a rim */
 #endif
@@ -60,8 +60,7 @@ struct pair_change slow_hertz_change(const void *hertz_slow, double s);
 /* Below: what the files of this kind share. */
 
 /* factor a x b */
-static inline void slow_cross(const double *a, const double *b, double slow_factor,
-                              double out[HERTZ_DIMENSIONS])
+static inline void slow_cross(const double *a, const double *b, double slow_factor, double out[FRAME])
 {
     out[0] = slow_factor * (a[1] * b[2] - a[2] * b[1]);
     out[1] = slow_factor * (a[2] * b[0] - a[0] * b[2]);
@@ -78,7 +77,7 @@ static inline bool is_turning(const struct hertz_slow *p, int row)
 {
 #if SCENE_ANY_CAPS
     if (contact_is_rim(&p->from->shape)) { /* its third rows are zero */
-        return p->flight.dimensions > 1 && row % HERTZ_DIMENSIONS < 2;
+        return p->flight.dimensions > 1 && row % FRAME < 2;
     }
 #endif
     const bool in_plane = row == 0 || row == 1 || row == HERTZ_TURNING - 1;

@@ -4,18 +4,16 @@
  * Without that force the separation would follow the polynomial C(t), its rate W(t) (relative_path.h). With
  * it c = C + r, w = W + r' and m_red r'' = side F_n n, where 1/m_red is the sum of the free bodies' inverse
  * masses. Momentum is conserved exactly: the bodies deviate from their flights by -r m_red/m_s and +r
- * m_red/m_d, and the impulse on the source is -m_red r'. r is found by pair.h
- * or pair.h.
+ * m_red/m_d, and the impulse on the source is -m_red r'. Each kind of segment finds r (segment.h).
  */
 #ifndef CONTACT_TOUCH_PAIR_H
 #define CONTACT_TOUCH_PAIR_H
 
 #include "flight/relative_path.h"
 #include "math/oscillator.h"
-#include "math/series.h"
 #include "scene/dense_output.h"
 #include "touch/collocation.h"
-#include "touch/rim_local.h"
+#include "touch/rim.h"
 
 /* Below this [N/m] gap and rate are always known well enough: their rounding, some 1e-16 m and m/s, makes
  * forces that nobody sees beside a load. The stiffest contacts that are built have some 1e10. */
@@ -107,31 +105,6 @@ double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_
 /* Moves the bodies, books impulse, dissipated energy and external work; the clock is the caller's. */
 void pair_apply(const struct contact_pair *p, const struct pair_change *change, const struct scene_values *v,
                 struct scene_state *q, int contact);
-
-/*
- * A contact pair by Taylor series of time: F_n and n follow from c and w by products, a square root and
- * quotients, so the coefficients of r are found order by order (Jorba and Zou, Experimental Mathematics 14
- * (2005) 99). Exact to rounding; a step covers about two radians of the contact's oscillation or two decay
- * times.
- *
- * Series variable s = time / unit, dimensionless.
- */
-
-struct pair_taylor {
-    const struct contact_pair *from;
-    struct taylor_vec3 r;       /* deviation of the separation from flight [m] */
-    double gap[TAYLOR_TERMS];   /* g [m] */
-    double rate[TAYLOR_TERMS];  /* g' as the law sees it [m/s] */
-    double force[TAYLOR_TERMS]; /* F_n [N] */
-    double unit;                /* [s] */
-    double step;                /* the sums are exact to rounding up to this s */
-};
-
-void pair_taylor_make(struct pair_taylor *p, const struct contact_pair *from);
-
-void pair_taylor_sample(const void *pair_taylor, double s, struct pair_sample *sample);
-
-struct pair_change pair_taylor_change(const void *pair_taylor, double s);
 
 /*
  * A contact pair in head-on motion: along the normal alone, under a constant relative acceleration along the

@@ -1,49 +1,71 @@
 /*
- * A contact pair at the rim of a capped cylinder, by power series (Jorba and Zou, as in pair.h and
- * hertz.h). The geometry is that of a circle: with the axis e of the cap, the centre's distance rho from
- * it, which changes along the unit vector a, and the place beyond rim and cap
+ * The rim of a capped cylinder in local coordinates: a circle of radius r_d about the axis e. The normal has
+ * two curvatures there: with the direction a from the axis to the centre, which turns by the azimuth, and the
+ * tilt of n from it,
  *
- *   c = C + r,   dr = rho - r_d,   dz = -c.e - h,   d = sqrt(dr^2 + dz^2),   n = (dr a - dz e) / d
+ *   n = cos(tilt) a - sin(tilt) e,   rho = r_d + d cos(tilt)
+ *   azimuth' = round / rho^2,   round' = rho b.A,   b = e x a
+ *   tilt' = over / d^2,         over' = -d (sin(tilt) push + cos(tilt) e.A),   push = round^2 / rho^3 + a.A
+ *   d'' = f + F_n / m_red,      f = over^2 / d^3 + cos(tilt) push - sin(tilt) e.A
  *
- * all of which follow order by order from products, roots and quotients. The variable s is time / unit; under
- * Hertz's law dt/ds = unit u with u = sqrt(delta), in which touch and release are regular.
+ * with A the relative acceleration without the contact force. Vectors in the frame of the start: a, b, e.
  */
-#ifndef CONTACT_TOUCH_RIM_H
-#define CONTACT_TOUCH_RIM_H
+#ifndef CONTACT_TOUCH_RIM_LOCAL_H
+#define CONTACT_TOUCH_RIM_LOCAL_H
 
-#include "math/series.h"
-#include "touch/pair.h"
+#include "math/vec3.h"
 
-struct rim_series {
-    const struct contact_pair *from;
-    bool by_root;                /* whether dt/ds = unit u; else it is the unit, and the force is linear */
-    bool damps;                  /* whether the law has a dashpot */
-    int terms;                   /* of all series; none beyond is defined */
-    double unit;                 /* [s], or [s/sqrt(m)] */
-    double step;                 /* the sums are exact to rounding up to this s */
-    double time[TAYLOR_TERMS];   /* t since the start [s] */
-    double root[TAYLOR_TERMS];   /* u [sqrt(m)] */
-    double gap[TAYLOR_TERMS];    /* g [m] */
-    double rate[TAYLOR_TERMS];   /* g' as the law sees it [m/s] */
-    double force[TAYLOR_TERMS];  /* F_n [N] */
-    double cube[TAYLOR_TERMS];   /* u^3 */
-    double lost[TAYLOR_TERMS];   /* dissipated power by s over the unit */
-    double radial[TAYLOR_TERMS]; /* dr [m] */
-    double axial[TAYLOR_TERMS];  /* dz [m] */
-    struct taylor_vec3 r;        /* deviation of the separation from flight [m] */
-    struct taylor_vec3 r_rate;   /* r' [m/s] */
+/* Where a motion begins. */
+struct rim_start {
+    struct vec3 frame[3]; /* a, b, e */
+    double radius;        /* r_d [m] */
+    double distance, rho; /* d [m]; from the axis [m] */
+    double tilt;          /* [rad] */
+    double round, over;   /* [m^2/s] */
 };
 
-/* From the start of the pair over at most `longest` seconds; `by_root` not from rest at delta = 0, where s
- * stands still. */
-void rim_series_make(struct rim_series *p, const struct contact_pair *from, bool by_root, double longest);
+struct rim_state {
+    double d, rho, azimuth, tilt;      /* [m], [rad] */
+    double round, over;                /* [m^2/s] */
+    double grown, tilted;              /* changes of d and of the tilt, with all their digits */
+    double cosine, sine;               /* of the tilt */
+    double turned_cosine, turned_sine; /* of the azimuth */
+};
 
-/* The time at s [s], and the s up to `end` of a time. */
-double rim_series_time(const struct rim_series *p, double s);
-double rim_series_place(const struct rim_series *p, double time, double end);
+struct rim_slopes {
+    double azimuth, tilt; /* [1/s] */
+    double round, over;   /* [m^2/s^2] */
+    double load;          /* f [m/s^2] */
+};
 
-void rim_series_sample(const void *rim_series, double s, struct pair_sample *sample);
+#ifndef CONTACT_NO_CAPS
 
-struct pair_change rim_series_change(const void *rim_series, double s);
+/* The start from c across and along the axis, d as it is known better than by c, and c' (world). */
+struct rim_start rim_start_of(struct vec3 axis, double radius, double half_height, struct vec3 c,
+                              double distance, struct vec3 rate);
+
+/* The state after changes of azimuth times rho/d at the start, tilt, `round` over that, `over`, so that
+ * lengths and tolerances mean the same for both directions; and of d by `grown`. */
+struct rim_state rim_state_of(const struct rim_start *start, const double change[4], double grown);
+
+/* What these changes grow by, from slopes. */
+void rim_change_rates(const struct rim_start *start, const struct rim_slopes *slopes, double rates[4]);
+
+struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 acceleration);
+
+/* The slopes of these rates with d. */
+void rim_slopes_by_distance(const struct rim_start *start, const struct rim_state *at,
+                            struct vec3 acceleration, double slopes[4]);
+
+/* In the frame: n; c - c(0); c' with d' = `radial`. */
+struct vec3 rim_normal(const struct rim_state *at);
+struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at);
+struct vec3 rim_velocity(const struct rim_state *at, double radial);
+
+/* reach cos(tilt) and reach sin(tilt), which are zero where the zone of the rim ends, and two derivatives,
+ * from those of the tilt. */
+void rim_edges(const double tilt[3], double reach, double radial[3], double axial[3]);
+
+#endif
 
 #endif

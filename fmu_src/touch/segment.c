@@ -38,25 +38,6 @@ typedef struct pair_change pair_changer(const void *motion, double s);
 struct vec3 torque_impulse(struct segment *p, pair_changer *changer, const struct pair_change *change,
                            double s);
 
-static bool taylor_applies(const struct segment *p)
-{
-    (void)p;
-    return true;
-}
-
-static bool taylor_make(struct segment *p)
-{
-    pair_taylor_make(&p->as.taylor, &p->pair);
-    p->unit = p->as.taylor.unit;
-    p->end = fmin(p->as.taylor.step, p->longest / p->unit);
-    /* A step is a fifth of the radius of convergence at most (TAYLOR_ORDER); within a quarter of it, a
-     * twentieth of the radius, no quantity of the contact has two extrema. */
-    for (int i = 0; i < 5; ++i) {
-        dense_output_add(&p->output, p->end * i / 4);
-    }
-    return true;
-}
-
 /* The first kind that applies and can be made is taken. */
 static const struct {
     bool (*applies)(const struct segment *p);
@@ -75,23 +56,47 @@ static const struct {
     /* Far beyond critical damping, or without a spring: a radian of the tangential motion. */
     [SEGMENT_OVERDAMPED] = {overdamped_applies, overdamped_make, pair_collocation_sample,
                             pair_collocation_change},
-    /* Everything else, soft contacts and short remainders: two radians of the contact or of its passage. */
-    [SEGMENT_TAYLOR] = {taylor_applies, taylor_make, pair_taylor_sample, pair_taylor_change},
+    /* Everything else, soft contacts, short remainders and Hertz's law: two radians of the contact, of its passage
+     * or of the rim. */
+    [SEGMENT_SERIES] = {series_applies, series_make, pair_series_sample, pair_series_change},
 #if SCENE_ANY_HERTZ
     /* Hertz's law, the oscillation died away: a radian of the tangential motion. */
     [SEGMENT_HERTZ_SLOW] = {hertz_slow_applies, hertz_slow_make, slow_hertz_sample, slow_hertz_change},
     /* Hertz's law without damping, head-on under constant acceleration: all the rest of an impact. */
     [SEGMENT_HERTZ_ELASTIC] = {hertz_elastic_applies, hertz_elastic_segment_make, hertz_elastic_sample,
                                hertz_elastic_change},
-    /* Hertz's law: a third of the radius of convergence in a variable of its own. */
-    [SEGMENT_HERTZ] = {hertz_applies, hertz_make, pair_hertz_sample, pair_hertz_change},
-#endif
-#if SCENE_ANY_CAPS
-    /* At a rim, whatever the law, what no collocated or slow segment takes: two radians of the contact, or a
-     * fifth of the rim. */
-    [SEGMENT_RIM] = {rim_applies, rim_make, rim_series_sample, rim_series_change},
 #endif
 };
+
+double segment_time(const struct segment *p, double s)
+{
+    if (p->kind == SEGMENT_SERIES) {
+        return pair_series_time(&p->as.series, s);
+    }
+#if SCENE_ANY_HERTZ
+    if (p->kind == SEGMENT_HERTZ_ELASTIC) {
+        return hertz_elastic_time(&p->as.hertz_elastic, s);
+    }
+#endif
+    return s * p->unit;
+}
+
+double segment_place(const struct segment *p, double time)
+{
+    if (!(time > 0.0)) {
+        return 0.0; /* at a touch the time may be of second order in s, and give no root there */
+    }
+    if (p->kind == SEGMENT_SERIES) {
+        const double end = fmin(p->end, p->terminal.s);
+        return !(time < segment_time(p, end)) ? end : pair_series_place(&p->as.series, time, end);
+    }
+#if SCENE_ANY_HERTZ
+    if (p->kind == SEGMENT_HERTZ_ELASTIC) {
+        return hertz_elastic_place(&p->as.hertz_elastic, time);
+    }
+#endif
+    return time / p->unit;
+}
 
 static bool make_kind(struct segment *p, enum segment_kind kind)
 {
@@ -111,7 +116,7 @@ static bool make_kind(struct segment *p, enum segment_kind kind)
 
 static bool is_collocated(const struct segment *p)
 {
-    return p->kind != SEGMENT_CLOSED_FORM && p->kind < SEGMENT_TAYLOR;
+    return p->kind != SEGMENT_CLOSED_FORM && p->kind < SEGMENT_SERIES;
 }
 
 #if SCENE_ANY_HERTZ
@@ -119,18 +124,11 @@ static bool is_collocated(const struct segment *p)
  * they were wrong it is made in spite of them. */
 static void make_hertz(struct segment *p)
 {
-    if (make_kind(p, SEGMENT_HERTZ_ELASTIC)) {
-        return;
-    }
     p->may_be_slow = hertz_slow_applies(p);
-    if (make_kind(p, SEGMENT_HERTZ)) {
-        return;
-    }
-    if (!p->may_be_slow) {
-        (void)make_kind(p, SEGMENT_TAYLOR);
-    } else if (!make_kind(p, SEGMENT_HERTZ_SLOW)) {
+    if (!make_kind(p, SEGMENT_HERTZ_ELASTIC) && !make_kind(p, SEGMENT_SERIES) &&
+        !make_kind(p, SEGMENT_HERTZ_SLOW)) {
         p->may_be_slow = false;
-        (void)make_kind(p, SEGMENT_HERTZ);
+        (void)make_kind(p, SEGMENT_SERIES);
     }
 }
 #else /* then it is not called */
@@ -161,57 +159,19 @@ static bool make_collocated(struct segment *p)
     pair_timescales_make(&p->scales, &p->pair);
     p->as.collocation.from = &p->pair;
     p->as.collocation.felt = p->scales.felt;
-    while (kind < SEGMENT_TAYLOR && !make_kind(p, kind)) {
+    while (kind < SEGMENT_SERIES && !make_kind(p, kind)) {
         kind += 1;
     }
-    return kind < SEGMENT_TAYLOR && collocated_stays_off_centre(p);
+    return kind < SEGMENT_SERIES && collocated_stays_off_centre(p);
 }
-
-#if SCENE_ANY_CAPS
-#if SCENE_ANY_HERTZ
-/* As make_hertz. */
-static bool make_hertz_at_rim(struct segment *p)
-{
-    p->may_be_slow = hertz_slow_applies(p);
-    if (make_kind(p, SEGMENT_RIM) || make_kind(p, SEGMENT_HERTZ_SLOW)) {
-        return true;
-    }
-    p->may_be_slow = false;
-    return make_kind(p, SEGMENT_RIM);
-}
-#else /* then it is not called */
-static bool make_hertz_at_rim(struct segment *p)
-{
-    (void)p;
-    return false;
-}
-#endif
-
-static bool make_at_rim(struct segment *p)
-{
-    if (!contact_is_rim(&p->pair.shape)) {
-        return false;
-    }
-    return contact_is_hertz(&p->pair.law) ? make_hertz_at_rim(p)
-                                          : make_collocated(p) || make_kind(p, SEGMENT_RIM);
-}
-#else
-static bool make_at_rim(struct segment *p)
-{
-    (void)p;
-    return false;
-}
-#endif
 
 static void make_up_to(struct segment *p, double longest)
 {
     p->longest = p->pair.is_head_on ? longest : fmin(longest, longest_by_flight(p));
-    if (make_at_rim(p)) {
-        /* it has kinds of its own */
-    } else if (contact_is_hertz(&p->pair.law)) {
+    if (contact_is_hertz(&p->pair.law)) {
         make_hertz(p);
     } else if (!make_kind(p, SEGMENT_CLOSED_FORM) && !make_collocated(p)) {
-        (void)make_kind(p, SEGMENT_TAYLOR);
+        (void)make_kind(p, SEGMENT_SERIES);
     }
     if (isnan(p->terminal.s)) {
         p->terminal = terminal_event_first(p);
@@ -364,7 +324,7 @@ static bool is_event_free(const struct segment *p)
 
 bool closed_form_applies(const struct segment *p)
 {
-    return p->pair.is_head_on;
+    return p->pair.is_head_on && !contact_is_rim(&p->pair.shape);
 }
 
 bool closed_form_make(struct segment *p)

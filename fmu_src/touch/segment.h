@@ -10,7 +10,7 @@
 #include "touch/hertz.h"
 #include "touch/hertz_slow.h"
 #include "touch/pair.h"
-#include "touch/rim.h"
+#include "touch/series.h"
 
 /* Of the linear law in order of preference; the table in segment.c says why. */
 enum segment_kind {
@@ -18,11 +18,9 @@ enum segment_kind {
     SEGMENT_AVERAGED,
     SEGMENT_RESOLVED,
     SEGMENT_OVERDAMPED,
-    SEGMENT_TAYLOR,
+    SEGMENT_SERIES,
     SEGMENT_HERTZ_SLOW,
-    SEGMENT_HERTZ_ELASTIC,
-    SEGMENT_HERTZ,
-    SEGMENT_RIM
+    SEGMENT_HERTZ_ELASTIC
 };
 
 /* The event that ends the regime: at s (INFINITY: not within the segment), where `function` falls through
@@ -53,15 +51,11 @@ struct segment {
     enum segment_kind kind;
     union {
         struct pair_oscillation oscillation;
-        struct pair_taylor taylor;
         struct pair_collocation collocation;
+        struct pair_series series;
 #if SCENE_ANY_HERTZ
-        struct pair_hertz hertz;
         struct hertz_elastic hertz_elastic;
         struct hertz_slow hertz_slow;
-#endif
-#if SCENE_ANY_CAPS
-        struct rim_series rim;
 #endif
     } as;
     struct pair_timescales scales;    /* of all kinds but the closed form */
@@ -76,46 +70,8 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
                   const struct scene_instant *at, int contact, double longest, double tolerance);
 
 /* The time since the segment's start at s [s], and the s in [0, end] of such a time. */
-static inline double segment_time(const struct segment *p, double s)
-{
-#if SCENE_ANY_HERTZ
-    if (p->kind == SEGMENT_HERTZ) {
-        return pair_hertz_time(&p->as.hertz, s);
-    }
-    if (p->kind == SEGMENT_HERTZ_ELASTIC) {
-        return hertz_elastic_time(&p->as.hertz_elastic, s);
-    }
-#endif
-#if SCENE_ANY_CAPS
-    if (p->kind == SEGMENT_RIM) {
-        return rim_series_time(&p->as.rim, s);
-    }
-#endif
-    return s * p->unit;
-}
-
-static inline double segment_place(const struct segment *p, double time)
-{
-#if SCENE_ANY_HERTZ
-    if (p->kind >= SEGMENT_HERTZ_ELASTIC && !(time > 0.0)) {
-        return 0.0; /* at a touch the time is of second order in s, and gives no root there */
-    }
-    if (p->kind == SEGMENT_HERTZ) {
-        const double end = fmin(p->end, p->terminal.s);
-        return !(time < segment_time(p, end)) ? end : pair_hertz_place(&p->as.hertz, time, end);
-    }
-    if (p->kind == SEGMENT_HERTZ_ELASTIC) {
-        return hertz_elastic_place(&p->as.hertz_elastic, time);
-    }
-#endif
-#if SCENE_ANY_CAPS
-    if (p->kind == SEGMENT_RIM) {
-        const double end = fmin(p->end, p->terminal.s);
-        return !(time < segment_time(p, end)) ? end : rim_series_place(&p->as.rim, time, end);
-    }
-#endif
-    return time / p->unit;
-}
+double segment_time(const struct segment *p, double s);
+double segment_place(const struct segment *p, double time);
 
 /* Gap, gap rate and force with two derivatives at s in [0, end]. */
 const struct pair_sample *segment_sample(struct segment *p, double s);
@@ -142,16 +98,15 @@ bool resolved_make(struct segment *p);
 bool overdamped_applies(const struct segment *p);
 bool overdamped_make(struct segment *p);
 
-/* Under Hertz's law without damping, head-on: up to the release. */
+/* Under Hertz's law without damping, head-on: up to the release. p->terminal is known. */
 bool hertz_elastic_applies(const struct segment *p);
 bool hertz_elastic_segment_make(struct segment *p);
 
-/* Under Hertz's law. False where p->may_be_slow and the first coefficients show that it is; or where the
- * force is nothing beside the load, as at rest at the touch, and the motion is a Taylor series over
- * p->longest, which is then as long as that lasts. Only in the former case p->may_be_slow stays. p->terminal
- * is known. */
-bool hertz_applies(const struct segment *p);
-bool hertz_make(struct segment *p);
+/* Any contact. False where p->may_be_slow and the first coefficients show that it is. At rest at the touch under
+ * Hertz's law the force is nothing beside the load for a while: then that is how long p->longest is. Under that
+ * law p->terminal is known. */
+bool series_applies(const struct segment *p);
+bool series_make(struct segment *p);
 
 /* Under a load that presses, far slower than the contact's oscillation or its decay. */
 bool hertz_slow_applies(const struct segment *p);
@@ -167,13 +122,6 @@ double hertz_pressing_load(const struct contact_pair *from);
  * not; and the terminal event of a segment that has been sampled, whose bodies part at s = `parting`. */
 double hertz_coasting_time(const struct segment *p);
 void hertz_find_terminal_event(struct segment *p, double parting);
-
-#if SCENE_ANY_CAPS
-/* At the rim of a capped cylinder, under either law; under Hertz's p->terminal is known then. False where
- * p->may_be_slow and the first coefficients show that it is. */
-bool rim_applies(const struct segment *p);
-bool rim_make(struct segment *p);
-#endif
 
 /* Smallest length of a collocated segment [radians of the oscillator]. Below it one Taylor step is exact, and
  * oscillator_particular loses digits. */

@@ -40,27 +40,6 @@ static void root_product_and_quotient_are_binomial_series(void)
     }
 }
 
-static void vectors_are_taken_component_by_component(void)
-{
-    struct taylor_vec3 a, b, quotient;
-    double divisor[TAYLOR_TERMS], x[TAYLOR_TERMS], y[TAYLOR_TERMS];
-    binomial(0.5L, 0.4L, x);
-    binomial(-0.5L, -0.3L, y);
-    binomial(1.0L, 0.2L, divisor);
-    for (int n = 0; n < TAYLOR_TERMS; ++n) {
-        a.at[n] = vec3_make(x[n], 2.0 * y[n], -x[n]);
-        b.at[n] = vec3_make(y[n], x[n], 3.0 * y[n]);
-        quotient.at[n] = taylor_divide_vec3(&a, divisor, &quotient, n);
-        const double both = taylor_multiply(x, y, n);
-        CHECK_CLOSE("dot", taylor_dot(&a, &b, n), both + 2.0L * both - 3.0L * both, 1e-14L);
-    }
-    const double s = 0.7;
-    const struct vec3 got = taylor_at_vec3(&quotient, TAYLOR_TERMS, s);
-    CHECK_CLOSE("quotient x", got.x, sqrtl(1.28L) / 1.14L, 1e-12L);
-    CHECK_CLOSE("quotient y", got.y, 2.0L / sqrtl(0.79L) / 1.14L, 1e-12L);
-    CHECK_CLOSE("quotient z", got.z, -sqrtl(1.28L) / 1.14L, 1e-12L);
-}
-
 static void sum_and_integral_are_those_of_the_function(void)
 {
     double a[TAYLOR_TERMS];
@@ -76,7 +55,6 @@ static void sum_and_integral_are_those_of_the_function(void)
 int main(void)
 {
     CHECK_TEST(root_product_and_quotient_are_binomial_series);
-    CHECK_TEST(vectors_are_taken_component_by_component);
     CHECK_TEST(sum_and_integral_are_those_of_the_function);
     return check_summary("series");
 }

@@ -1,0 +1,827 @@
+#include <float.h>
+#include <string.h>
+
+#include "math/compiler.h"
+#include "math/nodes.h"
+#include "math/polynomial.h"
+#include "touch/hertz.h"
+#include "touch/segment.h"
+#include "touch/series.h"
+#include "touch/terminal_event.h"
+
+/* Components across the plane of motion by less than this part are rounding. */
+static const double OUT_OF_PLANE = 8.0 * DBL_EPSILON;
+
+/* The part of a vector along the normal that rounding leaves across it points anywhere. A second projection of
+ * its direction leaves less than this of it. */
+static const double MOSTLY_NORMAL = 0.5;
+
+/* The first tangential direction that the motion of flight has; zero where the motion is head-on. */
+static struct vec3 tangent_of(const struct contact_pair *from)
+{
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        const struct vec3 rows[2] = {from->flight.c[i], from->flight.w[i - 1]};
+        for (int k = 0; k < 2; ++k) {
+            const struct vec3 across = pair_across(from, rows[k]);
+            const struct vec3 along = pair_tangential(from, across);
+            if (!vec3_is_zero(along) && !vec3_is_zero(vec3_cross(from->normal, across))) {
+                const struct vec3 direction = vec3_scale(1.0 / vec3_norm(along), along);
+                const struct vec3 tangent = pair_tangential(from, direction);
+                const double left = vec3_norm(tangent);
+                if (left > MOSTLY_NORMAL) {
+                    return vec3_scale(1.0 / left, tangent);
+                }
+            }
+        }
+    }
+    return vec3_make(0.0, 0.0, 0.0);
+}
+
+/* One coefficient in the frame; whether it is out of the plane. */
+static bool put_in_frame(const struct frame_flight *flight, struct vec3 a, double out[FRAME])
+{
+    for (int j = 0; j < FRAME; ++j) {
+        out[j] = vec3_dot(flight->frame[j], a);
+    }
+    return fabs(out[2]) > OUT_OF_PLANE * vec3_norm(a);
+}
+
+/* C, C' and W in the frame, and their degree; whether the motion leaves the plane of the first two
+ * directions. */
+static bool put_flight_in_frame(struct frame_flight *flight, const struct contact_pair *from, bool at_rim)
+{
+    bool leaves_plane = false;
+    flight->degree = 1;
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        const struct vec3 c = from->flight.c[i];
+        const struct vec3 w = from->flight.w[i - 1];
+        flight->degree = vec3_is_zero(c) && vec3_is_zero(w) ? flight->degree : i;
+        leaves_plane = put_in_frame(flight, at_rim ? c : pair_across(from, c), flight->c[i]) || leaves_plane;
+        leaves_plane =
+            put_in_frame(flight, at_rim ? w : pair_across(from, w), flight->w[i - 1]) || leaves_plane;
+        for (int j = 0; j < FRAME; ++j) {
+            flight->c_rate[i - 1][j] = i * flight->c[i][j];
+        }
+    }
+    return leaves_plane;
+}
+
+struct frame_flight frame_flight_of(const struct contact_pair *from)
+{
+    struct frame_flight flight = {.frame = {from->normal, tangent_of(from)},
+                                  .c = {{from->distance, 0.0, 0.0}}};
+    flight.frame[2] = vec3_cross(flight.frame[0], flight.frame[1]);
+    const bool leaves_plane = put_flight_in_frame(&flight, from, false);
+    flight.dimensions = vec3_is_zero(flight.frame[1]) ? 1 : leaves_plane ? 3 : 2;
+    return flight;
+}
+
+#if SCENE_ANY_CAPS
+struct frame_flight frame_flight_at_rim(const struct contact_pair *from)
+{
+    const struct rim_start rim = pair_rim_start(from);
+    struct frame_flight flight = {.dimensions = FRAME};
+    memcpy(flight.frame, rim.frame, sizeof flight.frame);
+    (void)put_in_frame(&flight, from->flight.c[0], flight.c[0]);
+    (void)put_flight_in_frame(&flight, from, true);
+    return flight;
+}
+#endif
+
+/* What is known while the code is made: fewer dimensions, a lower degree and no mismatch cost less. */
+struct series_kind {
+    int dimensions, degree;
+    bool by_root, at_rim, has_mismatch;
+    bool first; /* order zero, of which the first and the last term of a product are one */
+};
+
+/* Coefficient i of a polynomial of time of `terms` coefficients. Where t = unit s, only t^i has one. */
+static inline double along_time(const struct pair_series *p, const struct series_work *z,
+                                const double a[][FRAME], int terms, int j, int i, struct series_kind kind)
+{
+    if (!kind.by_root) {
+        return i < terms ? a[i][j] * z->unit_power[i] : 0.0;
+    }
+    double sum = (i == 0 ? a[0][j] : 0.0) + (terms > 1 ? a[1][j] * p->time[i] : 0.0);
+    for (int k = 2; k < terms; ++k) {
+        sum += a[k][j] * z->power[k][i];
+    }
+    return sum;
+}
+
+/* The parts of products at one order that come from lower ones. */
+struct series_sums {
+    double time2, square, fourth, drag, speed;
+    double n[FRAME], push[FRAME], r[FRAME];
+};
+
+static inline double lanes_together(double2 a)
+{
+#if CONTACT_GNU_C
+    return a[0] + a[1];
+#else
+    return a;
+#endif
+}
+
+/* Where a row backwards has the factors of the coefficients 1, 2, ... of another in their product's
+ * coefficient i. */
+static inline const double *back_from(const double *back, int i)
+{
+    return back + (TAYLOR_ORDER - i);
+}
+
+/* By u: of scalars, all in one loop, so that none waits for another. Its last pair may hold the first
+ * coefficient that is not known: zero so far, as is what it is multiplied with. */
+static inline void sum_lower_scalars(const struct pair_series *p, const struct series_work *z, int i,
+                                     struct series_sums *sum)
+{
+    const double *times = back_from(z->time_back, i);
+    const double *roots = back_from(z->opened_back, i);
+    const double *squares = back_from(z->square_back, i);
+    const double *rates = back_from(z->rate_back, i);
+    double2 time2 = {0.0};
+    double2 square = {0.0};
+    double2 fourth = {0.0};
+    double2 drag = {0.0};
+    for (int k = 1; k < i; k += LANES) {
+        time2 += double2_at(p->time, k) * double2_at(times, k);
+        square += double2_at(p->opened, k) * double2_at(roots, k);
+        fourth += double2_at(z->square, k) * double2_at(squares, k);
+        drag += double2_at(z->fourth, k) * double2_at(rates, k);
+    }
+    sum->time2 = lanes_together(time2);
+    sum->square = lanes_together(square);
+    sum->fourth = lanes_together(fourth);
+    sum->drag = lanes_together(drag);
+}
+
+/* Of vectors, all components in one loop: they share factors. */
+static inline void sum_lower_vectors(const struct pair_series *p, const struct series_work *z, int i,
+                                     struct series_kind kind, struct series_sums *sum)
+{
+    double2 r[FRAME];
+    double2 n[FRAME];
+    double2 push[FRAME];
+    double2 speed = {0.0};
+    for (int j = 0; j < kind.dimensions; ++j) {
+        r[j] = n[j] = push[j] = speed;
+    }
+    for (int k = 1; k < i && (kind.by_root || kind.dimensions > 1); k += LANES) {
+        const double2 root = double2_at(p->opened, k);
+        const double2 d = double2_at(z->d, k);
+        const double2 impulse = double2_at(z->impulse, k);
+        for (int j = 0; j < kind.dimensions; ++j) {
+            if (kind.by_root) {
+                r[j] += root * double2_at(back_from(z->r_rate_back[j], i), k);
+            }
+            if (kind.dimensions > 1) {
+                const double2 normal = double2_at(back_from(z->n_back[j], i), k);
+                n[j] += d * normal;
+                push[j] += impulse * normal;
+                speed += double2_at(z->w[j], k) * normal;
+            }
+        }
+    }
+    for (int j = 0; j < kind.dimensions; ++j) {
+        sum->r[j] = lanes_together(r[j]);
+        sum->n[j] = lanes_together(n[j]);
+        sum->push[j] = lanes_together(push[j]);
+    }
+    sum->speed = lanes_together(speed);
+}
+
+/* Coefficient i of f, from those of c. At a rim the nearest point of the circle moves. */
+static inline void put_nearest(struct pair_series *p, struct series_work *z, int i, struct series_kind kind,
+                               double f[FRAME])
+{
+#if SCENE_ANY_CAPS
+    if (kind.at_rim) {
+        const struct contact_solid *solid = &p->from->shape.solid;
+        z->across[0][i] = f[0];
+        z->across[1][i] = f[1];
+        z->rho_squared[i] =
+            taylor_multiply(z->across[0], z->across[0], i) + taylor_multiply(z->across[1], z->across[1], i);
+        z->rho[i] = taylor_root(z->rho_squared, z->rho, i);
+        f[2] += kind.first ? solid->half_height : 0.0;
+        for (int j = 0; j < 2; ++j) {
+            z->a[j][i] = taylor_divide(z->across[j], z->rho, z->a[j], i);
+            f[j] -= solid->radius * z->a[j][i];
+        }
+        p->radial[i] = z->rho[i] - (kind.first ? solid->radius : 0.0);
+        p->axial[i] = -f[2];
+    }
+#else
+    (void)p, (void)z, (void)i, (void)kind, (void)f;
+#endif
+}
+
+/* Coefficient i of d and n, from those of c and of the gap. */
+static inline void put_normal_term(struct pair_series *p, struct series_work *z, int i,
+                                   const struct series_sums *sum, struct series_kind kind)
+{
+    const struct frame_flight *flight = &p->flight;
+    const double side = p->from->shape.side;
+    double f[FRAME] = {0.0};
+    if (kind.by_root) {
+        z->square[i] = sum->square + (kind.first ? 1.0 : 2.0) * p->opened[0] * p->opened[i];
+    }
+    z->d[i] = kind.first ? p->from->distance : side * (kind.by_root ? -z->square[i] : p->opened[i]);
+    if (kind.dimensions > 1 && (!kind.first || kind.at_rim)) {
+        for (int j = 0; j < kind.dimensions; ++j) {
+            f[j] = along_time(p, z, flight->c, kind.degree + 1, j, i, kind) + p->r[j][i];
+        }
+        put_nearest(p, z, i, kind, f);
+    }
+    for (int j = 0; j == 0 || j < kind.dimensions; ++j) {
+        z->n[j][i] = kind.first            ? z->normal[j]
+                     : kind.dimensions > 1 ? (f[j] - sum->n[j] - z->d[i] * z->n[j][0]) * z->inverse_distance
+                                           : 0.0;
+    }
+}
+
+/* Coefficient i of the derivative of c along n, where W is another. */
+static double closing_of(const struct pair_series *p, struct series_work *z, int i, struct series_kind kind)
+{
+    double closing = 0.0;
+    for (int j = 0; j < kind.dimensions; ++j) {
+        z->c_rate[j][i] = along_time(p, z, p->flight.c_rate, kind.degree, j, i, kind) + p->r_rate[j][i];
+        closing += taylor_multiply(z->n[j], z->c_rate[j], i);
+    }
+    return closing;
+}
+
+/* Coefficient i of w and of both rates of the gap. */
+static inline void put_rates(struct pair_series *p, struct series_work *z, int i,
+                             const struct series_sums *sum, struct series_kind kind)
+{
+    const struct contact_pair *from = p->from;
+    const struct frame_flight *flight = &p->flight;
+    const double side = from->shape.side;
+    const bool is_carried = kind.first && !isnan(from->carried_rate);
+    double speed = kind.dimensions > 1 ? sum->speed : 0.0;
+    for (int j = 0; j == 0 || j < kind.dimensions; ++j) {
+        z->w[j][i] = along_time(p, z, flight->w, kind.degree, j, i, kind) + p->r_rate[j][i];
+        speed += kind.first || kind.dimensions == 1 ? 0.0 : z->n[j][i] * z->w[j][0];
+        /* n is the first direction of the frame elsewhere */
+        speed += kind.at_rim ? z->n[j][0] * z->w[j][i] : j == 0 ? z->w[0][i] : 0.0;
+    }
+    p->rate[i] = is_carried ? from->carried_rate : side * speed;
+    z->opening[i] = p->rate[i];
+    if (kind.has_mismatch) {
+        const double closing = closing_of(p, z, i, kind);
+        z->opening[i] = is_carried ? pair_gap_derivative(from) : side * closing;
+    }
+}
+
+/* Coefficient i of the dashpot's part of F_n dt/ds, and of the whole. */
+static inline void put_impulse(struct pair_series *p, struct series_work *z, int i,
+                               const struct series_sums *sum, struct series_kind kind)
+{
+    const struct contact_pair *from = p->from;
+    const double both = kind.first ? 0.0 : 1.0;
+    if (!kind.by_root) {
+        p->drag[i] = from->coefficients.c * p->rate[i];
+        z->impulse[i] = contact_linear_force(from->coefficients, p->opened[i], p->rate[i]);
+        return;
+    }
+    z->fourth[i] = sum->fourth + (1.0 + both) * z->square[0] * z->square[i];
+    const double drag = sum->drag + z->fourth[i] * p->rate[0] + both * z->fourth[0] * p->rate[i];
+    p->drag[i] = from->hertz_stiffness * from->chi * drag;
+    z->impulse[i] = from->hertz_stiffness * z->fourth[i] - p->drag[i];
+}
+
+/* 1 / i: a division would keep the next order waiting. */
+#define RECIPROCALS(i) 1.0 / (i), 1.0 / ((i) + 1), 1.0 / ((i) + 2), 1.0 / ((i) + 3)
+static const double reciprocal[TAYLOR_TERMS] = {
+    0.0, RECIPROCALS(1), RECIPROCALS(5), RECIPROCALS(9), RECIPROCALS(13), RECIPROCALS(17), RECIPROCALS(21)};
+
+/* Coefficient i + 1 of t, g or u, r and r'. */
+static inline void put_next(struct pair_series *p, struct series_work *z, int i,
+                            const struct series_sums *sum, struct series_kind kind)
+{
+    const double both = kind.first ? 0.0 : 1.0;
+    const double unit = p->unit * reciprocal[i + 1];
+    p->time[i + 1] = kind.by_root ? unit * p->opened[i] : kind.first ? unit : 0.0;
+    p->opened[i + 1] = (kind.by_root ? -0.5 : 1.0) * unit * z->opening[i];
+    for (int j = 0; j < kind.dimensions; ++j) {
+        const double push = kind.dimensions == 1 ? z->impulse[i]
+                                                 : sum->push[j] + z->impulse[i] * z->n[j][0] +
+                                                       both * z->impulse[0] * z->n[j][i];
+        const double moved = kind.by_root ? sum->r[j] + p->opened[0] * p->r_rate[j][i] : p->r_rate[j][i];
+        p->r[j][i + 1] = unit * moved;
+        p->r_rate[j][i + 1] = unit * (z->side_by_mass * push);
+    }
+}
+
+/* What the sums of the next order read: rows backwards, but for their first coefficients, and zeros where the
+ * sums reach beyond what is known. */
+static inline void note_order(struct pair_series *p, struct series_work *z, int i, struct series_kind kind)
+{
+    const int back = TAYLOR_ORDER - i;
+    if (kind.by_root) {
+        z->time_back[back] = kind.first ? 0.0 : p->time[i];
+        z->opened_back[back] = kind.first ? 0.0 : p->opened[i];
+        z->square_back[back] = kind.first ? 0.0 : z->square[i];
+        z->rate_back[back] = kind.first ? 0.0 : p->rate[i];
+        z->square[i + 1] = z->fourth[i + 1] = 0.0;
+    }
+    z->d[i + 1] = z->impulse[i + 1] = 0.0;
+    for (int j = 0; j < kind.dimensions; ++j) {
+        z->n_back[j][back] = kind.first ? 0.0 : z->n[j][i];
+        z->r_rate_back[j][back] = kind.first ? 0.0 : p->r_rate[j][i];
+        z->w[j][i + 1] = 0.0;
+    }
+}
+
+static inline void make_order(struct pair_series *p, struct series_work *z, int i, struct series_kind kind)
+{
+    struct series_sums sum = {.speed = 0.0};
+    if (kind.by_root) {
+        sum_lower_scalars(p, z, i, &sum);
+        for (int k = 2; k <= kind.degree; ++k) {
+            z->power[k][i] = k == 2 ? sum.time2 : taylor_multiply(z->power[k - 1], p->time, i);
+        }
+    }
+    sum_lower_vectors(p, z, i, kind, &sum);
+    put_normal_term(p, z, i, &sum, kind);
+    put_rates(p, z, i, &sum, kind);
+    put_impulse(p, z, i, &sum, kind);
+    if (i < TAYLOR_ORDER) {
+        put_next(p, z, i, &sum, kind);
+        note_order(p, z, i, kind);
+    }
+}
+
+/* Orders that the recurrence takes in one go: from `begin` up to but without `end`. */
+struct series_orders {
+    int begin, end;
+};
+
+static inline void make_orders(struct pair_series *p, struct series_work *z, struct series_orders orders,
+                               struct series_kind kind)
+{
+    if (orders.begin == 0) {
+        struct series_kind first = kind;
+        first.first = true;
+        make_order(p, z, 0, first);
+    }
+    for (int i = orders.begin > 0 ? orders.begin : 1; i < orders.end; ++i) {
+        make_order(p, z, i, kind);
+    }
+}
+
+/* Under constant forces the degree is two at most. */
+static inline void make_steady_orders(struct pair_series *p, struct series_work *z,
+                                      struct series_orders orders, bool by_root)
+{
+    if (p->flight.dimensions == 1) {
+        make_orders(p, z, orders, (struct series_kind){.dimensions = 1, .degree = 2, .by_root = by_root});
+    } else if (p->flight.dimensions == 2) {
+        make_orders(p, z, orders, (struct series_kind){.dimensions = 2, .degree = 2, .by_root = by_root});
+    } else {
+        make_orders(p, z, orders, (struct series_kind){.dimensions = FRAME, .degree = 2, .by_root = by_root});
+    }
+}
+
+/* The orders before are known; of the first, zero, t, g or u, r and r'. */
+CONTACT_FLATTEN static void make_coefficients(struct pair_series *p, struct series_work *z, int begin,
+                                              int end)
+{
+    const struct contact_pair *from = p->from;
+    const struct series_orders orders = {begin, end};
+    const bool at_rim = contact_is_rim(&from->shape);
+    if (p->flight.degree > 2 || from->has_mismatch || at_rim) {
+        const struct series_kind any = {.dimensions = p->flight.dimensions,
+                                        .degree = p->flight.degree,
+                                        .by_root = SCENE_ANY_HERTZ && p->by_root,
+                                        .at_rim = at_rim,
+                                        .has_mismatch = from->has_mismatch};
+        make_orders(p, z, orders, any);
+    } else if (SCENE_ANY_HERTZ && p->by_root) {
+        make_steady_orders(p, z, orders, true);
+    } else {
+        make_steady_orders(p, z, orders, false);
+    }
+}
+
+/* In how much of a second d changes by its own size: at the present speed, or by load and force from rest
+ * [1/s]. */
+static double passage_rate_of(const struct contact_pair *from)
+{
+    const double force = fabs(from->coefficients.k * from->gap) / from->reduced_mass;
+    const double acceleration = force + 2.0 * vec3_norm(from->flight.c[2]);
+    return fmax(vec3_norm(from->flight.w[0]) / from->distance, sqrt(acceleration / from->distance));
+}
+
+/*
+ * The unit of s: one radian of the contact's oscillation, one decay time of its damping, or the time of passage,
+ * whichever is shortest; under Hertz's law at the deepest that present speed, load and penetration lead to. The
+ * order of magnitude is enough: it keeps the coefficients within the range of numbers.
+ */
+static double unit_of(const struct pair_series *p)
+{
+    const struct contact_pair *from = p->from;
+    const double passage = p->flight.dimensions > 1 ? passage_rate_of(from) : 0.0;
+    double spring = sqrt(from->coefficients.k / from->reduced_mass);
+    double dashpot = from->coefficients.c / from->reduced_mass;
+    double root = 1.0;
+    if (SCENE_ANY_HERTZ && p->by_root) {
+        const double k = from->hertz_stiffness / from->reduced_mass;
+        const double depth = hertz_depth_to_come(from, pair_gap_derivative(from));
+        root = sqrt(depth);
+        spring = sqrt(1.5 * k * root);
+        dashpot = k * from->chi * depth * root;
+    }
+    const double unit = 1.0 / (fmax(spring, fmax(dashpot, passage)) * root);
+    return isfinite(unit) && unit > 0.0 ? unit : 1.0;
+}
+
+/* From the touch on every fifth coefficient of a free impact is other than zero, so that the last five are
+ * looked at. */
+enum { LAST_TERMS = 5 };
+
+/* Longest step [units]. Without a force the series are finite sums, and where the passage is the unit, terms
+ * that are left out may have vanished below the range of numbers. */
+static const double LONGEST_SERIES = 16.0;
+
+/* Jorba and Zou: the step at which the first term left out is this part of the whole, by the least radius of
+ * convergence that the last coefficients tell. A quotient of zeros tells nothing. */
+static double reliable_step(const struct pair_series *p, const struct series_work *z, double accuracy)
+{
+    /* u is as large as its first coefficients, for s is of order one */
+    const double opened = SCENE_ANY_HERTZ && p->by_root
+                              ? larger(fabs(p->opened[2]), larger(fabs(p->opened[1]), fabs(p->opened[0])))
+                              : larger(p->from->distance, contact_reach(&p->from->shape));
+    double speed = 0.0;
+    double growth = -(double)INFINITY; /* binary logarithm of 1 / the radius of convergence */
+    for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        for (int j = 0; j < p->flight.dimensions; ++j) {
+            speed = larger(fabs(p->r_rate[j][i]), speed);
+        }
+        speed =
+            i <= SEPARATION_DEGREE ? larger(fabs(p->rate[i]), speed) : speed; /* without a force, a flight */
+    }
+    for (int i = TAYLOR_TERMS - LAST_TERMS; i < TAYLOR_TERMS; ++i) {
+        double part = larger(fabs(p->opened[i]) / opened, 0.0);
+        part = larger(fabs(p->rate[i]) / speed, part);
+        for (int j = 0; j < p->flight.dimensions; ++j) {
+            part = larger(fabs(z->n[j][i]), larger(fabs(p->r_rate[j][i]) / speed, part));
+        }
+        growth = larger(log2(part) / i, growth);
+    }
+    return fmin(LONGEST_SERIES, exp2(log2(accuracy) / TAYLOR_TERMS - growth));
+}
+
+void pair_series_begin(struct pair_series *p, struct series_work *z, const struct contact_pair *from,
+                       bool by_root)
+{
+    p->from = from;
+    p->by_root = by_root;
+#if SCENE_ANY_CAPS
+    p->flight = contact_is_rim(&from->shape) ? frame_flight_at_rim(from) : frame_flight_of(from);
+#else
+    p->flight = frame_flight_of(from);
+#endif
+    p->unit = unit_of(p);
+    p->time[0] = 0.0;
+    p->opened[0] = by_root ? sqrt(fmax(-from->gap, 0.0)) : from->gap;
+    double power = 1.0;
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) {
+        z->unit_power[i] = power;
+        power *= p->unit;
+    }
+    for (int j = 0; j < FRAME; ++j) {
+        z->normal[j] = vec3_dot(p->flight.frame[j], from->normal);
+        p->r[j][0] = p->r_rate[j][0] = 0.0;
+    }
+    z->inverse_distance = 1.0 / from->distance;
+    z->side_by_mass = from->shape.side / from->reduced_mass;
+    make_coefficients(p, z, 0, SERIES_FIRST);
+}
+
+void pair_series_complete(struct pair_series *p, struct series_work *z, double accuracy)
+{
+    make_coefficients(p, z, SERIES_FIRST, TAYLOR_TERMS);
+    p->step = reliable_step(p, z, accuracy);
+}
+
+void pair_series_make(struct pair_series *p, const struct contact_pair *from, bool by_root, double accuracy)
+{
+    struct series_work z;
+    pair_series_begin(p, &z, from, by_root);
+    pair_series_complete(p, &z, accuracy);
+}
+
+/* What a series says at a place. */
+
+/* Values and two derivatives of two rows, side by side. */
+static void two_rows_at(const double *a, const double *b, double s, double of_a[3], double of_b[3])
+{
+#if CONTACT_GNU_C
+    double2 value = {0.0};
+    double2 slope = {0.0};
+    double2 bend = {0.0}; /* half of it */
+    for (int i = TAYLOR_TERMS - 1; i >= 0; --i) {
+        const double2 next = {a[i], b[i]};
+        bend = bend * s + slope;
+        slope = slope * s + value;
+        value = value * s + next;
+    }
+    for (int j = 0; j < 2; ++j) {
+        double *out = j == 0 ? of_a : of_b;
+        out[0] = value[j];
+        out[1] = slope[j];
+        out[2] = 2.0 * bend[j];
+    }
+#else
+    taylor_derivatives(a, TAYLOR_TERMS, s, of_a);
+    taylor_derivatives(b, TAYLOR_TERMS, s, of_b);
+#endif
+}
+
+double pair_series_time(const struct pair_series *p, double s)
+{
+    return SCENE_ANY_HERTZ && p->by_root ? taylor_at(p->time, TAYLOR_TERMS, s) : p->unit * s;
+}
+
+struct series_time_left {
+    const struct pair_series *of;
+    double time;
+};
+
+static void series_time_left_at(const void *series_time_left, double s, double *value, double *slope)
+{
+    const struct series_time_left *left = series_time_left;
+    double time[3];
+    taylor_derivatives(left->of->time, TAYLOR_TERMS, s, time);
+    *value = time[0] - left->time;
+    *slope = time[1];
+}
+
+double pair_series_place(const struct pair_series *p, double time, double end)
+{
+    if (!(SCENE_ANY_HERTZ && p->by_root)) {
+        return time / p->unit;
+    }
+    const struct series_time_left left = {p, time};
+    const struct root_bracket_end low = {0.0, -time, p->time[1]};
+    struct root_bracket_end high = {.s = end};
+    series_time_left_at(&left, end, &high.value, &high.slope);
+    return high.value > 0.0 ? root_between(series_time_left_at, &left, low, high) : end;
+}
+
+static void series_value_at(const void *row, double s, double *value, double *slope)
+{
+    double u[3];
+    taylor_derivatives(row, TAYLOR_TERMS, s, u);
+    *value = u[0];
+    *slope = u[1];
+}
+
+static void series_slope_at(const void *row, double s, double *value, double *slope)
+{
+    double u[3];
+    taylor_derivatives(row, TAYLOR_TERMS, s, u);
+    *value = u[1];
+    *slope = u[2];
+}
+
+/* A step is a third of the radius of convergence at most, so that u has one extremum in it. */
+double pair_series_parting(const struct pair_series *p, double end)
+{
+    const double *u = p->opened;
+    const struct root_bracket_end low = {0.0, u[0], u[1]};
+    struct root_bracket_end high = {.s = end};
+    if (low.value == 0.0 && !(low.slope > 0.0)) {
+        return 0.0;
+    }
+    series_value_at(u, end, &high.value, &high.slope);
+    if (high.value > 0.0 && low.value > 0.0 && low.slope < 0.0 && high.slope > 0.0) {
+        struct root_bracket_end dip = {.s = root_in_bracket(series_slope_at, u, low.s, high.s)};
+        series_value_at(u, dip.s, &dip.value, &dip.slope);
+        high = dip.value <= 0.0 ? dip : high;
+    }
+    if (high.value > 0.0) {
+        return (double)INFINITY;
+    }
+    if (low.value > 0.0) {
+        return root_between(series_value_at, u, low, high);
+    }
+    /* it rises from zero: its root is beyond its top */
+    return root_in_bracket(series_value_at, u, root_in_bracket(series_slope_at, u, 0.0, end), end);
+}
+
+/* F_n = k_h u^3 q with q = 1 - chi g', and its derivatives by s, from those of u and of g'. */
+static void hertz_force_at(const struct contact_pair *from, const double *u, const double *rate,
+                           double out[3])
+{
+    const double k = from->hertz_stiffness;
+    const double q[3] = {1.0 - from->chi * rate[0], -from->chi * rate[1], -from->chi * rate[2]};
+    const double square = u[0] * u[0];
+    const double cube = square * u[0];
+    out[0] = k * cube * q[0];
+    out[1] = k * (3.0 * square * u[1] * q[0] + cube * q[1]);
+    out[2] = k * ((6.0 * u[0] * u[1] * u[1] + 3.0 * square * u[2]) * q[0] + 6.0 * square * u[1] * q[1] +
+                  cube * q[2]);
+}
+
+void pair_series_sample(const void *pair_series, double s, struct pair_sample *sample)
+{
+    const struct pair_series *p = pair_series;
+    double opened[3];
+    double *gap = sample->of[PAIR_GAP];
+    double *rate = sample->of[PAIR_GAP_RATE];
+    two_rows_at(p->opened, p->rate, s, opened, rate);
+    if (SCENE_ANY_HERTZ && p->by_root) {
+        gap[0] = -opened[0] * opened[0];
+        gap[1] = -2.0 * opened[0] * opened[1];
+        gap[2] = -2.0 * (opened[1] * opened[1] + opened[0] * opened[2]);
+        hertz_force_at(p->from, opened, rate, sample->of[PAIR_FORCE]);
+    } else {
+        for (int i = 0; i < 3; ++i) {
+            gap[i] = opened[i];
+            sample->of[PAIR_FORCE][i] = contact_linear_force(p->from->coefficients, gap[i], rate[i]);
+        }
+    }
+#if SCENE_ANY_CAPS
+    if (contact_is_rim(&p->from->shape)) {
+        two_rows_at(p->radial, p->axial, s, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
+    }
+#endif
+}
+
+/* Powers of s: sums of many rows at one place then need no more than a multiplication a term. */
+struct series_powers {
+    double of[TAYLOR_TERMS];
+};
+
+static struct series_powers powers_of(double s)
+{
+    struct series_powers at;
+    double power = 1.0;
+    for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        at.of[i] = power;
+        power *= s;
+    }
+    return at;
+}
+
+/* The sum of a row, the smallest terms first. */
+static double row_at(const double row[TAYLOR_TERMS], const struct series_powers *at)
+{
+    _Static_assert(TAYLOR_ORDER % LANES == 0, "the terms but the first are in pairs");
+    double2 sum = {0.0};
+    for (int i = TAYLOR_TERMS - LANES; i > 0; i -= LANES) {
+        sum += double2_at(row, i) * double2_at(at->of, i);
+    }
+    return row[0] + lanes_together(sum);
+}
+
+/* A row of vectors, in the world. */
+static struct vec3 vector_at(const struct pair_series *p, const series_row *rows,
+                             const struct series_powers *at)
+{
+    struct vec3 out = vec3_make(0.0, 0.0, 0.0);
+    for (int j = 0; j < p->flight.dimensions; ++j) {
+        out = vec3_axpy(out, row_at(rows[j], at), p->flight.frame[j]);
+    }
+    return out;
+}
+
+/* The integral of pair_work over [0, s]: of path(t) r_s ds, order 1, or of path(t) r'_s ds, order 2. */
+static double series_work_of(const struct pair_series *p, const struct pair_work *work, double s)
+{
+    const series_row *of = work->order == 1 ? p->r : p->r_rate;
+    double sum = 0.0;
+    const bool is_steady = vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]);
+    if (work->order == 0 || (is_steady && vec3_is_zero(work->path[0]))) {
+        return 0.0;
+    }
+    for (int j = 0; j < p->flight.dimensions; ++j) {
+        double path[3];
+        series_row slope;
+        series_row along;
+        series_row power;
+        for (int k = 0; k < 3; ++k) {
+            path[k] = vec3_dot(work->path[k], p->flight.frame[j]);
+        }
+        for (int i = 0; i < TAYLOR_ORDER; ++i) {
+            slope[i] = (i + 1) * of[j][i + 1];
+            along[i] = path[0] * (i == 0) + path[1] * p->time[i];
+            along[i] += path[2] == 0.0 ? 0.0 : path[2] * taylor_multiply(p->time, p->time, i);
+            power[i] = is_steady ? path[0] * slope[i] : taylor_multiply(along, slope, i);
+        }
+        sum += taylor_integral(power, TAYLOR_ORDER, s);
+    }
+    return sum;
+}
+
+/* The integral of drag g' over the unit. In time the factors are sums of exponentials, whose product converges at
+ * half their pace: so all of it counts. By u it has converged where they have. */
+static double series_dissipated(const struct pair_series *p, double s)
+{
+    enum { PRODUCT_ORDER = 2 * TAYLOR_ORDER };
+    double drag[TAYLOR_TERMS + 1] = {0.0};
+    double rates[TAYLOR_TERMS + 1] = {0.0}; /* backwards; zero where a pair reaches beyond the first */
+    double sum = 0.0;
+    if (!((SCENE_ANY_HERTZ && p->by_root ? p->from->chi : p->from->coefficients.c) > 0.0)) {
+        return 0.0;
+    }
+    memcpy(drag, p->drag, sizeof p->drag);
+    for (int i = 0; i < TAYLOR_TERMS; ++i) {
+        rates[TAYLOR_ORDER - i] = p->rate[i];
+    }
+    for (int i = SCENE_ANY_HERTZ && p->by_root ? TAYLOR_ORDER : PRODUCT_ORDER; i >= 0; --i) {
+        const int first = i > TAYLOR_ORDER ? i - TAYLOR_ORDER : 0;
+        double2 term = {0.0};
+        for (int k = first; k <= i && k < TAYLOR_TERMS; k += LANES) {
+            term += double2_at(drag, k) * double2_at(rates, TAYLOR_ORDER - i + k); /* rate[i - k] */
+        }
+        sum = sum * s + lanes_together(term) / (i + 1);
+    }
+    return p->unit * s * sum;
+}
+
+struct pair_change pair_series_change(const void *pair_series, double s)
+{
+    const struct pair_series *p = pair_series;
+    const struct series_powers at = powers_of(s);
+    const double opened = row_at(p->opened, &at);
+    return (struct pair_change){
+        .time = pair_series_time(p, s),
+        .r = vector_at(p, p->r, &at),
+        .r_rate = vector_at(p, p->r_rate, &at),
+        .gap = SCENE_ANY_HERTZ && p->by_root ? -opened * opened : opened,
+        .dissipated = series_dissipated(p, s),
+        .work = {series_work_of(p, &p->from->work[0], s), series_work_of(p, &p->from->work[1], s)}};
+}
+
+/* A segment by a series. */
+
+/* Places at which a segment is sampled, so that between two of them no quantity has two extrema: by u it is a
+ * third of the radius of convergence at most, and in time the contact may oscillate or pass the centre. */
+enum { PLACES_BY_ROOT = 3, PLACES_BY_TIME = 5 };
+
+/* What the last terms of a series may be, as a part of the whole. In time they are rounding, for one series takes
+ * most of a soft contact. By u they are the tolerance of a segment, no less than some roundings, and no more than
+ * keeps energies closed to 1e-10 over thousands of segments; or a hundredth of that tolerance where it is more, up
+ * to what keeps them closed to 1e-10 over an impact. */
+static const double ROUNDING = 0.5 * DBL_EPSILON;
+static const double FINEST = 8.0 * DBL_EPSILON;
+static const double FINE = 1e-13;
+static const double PART_OF_COARSE = 0.01;
+static const double COARSEST = 1e-11;
+
+static double series_accuracy(const struct segment *p, bool by_root)
+{
+    const double asked = p->tolerance / fmax(p->pair.distance, contact_reach(&p->pair.shape));
+    if (!by_root) {
+        return ROUNDING;
+    }
+    return fmax(fmin(fmax(asked, FINEST), FINE), fmin(PART_OF_COARSE * asked, COARSEST));
+}
+
+/* Whether the series goes by u; at rest at the touch it cannot, as long as p->longest is then. */
+static bool goes_by_root(struct segment *p)
+{
+    if (!(SCENE_ANY_HERTZ && contact_is_hertz(&p->pair.law))) {
+        return false;
+    }
+    const double coasting = hertz_coasting_time(p);
+    p->longest = coasting > 0.0 ? coasting : p->longest;
+    return !(coasting > 0.0);
+}
+
+bool series_applies(const struct segment *p)
+{
+    (void)p;
+    return true;
+}
+
+bool series_make(struct segment *p)
+{
+    struct pair_series *made = &p->as.series;
+    struct series_work z;
+    const bool by_root = goes_by_root(p); /* may shorten p->longest */
+    pair_series_begin(made, &z, &p->pair, by_root);
+    if (SCENE_ANY_HERTZ && by_root && p->may_be_slow && hertz_is_slow(p, made->opened, made->unit)) {
+        return false;
+    }
+    pair_series_complete(made, &z, series_accuracy(p, by_root));
+    double parting = SCENE_ANY_HERTZ && by_root ? pair_series_parting(made, made->step) : (double)INFINITY;
+    p->unit = made->unit;
+    p->end = fmin(made->step, parting > 0.0 ? parting : made->step);
+    if (parting > 0.0 && pair_series_time(made, p->end) > p->longest) {
+        p->end = pair_series_place(made, p->longest, p->end);
+        parting = p->end < parting ? (double)INFINITY : parting;
+    }
+    const int places = by_root ? PLACES_BY_ROOT : PLACES_BY_TIME;
+    for (int i = 0; i < places; ++i) {
+        dense_output_add(&p->output, p->end * i / (places - 1));
+    }
+    if (SCENE_ANY_HERTZ && by_root) {
+        hertz_find_terminal_event(p, parting);
+    }
+    return true;
+}
