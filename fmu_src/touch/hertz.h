@@ -1,6 +1,7 @@
 /*
- * What only Hertz's law has, F_n = k_h delta^(3/2) (1 + chi delta'): the depths that speeds and loads lead to, how
- * long bodies at the touch hardly feel each other, and the closed form of an undamped head-on impact.
+ * What only Hertz's law has, F_n = k_h delta^(3/2) (1 + chi delta'): the depths that speeds and loads lead
+ * to, how long bodies at the touch hardly feel each other, and the closed form of an undamped head-on
+ * impact.
  */
 #ifndef CONTACT_TOUCH_HERTZ_H
 #define CONTACT_TOUCH_HERTZ_H

@@ -56,8 +56,8 @@ static const struct {
     /* Far beyond critical damping, or without a spring: a radian of the tangential motion. */
     [SEGMENT_OVERDAMPED] = {overdamped_applies, overdamped_make, pair_collocation_sample,
                             pair_collocation_change},
-    /* Everything else, soft contacts, short remainders and Hertz's law: two radians of the contact, of its passage
-     * or of the rim. */
+    /* Everything else, soft contacts, short remainders and Hertz's law: two radians of the contact, of its
+     * passage or of the rim. */
     [SEGMENT_SERIES] = {series_applies, series_make, pair_series_sample, pair_series_change},
 #if SCENE_ANY_HERTZ
     /* Hertz's law, the oscillation died away: a radian of the tangential motion. */

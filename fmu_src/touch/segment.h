@@ -102,9 +102,9 @@ bool overdamped_make(struct segment *p);
 bool hertz_elastic_applies(const struct segment *p);
 bool hertz_elastic_segment_make(struct segment *p);
 
-/* Any contact. False where p->may_be_slow and the first coefficients show that it is. At rest at the touch under
- * Hertz's law the force is nothing beside the load for a while: then that is how long p->longest is. Under that
- * law p->terminal is known. */
+/* Any contact. False where p->may_be_slow and the first coefficients show that it is. At rest at the touch
+ * under Hertz's law the force is nothing beside the load for a while: then that is how long p->longest is.
+ * Under that law p->terminal is known. */
 bool series_applies(const struct segment *p);
 bool series_make(struct segment *p);
 

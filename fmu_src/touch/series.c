@@ -12,8 +12,8 @@
 /* Components across the plane of motion by less than this part are rounding. */
 static const double OUT_OF_PLANE = 8.0 * DBL_EPSILON;
 
-/* The part of a vector along the normal that rounding leaves across it points anywhere. A second projection of
- * its direction leaves less than this of it. */
+/* The part of a vector along the normal that rounding leaves across it points anywhere. A second
+ * projection of its direction leaves less than this of it. */
 static const double MOSTLY_NORMAL = 0.5;
 
 /* The first tangential direction that the motion of flight has; zero where the motion is head-on. */
@@ -415,9 +415,10 @@ static double passage_rate_of(const struct contact_pair *from)
 }
 
 /*
- * The unit of s: one radian of the contact's oscillation, one decay time of its damping, or the time of passage,
- * whichever is shortest; under Hertz's law at the deepest that present speed, load and penetration lead to. The
- * order of magnitude is enough: it keeps the coefficients within the range of numbers.
+ * The unit of s: one radian of the contact's oscillation, one decay time of its damping, or the time of
+ * passage, whichever is shortest; under Hertz's law at the deepest that present speed, load and
+ * penetration lead to. The order of magnitude is enough: it keeps the coefficients within the range of
+ * numbers.
  */
 static double unit_of(const struct pair_series *p)
 {
@@ -717,8 +718,8 @@ static double series_work_of(const struct pair_series *p, const struct pair_work
     return sum;
 }
 
-/* The integral of drag g' over the unit. In time the factors are sums of exponentials, whose product converges at
- * half their pace: so all of it counts. By u it has converged where they have. */
+/* The integral of drag g' over the unit. In time the factors are sums of exponentials, whose product
+ * converges at half their pace: so all of it counts. By u it has converged where they have. */
 static double series_dissipated(const struct pair_series *p, double s)
 {
     enum { PRODUCT_ORDER = 2 * TAYLOR_ORDER };
@@ -763,10 +764,10 @@ struct pair_change pair_series_change(const void *pair_series, double s)
  * third of the radius of convergence at most, and in time the contact may oscillate or pass the centre. */
 enum { PLACES_BY_ROOT = 3, PLACES_BY_TIME = 5 };
 
-/* What the last terms of a series may be, as a part of the whole. In time they are rounding, for one series takes
- * most of a soft contact. By u they are the tolerance of a segment, no less than some roundings, and no more than
- * keeps energies closed to 1e-10 over thousands of segments; or a hundredth of that tolerance where it is more, up
- * to what keeps them closed to 1e-10 over an impact. */
+/* What the last terms of a series may be, as a part of the whole. In time they are rounding, for one
+ * series takes most of a soft contact. By u they are the tolerance of a segment, no less than some
+ * roundings, and no more than keeps energies closed to 1e-10 over thousands of segments; or a hundredth of
+ * that tolerance where it is more, up to what keeps them closed to 1e-10 over an impact. */
 static const double ROUNDING = 0.5 * DBL_EPSILON;
 static const double FINEST = 8.0 * DBL_EPSILON;
 static const double FINE = 1e-13;

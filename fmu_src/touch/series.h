@@ -1,26 +1,27 @@
 /*
- * A contact pair by power series, under either law and at any place (Jorba and Zou, Experimental Mathematics 14
- * (2005) 99). The force follows from c and c' by products and quotients, so the coefficients are found order by
- * order. A series is exact to its accuracy over a few radians of the contact's oscillation.
+ * A contact pair by power series, under either law and at any place (Jorba and Zou, Experimental
+ * Mathematics 14 (2005) 99). The force follows from c and c' by products and quotients, so the
+ * coefficients are found order by order. A series is exact to its accuracy over a few radians of the
+ * contact's oscillation.
  *
  *   g_t = side n.c',   c_t = c',   c'_t = A + side F_n n / m_red,   d = reach + side g,   n = f / d
  *
- * f points from the source's centre to the axis or the centre of the destination, so f = c, or at a rim to the
- * nearest point of the circle of radius R at the height h: with e the axis, rho and a the length and the
- * direction of the part of c across it,
+ * f points from the source's centre to the axis or the centre of the destination, so f = c, or at a rim to
+ * the nearest point of the circle of radius R at the height h: with e the axis, rho and a the length and
+ * the direction of the part of c across it,
  *
  *   f = c - R a + h e,   rho - R and -(c.e + h): how far the centre is beyond side and cap.
  *
  * Linear law: the variable is s = t / unit, and g is integrated.
  *
- * Hertz's law, F_n = k_h delta^(3/2) (1 + chi delta') (Hunt and Crossley): in time the force is singular where
- * the bodies touch and where they part. A series cannot begin at the touch, and it converges ever more slowly
- * towards the release. So u = sqrt(delta) is integrated, and dt/ds = unit u:
+ * Hertz's law, F_n = k_h delta^(3/2) (1 + chi delta') (Hunt and Crossley): in time the force is singular
+ * where the bodies touch and where they part. A series cannot begin at the touch, and it converges ever
+ * more slowly towards the release. So u = sqrt(delta) is integrated, and dt/ds = unit u:
  *
  *   u_s = -unit g_t / 2,   c_s = unit u c',   u F_n = k_h u^4 (1 + chi delta'),   g = -u^2
  *
- * is analytic throughout. At the touch and at the release u passes through zero with a slope. A series may begin
- * at u = 0, and the release is an ordinary root of u.
+ * is analytic throughout. At the touch and at the release u passes through zero with a slope. A series may
+ * begin at u = 0, and the release is an ordinary root of u.
  */
 #ifndef CONTACT_TOUCH_SERIES_H
 #define CONTACT_TOUCH_SERIES_H
@@ -43,7 +44,8 @@ struct frame_flight {
 struct frame_flight frame_flight_of(const struct contact_pair *from);
 
 #if SCENE_ANY_CAPS
-/* At a rim, in the frame of a, b = e x a and e. All three directions take part, and no vector is projected. */
+/* At a rim, in the frame of a, b = e x a and e. All three directions take part, and no vector is
+ * projected. */
 struct frame_flight frame_flight_at_rim(const struct contact_pair *from);
 #endif
 
@@ -90,8 +92,9 @@ struct series_work {
     double inverse_distance, side_by_mass; /* 1/d at the start [1/m], side/m_red [1/kg] */
 };
 
-/* The coefficients up to SERIES_FIRST, then the rest; the sums are exact to `accuracy`, a part of their largest
- * terms. `by_root` only under Hertz's law, from g <= 0 on, and not from rest at g = 0, where s stands still. */
+/* The coefficients up to SERIES_FIRST, then the rest; the sums are exact to `accuracy`, a part of their
+ * largest terms. `by_root` only under Hertz's law, from g <= 0 on, and not from rest at g = 0, where s
+ * stands still. */
 enum { SERIES_FIRST = 7 };
 void pair_series_begin(struct pair_series *p, struct series_work *z, const struct contact_pair *from,
                        bool by_root);
