@@ -94,6 +94,16 @@ static struct contact_geometry geometry_of_rim(const struct contact_shape *shape
     return at;
 }
 
+/* On the axis n of the side is what it is held to be, but for its part along the axis: it may come from a cap
+ * or a rim. */
+static void hold_across(const struct contact_shape *side, struct vec3 w, struct contact_geometry *at)
+{
+    const struct vec3 across = contact_across(side, at->normal);
+    const double size = vec3_norm(across);
+    at->normal = size > 0.0 ? vec3_scale(1.0 / size, across) : contact_default_normal(side);
+    at->gap_rate = vec3_dot(at->normal, w);
+}
+
 struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
                                             struct vec3 fallback)
 {
@@ -107,6 +117,9 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     }
     struct contact_geometry at =
         contact_is_rim(&in) ? geometry_of_rim(&in, c, w, fallback) : geometry_in(&in, c, w, fallback);
+    if (at.degenerate && contact_is_cylinder(&in)) {
+        hold_across(&in, w, &at);
+    }
     at.zone = in.solid.zone;
     return at;
 }

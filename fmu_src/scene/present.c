@@ -55,16 +55,6 @@ static struct vec3 rate_by_axis(const struct scene_values *v, const struct scene
     return at->rate[contact];
 }
 
-/* On the axis n of the side is what it is held to be: a cap's, which is along the axis, is none. */
-static void take_zone(struct contact_state *state, const struct contact_shape *shape, int zone)
-{
-    state->zone = zone;
-    if (zone == ZONE_SIDE) {
-        const struct contact_shape side = contact_shape_in(shape, zone);
-        state->normal = contact_default_normal(&side);
-    }
-}
-
 static bool is_at_rim(int zone)
 {
     return abs(zone) == ZONE_RIM;
@@ -82,7 +72,7 @@ bool zones_pass(const struct scene_values *v, struct scene_state *q, const struc
     const double rounding = fmax(rounding_of_gap(v, at, contact), fabs(zones_margin(v, q, at, contact)));
     const int next = contact_zone_next(&shape.solid, zone, c, rate_by_axis(v, at, contact), rounding);
     const struct solid_place place = contact_place_at(&shape.solid, c);
-    take_zone(&q->contact[contact], &shape, next);
+    q->contact[contact].zone = next;
     return !(is_at_rim(zone) || is_at_rim(next)) || fmax(fabs(place.radial), fabs(place.axial)) <= rounding;
 }
 
@@ -92,7 +82,7 @@ void zones_settle(const struct scene_values *v, struct scene_state *q, const str
     if (zones_margin(v, q, at, contact) < -rounding_of_gap(v, at, contact)) {
         const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
         const struct solid_place place = contact_place_at(&shape.solid, at->separation[contact]);
-        take_zone(&q->contact[contact], &shape, contact_zone_by(&place));
+        q->contact[contact].zone = contact_zone_by(&place);
     }
 }
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from support.checks import check_close, run
 from support.reference import capped
@@ -429,3 +430,28 @@ def test_on_the_axis_a_ball_is_pushed_out_in_the_direction_of_the_side(opened):
     assert np.hypot(*fmu["source.position"][:2]) > 0.6
     check_close("dissipated", fmu["energy.dissipated"], 0.0, 1e-12)
     check_close("kinetic", fmu["energy.kinetic"], 4.5, 1e-12)
+
+
+@pytest.mark.parametrize("steps", [1, 7, 50])
+def test_the_peak_at_the_axis_is_that_of_the_side(opened, steps):
+    """A dashpot on approach pushes most right before the axis, whatever the normal was before the touch."""
+    values = CAPPED | {
+        "source.radius": 0.05,
+        "source.mass": 2.0,
+        "source.center": [1.032, 0.0, 1.416],
+        "source.initial_velocity": [-0.6, 0.0, -0.8],
+        "destination.radius": 0.1,
+        "contact.dashpot": "approach_only",
+        "contact.penalty_factor": 4.0,
+        "contact.viscous_penalty_factor": 1.8,
+    }
+    peaks = []
+
+    def note(fmu):
+        peaks.append(fmu["contact.peak_force"])
+
+    run(opened("SphereCylinder"), values, 4.7, steps, 1e-10, each=note)
+    half, turns = 0.45, np.sqrt(2.0 - 0.45**2)  # depth = 0.6 exp(-half t) sin(turns t) / turns
+    time = brentq(lambda t: 0.6 * np.exp(-half * t) * np.sin(turns * t) / turns - 0.15, 0.0, 0.5)
+    speed = 0.6 * np.exp(-half * time) * (np.cos(turns * time) - half / turns * np.sin(turns * time))
+    check_close("peak", max(peaks), 4.0 * 0.15 + 1.8 * speed, 1e-11)
