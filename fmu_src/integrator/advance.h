@@ -13,6 +13,7 @@ struct advance {
     double clock_end;           /* in: not beyond this clock */
     double clock_limit;         /* in: up to here nothing is known that would end the phase */
     long budget;                /* in: at most so many internal steps; out: what is left of it */
+    long evaluations;           /* likewise evaluations of forces by the general segment */
     struct scene_instant now;   /* the present instant, if `is_now`; see advance_now */
     bool is_now;                /* to be cleared by whoever moves the bodies */
     int contact;                /* out, ADVANCE_EVENT: which contact changes its regime at q->clock */

@@ -258,12 +258,19 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
     }
 }
 
+/* A step of the general segment takes some hundred evaluations of forces, each of which takes as long as some
+ * steps in closed form. There may be as many evaluations as steps, so that the limit of steps bounds the
+ * time of both; but no fewer than this, some ten seconds of them: a thousand impacts of bodies that turn take
+ * half as many, and a small limit is to count steps alone. */
+static const long LEAST_EVALUATIONS = 3000000;
+
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
                                       struct scene_state *q, const struct step_request *request)
 {
     const double start = scene_time(q);
     struct advance step;
     step.budget = solver_max_internal_steps(v);
+    step.evaluations = step.budget > LEAST_EVALUATIONS ? step.budget : LEAST_EVALUATIONS;
     transition_begin_step(v, q, &step.now);
     step.is_now = true;
     if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_turns(v)) {

@@ -212,3 +212,25 @@ def test_an_impact_is_right_or_refused_however_short_it_is(opened, stiffness, be
     check_close("energy.total", fmu["energy.total"], energy, 1e-8)
     assert fmu["contact.onsets"] == 1
     check_close("last_duration", fmu["contact.last_duration"], float(lasts), 1e-3 * float(lasts) + 1e-15)
+
+
+LEAST_EVALUATIONS = 3_000_000  # integrator/phases.c
+HOPS = {"source.rotation": "free", "contact.friction": "regularized", **DROP, "source.center": [0, 0, 0.65]}
+
+
+def test_evaluations_of_the_general_segment_end_a_step_as_internal_steps_do(opened):
+    """A ball that turns and bounces without damping: a hundred evaluations an internal step"""
+    fmu = limited(opened("SpherePlane"), HOPS, limit=1_000_000)
+    said = " ".join(message.text for message in discarded(fmu, 1e9))
+    assert "solver.max_internal_steps = 1000000 are used up" in said
+    assert fmu["solver.steps"] + fmu["solver.events"] < 1_000_000
+    assert LEAST_EVALUATIONS <= fmu["solver.force_evaluations"] <= LEAST_EVALUATIONS + 100_000
+    time = fmu.time
+    fmu.step(1.0)  # from there it goes on
+    assert fmu.time > time
+
+
+def test_a_small_limit_counts_internal_steps_alone(opened):
+    fmu = limited(opened("SpherePlane"), HOPS)
+    fmu.step(700.0)
+    assert fmu["solver.steps"] + fmu["solver.events"] < LIMIT < fmu["solver.force_evaluations"]
