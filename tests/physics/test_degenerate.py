@@ -178,17 +178,6 @@ def test_location_stays_what_it_was_at_the_start(opened, shape, location):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("shape, location", GEOMETRIES)
-def test_fixed_and_prescribed_at_rest_are_the_same(opened, shape, location, method):
-    values = head_on(shape, location, contact_method="penalty_dynamic", gravity=[1.0, -2.0, 0.5])
-    ends = []
-    for motion in ("fixed", "prescribed"):
-        fmu = run(opened(FMU[shape]), {**values, "destination.motion": motion}, 0.3, 3, method=method)
-        ends.append([fmu["source.position"], fmu["source.velocity"]])
-    check_close("position and velocity", ends[0], ends[1], 1e-8)
-
-
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("shape, location", GEOMETRIES)
 def test_a_start_in_the_middle_of_a_contact_counts_as_an_onset(opened, shape, location, method):
     """Let go at depth s with zero speed: it leaves with omega s after a quarter of a period."""
     depth, stiffness = 1e-3, 1e6
