@@ -341,8 +341,8 @@ static const struct radau_stages *stages_for(double length, double longest)
 /* Beyond so many v_0 regularized friction is at its limit: exp(-40) is less than rounding of 1. */
 static const double SATURATED_SLIP = 40.0;
 
-/* What rounding of the slip leaves of regularized friction in an integral [N]. Corrections by the Jacobian rid
- * integrals of what is linear in it (move_integrals, math/radau_step.c); its square, as part of v_0,
+/* What rounding of the slip leaves of regularized friction in an integral [N]. Corrections by the Jacobian
+ * rid integrals of what is linear in it (move_integrals, math/radau_step.c); its square, as part of v_0,
  * remains. */
 static double rounding_of_friction(const struct friction_law *law, double limit, double speeds)
 {
