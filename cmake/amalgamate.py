@@ -45,9 +45,12 @@ HEAD = """\
 
 #include "fmi{fmi}Functions.h"
 
-/* Some scenes do not call all functions. */
+/* Some scenes do not call all functions, or leave out what needs a parameter or a variable. */
 #if defined __GNUC__ || defined __clang__
 #pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#pragma GCC diagnostic ignored "-Wunused-variable"
+#pragma GCC diagnostic ignored "-Wunused-but-set-variable"
 #endif
 
 /* Only the functions of FMI are seen from outside. */

@@ -1,5 +1,5 @@
-"""What a scene's joined sources do not need: branches of the preprocessor that the scene decides, functions
-and constants that nobody asks for. Every FMU carries the file.
+"""What a scene's joined sources do not need: branches that the scene decides, by the preprocessor or by
+`if`, functions and constants that nobody asks for. Every FMU carries the file.
 
 It goes by how this project is formatted: definitions begin in the first column, and bodies end with a brace
 there.
@@ -9,8 +9,9 @@ import re
 
 DIRECTIVE = re.compile(r"#(if|ifdef|ifndef|elif|else|endif)\b(.*)")
 NAME = re.compile(r"[A-Za-z_]\w*")
-DEFINED = re.compile(r"^#define (SCENE_\w+) (-?\d+)(?: */\*.*\*/)?$", re.MULTILINE)
+DEFINED = re.compile(r"^#define ((?:SCENE|CONTACT_ANY)_\w+) (-?\d+)(?: */\*.*\*/)?$", re.MULTILINE)
 CALLED = re.compile(r"(\w+)\(")
+RESULT = re.compile(r"^(?:static )?(?:inline )?bool [^{]*\n\{\n    return ([^;]*);\n\}$")
 # What is no function: members, tags, attributes.
 OTHER = re.compile(r"(?:->|\.)\w+|\b(?:struct|enum|union) \w+|__attribute__\(\(\w+")
 VARIABLE = re.compile(r"(?:\b(?!sizeof |return )\w+(?: |\*| \*)|, \*?(?=\w+;))(\w+)(?=\[|;|,|\)| =)")
@@ -22,7 +23,13 @@ def pruned(text, scene_header, left_out):
     known = {name: int(value) for name, value in DEFINED.findall(scene_header)}
     lines, rest = _chosen(text.split("\n"), 0, Conditions(known, left_out))
     assert rest == len(text.split("\n"))
-    return "\n".join(line for piece in _wanted(_pieces(lines)) for line in piece.lines)
+    known |= {name: int(value) for name, value in DEFINED.findall("\n".join(lines))}
+    pieces = _pieces(lines)
+    never = Never(known, pieces)
+    for piece in pieces:
+        if piece.is_function():
+            piece.lines = _without_dead(piece.lines, never)
+    return "\n".join(line for piece in _wanted(pieces) for line in piece.lines)
 
 
 class Conditions:
@@ -91,12 +98,107 @@ class Piece:
         self.name = name
         self.declares = declares
 
+    def is_function(self):
+        return self.lines[-1] == "}" and self.name is not None
+
+    def text(self):
+        return "\n".join(self.lines)
+
     def needs(self):
         """Names in it, without those of its variables; the declaration of a function needs only its types"""
         if self.declares:
             return set()
-        text = OTHER.sub("", "\n".join(self.lines))
+        text = OTHER.sub("", self.text())
         return set(NAME.findall(text)) - (set(VARIABLE.findall(text)) - set(CALLED.findall(text)))
+
+
+class Never:
+    """What is false in this scene: macros that are 0, and functions that return nothing else, as those do
+    that consist of `return SCENE_ANY_CAPS && ...` alone"""
+
+    def __init__(self, known, pieces):
+        self.names = {name for name, value in known.items() if value == 0}
+        results = {piece.name: found[1] for piece in pieces if (found := RESULT.search(piece.text()))}
+        before = None
+        while before != len(self.names):
+            before = len(self.names)
+            self.names |= {name for name, result in results.items() if self.holds_not(result)}
+
+    def holds_not(self, condition):
+        """Whether it is known to be false"""
+        condition = " ".join(condition.split())
+        either = _split(condition, "||")
+        if len(either) > 1:
+            return all(self.holds_not(one) for one in either)
+        both = _split(condition, "&&")
+        if len(both) > 1:
+            return any(self.holds_not(one) for one in both)
+        if condition.startswith("(") and _closed(condition, 0) == len(condition) - 1:
+            return self.holds_not(condition[1:-1])
+        found = re.match(r"\w+", condition)
+        rest = condition[found.end() :] if found else "none"
+        called = rest.startswith("(") and _closed(rest, 0) == len(rest) - 1
+        return found is not None and found[0] in self.names and (called or not rest)
+
+
+def _closed(text, at):
+    """Where the bracket at a place is closed"""
+    depth = 0
+    for place in range(at, len(text)):
+        depth += {"(": 1, ")": -1}.get(text[place], 0)
+        if depth == 0:
+            return place
+    return len(text)
+
+
+def _split(text, operator):
+    """At an operator that is in no bracket"""
+    parts, depth, start = [], 0, 0
+    for place, character in enumerate(text):
+        depth += {"(": 1, ")": -1}.get(character, 0)
+        if depth == 0 and text.startswith(operator, place):
+            parts.append(text[start:place])
+            start = place + len(operator)
+    return [*parts, text[start:]]
+
+
+def _without_dead(lines, never):
+    """Without the branches and loops that are never taken"""
+    kept, at = [], 0
+    while at < len(lines):
+        begins = re.match(r"( +)(?:if|for) \(", lines[at])
+        if not begins:
+            kept.append(lines[at])
+            at += 1
+            continue
+        branches, at = _branches(lines, at, begins[1])
+        alive = [branch for branch in branches if not never.holds_not(_condition(branch[0]))]
+        for number, (head, inside) in enumerate(alive):
+            first = head[0] if number else head[0].replace("} else ", "", 1)
+            kept += [first, *head[1:], *_without_dead(inside, never)]
+        if alive:
+            kept.append(begins[1] + "}")
+    return kept
+
+
+def _branches(lines, at, indent):
+    """The heads of `if ... else if ... else`, or of a loop, each with what is inside; and where they end"""
+    found = []
+    while True:
+        head = _until(lines, at, "{")
+        at += len(head)
+        end = next(k for k in range(at, len(lines)) if lines[k].startswith(indent + "}"))
+        found.append((head, lines[at:end]))
+        at = end
+        if lines[end] == indent + "}":
+            return found, end + 1
+
+
+def _condition(head):
+    text = " ".join(line.strip() for line in head)
+    opened = text.find("(")
+    condition = text[opened + 1 : _closed(text, opened)] if opened >= 0 else ""
+    return condition.split(";")[1] if text.startswith("for ") else condition
 
 
 def _pieces(lines):

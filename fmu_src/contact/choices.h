@@ -2,6 +2,34 @@
 #ifndef CONTACT_CONTACT_CHOICES_H
 #define CONTACT_CONTACT_CHOICES_H
 
+/* What the build may meet: the build says what its scene has none of (ContactFmu.cmake); all of it, by default.
+ * The compiler drops what is asked only behind a zero. */
+#ifdef CONTACT_NO_CYLINDER
+#define CONTACT_ANY_CYLINDER 0
+#else
+#define CONTACT_ANY_CYLINDER 1
+#endif
+#ifdef CONTACT_NO_CAPS
+#define CONTACT_ANY_CAPS 0
+#else
+#define CONTACT_ANY_CAPS 1
+#endif
+#ifdef CONTACT_NO_PLANE
+#define CONTACT_ANY_PLANE 0
+#else
+#define CONTACT_ANY_PLANE 1
+#endif
+#ifdef CONTACT_NO_HERTZ
+#define CONTACT_ANY_HERTZ 0
+#else
+#define CONTACT_ANY_HERTZ 1
+#endif
+#ifdef CONTACT_NO_RESTITUTION
+#define CONTACT_ANY_RESTITUTION 0
+#else
+#define CONTACT_ANY_RESTITUTION 1
+#endif
+
 /* A rim is no body's shape: it is what a capped cylinder looks like from beyond its side and cap (shape.h).
  * */
 enum shape { SHAPE_SPHERE, SHAPE_CYLINDER, SHAPE_PLANE, SHAPE_RIM };

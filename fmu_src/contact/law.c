@@ -551,12 +551,7 @@ static bool has_hertz(const struct contact_factors *factors)
  * such choice (ContactFmu.cmake). */
 static bool is_by_restitution(const struct contact_factors *factors)
 {
-#ifdef CONTACT_NO_RESTITUTION
-    (void)factors;
-    return false;
-#else
-    return factors->viscous_control == VISCOUS_CONTROL_RESTITUTION;
-#endif
+    return CONTACT_ANY_RESTITUTION && factors->viscous_control == VISCOUS_CONTROL_RESTITUTION;
 }
 
 /* p_nv that gives the coefficient of restitution with the spring p_n; 0 between bodies that cannot

@@ -111,12 +111,7 @@ struct contact_law {
  * (ContactFmu.cmake). */
 static inline bool contact_is_hertz(const struct contact_law *law)
 {
-#ifdef CONTACT_NO_HERTZ
-    (void)law;
-    return false;
-#else
-    return law->law == LAW_HERTZ;
-#endif
+    return CONTACT_ANY_HERTZ && law->law == LAW_HERTZ;
 }
 
 enum contact_regime {

@@ -61,14 +61,6 @@ static struct contact_geometry geometry_in(const struct contact_shape *shape, st
     return at;
 }
 
-#ifdef CONTACT_NO_CAPS
-struct contact_geometry contact_geometry_at(const struct contact_shape *shape, struct vec3 c, struct vec3 w,
-                                            struct vec3 fallback)
-{
-    return geometry_in(shape, c, w, fallback);
-}
-#else
-
 /* Towards the nearest point of the circle: with the unit vector a from the centre to the axis, across it, c
  * less that circle's centre is rho a - beyond e, and its nearest point r_d a. */
 static struct contact_geometry geometry_of_rim(const struct contact_shape *shape, struct vec3 c,
@@ -123,7 +115,6 @@ struct contact_geometry contact_geometry_at(const struct contact_shape *shape, s
     at.zone = in.solid.zone;
     return at;
 }
-#endif
 
 bool contact_within_extents(const struct contact_shape *shape, double axial)
 {
@@ -151,12 +142,10 @@ struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 no
 struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
                                  struct vec3 w)
 {
-#ifndef CONTACT_NO_CAPS
     if (contact_is_rim(shape)) {
         const struct vec3 across = vec3_axpy(w, -vec3_dot(at->normal, w), at->normal);
         return vec3_axpy(across, -at->hoop_part * vec3_dot(at->hoop, w), at->hoop);
     }
-#endif
     return contact_tangential(shape, at->normal, w);
 }
 
@@ -194,8 +183,6 @@ struct vec3 contact_default_normal(const struct contact_shape *shape)
     const struct vec3 across = vec3_axpy(start, -vec3_dot(start, e), e);
     return vec3_scale(1.0 / vec3_norm(across), across);
 }
-
-#ifndef CONTACT_NO_CAPS
 
 struct solid_place contact_place_at(const struct contact_solid *solid, struct vec3 c)
 {
@@ -324,8 +311,6 @@ int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c
     }
     return next;
 }
-
-#endif
 
 static struct bounding_box around(struct vec3 centre, struct vec3 half)
 {

@@ -39,9 +39,7 @@ struct contact_shape {
     double half_length;   /* L / 2 of a finite cylinder; INFINITY otherwise */
     int side;             /* +1: the source is outside the destination, -1: inside */
     enum shape destination;
-#ifndef CONTACT_NO_CAPS
     struct contact_solid solid;
-#endif
 };
 
 struct contact_geometry {
@@ -52,68 +50,41 @@ struct contact_geometry {
     double gap;         /* g, radial, whether or not the source is within a cylinder's extents [m] */
     /* what rounds in g besides d: r_s + r_d, or r_d - r_s where that is exact [m] */
     double gap_terms;
-    double gap_rate; /* g' [m/s] */
-    double axial;    /* c.e_d of a cylinder [m]; 0 for the other shapes */
-    bool degenerate; /* d = 0: n is the fallback; never with a plane */
-#ifndef CONTACT_NO_CAPS
+    double gap_rate;  /* g' [m/s] */
+    double axial;     /* c.e_d of a cylinder [m]; 0 for the other shapes */
+    bool degenerate;  /* d = 0: n is the fallback; never with a plane */
     int zone;         /* of a capped cylinder, as in struct contact_solid; 0 of any other shape */
     struct vec3 hoop; /* of a rim: the direction along the circle, and r_d / rho, see contact_turning_part */
     double hoop_part;
-#endif
 };
 
 /* Whether the destination is a cylinder, a plane; never, at compile time, where the build has none
  * (ContactFmu.cmake). */
 static inline bool contact_is_cylinder(const struct contact_shape *shape)
 {
-#ifdef CONTACT_NO_CYLINDER
-    (void)shape;
-    return false;
-#else
-    return shape->destination == SHAPE_CYLINDER;
-#endif
+    return CONTACT_ANY_CYLINDER && shape->destination == SHAPE_CYLINDER;
 }
 
 static inline bool contact_is_plane(const struct contact_shape *shape)
 {
-#ifdef CONTACT_NO_PLANE
-    (void)shape;
-    return false;
-#else
-    return shape->destination == SHAPE_PLANE;
-#endif
+    return CONTACT_ANY_PLANE && shape->destination == SHAPE_PLANE;
 }
 
 /* Whether it is the rim of a capped cylinder; whether it is a capped cylinder, or a part of one. */
 static inline bool contact_is_rim(const struct contact_shape *shape)
 {
-#ifdef CONTACT_NO_CAPS
-    (void)shape;
-    return false;
-#else
-    return shape->destination == SHAPE_RIM;
-#endif
+    return CONTACT_ANY_CAPS && shape->destination == SHAPE_RIM;
 }
 
 static inline bool contact_is_capped(const struct contact_shape *shape)
 {
-#ifdef CONTACT_NO_CAPS
-    (void)shape;
-    return false;
-#else
-    return shape->solid.half_height > 0.0;
-#endif
+    return CONTACT_ANY_CAPS && shape->solid.half_height > 0.0;
 }
 
 /* Whether its axis is against the body's: a zone at the end of a capped cylinder to which -e_d points. */
 static inline bool contact_is_upside_down(const struct contact_shape *shape)
 {
-#ifdef CONTACT_NO_CAPS
-    (void)shape;
-    return false;
-#else
     return contact_is_capped(shape) && shape->solid.zone < 0;
-#endif
 }
 
 /* Whether penetration may come to a centre or axis, where n has no direction: outside, but for a plane. The
@@ -232,8 +203,6 @@ struct vec3 contact_default_normal(const struct contact_shape *shape);
  * measured from the cylinder's centre, so that its reach is h + r_s.
  */
 
-#ifndef CONTACT_NO_CAPS
-
 /* Where the source's centre is, by dr and dz [m], and the sign of z. */
 struct solid_place {
     double radial, axial;
@@ -262,8 +231,6 @@ void contact_axis_distance(const struct vec3 c[3], const struct vec3 axis[3], do
  */
 int contact_zone_next(const struct contact_solid *solid, int zone, struct vec3 c, struct vec3 rate,
                       double rounding);
-
-#endif
 
 /* The axis-aligned box around bodies, whose diagonal scales the automatic penalty factors. World frame,
  * metres. */

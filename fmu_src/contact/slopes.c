@@ -13,11 +13,9 @@ static void add_projector(double m[3][3], double factor, const struct contact_sh
     if (contact_is_cylinder(shape)) {
         matrix3_add_outer(m, -factor, shape->axis, shape->axis);
     }
-#ifndef CONTACT_NO_CAPS
     if (contact_is_rim(shape)) {
         matrix3_add_outer(m, -factor * at->hoop_part, at->hoop, at->hoop);
     }
-#endif
 }
 
 struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
@@ -66,8 +64,6 @@ struct vec3 jet_scale(const double *a, const struct vec3 *b, int order)
     }
     return sum;
 }
-
-#ifndef CONTACT_NO_CAPS
 
 /* Coefficient `order` of a root from sums of products, r r = a a + b b: i r_i = sum of j (a/r)_(i-j) a_j +
  * the same of b. */
@@ -119,7 +115,6 @@ static void jet_of_rim(const struct contact_shape *shape, const struct contact_g
         result->normal[i] = vec3_axpy(jet_scale(cosine, a, i), sine[i], shape->axis);
     }
 }
-#endif
 
 /* i d_i = sum of j n_(i-j).c_j, and n_i from the coefficients of d n = offset. */
 static void jet_of_direction(const struct contact_shape *shape, const struct contact_geometry *at,
@@ -149,14 +144,10 @@ void contact_jet_make(const struct contact_shape *shape, const struct contact_ge
 {
     result->normal[0] = at->normal;
     result->distance[0] = at->distance;
-#ifndef CONTACT_NO_CAPS
     const bool of_rim = contact_is_rim(shape) && !at->degenerate;
     if (of_rim) {
         jet_of_rim(shape, at, c, result);
     }
-#else
-    const bool of_rim = false;
-#endif
     for (int i = 0; i < JET_TERMS; ++i) {
         if (i > 0 && !of_rim) {
             jet_of_direction(shape, at, c, i, result);
@@ -357,7 +348,6 @@ struct geometry_change {
     double hoop_part;
 };
 
-#ifndef CONTACT_NO_CAPS
 /* d offset of a rim and d b, with offset = (rho - r_d) a + (c.e + h) e, b = e x a, rho a = c - (c.e) e. */
 static struct vec3 rim_offset_along(const struct turning_slopes *s, const struct turning_motion *change,
                                     struct geometry_change *d)
@@ -387,17 +377,14 @@ static struct vec3 hoop_along(const struct turning_slopes *s, const struct geome
         d->hoop_part * rate + part * (vec3_dot(d->hoop, s->seen_rate) + vec3_dot(b, d->seen_rate));
     return vec3_axpy(vec3_scale(more, b), part * rate, d->hoop);
 }
-#endif
 
 /* d offset, of a shape whose normal turns with it. */
 static struct vec3 offset_along(const struct turning_slopes *s, const struct turning_motion *change,
                                 struct geometry_change *d)
 {
-#ifndef CONTACT_NO_CAPS
     if (contact_is_rim(&s->shape)) {
         return rim_offset_along(s, change, d);
     }
-#endif
     if (!contact_is_cylinder(&s->shape)) {
         return change->separation;
     }
@@ -443,11 +430,9 @@ static struct vec3 normal_rate_along(const struct turning_slopes *s, const struc
         const double axial = vec3_dot(d->axis, s->seen_rate) + vec3_dot(axis, d->seen_rate);
         across = vec3_axpy(vec3_axpy(across, -vec3_dot(axis, s->seen_rate), d->axis), -axial, axis);
     }
-#ifndef CONTACT_NO_CAPS
     if (contact_is_rim(&s->shape)) {
         across = vec3_sub(across, hoop_along(s, d));
     }
-#endif
     across = vec3_axpy(across, -d->distance * s->inverse_distance, s->across);
     return vec3_axpy(turned, s->inverse_distance, across);
 }

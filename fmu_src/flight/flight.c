@@ -5,8 +5,6 @@
 #include "scene/evaluate.h"
 #include "scene/present.h"
 
-#if SCENE_ANY_ROTATION
-
 static bool is_under_torque(const struct scene_state *q, int body)
 {
     const struct vec3 *torque = q->path[body].torque;
@@ -105,8 +103,6 @@ struct axis_motion flight_axis_motion(const struct scene_values *v, const struct
     rotor_rates_under_torque(&now, inertia.transverse, inertia.axial, torque, lambda);
     return axis_motion_driven(axis, lambda, ROTOR_RATES);
 }
-
-#endif
 
 /* Part of the terms of the discriminant below which the parabola may only touch zero, and its root has less
  * than half of its digits. */
@@ -383,11 +379,9 @@ void flight_advance(const struct scene_values *v, struct scene_state *q, double 
             q->body[i] = flight_body_at(v, q, i, clock);
         }
     }
-#if SCENE_ANY_ROTATION
     if (scene_turns(v)) {
         flight_turn_all(v, q, clock);
     }
-#endif
     q->clock = clock;
     q->dissipated += apart ? 0.0 : stored - stored_now(v, q);
 }
@@ -452,7 +446,6 @@ void flight_catch_up(const struct scene_values *v, struct scene_state *q)
     q->deferred = 0;
 }
 
-#if SCENE_ANY_CYLINDER
 static struct vec3 with_axial_of(struct vec3 a, struct vec3 exact, struct vec3 axis)
 {
     return vec3_axpy(a, vec3_dot(vec3_sub(exact, a), axis), axis);
@@ -467,7 +460,6 @@ static void restore_axial(const struct scene_values *v, struct scene_state *q, i
         q->body[body].velocity = with_axial_of(q->body[body].velocity, exact.velocity, axis);
     }
 }
-#endif
 
 void flight_restore(const struct scene_values *v, struct scene_state *q)
 {
@@ -476,13 +468,13 @@ void flight_restore(const struct scene_values *v, struct scene_state *q)
             q->body[i] = flight_body_at(v, q, i, q->clock);
         }
     }
-#if SCENE_ANY_CYLINDER
-    /* friction acts along the axis, and an axis that turns keeps nothing */
-    for (int j = 0; !scene_turns(v) && j < SCENE_CONTACTS; ++j) {
-        if (scene_ends_suddenly(v, j) && contact_transmits(q, j)) {
-            restore_axial(v, q, j, contact_source(j));
-            restore_axial(v, q, j, contact_destination(j));
+    if (SCENE_ANY_CYLINDER) {
+        /* friction acts along the axis, and an axis that turns keeps nothing */
+        for (int j = 0; !scene_turns(v) && j < SCENE_CONTACTS; ++j) {
+            if (scene_ends_suddenly(v, j) && contact_transmits(q, j)) {
+                restore_axial(v, q, j, contact_source(j));
+                restore_axial(v, q, j, contact_destination(j));
+            }
         }
     }
-#endif
 }

@@ -10,8 +10,6 @@
 #include "flight/tumbling.h"
 #include "scene/evaluate.h"
 
-#if SCENE_ANY_ROTATION
-
 /* A body of free rotation at a clock no earlier than the present. */
 struct body_turn flight_turn_at(const struct scene_values *v, const struct scene_state *q, int body,
                                 double clock);
@@ -26,8 +24,6 @@ void flight_turn_all(const struct scene_values *v, struct scene_state *q, double
 /* The axis of a body from the present on, which `at` shows; without contact forces on it. */
 struct axis_motion flight_axis_motion(const struct scene_values *v, const struct scene_state *q,
                                       const struct body_turn *at, int body);
-
-#endif
 
 /*
  * Head-on flight: bodies that are apart and move along their normal alone, under a constant relative
@@ -99,7 +95,6 @@ struct body_state flight_body_at(const struct scene_values *v, const struct scen
  * stored energy that is lost. Only while flight_is_free. */
 void flight_advance(const struct scene_values *v, struct scene_state *q, double clock);
 
-#if SCENE_ANY_FREE
 /* flight_body_at where there is no force, bit for bit. */
 static inline struct body_state flight_unforced_at(const struct scene_values *v, const struct scene_state *q,
                                                    int body, double clock)
@@ -108,7 +103,6 @@ static inline struct body_state flight_unforced_at(const struct scene_values *v,
     const struct vec3 mean = vec3_axpy(start, clock, vec3_scale(0.5, gravity(v)));
     return (struct body_state){vec3_scale(clock, mean), vec3_axpy(start, clock, gravity(v))};
 }
-#endif
 
 /*
  * Deferred flight: without external forces the body states are closed forms of the clock, so they need not be

@@ -1,9 +1,7 @@
 #include <float.h>
 
-#include "flight/relative_path.h"
-
-#if SCENE_ANY_FREE
 #include "flight/flight.h"
+#include "flight/relative_path.h"
 
 static void add_free(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at, double clock, int body, double sign,
@@ -18,14 +16,6 @@ static void add_free(const struct scene_values *v, const struct scene_state *q,
         out->c[i + 1] = vec3_axpy(out->c[i + 1], sign * FLIGHT_MEAN[i], rate[i]);
     }
 }
-#else /* there are none to be added */
-static void add_free(const struct scene_values *v, const struct scene_state *q,
-                     const struct scene_instant *at, double clock, int body, double sign,
-                     struct separation_path *out)
-{
-    (void)v, (void)q, (void)at, (void)clock, (void)body, (void)sign, (void)out;
-}
-#endif
 
 static void add_prescribed(const struct scene_state *q, double clock, int body, double sign,
                            struct separation_path *out)

@@ -190,12 +190,10 @@ static struct contact_shape shape_with(const struct tumbling_path *path, struct 
 {
     struct contact_shape shape = path->shape;
     shape.axis = axis;
-#ifndef CONTACT_NO_CAPS
     if (contact_is_capped(&shape)) {
         shape.solid.axis = axis;
         shape = contact_shape_in(&shape, 0);
     }
-#endif
     return shape;
 }
 
@@ -293,11 +291,9 @@ struct falling tumbling_beyond_reach(const struct tumbling_path *path, const str
     const double distance = vec3_norm(at->c[0]);
     const struct contact_shape shape = shape_with(path, path->axis.axis);
     double farthest = contact_reach(&shape) + shape.half_length;
-#ifndef CONTACT_NO_CAPS
     if (contact_is_capped(&shape)) {
         farthest = shape.solid.radius + shape.solid.half_height + shape.source_radius;
     }
-#endif
     const double slope = distance > 0.0 ? vec3_dot(at->c[0], at->c[1]) / distance : 0.0;
     return (struct falling){distance - farthest, slope, size_within(at->c, 2, length)};
 }

@@ -14,8 +14,6 @@
 
 #include "flight/relative_path.h"
 
-#if SCENE_ANY_CAPS
-
 /* Roundings of the gap [m]. */
 double zone_path_rounding(const struct contact_solid *solid, const struct separation_path *path);
 
@@ -42,15 +40,11 @@ int zone_path_edges(const struct contact_solid *solid, const struct separation_p
 double zone_path_between(const struct contact_solid *solid, const struct separation_path *path,
                          double horizon, double from, double to);
 
-#endif
-
 /*
  * Changes of regime at the rim of a capped cylinder along a path that is given (flight while separating, or
  * prescribed motion). The gap is a root of polynomials of degree eight, and the law's conditions go beyond
  * what polynomials can tell, so the path is followed in steps that are short against the circle's distance.
  */
-
-#if SCENE_ANY_CAPS
 
 struct rim_change {
     double time; /* [s]; INFINITY where nothing changes */
@@ -66,12 +60,8 @@ struct rim_change rim_first_change(const struct contact_shape *shape, const stru
 double rim_least_gap(const struct contact_shape *shape, const struct separation_path *path, double from,
                      double until);
 
-#endif
-
 /* The next change of regime of a contact with a capped cylinder, or of its zone, where no contact force acts
  * or all motion is given: prediction.h for that shape. A change of zone leaves the regime as it is. */
-
-#if SCENE_ANY_CAPS
 
 /* Of bodies that are apart: when they touch [s]; INFINITY: not within the horizon. */
 double zone_change_touch(const struct scene_values *v, const struct scene_state *q,
@@ -85,7 +75,5 @@ double zone_change_after(const struct scene_values *v, const struct scene_state 
 struct rim_change zone_change_at_rim(const struct scene_values *v, const struct scene_state *q,
                                      const struct scene_instant *at, double clock, int contact,
                                      double horizon);
-
-#endif
 
 #endif

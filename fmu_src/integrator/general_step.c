@@ -108,7 +108,7 @@ double general_length_of_sliding(const struct scene_values *v, const struct scen
     struct scene_jet along;
     double least = (double)INFINITY;
     bool known = false;
-    scene_evaluate(v, q, q->clock, free_bodies_now(q), &at);
+    scene_evaluate(v, q, q->clock, q->body, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct friction_law law = scene_friction_law(v, q, j);
         const double slip = vec3_norm(at.turning.slip[j]);

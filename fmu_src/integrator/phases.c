@@ -175,13 +175,11 @@ static bool change_regime(const struct scene_values *v, struct scene_state *q, s
 /* The event that ended a phase; whether contact begins or ends with it. */
 static bool take_event(const struct scene_values *v, struct scene_state *q, struct advance *step)
 {
-#if SCENE_ANY_FRICTION
-    if (step->event > ODE_EVENT_LAW && step->event != ODE_EVENT_ZONE) {
+    if (SCENE_ANY_FRICTION && step->event > ODE_EVENT_LAW && step->event != ODE_EVENT_ZONE) {
         transition_change_friction(v, q, step->contact, (enum ode_event)step->event, &step->now);
         step->is_now = true;
         return false;
     }
-#endif
     return change_regime(v, q, step, step->contact, step->regime);
 }
 

@@ -525,7 +525,6 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     return flight_regime_change(&path, &shape, &law, present, settle, by_positions);
 }
 
-#if SCENE_ANY_CAPS
 static struct regime_change change_at_rim(const struct scene_values *v, const struct scene_state *q,
                                           const struct scene_instant *at, double clock, int contact,
                                           double horizon)
@@ -562,18 +561,17 @@ static struct regime_change capped_regime_change(const struct scene_values *v, c
     }
     return next;
 }
-#endif
 
 struct regime_change next_regime_change(const struct scene_values *v, const struct scene_state *q,
                                         const struct scene_instant *at, double clock, int contact,
                                         double horizon)
 {
-#if SCENE_ANY_CAPS
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    if (contact_is_capped(&shape)) {
-        return capped_regime_change(v, q, at, clock, contact, horizon);
+    if (SCENE_ANY_CAPS) {
+        const struct contact_shape shape = scene_contact_shape(v, q, contact);
+        if (contact_is_capped(&shape)) {
+            return capped_regime_change(v, q, at, clock, contact, horizon);
+        }
     }
-#endif
     return smooth_regime_change(v, q, at, clock, contact, horizon);
 }
 
@@ -582,7 +580,6 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
     const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
-#if SCENE_ANY_CAPS
     if (contact_is_rim(&shape)) {
         contact_peaks_note(&q->contact[contact].peaks, 0.0,
                            -rim_least_gap(&shape, &separation, 0.0, until - q->clock));
@@ -591,13 +588,10 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
     if (contact_is_capped(&shape) && shape.solid.zone == 0) {
         return; /* it is apart */
     }
-#endif
     const struct relative_path path =
         relative_path_make(&shape, &separation, at->geometry[contact].gap, until - q->clock);
     contact_peaks_note(&q->contact[contact].peaks, 0.0, -candidates_least_gap(&path));
 }
-
-#if SCENE_ANY_ROTATION
 
 /* Instants per radian that the axis turns, and at least, at which the law of a contact without touch or
  * parting is looked at: its changes are smooth functions of the motion, and none of them is an onset. */
@@ -712,26 +706,20 @@ static struct outlook tumbling_outlook(const struct scene_values *v, const struc
     }
     return found;
 }
-#endif
 
 struct outlook outlook_of(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, int contact, double horizon, long budget)
 {
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
         const struct outlook nothing = {{(double)INFINITY, present, 0.0, true}, horizon, 0};
         if (contact_transmits(q, contact) && !contact_is_driven(v, contact)) {
             return nothing;
         }
-#if SCENE_ANY_ROTATION
-        if (axis_turns(v, contact)) {
+        if (SCENE_ANY_ROTATION && axis_turns(v, contact)) {
             return is_loaded(v, q, contact) ? nothing : tumbling_outlook(v, q, at, contact, horizon, budget);
         }
-#endif
     }
-#endif
-    (void)budget;
     const struct regime_change next = next_regime_change(v, q, at, q->clock, contact, horizon);
     return (struct outlook){next, horizon, 0};
 }

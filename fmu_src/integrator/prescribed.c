@@ -162,11 +162,11 @@ static void add_panel(struct scene_state *q, const struct panel *panel)
         const double *sum = panel->sum + 3 * j;
         q->contact[j].physics.impulse =
             vec3_add(q->contact[j].physics.impulse, vec3_make(sum[0], sum[1], sum[2]));
-#if SCENE_HAS_TORQUES
-        const double *torque = panel->sum + DECIDING + 3 * j;
-        q->contact[j].torques.destination_impulse =
-            vec3_add(q->contact[j].torques.destination_impulse, vec3_make(torque[0], torque[1], torque[2]));
-#endif
+        if (SCENE_HAS_TORQUES) {
+            const double *torque = panel->sum + DECIDING + 3 * j;
+            q->contact[j].torques.destination_impulse = vec3_add(q->contact[j].torques.destination_impulse,
+                                                                 vec3_make(torque[0], torque[1], torque[2]));
+        }
     }
     q->dissipated += panel->sum[DECIDING - 2];
     q->external_work += panel->sum[DECIDING - 1];

@@ -45,7 +45,6 @@ static bool turning_exchange_slope(const struct scene_values *v, const struct sc
                                    const struct scene_jet *along, const struct variable *variable,
                                    double *slope);
 
-#if SCENE_ANY_ROTATION
 static double *orientation_part(struct quaternion *q, int component)
 {
     double *const parts[] = {&q->w, &q->x, &q->y, &q->z};
@@ -144,9 +143,7 @@ static bool turn_slope(const struct scene_values *v, const struct scene_state *q
                  : 0.0;
     return true;
 }
-#endif
 
-#if SCENE_ANY_FRICTION
 static bool set_friction(struct scene_state *q, const struct variable *state, double value)
 {
     switch (state->row) {
@@ -245,79 +242,48 @@ static bool friction_slope(const struct scene_values *v, const struct scene_stat
     }
     return true;
 }
-#endif
 
 static bool turning_exchange_set(struct scene_state *q, const struct variable *state, double value)
 {
-    bool known = false;
-#if SCENE_ANY_ROTATION
-    known = known || set_turn(q, state, value);
-#endif
-#if SCENE_ANY_FRICTION
-    known = known || set_friction(q, state, value);
-#endif
-    (void)q, (void)state, (void)value;
-    return known;
+    return (SCENE_ANY_ROTATION && set_turn(q, state, value)) ||
+           (SCENE_ANY_FRICTION && set_friction(q, state, value));
 }
 
 static bool turning_exchange_get(const struct scene_values *v, const struct scene_state *q,
                                  const struct scene_instant *at, const struct variable *variable,
                                  double *value)
 {
-    bool known = false;
-#if SCENE_ANY_ROTATION
-    known = known || get_turn(v, q, at, variable, value);
-#endif
-#if SCENE_ANY_FRICTION
-    known = known || get_friction(v, q, at, variable, value);
-#endif
-    (void)v, (void)q, (void)at, (void)variable, (void)value;
-    return known;
+    return (SCENE_ANY_ROTATION && get_turn(v, q, at, variable, value)) ||
+           (SCENE_ANY_FRICTION && get_friction(v, q, at, variable, value));
 }
 
 /* Springs jump where sliding begins or ends; different factors tell their components apart. */
 static uint64_t turning_exchange_booked(const struct scene_state *q, uint64_t mark)
 {
-#if SCENE_ANY_FRICTION
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct vec3 spring = q->turning.spring[j];
-        const double values[3] = {spring.x, spring.y, spring.z};
-        mark = mark_of(mark, values, 3);
+    if (SCENE_ANY_FRICTION) {
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            const struct vec3 spring = q->turning.spring[j];
+            const double values[3] = {spring.x, spring.y, spring.z};
+            mark = mark_of(mark, values, 3);
+        }
+        return mark_of(mark, &q->friction_energy, 1);
     }
-    return mark_of(mark, &q->friction_energy, 1);
-#else
-    (void)q;
     return mark;
-#endif
 }
 
 static bool turning_exchange_move(const struct scene_values *v, const struct scene_state *q,
                                   const struct variable *state, double change, struct scene_jet *along)
 {
-    bool known = false;
-#if SCENE_ANY_ROTATION
-    known = known || move_turn(v, q, state, change, along);
-#endif
-#if SCENE_ANY_FRICTION
-    known = known || move_friction(v, state, change, along);
-#endif
-    (void)v, (void)q, (void)state, (void)change, (void)along;
-    return known;
+    return (SCENE_ANY_ROTATION && move_turn(v, q, state, change, along)) ||
+           (SCENE_ANY_FRICTION && move_friction(v, state, change, along));
 }
 
 static bool turning_exchange_slope(const struct scene_values *v, const struct scene_state *q,
                                    const struct scene_jet *along, const struct variable *variable,
                                    double *slope)
 {
-    bool known = false;
-#if SCENE_ANY_ROTATION
-    known = known || turn_slope(v, q, along, variable, slope);
-#endif
-#if SCENE_ANY_FRICTION
-    known = known || friction_slope(v, q, along, variable, slope);
-#endif
-    (void)v, (void)q, (void)along, (void)variable, (void)slope;
-    return known;
+    return (SCENE_ANY_ROTATION && turn_slope(v, q, along, variable, slope)) ||
+           (SCENE_ANY_FRICTION && friction_slope(v, q, along, variable, slope));
 }
 
 /* States, rates and event indicators of scenes with a body that may be free, for an integrator outside. */
@@ -434,13 +400,13 @@ bool motion_change_regimes(const struct scene_values *v, struct scene_state *q)
             changed = true;
             continue;
         }
-#if SCENE_ANY_FRICTION
-        const enum ode_event event = regime_friction_event(v, q, &at, j);
-        if (event != ODE_EVENT_GAP) {
-            transition_switch_friction(v, q, j, event);
-            changed = true;
+        if (SCENE_ANY_FRICTION) {
+            const enum ode_event event = regime_friction_event(v, q, &at, j);
+            if (event != ODE_EVENT_GAP) {
+                transition_switch_friction(v, q, j, event);
+                changed = true;
+            }
         }
-#endif
     }
     forget_integration(q);
     return changed;
@@ -574,14 +540,14 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
     const bool touching = state->regime != REGIME_APART;
     const struct vec3 mean = mean_of(impulse, q->step_length);
     put_contact_mean_force(v, contact, mean);
-#if SCENE_ANY_TURNING
-    const struct contact_torques *torques = &state->torques;
-    put_contact_mean_source_torque(
-        v, contact, mean_of(vec3_sub(torques->source_impulse, torques->source_mark), q->step_length));
-    put_contact_mean_destination_torque(
-        v, contact,
-        mean_of(vec3_sub(torques->destination_impulse, torques->destination_mark), q->step_length));
-#endif
+    if (SCENE_ANY_TURNING) {
+        const struct contact_torques *torques = &state->torques;
+        put_contact_mean_source_torque(
+            v, contact, mean_of(vec3_sub(torques->source_impulse, torques->source_mark), q->step_length));
+        put_contact_mean_destination_torque(
+            v, contact,
+            mean_of(vec3_sub(torques->destination_impulse, torques->destination_mark), q->step_length));
+    }
     put_contact_peak_force(v, contact, state->peaks.force);
     put_contact_peak_penetration(v, contact, state->peaks.penetration);
     put_contact_onsets(v, contact, state->record.onsets);
@@ -596,7 +562,6 @@ static double put_history(struct scene_values *v, const struct scene_state *q, i
 static double put_turning_energies(struct scene_values *v, const struct scene_state *q,
                                    const struct scene_instant *at)
 {
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         const double rotational = energy_rotational_of(v, at);
         const double tangential = energy_tangential_of(v, q, at);
@@ -607,10 +572,6 @@ static double put_turning_energies(struct scene_values *v, const struct scene_st
     }
     put_energy_friction(v, q->friction_energy); /* zero but for what an integrator outside says */
     return q->friction_energy;
-#else
-    (void)v, (void)q, (void)at;
-    return 0.0;
-#endif
 }
 
 static double put_energies(struct scene_values *v, const struct scene_state *q,
@@ -662,12 +623,7 @@ double motion_energy(const struct scene_values *v, const struct scene_state *q,
 /* What turns and rubs has of the balance. */
 static double turning_balance_term(const struct scene_values *v, const struct scene_jet *along, int order)
 {
-#if SCENE_ANY_TURNING
-    return turning_jet_of_rotational(v, along, order) + along->friction[order];
-#else
-    (void)v, (void)along, (void)order;
-    return 0.0;
-#endif
+    return SCENE_ANY_TURNING ? turning_jet_of_rotational(v, along, order) + along->friction[order] : 0.0;
 }
 
 static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
@@ -683,14 +639,12 @@ static double energy_term(const struct model *m, const struct scene_jet *along, 
         return potential;
     case ROW_energy_contact:
         return stored;
-#if SCENE_ANY_TURNING
     case ROW_energy_rotational:
         return turning_jet_of_rotational(v, along, order);
     case ROW_energy_tangential:
         return turning_jet_of_tangential(v, &m->state.motion, along, order);
     case ROW_energy_friction:
         return along->friction[order] - turning_jet_of_tangential(v, &m->state.motion, along, order);
-#endif
     case ROW_energy_dissipated:
         return along->dissipated[order];
     case ROW_energy_external_work:
@@ -762,9 +716,9 @@ void motion_place(const struct scene_values *v, struct scene_state *q)
             q->body[i].velocity = q->origin[i].velocity;
         }
     }
-#if SCENE_ANY_TURNING
-    turning_place(v, q);
-#endif
+    if (SCENE_ANY_ROTATION) {
+        turning_place(v, q);
+    }
 }
 
 void motion_begin(const struct scene_values *v, struct scene_state *q)
@@ -784,14 +738,10 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     const double stored = energy_stored(v, q, &at);
     scene_rebase(v, q);
     memcpy(q->path, next, sizeof q->path);
-#if SCENE_ANY_TURNING
     turning_take_axes(v, q);
     if (jumps && scene_turns(v) && scene_is_force_element(v)) {
         driven_lay_springs(v, q);
     }
-#else
-    (void)jumps;
-#endif
     transition_settle_regimes(v, q, stored, false);
     if (isfinite(q->external_work) || scene_is_force_element(v)) {
         return true;
@@ -839,7 +789,6 @@ static enum model_status report_step_limit(const struct model *m, const struct s
         request->whole ? "where it began" : "there");
 }
 
-#if SCENE_ANY_TURNING
 /* No body is free or turns freely, but something turns or rubs. */
 static enum model_status advance_given(struct model *m, const struct step_request *request)
 {
@@ -861,15 +810,12 @@ static enum model_status advance_given(struct model *m, const struct step_reques
     transition_end_step(v, q);
     return MODEL_OK;
 }
-#endif
 
 enum model_status motion_advance(struct model *m, const struct step_request *request)
 {
-#if SCENE_ANY_TURNING
     if (scene_turns(&m->state.values) && scene_is_force_element(&m->state.values)) {
         return advance_given(m, request);
     }
-#endif
     const double end_time = request->end_time;
     const struct scene_values *v = &m->state.values;
     const int32_t events = m->state.motion.counters.events;

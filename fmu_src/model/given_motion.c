@@ -31,11 +31,9 @@ bool motion_has_history(const struct scene_values *v)
 
 void motion_place(const struct scene_values *v, struct scene_state *q)
 {
-#if SCENE_ANY_TURNING
-    turning_place(v, q);
-#else
-    (void)v, (void)q;
-#endif
+    if (SCENE_ANY_ROTATION) {
+        turning_place(v, q);
+    }
 }
 
 void motion_begin(const struct scene_values *v, struct scene_state *q)
@@ -51,9 +49,7 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     (void)jumps;
     scene_rebase(v, q);
     memcpy(q->path, next, sizeof q->path);
-#if SCENE_ANY_TURNING
     turning_take_axes(v, q);
-#endif
     return true;
 }
 
@@ -132,10 +128,8 @@ double motion_show(struct scene_values *v, const struct scene_state *q, const st
     for (int j = 0; SUMS_UP_STEPS && j < SCENE_CONTACTS; ++j) {
         const struct contact_state *state = &q->contact[j];
         put_contact_mean_force(v, j, state->mean_force);
-#if SCENE_ANY_TURNING
         put_contact_mean_source_torque(v, j, state->torques.source_mean);
         put_contact_mean_destination_torque(v, j, state->torques.destination_mean);
-#endif
         put_contact_peak_force(v, j, state->peaks.force);
         put_contact_peak_penetration(v, j, state->peaks.penetration);
     }

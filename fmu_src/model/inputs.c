@@ -74,7 +74,6 @@ static bool inputs_prescribe_all(const struct scene_values *v)
     return true;
 }
 
-#if SCENE_ANY_ROTATION
 /* The axis goes on by derivatives of its own, or with the angular velocity. */
 static void renew_turn(const struct model *m, int body, const uint8_t *marks, struct body_path *path)
 {
@@ -98,7 +97,6 @@ static void renew_turn(const struct model *m, int body, const uint8_t *marks, st
                          : has_rate       ? TURN_FOLLOWS_AXIS
                                           : TURN_FOLLOWS_VELOCITY;
 }
-#endif
 
 static void input_path_renew(const struct model *m, int body, const uint8_t *marks, struct body_path *path)
 {
@@ -117,12 +115,11 @@ static void input_path_renew(const struct model *m, int body, const uint8_t *mar
             put_signal(path->force, k, vec3_get(force, k), &signals[6 + k], marks[6 + k]);
         }
     }
-#if SCENE_ANY_ROTATION
-    renew_turn(m, body, marks, path);
-#endif
+    if (SCENE_ANY_ROTATION) {
+        renew_turn(m, body, marks, path);
+    }
 }
 
-#if SCENE_ANY_ROTATION
 static bool is_set(const uint8_t *marks)
 {
     return (marks[0] | marks[1] | marks[2]) != 0;
@@ -135,7 +132,6 @@ static void start_axis(struct model *m, int body)
         m->state.motion.path[body].axis[0] = body_axis(&m->state.values, body);
     }
 }
-#endif
 
 void model_start_paths(struct model *m)
 {
@@ -145,9 +141,9 @@ void model_start_paths(struct model *m)
             marks[k] = m->state.marks[i][k] | SIGNAL_VALUE;
         }
         input_path_renew(m, i, marks, &m->state.motion.path[i]);
-#if SCENE_ANY_ROTATION
-        start_axis(m, i);
-#endif
+        if (SCENE_ANY_ROTATION) {
+            start_axis(m, i);
+        }
     }
 }
 
@@ -163,18 +159,17 @@ static bool same_coefficients(const struct vec3 *a, const struct vec3 *b, int co
 
 static bool input_path_is_same(const struct body_path *a, const struct body_path *b)
 {
-#if SCENE_ANY_ROTATION
-    if (!same_coefficients(a->angular_velocity, b->angular_velocity, 3) ||
-        !same_coefficients(a->axis, b->axis, 3) || !same_coefficients(a->torque, b->torque, 3) ||
-        a->turn_follows != b->turn_follows) {
-        return false;
+    if (SCENE_ANY_ROTATION) {
+        if (!same_coefficients(a->angular_velocity, b->angular_velocity, 3) ||
+            !same_coefficients(a->axis, b->axis, 3) || !same_coefficients(a->torque, b->torque, 3) ||
+            a->turn_follows != b->turn_follows) {
+            return false;
+        }
     }
-#endif
     return same_coefficients(a->displacement, b->displacement, 4) &&
            same_coefficients(a->velocity, b->velocity, 3) && same_coefficients(a->force, b->force, 3);
 }
 
-#if SCENE_ANY_ROTATION
 /* An axis that has turned with its body goes on from there, whatever of it is not set. */
 static void put_turned_axis(const struct model *m, int body, struct body_path *path)
 {
@@ -185,7 +180,6 @@ static void put_turned_axis(const struct model *m, int body, struct body_path *p
         path->axis[0] = quaternion_third_axis(now.orientation);
     }
 }
-#endif
 
 static void input_path_shift(const struct model *m, int body, struct body_path *path)
 {
@@ -193,14 +187,12 @@ static void input_path_shift(const struct model *m, int body, struct body_path *
     path_shift(path->displacement, 4, clock);
     path_shift(path->velocity, 3, clock);
     path_shift(path->force, 3, clock);
-#if SCENE_ANY_ROTATION
-    path_shift(path->angular_velocity, 3, clock);
-    path_shift(path->axis, 3, clock);
-    path_shift(path->torque, 3, clock);
-    put_turned_axis(m, body, path);
-#else
-    (void)body;
-#endif
+    if (SCENE_ANY_ROTATION) {
+        path_shift(path->angular_velocity, 3, clock);
+        path_shift(path->axis, 3, clock);
+        path_shift(path->torque, 3, clock);
+        put_turned_axis(m, body, path);
+    }
 }
 
 /* The penalty factors that the parameters describe. */
@@ -419,29 +411,28 @@ enum model_status model_set_input_derivative(struct model *m, const struct varia
     return MODEL_OK;
 }
 
-#if SCENE_ANY_ROTATION
 /* Whether an axis is prescribed that has no direction. */
 static bool has_no_axis(const struct scene_values *v, int body)
 {
     return body_shape(body) != SHAPE_SPHERE && body_turn_is_prescribed(v, body) &&
            vec3_is_zero(body_prescribed_axis(v, body));
 }
-#endif
 
 enum model_status model_refuse_inputs(const struct model *m)
 {
-#if SCENE_ANY_ROTATION
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        const char *name = scene_body_name(i);
-        if (has_no_axis(&m->state.values, i)) {
-            return model_report(m, MODEL_DISCARD,
-                                "%s.prescribed_axis[1], %s.prescribed_axis[2], %s.prescribed_axis[3] = 0, 0, "
-                                "0 has no direction "
-                                "and is not in force (allowed: at least one component other than zero).",
-                                name, name, name);
+    if (SCENE_ANY_ROTATION) {
+        for (int i = 0; i < SCENE_BODIES; ++i) {
+            const char *name = scene_body_name(i);
+            if (has_no_axis(&m->state.values, i)) {
+                return model_report(
+                    m, MODEL_DISCARD,
+                    "%s.prescribed_axis[1], %s.prescribed_axis[2], %s.prescribed_axis[3] = 0, 0, "
+                    "0 has no direction "
+                    "and is not in force (allowed: at least one component other than zero).",
+                    name, name, name);
+            }
         }
     }
-#endif
     return model_report(
         m, MODEL_DISCARD,
         "The %s set last would take an energy beyond the range of numbers and are not in force "
@@ -466,11 +457,9 @@ bool model_apply_inputs(struct model *m)
         input_path_shift(m, i, &next[i]);
         const struct body_path before = next[i];
         input_path_renew(m, i, m->state.marks[i], &next[i]);
-#if SCENE_ANY_ROTATION
-        if (has_no_axis(&m->state.values, i)) {
+        if (SCENE_ANY_ROTATION && has_no_axis(&m->state.values, i)) {
             return false;
         }
-#endif
         same = same && input_path_is_same(&before, &next[i]);
     }
     bool applied = true;
@@ -506,7 +495,6 @@ static bool contradict(struct vec3 a, struct vec3 b, double least)
 /* Bits of model_state.warned_of_rate. */
 enum { WARNED_OF_DISPLACEMENT = 1, WARNED_OF_AXIS = 2 };
 
-#if SCENE_ANY_ROTATION
 /* Rates of unit axes that are no further apart agree [1/s]: what rounding leaves of an axis, over a
  * microsecond. */
 static const double AXIS_AGREEMENT = 1e-9;
@@ -541,16 +529,15 @@ static void warn_of_axis(struct model *m, int body)
                      turning.y, turning.z);
     }
 }
-#endif
 
 void model_warn_of_rates(struct model *m)
 {
     const struct scene_values *v = &m->state.values;
     const struct scene_state *q = &m->state.motion;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-#if SCENE_ANY_ROTATION
-        warn_of_axis(m, i);
-#endif
+        if (SCENE_ANY_ROTATION) {
+            warn_of_axis(m, i);
+        }
         if (!body_is_prescribed(v, i) || (m->state.warned_of_rate[i] & WARNED_OF_DISPLACEMENT)) {
             continue;
         }

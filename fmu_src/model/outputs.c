@@ -9,19 +9,15 @@
 #include "scene/present.h"
 #include "scene/scene_jet.h"
 
-#if SCENE_ANY_TURNING
-
 static void put_turn(struct scene_values *v, const struct turning_instant *turning, int body)
 {
     const struct body_turn *turn = &turning->body[body];
     struct quaternion orientation = turn->orientation;
     struct vec3 axis = quaternion_third_axis(orientation);
-#if SCENE_ANY_ROTATION
-    if (!body_turns(v, body)) {
+    if (SCENE_ANY_ROTATION && !body_turns(v, body)) {
         orientation = turning_start_orientation(v, body);
         axis = quaternion_third_axis(orientation);
     }
-#endif
     put_body_angular_velocity(v, body, turn->angular_velocity);
     put_body_orientation(v, body, orientation);
     put_body_current_axis(v, body, axis);
@@ -30,17 +26,15 @@ static void put_turn(struct scene_values *v, const struct turning_instant *turni
 static bool sticks(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                    int contact)
 {
-#if SCENE_ANY_FRICTION
-    if (!contact_rubs(v, contact) || q->contact[contact].regime == (int32_t)REGIME_APART) {
-        return false;
+    if (SCENE_ANY_FRICTION) {
+        if (!contact_rubs(v, contact) || q->contact[contact].regime == (int32_t)REGIME_APART) {
+            return false;
+        }
+        return contact_rubs_elastically(v, contact)
+                   ? q->contact[contact].friction_regime == (int32_t)FRICTION_STICKING
+                   : vec3_norm(at->turning.slip[contact]) < q->contact[contact].parameters.slip_velocity;
     }
-    return contact_rubs_elastically(v, contact)
-               ? q->contact[contact].friction_regime == (int32_t)FRICTION_STICKING
-               : vec3_norm(at->turning.slip[contact]) < q->contact[contact].parameters.slip_velocity;
-#else
-    (void)v, (void)q, (void)at, (void)contact;
     return false;
-#endif
 }
 
 static double put_rubbing(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
@@ -51,9 +45,9 @@ static double put_rubbing(struct scene_values *v, const struct scene_state *q, c
     const struct vec3 centre = vec3_add(body_center(v, source), at->displacement[source]);
     const struct vec3 friction = turning->friction_force[contact];
     const struct vec3 force = at->source_force[contact];
-#if SCENE_ANY_FRICTION
-    put_contact_effective_slip_velocity(v, contact, q->contact[contact].parameters.slip_velocity);
-#endif
+    if (SCENE_ANY_FRICTION) {
+        put_contact_effective_slip_velocity(v, contact, q->contact[contact].parameters.slip_velocity);
+    }
     if (contact_rubs(v, contact)) {
         put_contact_source_force(v, contact, force);
         put_contact_destination_force(v, contact, vec3_scale(-1.0, force));
@@ -68,7 +62,9 @@ static double put_rubbing(struct scene_values *v, const struct scene_state *q, c
            vec3_norm(turning->source_torque[contact]) + vec3_norm(turning->destination_torque[contact]);
 }
 
-double model_show_turning(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
+/* Shows what turns and rubs; a sum that is finite only if all of it is. */
+static double show_turning(struct scene_values *v, const struct scene_state *q,
+                           const struct scene_instant *at)
 {
     struct scene_instant known = *at;
     double sum = 0.0;
@@ -85,17 +81,6 @@ double model_show_turning(struct scene_values *v, const struct scene_state *q, c
     return sum;
 }
 
-#else
-
-double model_show_turning(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
-{
-    (void)v, (void)q, (void)at;
-    return 0.0;
-}
-
-#endif
-
-#if SCENE_ANY_TURNING
 /* Of the vectors that only contacts which turn or rub have. */
 static struct vec3 turning_term(const struct scene_jet *along, const struct variable *variable, int order)
 {
@@ -121,14 +106,12 @@ static double quaternion_component(struct quaternion a, int index)
 {
     return index == 0 ? a.w : vec3_get(quaternion_vector(a), index - 1);
 }
-#endif
 
 /* d as users see it: of a capped cylinder from its axis, whichever zone is met. */
 static double distance_term(const struct scene_values *v, const struct contact_shape *shape,
                             const struct scene_instant *at, const struct scene_jet *along, int contact,
                             int order)
 {
-#if SCENE_ANY_CAPS
     if (contact_is_capped(shape)) {
         const int destination = contact_destination(contact);
         struct vec3 c[JET_TERMS] = {at->separation[contact]};
@@ -137,15 +120,13 @@ static double distance_term(const struct scene_values *v, const struct contact_s
         for (int i = 1; i < JET_TERMS; ++i) {
             c[i] = vec3_sub(along->displacement[destination][i],
                             along->displacement[contact_source(contact)][i]);
-#if SCENE_ANY_TURNING
-            axis[i] = body_turns(v, destination) ? along->axis[destination][i] : axis[i];
-#endif
+            if (SCENE_ANY_TURNING) {
+                axis[i] = body_turns(v, destination) ? along->axis[destination][i] : axis[i];
+            }
         }
         contact_axis_distance(c, axis, rho);
         return rho[order];
     }
-#endif
-    (void)v, (void)shape, (void)at;
     return along->contact[contact].distance[order];
 }
 
@@ -185,9 +166,9 @@ static double contact_term(const struct model *m, const struct scene_state *q, c
         break;
     }
     default:
-#if SCENE_ANY_TURNING
-        vector = turning_term(along, variable, order);
-#endif
+        if (SCENE_ANY_TURNING) {
+            vector = turning_term(along, variable, order);
+        }
         break;
     }
     return vec3_get(vector, variable->component);
@@ -202,14 +183,12 @@ double output_term(const struct model *m, const struct scene_state *q, const str
         return vec3_get(along->displacement[variable->element][order], variable->component);
     case ROW_body_velocity:
         return vec3_get(along->velocity[variable->element][order], variable->component);
-#if SCENE_ANY_TURNING
     case ROW_body_angular_velocity:
         return vec3_get(along->angular_velocity[variable->element][order], variable->component);
     case ROW_body_current_axis:
         return vec3_get(along->axis[variable->element][order], variable->component);
     case ROW_body_orientation:
         return quaternion_component(along->orientation[variable->element][order], variable->component);
-#endif
     default:
         break;
     }
@@ -236,7 +215,6 @@ static struct vec3 contact_point_of(const struct scene_values *v, const struct c
 /* d as users see it: of a capped cylinder from its axis, whichever zone is met. */
 static double distance_of(const struct contact_shape *shape, const struct scene_instant *at, int contact)
 {
-#if SCENE_ANY_CAPS
     if (contact_is_capped(shape)) {
         const struct vec3 none = {0.0, 0.0, 0.0};
         const struct vec3 c[3] = {at->separation[contact], none, none};
@@ -245,8 +223,6 @@ static double distance_of(const struct contact_shape *shape, const struct scene_
         contact_axis_distance(c, axis, rho);
         return rho[0];
     }
-#endif
-    (void)shape;
     return at->geometry[contact].distance;
 }
 
@@ -340,7 +316,7 @@ static void update_all(struct model *m)
         m->state.motion.contact[j].normal = at.geometry[j].normal;
         sum += put_contact(v, q, &at, j);
     }
-    sum += motion_show(v, q, &at) + model_show_turning(v, q, &at);
+    sum += motion_show(v, q, &at) + (SCENE_ANY_TURNING ? show_turning(v, q, &at) : 0.0);
     warn_of_missing_direction(m, q, &at);
     /* What is no number has to be looked at one by one. */
     m->outputs = isfinite(sum) ? OUTPUTS_ALL : OUTPUTS_BODIES;

@@ -9,7 +9,6 @@
 #include "model/report.h"
 #include "model/state.h"
 
-#if SCENE_ANY_FREE_ROTATION
 /* A body of positive density everywhere has at least half of its axial moment across its axis. */
 static enum model_status check_inertia(struct model *m, int body)
 {
@@ -50,10 +49,8 @@ static enum model_status check_free_rotation(struct model *m, int body)
                               name)
                : check_inertia(m, body);
 }
-#endif
 
-#if SCENE_ANY_ROTATION
-enum model_status model_check_rotation(struct model *m, int body)
+static enum model_status check_rotation(struct model *m, int body)
 {
     const struct scene_values *v = &m->state.values;
     const char *name = scene_body_name(body);
@@ -65,13 +62,11 @@ enum model_status model_check_rotation(struct model *m, int body)
             "no direction (allowed: at least one component other than zero).",
             name, name, name);
     }
-#if SCENE_ANY_FREE_ROTATION
-    return check_free_rotation(m, body);
-#else
+    if (SCENE_ANY_FREE_ROTATION) {
+        return check_free_rotation(m, body);
+    }
     return MODEL_OK;
-#endif
 }
-#endif
 
 /* What is refused at the end of initialization, and what is warned of. */
 
@@ -419,14 +414,14 @@ void model_warn_of_idle(struct model *m)
 
 enum model_status model_check_consistency(struct model *m)
 {
-#if SCENE_ANY_ROTATION
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        const enum model_status status = model_check_rotation(m, i);
-        if (status != MODEL_OK) {
-            return status;
+    if (SCENE_ANY_ROTATION) {
+        for (int i = 0; i < SCENE_BODIES; ++i) {
+            const enum model_status status = check_rotation(m, i);
+            if (status != MODEL_OK) {
+                return status;
+            }
         }
     }
-#endif
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         enum model_status status = check_contact(m, j);
         if (status == MODEL_OK) {
@@ -497,7 +492,6 @@ static int automatic_side(const struct contact_shape *shape, const struct contac
     return inside ? -1 : 1;
 }
 
-#if SCENE_ANY_FRICTION
 /* A thousandth of the diagonal per second, or the user's [m/s]. */
 static double slip_velocity_of(const struct scene_values *v, int contact, double diagonal)
 {
@@ -505,7 +499,6 @@ static double slip_velocity_of(const struct scene_values *v, int contact, double
                ? 1e-3 * diagonal
                : contact_characteristic_slip_velocity(v, contact);
 }
-#endif
 
 static void prepare_contact(const struct scene_values *v, struct scene_state *q, int contact)
 {
@@ -515,14 +508,12 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
     state->parameters.diagonal = bounding_box_diagonal(&boxes[0], &boxes[1]);
     state->side = 1;
     state->regime = (int32_t)REGIME_APART;
-#if SCENE_ANY_FRICTION
-    state->parameters.slip_velocity = slip_velocity_of(v, contact, state->parameters.diagonal);
-#endif
-#if SCENE_ANY_CYLINDER || SCENE_ANY_PLANE
-    if (body_shape(contact_destination(contact)) != SHAPE_SPHERE) {
+    if (SCENE_ANY_FRICTION) {
+        state->parameters.slip_velocity = slip_velocity_of(v, contact, state->parameters.diagonal);
+    }
+    if ((SCENE_ANY_CYLINDER || SCENE_ANY_PLANE) && body_shape(contact_destination(contact)) != SHAPE_SPHERE) {
         state->parameters.axis = unit_axis(v, contact_destination(contact));
     }
-#endif
     struct contact_shape shape = scene_contact_shape(v, q, contact);
     state->normal = contact_default_normal(&shape);
     struct scene_instant at;

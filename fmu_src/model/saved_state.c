@@ -80,13 +80,10 @@ static bool is_orientation(struct quaternion a, bool initialized)
 
 static bool turning_is_sound(const struct scene_state *q, bool initialized)
 {
-#if SCENE_ANY_TURNING
     if (!all_finite(&q->turning, &q->turning + 1)) {
         return false;
     }
-#endif
-#if SCENE_ANY_ROTATION
-    for (int i = 0; i < SCENE_BODIES; ++i) {
+    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
         const double follows = q->path[i].turn_follows;
         if (!is_orientation(q->turn_origin[i].orientation, initialized) ||
             !is_orientation(q->turning.body[i].orientation, initialized) ||
@@ -96,10 +93,6 @@ static bool turning_is_sound(const struct scene_state *q, bool initialized)
         }
     }
     return all_finite(q->turn_origin, q->turn_origin + SCENE_BODIES);
-#else
-    (void)q, (void)initialized, (void)is_orientation;
-    return true;
-#endif
 }
 
 static bool known_regime(int32_t regime)
@@ -107,14 +100,12 @@ static bool known_regime(int32_t regime)
     return regime >= REGIME_APART && regime <= REGIME_SEPARATING;
 }
 
-#if SCENE_ANY_CAPS
 /* As in struct contact_solid: a side has no end that could be the other one. */
 static bool known_zone(int32_t zone)
 {
     const int32_t part = zone < 0 ? -zone : zone;
     return zone == 0 || zone == ZONE_SIDE || part == ZONE_CAP || part == ZONE_RIM;
 }
-#endif
 
 /* A unit vector, to rounding. */
 static bool is_direction(struct vec3 a)
@@ -130,49 +121,34 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
     if (initialized && !is_direction(contact->normal)) {
         return false;
     }
-#if SCENE_ANY_FRICTION
     if (contact->friction_regime < (int32_t)FRICTION_STICKING ||
         contact->friction_regime > (int32_t)FRICTION_LIFTED) {
         return false;
     }
-#endif
-#if SCENE_ANY_CAPS
     if (!known_zone(contact->zone)) {
         return false;
     }
-#endif
-#if SCENE_ANY_CYLINDER || SCENE_ANY_PLANE
     if (initialized && !is_direction(contact->parameters.axis) &&
         !vec3_is_zero(contact->parameters.axis)) { /* zero: of a sphere */
         return false;
     }
-#endif
-#if SCENE_ANY_FREE
     /* Times up to which something was looked for may be infinite. */
     const struct contact_schedule *ahead = &contact->schedule;
     return known_regime(ahead->change_regime) && contact->record.onsets >= 0 && !isnan(ahead->change_clock) &&
            !isnan(ahead->settled_clock) && isfinite(ahead->change_gap) &&
            all_finite(contact, &contact->record.onsets);
-#else
-    return all_finite(contact, &contact->regime);
-#endif
 }
 
 /* What event_driven goes on with unless it starts anew. */
 static bool unfinished_is_sound(const struct scene_values *v, const struct scene_state *q, bool initialized)
 {
-#if SCENE_ANY_TURNING && SCENE_ANY_FREE
     const struct unfinished_step *step = &q->unfinished;
     const bool is_step = (step->stages == 4 || step->stages == 8 || step->stages == 12) &&
                          step->event >= -1 && step->event < ODE_EVENTS && step->solvable > 0.0 &&
                          step->simple > 0.0 && step->length > 0.0 && step->start <= q->clock &&
                          step->end >= q->clock;
-    return !initialized || q->integrator_fresh == 1 || !scene_turns(v) ||
+    return !SCENE_ANY_FREE || !initialized || q->integrator_fresh == 1 || !scene_turns(v) ||
            (is_step && all_finite(step, &step->solvable) && all_finite(step->at_start, &step->stages));
-#else
-    (void)v, (void)q, (void)initialized;
-    return true;
-#endif
 }
 
 /* As model_save leaves it: without a history of CVODE, of which a restored state has nothing. */
@@ -183,16 +159,11 @@ static bool motion_is_sound(const struct scene_values *v, const struct scene_sta
                          n->rejected_steps >= 0 && n->fallbacks >= 0;
     const bool fresh =
         q->integrator_fresh == 1 || (q->integrator_fresh == 0 && !(initialized && motion_has_history(v)));
-#if SCENE_ANY_FREE
     const bool clocks_are_sound = q->clock >= 0.0 && !isnan(q->horizon_clock) &&
                                   !isnan(q->deferrable_clock) && (q->deferred == 0 || q->deferred == 1);
     return counted && fresh && clocks_are_sound && paths_are_sound(q) &&
            unfinished_is_sound(v, q, initialized) && all_finite(q->origin, &q->counters) &&
            all_finite(q, q->contact);
-#else
-    return counted && fresh && paths_are_sound(q) && unfinished_is_sound(v, q, initialized) &&
-           all_finite(q, q->contact);
-#endif
 }
 
 /* A wrong checksum catches accidents; this catches what could still do harm. */

@@ -13,13 +13,9 @@
 /* Torques and slip where nothing turns or rubs. */
 static void complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
 {
-#if SCENE_ANY_TURNING
-    if (!scene_turns(v)) {
+    if (SCENE_ANY_TURNING && !scene_turns(v)) {
         turning_complete(v, q, at);
     }
-#else
-    (void)v, (void)q, (void)at;
-#endif
 }
 
 static enum model_status check_finite(const struct model *m, const struct variable *variable, double value)
@@ -66,20 +62,18 @@ static void move_inputs(const struct scene_values *v, const struct scene_state *
     if (known->row == ROW_body_external_force && body_is_free(v, known->element)) {
         vec3_add_to(&along->force[known->element], known->component, change);
     }
-#if SCENE_ANY_ROTATION
-    if (body_turn_is_prescribed(v, known->element)) {
-        if (known->row == ROW_body_prescribed_angular_velocity) {
-            vec3_add_to(&along->angular_velocity[known->element][1], known->component, change);
-        } else if (known->row == ROW_body_prescribed_axis) {
-            turning_jet_move_axis(v, at, known->element, known->component, change, along);
+    if (SCENE_ANY_ROTATION) {
+        if (body_turn_is_prescribed(v, known->element)) {
+            if (known->row == ROW_body_prescribed_angular_velocity) {
+                vec3_add_to(&along->angular_velocity[known->element][1], known->component, change);
+            } else if (known->row == ROW_body_prescribed_axis) {
+                turning_jet_move_axis(v, at, known->element, known->component, change, along);
+            }
+        }
+        if (known->row == ROW_body_external_torque && body_turns_freely(v, known->element)) {
+            vec3_add_to(&along->torque[known->element], known->component, change);
         }
     }
-    if (known->row == ROW_body_external_torque && body_turns_freely(v, known->element)) {
-        vec3_add_to(&along->torque[known->element], known->component, change);
-    }
-#else
-    (void)at;
-#endif
     if (!body_is_prescribed(v, known->element)) {
         return;
     }
@@ -113,11 +107,10 @@ static void vary_factors(const struct model *m, struct scene_jet *along)
         if (!factors_are_given(&m->state.values, j)) {
             along->law_slope[j] = model_law_slope(m, j, diagonal_slope(m, along, j));
         }
-#if SCENE_ANY_FRICTION
-        if (contact_slip_velocity_control(&m->state.values, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
+        if (SCENE_ANY_FRICTION &&
+            contact_slip_velocity_control(&m->state.values, j) == SLIP_VELOCITY_CONTROL_AUTOMATIC) {
             along->slip_velocity_slope[j] = 1e-3 * diagonal_slope(m, along, j); /* as prepare.c has it */
         }
-#endif
     }
 }
 
@@ -125,19 +118,17 @@ static void vary_factors(const struct model *m, struct scene_jet *along)
 static void vary_onsets(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
                         struct scene_jet *along)
 {
-#if SCENE_ANY_HERTZ
-    const struct scene_values *v = &m->state.values;
-    for (int j = 0; !m->state.initialized && j < SCENE_CONTACTS; ++j) {
-        if (scene_damps_by_onset(v, j)) {
-            jet_of_contacts(v, q, at, along);
-            const struct contact_jet *contact = &along->contact[j];
-            along->law_slope[j] = contact_hunt_crossley_slope(
-                onset_damping_slope(v, q, at, j, contact->gap[1], contact->gap_rate[1]));
+    if (SCENE_ANY_HERTZ) {
+        const struct scene_values *v = &m->state.values;
+        for (int j = 0; !m->state.initialized && j < SCENE_CONTACTS; ++j) {
+            if (scene_damps_by_onset(v, j)) {
+                jet_of_contacts(v, q, at, along);
+                const struct contact_jet *contact = &along->contact[j];
+                along->law_slope[j] = contact_hunt_crossley_slope(
+                    onset_damping_slope(v, q, at, j, contact->gap[1], contact->gap_rate[1]));
+            }
         }
     }
-#else
-    (void)m, (void)q, (void)at, (void)along;
-#endif
 }
 
 /* Calculated parameters, too, are those of the start until the end of initialization. */
@@ -150,10 +141,8 @@ static double input_derivative(const struct model *m, const struct scene_state *
         return motion_local_slope(&m->state.values, q, along, variable);
     }
     switch (variable->row) {
-#if SCENE_ANY_TURNING
     case ROW_contact_effective_slip_velocity:
         return along->slip_velocity_slope[j];
-#endif
     case ROW_contact_effective_penalty_factor:
         return contact_coefficients_of(&along->law_slope[j], REGIME_COMPRESSION).k;
     case ROW_contact_effective_viscous_penalty_factor:
@@ -174,13 +163,11 @@ static double input_derivative(const struct model *m, const struct scene_state *
 /* Springs as the state has them, which a reading does not lay onto the tangent planes. */
 static void note_lifts(const struct model *m, const struct scene_instant *at, struct scene_jet *along)
 {
-#if SCENE_ANY_FRICTION
-    for (int j = 0; scene_turns(&m->state.values) && j < SCENE_CONTACTS; ++j) {
-        along->spring_lift[j] = vec3_dot(m->state.motion.turning.spring[j], at->geometry[j].normal);
+    if (SCENE_ANY_FRICTION) {
+        for (int j = 0; scene_turns(&m->state.values) && j < SCENE_CONTACTS; ++j) {
+            along->spring_lift[j] = vec3_dot(m->state.motion.turning.spring[j], at->geometry[j].normal);
+        }
     }
-#else
-    (void)m, (void)at, (void)along;
-#endif
 }
 
 enum model_status model_get_directional_derivative(struct model *m, const uint32_t *unknowns,
@@ -202,14 +189,14 @@ enum model_status model_get_directional_derivative(struct model *m, const uint32
     complete(v, q, &at);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         along.velocity[i][0] = at.velocity[i];
-#if SCENE_ANY_TURNING
-        along.angular_velocity[i][0] = at.turning.body[i].angular_velocity;
-        along.axis[i][0] = quaternion_third_axis(at.turning.body[i].orientation);
-#endif
+        if (SCENE_ANY_TURNING) {
+            along.angular_velocity[i][0] = at.turning.body[i].angular_velocity;
+            along.axis[i][0] = quaternion_third_axis(at.turning.body[i].orientation);
+        }
     }
-#if SCENE_ANY_TURNING
-    along.jumps = !m->host.exchange && scene_is_force_element(v);
-#endif
+    if (SCENE_ANY_TURNING) {
+        along.jumps = !m->host.exchange && scene_is_force_element(v);
+    }
     note_lifts(m, &at, &along);
     for (size_t i = 0; i < known_count; ++i) {
         move_inputs(v, q, &at, scene_variable(knowns[i]), direction[i], &along);

@@ -9,7 +9,7 @@
 #include "scene/scene_state.h"
 
 /* Raised when struct model_state, struct scene_state or struct scene_values change their meaning. */
-#define MODEL_STATE_VERSION 13u
+#define MODEL_STATE_VERSION 14u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
 /* Who integrates: the model itself; or an integrator outside, which is in event mode or goes on. */
@@ -37,9 +37,7 @@ struct tunable_values {
     struct vec3 gravity;                           /* [m/s^2] */
     double relative_tolerance, absolute_tolerance; /* of the solver */
     int32_t dashpot[SCENE_CONTACTS];
-#if SCENE_CONTACTS % 2
     int32_t unused; /* in place of padding */
-#endif
 };
 
 /* Flat and without pointers: this is what is saved. Doubles come first so that there is no padding inside. */
@@ -77,9 +75,7 @@ enum outputs {
 struct model {
     struct model_state state;
     struct model_host host;
-#if SCENE_ANY_FREE
     struct integrator integrator;
-#endif
     enum outputs outputs; /* in state.values */
 };
 
@@ -117,10 +113,6 @@ enum model_status model_check_consistency(struct model *m);
 /* Warns of each parameter that has been set and that nothing reads, naming the choice by which something
  * would. */
 void model_warn_of_idle(struct model *m);
-#if SCENE_ANY_ROTATION
-/* Those of one body, of how it turns; a part of it. */
-enum model_status model_check_rotation(struct model *m, int body);
-#endif
 
 /* Takes changed inputs over into the paths of the motion; false, and the motion as before, where an energy
  * would be beyond the range of numbers. They remain to be taken over: others may be set. */
@@ -150,9 +142,6 @@ enum model_status model_refuse_inputs(const struct model *m);
 
 /* Shows where a body is: its displacement, position and velocity; as given, or those of the present. */
 void model_show_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity);
-/* Shows what turns and rubs; a sum that is finite only if all of it is. */
-double model_show_turning(struct scene_values *v, const struct scene_state *q,
-                          const struct scene_instant *at);
 void model_show_body_now(struct scene_values *v, const struct scene_state *q, int body);
 
 #endif

@@ -14,8 +14,6 @@
  * agree, from one change of a regime to the next, which is located.
  */
 
-#if SCENE_ANY_TURNING
-
 /* One contact over a span. */
 struct driven_span {
     struct driven_contact c;
@@ -29,19 +27,13 @@ struct driven_span {
 /* From one clock to another, between which the bodies touch. False: no panels are left. */
 static bool driven_integrate(struct driven_span *s, double from, double end);
 
-#endif
-
-#if SCENE_ANY_TURNING
-
 void driven_instant(const struct driven_contact *c, double clock, struct vec3 spring,
                     struct scene_instant *at)
 {
-    scene_kinematics(c->v, c->q, clock, free_bodies_now(c->q), at);
-#if SCENE_ANY_FRICTION
-    c->q->turning.spring[c->contact] = spring;
-#else
-    (void)spring;
-#endif
+    scene_kinematics(c->v, c->q, clock, c->q->body, at);
+    if (SCENE_ANY_FRICTION) {
+        c->q->turning.spring[c->contact] = spring;
+    }
     scene_forces(c->v, c->q, clock, at);
 }
 
@@ -84,8 +76,6 @@ static void driven_rates(const struct driven_contact *c, const struct scene_inst
     rate[DRIVEN_EVENT] = contact_has_events(&law) ? contact_event(&law, regime, g->gap, g->gap_rate) : 0.0;
     scale[DRIVEN_EVENT] = fabs(slopes.by_gap * g->gap) + fabs(slopes.by_rate) * vec3_norm(at->rate[j]);
 }
-
-#if SCENE_ANY_ELASTIC_FRICTION
 
 /* Integrals from 0 to node i of [0, 1] of the polynomial that is 1 at node j and 0 at the other nodes of the
  * Gauss rule; computed from that definition with 30 digits. */
@@ -242,8 +232,6 @@ static bool put_springs(const struct driven_contact *c, bool graded, struct vec3
     return true;
 }
 
-#endif
-
 bool driven_panel_make(const struct driven_contact *c, double from, double to, struct vec3 spring,
                        bool graded, struct driven_panel *panel)
 {
@@ -253,11 +241,9 @@ bool driven_panel_make(const struct driven_contact *c, double from, double to, s
         panel->node[i].clock = from + half * gauss_place(i, graded).at;
         panel->node[i].spring = spring;
     }
-#if SCENE_ANY_ELASTIC_FRICTION
     if (contact_rubs_elastically(c->v, c->contact) && !put_springs(c, graded, spring, panel)) {
         return false;
     }
-#endif
     for (int i = 0; i < GAUSS_NODES; ++i) {
         struct scene_instant at;
         double rate[DRIVEN_TERMS];
@@ -276,18 +262,12 @@ bool driven_panel_make(const struct driven_contact *c, double from, double to, s
     return true;
 }
 
-#endif
-
-#if SCENE_ANY_TURNING
-
 struct vec3 driven_spring(const struct scene_state *q, int contact)
 {
-#if SCENE_ANY_FRICTION
-    return q->turning.spring[contact];
-#else
-    (void)q, (void)contact;
+    if (SCENE_ANY_FRICTION) {
+        return q->turning.spring[contact];
+    }
     return vec3_make(0.0, 0.0, 0.0);
-#endif
 }
 
 static enum contact_regime regime_of(const struct driven_contact *c)
@@ -302,8 +282,6 @@ static double event_rounding(const struct driven_contact *c, const struct contac
     const struct contact_slopes slopes = contact_event_slopes(law, regime, g->gap, g->gap_rate);
     return rounding_of_event(c->v, law, &slopes, at, c->contact, 0.0);
 }
-
-#if SCENE_ANY_FRICTION
 
 static const struct vec3 NO_SPRING = {0.0, 0.0, 0.0};
 
@@ -479,30 +457,6 @@ static void settle_friction(const struct driven_contact *c, enum contact_regime 
     }
 }
 
-#else /* nothing rubs */
-
-void driven_lay_springs(const struct scene_values *v, struct scene_state *q)
-{
-    (void)v, (void)q;
-}
-
-static void friction_from(const struct driven_contact *c, double clock)
-{
-    (void)c, (void)clock;
-}
-
-static void follow_law(const struct driven_contact *c, double clock, enum contact_regime before)
-{
-    (void)c, (void)clock, (void)before;
-}
-
-static void settle_friction(const struct driven_contact *c, enum contact_regime before)
-{
-    (void)c, (void)before;
-}
-
-#endif
-
 void driven_margins_at(const struct driven_contact *c, double clock, struct vec3 spring,
                        struct driven_margins *margins)
 {
@@ -518,11 +472,9 @@ void driven_margins_at(const struct driven_contact *c, double clock, struct vec3
         margins->value[DRIVEN_LAW] = contact_event(&law, regime_of(c), g->gap, g->gap_rate);
         margins->noise[DRIVEN_LAW] = event_rounding(c, &law, regime_of(c), &at);
     }
-#if SCENE_ANY_FRICTION
     if (contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact)) {
         friction_margins(c, clock, &at, margins);
     }
-#endif
 }
 
 enum driven_event driven_event_passed(const struct driven_margins *now, const struct driven_margins *start)
@@ -546,20 +498,16 @@ void driven_take_event(const struct driven_contact *c, double clock, struct vec3
         c->q->contact[c->contact].regime = (int32_t)contact_regime_after(&law, before);
         follow_law(c, clock, before);
     }
-#if SCENE_ANY_FRICTION
-    if (event != DRIVEN_LAW) {
+    if (SCENE_ANY_FRICTION && event != DRIVEN_LAW) {
         take_friction_event(c, clock, spring, event);
     }
-#else
-    (void)spring;
-#endif
 }
 
 void driven_begin(const struct driven_contact *c, double clock)
 {
     struct scene_instant at;
     struct contact_state *state = &c->q->contact[c->contact];
-    scene_kinematics(c->v, c->q, clock, free_bodies_now(c->q), &at);
+    scene_kinematics(c->v, c->q, clock, c->q->body, &at);
     (void)onset_note(c->v, c->q, &at, c->contact, scene_regime_of_touching(c->v, c->q, &at, c->contact));
     state->regime = (int32_t)scene_regime_of_touching(c->v, c->q, &at, c->contact);
     friction_from(c, clock);
@@ -568,9 +516,9 @@ void driven_begin(const struct driven_contact *c, double clock)
 void driven_end(const struct driven_contact *c)
 {
     c->q->contact[c->contact].regime = (int32_t)REGIME_APART;
-#if SCENE_ANY_FRICTION
-    rub_with(c, FRICTION_STICKING, NO_SPRING);
-#endif
+    if (SCENE_ANY_FRICTION) {
+        rub_with(c, FRICTION_STICKING, NO_SPRING);
+    }
 }
 
 void driven_turning_settle(const struct scene_values *v, struct scene_state *q, int contact)
@@ -578,7 +526,7 @@ void driven_turning_settle(const struct scene_values *v, struct scene_state *q, 
     struct scene_instant at;
     const struct driven_contact c = {v, q, contact};
     const enum contact_regime before = regime_of(&c);
-    scene_kinematics(v, q, q->clock, free_bodies_now(q), &at);
+    scene_kinematics(v, q, q->clock, q->body, &at);
     const enum contact_regime regime = scene_regime(v, q, &at, contact);
     const enum contact_regime next = onset_note(v, q, &at, contact, regime);
     q->contact[contact].regime = (int32_t)next;
@@ -590,10 +538,6 @@ void driven_turning_settle(const struct scene_values *v, struct scene_state *q, 
         settle_friction(&c, before);
     }
 }
-
-#endif
-
-#if SCENE_ANY_TURNING
 
 /* How closely a panel and its two halves must agree, relative to what they are summed up of. The halves are a
  * thousand times better. */
@@ -616,7 +560,7 @@ static bool wants_graded(const struct driven_span *s, double from, double to)
     }
     for (int i = 0; i < 3; ++i) {
         struct scene_instant at;
-        scene_kinematics(s->c.v, s->c.q, clock[i], free_bodies_now(s->c.q), &at);
+        scene_kinematics(s->c.v, s->c.q, clock[i], s->c.q->body, &at);
         gap[i] = at.geometry[s->c.contact].gap;
     }
     return fmax(gap[0], gap[2]) > shallow * gap[1];
@@ -641,7 +585,6 @@ static double rounding_part(const struct driven_span *s, const struct driven_pan
  * further it may reverse, in the centre. */
 static const double LARGEST_TURN_COSINE = 0.88;
 
-#if SCENE_ANY_FRICTION
 /* In characteristic slip velocities: so fast a slip leaves nothing of exp(-|v_t|/v_0); the change of the slip
  * within which an interpolation follows that; so slow that friction is proportional to the slip. */
 static const double SATURATED = 40.0, FOLLOWED = 2.0, PROPORTIONAL = 1e-6;
@@ -660,13 +603,6 @@ static bool sees_layer(const struct driven_span *s, struct vec3 slip, struct vec
     }
     return speed > SATURATED * unit || vec3_norm(vec3_sub(next, slip)) <= FOLLOWED * unit;
 }
-#else
-static bool sees_layer(const struct driven_span *s, struct vec3 slip, struct vec3 next)
-{
-    (void)s, (void)slip, (void)next;
-    return true;
-}
-#endif
 
 /* Whether the nodes see what may happen on the way from an end of a panel to the first of them. Where the
  * bodies are concentric, to rounding, n has no meaning. */
@@ -888,15 +824,11 @@ static bool driven_integrate(struct driven_span *s, double from, double end)
     return true;
 }
 
-#endif
-
-#if SCENE_ANY_TURNING
-
 static struct axis_motion axis_from(const struct driven_span *s, const struct scene_instant *at, double clock)
 {
     const int destination = contact_destination(s->c.contact);
-    const struct vec3 axis = at->turning.axis[s->c.contact];
-#if SCENE_ANY_ROTATION
+    /* gcc wants to see a value in scenes where nothing turns, too */
+    const struct vec3 axis = SCENE_ANY_TURNING ? at->turning.axis[s->c.contact] : vec3_make(0.0, 0.0, 0.0);
     if (body_turn_is_prescribed(s->c.v, destination) && body_shape(destination) != SHAPE_SPHERE) {
         struct body_path path = s->c.q->path[destination];
         path_shift(path.angular_velocity, 3, clock);
@@ -904,9 +836,6 @@ static struct axis_motion axis_from(const struct driven_span *s, const struct sc
         return path.turn_follows == TURN_FOLLOWS_VELOCITY ? axis_motion_driven(axis, path.angular_velocity, 3)
                                                           : axis_motion_following(path.axis, 3);
     }
-#else
-    (void)destination, (void)clock;
-#endif
     return axis_motion_fixed(axis);
 }
 
@@ -914,7 +843,7 @@ static struct axis_motion axis_from(const struct driven_span *s, const struct sc
 static struct tumbling_path path_from(const struct driven_span *s, double clock)
 {
     struct scene_instant at;
-    scene_kinematics(s->c.v, s->c.q, clock, free_bodies_now(s->c.q), &at);
+    scene_kinematics(s->c.v, s->c.q, clock, s->c.q->body, &at);
     const struct separation_path separation = separation_path_of(s->c.v, s->c.q, &at, clock, s->c.contact);
     struct tumbling_path path = {.shape = scene_contact_shape_at(s->c.v, s->c.q, &at, s->c.contact),
                                  .axis = axis_from(s, &at, clock),
@@ -948,24 +877,22 @@ static void begin_contact(struct driven_span *s, double clock)
     struct scene_state *q = s->c.q;
     driven_begin(&s->c, clock);
     s->total.spring = driven_spring(q, s->c.contact);
-#if SCENE_ANY_FREE
-    struct contact_record *record = &q->contact[s->c.contact].record;
-    counter_add(&record->onsets, 1);
-    record->onset_time = q->base + (q->base_tail + clock);
-    record->touch_clock = clock;
-#endif
+    if (SCENE_ANY_FREE) {
+        struct contact_record *record = &q->contact[s->c.contact].record;
+        counter_add(&record->onsets, 1);
+        record->onset_time = q->base + (q->base_tail + clock);
+        record->touch_clock = clock;
+    }
     counter_add(&q->counters.events, 1);
 }
 
 static void end_contact(struct driven_span *s, double clock)
 {
     driven_end(&s->c);
-#if SCENE_ANY_FREE
-    struct contact_record *record = &s->c.q->contact[s->c.contact].record;
-    record->last_duration = clock - record->touch_clock;
-#else
-    (void)clock;
-#endif
+    if (SCENE_ANY_FREE) {
+        struct contact_record *record = &s->c.q->contact[s->c.contact].record;
+        record->last_duration = clock - record->touch_clock;
+    }
     counter_add(&s->c.q->counters.events, 1);
 }
 
@@ -974,7 +901,7 @@ static double stored_at(const struct driven_span *s, double clock)
 {
     struct scene_instant at;
     const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
-    scene_kinematics(s->c.v, s->c.q, clock, free_bodies_now(s->c.q), &at);
+    scene_kinematics(s->c.v, s->c.q, clock, s->c.q->body, &at);
     const double gap = fmin(at.geometry[s->c.contact].gap, 0.0);
     return contact_stored_energy(&law, REGIME_COMPRESSION, gap);
 }
@@ -1017,22 +944,21 @@ static void book_span(const struct driven_span *s, double length)
     const struct vec3 force = vector_from(s->sum + DRIVEN_FORCE);
     const struct vec3 source = vector_from(s->sum + DRIVEN_SOURCE_TORQUE);
     const struct vec3 destination = vector_from(s->sum + DRIVEN_DESTINATION_TORQUE);
-#if SCENE_ANY_FREE
-    state->physics.impulse = vec3_add(state->physics.impulse, force);
-    state->torques.source_impulse = vec3_add(state->torques.source_impulse, source);
-    state->torques.destination_impulse = vec3_add(state->torques.destination_impulse, destination);
-    s->c.q->dissipated += s->sum[DRIVEN_DISSIPATED];
-    s->c.q->friction_energy += s->sum[DRIVEN_FRICTION];
-    s->c.q->external_work += s->sum[DRIVEN_WORK];
-    (void)length;
-#else
-    state->mean_force = vec3_scale(1.0 / length, force);
-    state->torques.source_mean = vec3_scale(1.0 / length, source);
-    state->torques.destination_mean = vec3_scale(1.0 / length, destination);
-#endif
-#if SCENE_ANY_FRICTION
-    s->c.q->turning.spring[s->c.contact] = s->total.spring;
-#endif
+    if (SCENE_ANY_FREE) {
+        state->physics.impulse = vec3_add(state->physics.impulse, force);
+        state->torques.source_impulse = vec3_add(state->torques.source_impulse, source);
+        state->torques.destination_impulse = vec3_add(state->torques.destination_impulse, destination);
+        s->c.q->dissipated += s->sum[DRIVEN_DISSIPATED];
+        s->c.q->friction_energy += s->sum[DRIVEN_FRICTION];
+        s->c.q->external_work += s->sum[DRIVEN_WORK];
+    } else {
+        state->mean_force = vec3_scale(1.0 / length, force);
+        state->torques.source_mean = vec3_scale(1.0 / length, source);
+        state->torques.destination_mean = vec3_scale(1.0 / length, destination);
+    }
+    if (SCENE_ANY_FRICTION) {
+        s->c.q->turning.spring[s->c.contact] = s->total.spring;
+    }
 }
 
 /* So many steps of turning_prescribed_steps in all of its evaluations take as long as a panel does else. */
@@ -1058,5 +984,3 @@ bool driven_turning_over(const struct scene_values *v, struct scene_state *q, do
     }
     return true;
 }
-
-#endif

@@ -9,8 +9,6 @@
 #include "math/nodes.h"
 #include "scene/evaluate.h"
 
-#if SCENE_ANY_TURNING
-
 /* Where the integrals are: impulse of the force on the source [N s], of the torques on source and destination
  * [N m s]; energies that the normal law dissipates, that friction takes, that is supplied [J]. The event
  * function of the law is integrated only to tell whether the panel resolves it: it may change where no force
@@ -54,15 +52,11 @@ void driven_instant(const struct driven_contact *c, double clock, struct vec3 sp
 bool driven_panel_make(const struct driven_contact *c, double from, double to, struct vec3 spring,
                        bool graded, struct driven_panel *panel);
 
-#endif
-
 /*
  * The regimes of a contact that turns or rubs while its motion is given, of its law and of friction: which
  * they are as it begins, the event functions that end them, and what follows each event. Between two events
  * nothing changes them, so that all forces are smooth there.
  */
-
-#if SCENE_ANY_TURNING
 
 /* The law's event (contact/law.h); friction ends or begins under a dashpot that pulls, reaches its largest
  * force or leaves it, sticks or breaks away (contact/friction.h). */
@@ -100,15 +94,11 @@ void driven_lay_springs(const struct scene_values *v, struct scene_state *q);
 /* xi, zero in scenes without friction [m]. */
 struct vec3 driven_spring(const struct scene_state *q, int contact);
 
-#endif
-
 /*
  * Contacts that turn or rub over a span of time in which all motion is given: neither body is free or turns
  * freely. No touch is missed (tumbling.h). Within a contact impulses and energies are quadratures
  *.
  */
-
-#if SCENE_ANY_TURNING
 
 /* So many panels a step may take: about a second. A contact takes some dozens. */
 enum { DRIVEN_PANELS = 20000 };
@@ -117,7 +107,5 @@ enum { DRIVEN_PANELS = 20000 };
  * in scenes without free bodies, peaks, energies and onsets are booked. False, q being undefined: so many
  * panels, or what a search for touches may take, were not enough. */
 bool driven_turning_over(const struct scene_values *v, struct scene_state *q, double length, long panels);
-
-#endif
 
 #endif

@@ -143,10 +143,10 @@ static void integrate_smooth(struct given_step *step, double from, double end)
             continue;
         }
         *mean = vec3_add(*mean, vec3_add(left.sum, right.sum));
-#if SCENE_HAS_TORQUES
-        struct vec3 *torque = &given_contact(step)->torques.destination_mean;
-        *torque = vec3_add(*torque, vec3_add(left.torque, right.torque));
-#endif
+        if (SCENE_HAS_TORQUES) {
+            struct vec3 *torque = &given_contact(step)->torques.destination_mean;
+            *torque = vec3_add(*torque, vec3_add(left.torque, right.torque));
+        }
         note_peaks_between(step, from, to);
         from = to;
         width *= 2.0;
@@ -219,8 +219,6 @@ static void integrate(struct given_step *step, const struct contact_shape *shape
     }
 }
 
-#if SCENE_ANY_CAPS
-
 /* A path changes the regime at a rim a dozen times at most; what changes more often is rounding, and its
  * law is then looked at in the middle of what is left. */
 enum { MOST_RIM_CHANGES = 100 };
@@ -269,13 +267,6 @@ static void integrate_capped(struct given_step *step, const struct contact_shape
         from = to;
     }
 }
-#else /* then it is not called */
-static void integrate_capped(struct given_step *step, const struct contact_shape *whole,
-                             const struct separation_path *path)
-{
-    (void)step, (void)whole, (void)path;
-}
-#endif
 
 static bool is_steady(const struct separation_path *path)
 {
@@ -285,11 +276,9 @@ static bool is_steady(const struct separation_path *path)
 /* On the destination, where nothing turns or rubs. */
 static void put_mean_torque(struct contact_state *state, struct vec3 torque)
 {
-#if SCENE_HAS_TORQUES
-    state->torques.destination_mean = torque;
-#else
-    (void)state, (void)torque;
-#endif
+    if (SCENE_HAS_TORQUES) {
+        state->torques.destination_mean = torque;
+    }
 }
 
 void given_force_settle(const struct scene_values *v, struct scene_state *q)
@@ -297,12 +286,10 @@ void given_force_settle(const struct scene_values *v, struct scene_state *q)
     struct scene_instant at;
     scene_kinematics_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-#if SCENE_ANY_TURNING
         if (scene_turns(v)) {
             driven_turning_settle(v, q, j);
             continue;
         }
-#endif
         q->contact[j].regime = (int32_t)onset_note(v, q, &at, j, scene_regime(v, q, &at, j));
     }
 }
@@ -323,7 +310,6 @@ static struct vec3 note_present(const struct scene_values *v, struct scene_state
     return at->source_force[contact];
 }
 
-#if SCENE_ANY_TURNING
 /* Where something turns or rubs. */
 static bool given_turning_over(const struct scene_values *v, struct scene_state *q, double length)
 {
@@ -335,15 +321,12 @@ static bool given_turning_over(const struct scene_values *v, struct scene_state 
     *q = before;
     return false;
 }
-#endif
 
 bool given_force_over(const struct scene_values *v, struct scene_state *q, double length)
 {
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         return given_turning_over(v, q, length);
     }
-#endif
     given_force_settle(v, q);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct scene_instant at;

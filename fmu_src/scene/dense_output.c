@@ -284,7 +284,7 @@ static void scene_at(const struct scene_output *o, double clock, struct scene_st
     if (o->move) {
         o->move(o->mover, clock, q);
     }
-    scene_evaluate(o->values, q, clock, free_bodies_now(q), at);
+    scene_evaluate(o->values, q, clock, q->body, at);
 }
 
 /* A dense_output_sampler; its variable is the clock. */
@@ -354,13 +354,13 @@ void scene_output_note_peaks(struct scene_output *o, double from, double to, int
     w->count = 1;
 }
 
-#if SCENE_HAS_TORQUES && SCENE_ANY_FREE
 void scene_output_add_torque(const struct scene_output *o, double from, double to, int panels,
                              struct scene_state *q)
 {
     struct vec3 *sum = &q->contact[o->contact].torques.destination_impulse;
     const double half = 0.5 * (to - from) / panels;
-    if (scene_turns(o->values) || body_shape(contact_destination(o->contact)) == SHAPE_SPHERE) {
+    if (!SCENE_HAS_TORQUES || scene_turns(o->values) ||
+        body_shape(contact_destination(o->contact)) == SHAPE_SPHERE) {
         return;
     }
     for (int i = 0; i < panels * GAUSS_NODES; ++i) {
@@ -372,10 +372,3 @@ void scene_output_add_torque(const struct scene_output *o, double from, double t
         *sum = vec3_axpy(*sum, half * GAUSS_WEIGHT[node], scene_torque_of_force(&at, o->contact));
     }
 }
-#else
-void scene_output_add_torque(const struct scene_output *o, double from, double to, int panels,
-                             struct scene_state *q)
-{
-    (void)o, (void)from, (void)to, (void)panels, (void)q;
-}
-#endif

@@ -12,11 +12,9 @@ enum pair_quantity {
     PAIR_GAP,
     PAIR_GAP_RATE,
     PAIR_FORCE,
-#if SCENE_ANY_CAPS
     PAIR_RADIAL,
     PAIR_AXIAL,
-#endif
-    PAIR_QUANTITIES
+    PAIR_QUANTITIES = SCENE_ANY_CAPS ? PAIR_AXIAL + 1 : PAIR_RADIAL
 };
 
 struct pair_sample {

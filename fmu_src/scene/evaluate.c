@@ -32,18 +32,10 @@ struct friction_law scene_friction_law(const struct scene_values *v, const struc
                                .static_coefficient = contact_static_friction_coefficient(v, contact),
                                .largest = contact_maximum_friction_force(v, contact),
                                .stiffness = contact_tangential_stiffness(v, contact),
-                               .damping = contact_tangential_damping(v, contact)};
-#if SCENE_ANY_FRICTION
-    law.slip_velocity = q->contact[contact].parameters.slip_velocity;
-#else
-    (void)q;
-#endif
+                               .damping = contact_tangential_damping(v, contact),
+                               .slip_velocity = q->contact[contact].parameters.slip_velocity};
     return law;
 }
-
-#if SCENE_ANY_TURNING
-
-#if SCENE_ANY_ROTATION
 
 static bool has_axis(int body)
 {
@@ -206,6 +198,9 @@ static struct body_turn turn_at(const struct scene_values *v, const struct scene
     if (body_turn_is_prescribed(v, body)) {
         return turning_prescribed_at(v, q, clock, body);
     }
+    if (!SCENE_ANY_ROTATION) {
+        return (struct body_turn){quaternion_identity(), vec3_make(0.0, 0.0, 0.0)};
+    }
     struct body_turn turn = turning->body[body];
     if (!body_turns_freely(v, body)) { /* whatever an integrator outside says */
         turn.angular_velocity = vec3_make(0.0, 0.0, 0.0);
@@ -213,38 +208,6 @@ static struct body_turn turn_at(const struct scene_values *v, const struct scene
     turn.orientation = quaternion_unit(turn.orientation); /* an integrator outside lets its length drift */
     return turn;
 }
-
-#else /* nothing turns, but contacts may rub */
-
-double turning_prescribed_steps(const struct scene_values *v, const struct scene_state *q, double length)
-{
-    (void)v, (void)q, (void)length;
-    return 0.0;
-}
-
-static struct body_turn turn_at(const struct scene_values *v, const struct scene_state *q, double clock,
-                                const struct turning_state *turning, int body)
-{
-    (void)v, (void)q, (void)clock, (void)turning, (void)body;
-    return (struct body_turn){quaternion_identity(), {0.0, 0.0, 0.0}};
-}
-
-void turning_rebase(const struct scene_values *v, struct scene_state *q)
-{
-    (void)v, (void)q;
-}
-
-void turning_take_axes(const struct scene_values *v, struct scene_state *q)
-{
-    (void)v, (void)q;
-}
-
-static void place_body(const struct scene_values *v, struct scene_state *q, int body)
-{
-    (void)v, (void)q, (void)body;
-}
-
-#endif
 
 void turning_place(const struct scene_values *v, struct scene_state *q)
 {
@@ -262,13 +225,11 @@ void turning_of_bodies(const struct scene_values *v, const struct scene_state *q
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const int destination = contact_destination(j);
         at->turning.axis[j] = vec3_make(0.0, 0.0, 0.0);
-#if SCENE_ANY_CYLINDER || SCENE_ANY_PLANE
-        at->turning.axis[j] = body_turns(v, destination)
-                                  ? quaternion_third_axis(at->turning.body[destination].orientation)
-                                  : q->contact[j].parameters.axis;
-#else
-        (void)destination;
-#endif
+        if (SCENE_ANY_CYLINDER || SCENE_ANY_PLANE) {
+            at->turning.axis[j] = body_turns(v, destination)
+                                      ? quaternion_third_axis(at->turning.body[destination].orientation)
+                                      : q->contact[j].parameters.axis;
+        }
     }
 }
 
@@ -300,7 +261,6 @@ void turning_of_contact(const struct scene_values *v, const struct scene_state *
     const struct vec3 across = vec3_axpy(slip, -vec3_dot(slip, g->normal), g->normal);
     turning->slip[contact] = vec3_axpy(across, -vec3_dot(across, g->normal), g->normal);
     turning->friction_force[contact] = vec3_make(0.0, 0.0, 0.0);
-#if SCENE_ANY_FRICTION
     if (contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART) {
         const struct friction_law law = scene_friction_law(v, q, contact);
         const struct friction_state rubbing = {at->normal_force[contact], turning->slip[contact],
@@ -309,9 +269,6 @@ void turning_of_contact(const struct scene_values *v, const struct scene_state *
             friction_force(&law, (enum friction_regime)q->contact[contact].friction_regime, rubbing);
         at->source_force[contact] = vec3_add(at->source_force[contact], turning->friction_force[contact]);
     }
-#else
-    (void)state;
-#endif
     put_torques(at, contact);
 }
 
@@ -323,91 +280,12 @@ void turning_complete(const struct scene_values *v, const struct scene_state *q,
     }
 }
 
-#endif
-
-#if SCENE_ANY_FREE
-
-void free_bodies_rebase(struct scene_state *q)
-{
-    q->deferrable_clock = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        q->origin[i].displacement = vec3_add(q->origin[i].displacement, q->body[i].moved);
-        q->origin[i].velocity = q->body[i].velocity;
-        q->body[i].moved = vec3_make(0.0, 0.0, 0.0);
-    }
-}
-
-void free_bodies_shift_clocks(struct scene_state *q)
-{
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        q->contact[j].record.touch_clock -= q->clock;
-        q->contact[j].schedule.change_clock -= q->clock;
-        q->contact[j].schedule.settled_clock -= q->clock;
-        if (q->contact[j].regime == REGIME_APART || q->contact[j].regime == REGIME_SEPARATING) {
-            /* Not known where it has flown on to, unless that was foreseen. */
-            q->contact[j].physics.accumulated_gap =
-                q->contact[j].schedule.change_clock == 0.0 ? q->contact[j].schedule.change_gap : DBL_MAX;
-        }
-    }
-    q->horizon_clock -= q->clock;
-}
-
-void free_bodies_put(const struct scene_state *q, const struct body_state *bodies, int body,
-                     struct body_instant *at)
-{
-    at->origin = q->origin[body].displacement;
-    at->moved = bodies[body].moved;
-    at->velocity = bodies[body].velocity;
-}
-
-const struct body_state *free_bodies_now(const struct scene_state *q)
-{
-    return q->body;
-}
-
-#endif
-
-#if !SCENE_ANY_FREE
-
-/* Scenes without a body that may be free add nothing. */
-
-void free_bodies_rebase(struct scene_state *q)
-{
-    (void)q;
-}
-
-void free_bodies_shift_clocks(struct scene_state *q)
-{
-    (void)q;
-}
-
-void free_bodies_put(const struct scene_state *q, const struct body_state *bodies, int body,
-                     struct body_instant *at)
-{
-    (void)q, (void)bodies, (void)body, (void)at;
-}
-
-const struct body_state *free_bodies_now(const struct scene_state *q)
-{
-    (void)q;
-    return 0;
-}
-
-void free_bodies_put_gaps(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
-{
-    (void)v, (void)q, (void)at;
-}
-
-#endif
-
 struct contact_law scene_contact_law(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     struct contact_coefficients factors = q->contact[contact].parameters.factors;
-#if SCENE_ANY_HERTZ
     if (scene_damps_by_onset(v, contact)) {
         factors.c = q->contact[contact].onset_damping;
     }
-#endif
     return contact_law_with(factors, (enum method)contact_method(v, contact),
                             (enum penalty_control)contact_penalty_control(v, contact),
                             (enum dashpot)contact_dashpot(v, contact),
@@ -419,7 +297,9 @@ static struct body_instant body_at(const struct scene_values *v, const struct sc
 {
     struct body_instant at = {.origin = {0.0, 0.0, 0.0}};
     if (body_is_free(v, body)) {
-        free_bodies_put(q, bodies, body, &at);
+        at.origin = q->origin[body].displacement;
+        at.moved = bodies[body].moved;
+        at.velocity = bodies[body].velocity;
     }
     if (body_is_prescribed(v, body)) {
         at.origin = q->path[body].displacement[0];
@@ -432,26 +312,20 @@ static struct body_instant body_at(const struct scene_values *v, const struct sc
 
 struct body_instant scene_body_now(const struct scene_values *v, const struct scene_state *q, int body)
 {
-    return body_at(v, q, q->clock, free_bodies_now(q), body);
+    return body_at(v, q, q->clock, q->body, body);
 }
 
-#if SCENE_ANY_TURNING
 /* w as the destination's frame sees it, which may turn. */
 static struct vec3 rate_in_destination(const struct scene_values *v, const struct scene_instant *at,
                                        int contact)
 {
-#if SCENE_ANY_ROTATION
     const int destination = contact_destination(contact);
     if (body_turns(v, destination)) {
         return vec3_sub(at->rate[contact],
                         vec3_cross(at->turning.body[destination].angular_velocity, at->separation[contact]));
     }
-#else
-    (void)v;
-#endif
     return at->rate[contact];
 }
-#endif
 
 static void put_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
                            const struct body_state *bodies, struct scene_instant *at)
@@ -480,12 +354,10 @@ static void put_kinematics(const struct scene_values *v, const struct scene_stat
 CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
                                       const struct body_state *bodies, struct scene_instant *at)
 {
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         scene_kinematics_turning(v, q, clock, bodies, &q->turning, at);
         return;
     }
-#endif
     put_kinematics(v, q, clock, bodies, at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_shape shape = scene_contact_shape(v, q, j);
@@ -493,7 +365,6 @@ CONTACT_FLATTEN void scene_kinematics(const struct scene_values *v, const struct
     }
 }
 
-#if SCENE_ANY_TURNING
 CONTACT_NOINLINE void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q,
                                                double clock, const struct body_state *bodies,
                                                const struct turning_state *turning, struct scene_instant *at)
@@ -506,7 +377,6 @@ CONTACT_NOINLINE void scene_kinematics_turning(const struct scene_values *v, con
                                               q->contact[j].normal);
     }
 }
-#endif
 
 /* Gravity and the external force; contacts are added by scene_evaluate. */
 static struct vec3 free_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
@@ -521,8 +391,6 @@ static struct vec3 path_rate(const struct scene_state *q, double clock, int body
 {
     return vec3_axpy(q->path[body].velocity[1], 2.0 * clock, q->path[body].velocity[2]);
 }
-
-struct turning_state; /* of scenes in which something may turn or rub */
 
 /* `turning`: NULL where nothing turns or rubs. */
 static inline void put_forces(const struct scene_values *v, const struct scene_state *q, double clock,
@@ -542,13 +410,9 @@ static inline void put_forces(const struct scene_values *v, const struct scene_s
             at->normal_force[j] = contact_force(&law, regime, g->gap, g->gap_rate);
         }
         at->source_force[j] = vec3_scale(-scene_contact_side(v, q, j) * at->normal_force[j], g->normal);
-#if SCENE_ANY_TURNING
-        if (turning) {
+        if (SCENE_ANY_TURNING && turning) {
             turning_of_contact(v, q, turning, j, at);
         }
-#else
-        (void)turning;
-#endif
         const int source = contact_source(j);
         const int destination = contact_destination(j);
         if (body_is_free(v, source)) {
@@ -562,7 +426,6 @@ static inline void put_forces(const struct scene_values *v, const struct scene_s
     }
 }
 
-#if SCENE_ANY_TURNING
 /* Apart from where nothing turns or rubs, which stays small. */
 CONTACT_NOINLINE static void put_forces_turning(const struct scene_values *v, const struct scene_state *q,
                                                 double clock, const struct turning_state *turning,
@@ -570,21 +433,17 @@ CONTACT_NOINLINE static void put_forces_turning(const struct scene_values *v, co
 {
     put_forces(v, q, clock, turning, at);
 }
-#endif
 
 CONTACT_FLATTEN void scene_forces(const struct scene_values *v, const struct scene_state *q, double clock,
                                   struct scene_instant *at)
 {
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         put_forces_turning(v, q, clock, &q->turning, at);
         return;
     }
-#endif
     put_forces(v, q, clock, NULL, at);
 }
 
-#if SCENE_ANY_TURNING
 void scene_evaluate_turning(const struct scene_values *v, const struct scene_state *q, double clock,
                             const struct body_state *bodies, const struct turning_state *turning,
                             struct scene_instant *at)
@@ -592,7 +451,6 @@ void scene_evaluate_turning(const struct scene_values *v, const struct scene_sta
     scene_kinematics_turning(v, q, clock, bodies, turning, at);
     put_forces_turning(v, q, clock, turning, at);
 }
-#endif
 
 void scene_evaluate(const struct scene_values *v, const struct scene_state *q, double clock,
                     const struct body_state *bodies, struct scene_instant *at)
@@ -643,7 +501,6 @@ double scene_driving_power(const struct scene_values *v, const struct scene_inst
     if (body_is_prescribed(v, destination)) {
         power += vec3_dot(at->source_force[contact], at->velocity[destination]);
     }
-#if SCENE_ANY_ROTATION
     if (body_turn_is_prescribed(v, source)) {
         power -= vec3_dot(at->turning.source_torque[contact], at->turning.body[source].angular_velocity);
     }
@@ -651,7 +508,6 @@ double scene_driving_power(const struct scene_values *v, const struct scene_inst
         power -=
             vec3_dot(at->turning.destination_torque[contact], at->turning.body[destination].angular_velocity);
     }
-#endif
     return power;
 }
 
@@ -663,11 +519,9 @@ double scene_external_power(const struct scene_values *v, const struct scene_sta
         if (body_is_free(v, i)) {
             power += vec3_dot(path_at(q->path[i].force, 3, clock), at->velocity[i]);
         }
-#if SCENE_ANY_FREE_ROTATION
         if (body_turns_freely(v, i)) {
             power += vec3_dot(path_at(q->path[i].torque, 3, clock), at->turning.body[i].angular_velocity);
         }
-#endif
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         power += scene_driving_power(v, at, j);
@@ -731,12 +585,8 @@ double rounding_of_force(const struct scene_values *v, const struct scene_state 
 /* Whether rounding of positions turns n: not on a plane or a cap. */
 static bool rounding_turns(const struct contact_geometry *g, int contact)
 {
-#if SCENE_ANY_CAPS
-    if (abs(g->zone) == ZONE_CAP) {
-        return false;
-    }
-#endif
-    return !g->degenerate && body_shape(contact_destination(contact)) != SHAPE_PLANE;
+    const bool at_cap = SCENE_ANY_CAPS && abs(g->zone) == ZONE_CAP;
+    return !at_cap && !g->degenerate && body_shape(contact_destination(contact)) != SHAPE_PLANE;
 }
 
 /* Below this [m/s] the sign of g' means nothing: rounding of w; rounding of n, which has no meaning where d =
@@ -774,8 +624,6 @@ double rounding_margin_offset(const struct scene_values *v, const struct scene_s
     return 2.0 * (fmax(-event, 0.0) + rounding);
 }
 
-#if SCENE_ANY_FREE
-
 /* The gap and its rate as integration carries them, where that is more accurate than positions give them. */
 
 /* DBL_MAX or INFINITY where nothing is known. */
@@ -801,7 +649,7 @@ static void take_known_rate(const struct scene_state *q, int contact, struct con
 
 /* The penetration of a stiff contact at rest is less than the rounding of d, so the accumulated gap is used.
  * It is not if it differs by more than rounding: positions have then been changed since. */
-void free_bodies_put_gaps(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
+void scene_put_known_gaps(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double known = accumulated_gap_of(q, j);
@@ -824,21 +672,13 @@ bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant
            at->geometry[contact].gap_rate == state->physics.carried_rate;
 }
 
-#endif
-
-#if SCENE_ANY_TURNING
-
 struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct scene_instant *at, int body)
 {
     struct vec3 torque = {0.0, 0.0, 0.0};
-#if SCENE_ANY_ROTATION
     if (body_turns_freely(v, body)) {
         torque = path_at(q->path[body].torque, 3, clock);
     }
-#else
-    (void)v, (void)q, (void)clock;
-#endif
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_source(j) == body) {
             torque = vec3_add(torque, at->turning.source_torque[j]);
@@ -850,7 +690,6 @@ struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_s
     return torque;
 }
 
-#if SCENE_ANY_ROTATION
 static struct vec3 free_acceleration_of(const struct scene_values *v, const struct body_turn *turn, int body,
                                         struct vec3 torque)
 {
@@ -862,12 +701,10 @@ static struct vec3 free_acceleration_of(const struct scene_values *v, const stru
     const struct vec3 axial = vec3_axpy(gyration, vec3_dot(torque, e) / inertia.axial, e);
     return vec3_scale(1.0 / inertia.transverse, vec3_axpy(torque, -more, axial));
 }
-#endif
 
 struct vec3 turning_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
                                  const struct scene_instant *at, int body)
 {
-#if SCENE_ANY_ROTATION
     if (body_turns_freely(v, body)) {
         return free_acceleration_of(v, &at->turning.body[body], body,
                                     turning_torque_on(v, q, clock, at, body));
@@ -876,51 +713,36 @@ struct vec3 turning_acceleration(const struct scene_values *v, const struct scen
         const struct vec3 *path = q->path[body].angular_velocity;
         return vec3_axpy(path[1], 2.0 * clock, path[2]);
     }
-#else
-    (void)v, (void)q, (void)clock, (void)at, (void)body;
-#endif
     return vec3_make(0.0, 0.0, 0.0);
 }
 
 struct turning_motion turning_motion_of(const struct turning_state *turning, const struct scene_instant *at,
                                         int contact)
 {
-    struct turning_motion motion = {
+    return (struct turning_motion){
         .separation = at->separation[contact],
         .rate = at->rate[contact],
         .source_rotation = at->turning.body[contact_source(contact)].angular_velocity,
         .destination_rotation = at->turning.body[contact_destination(contact)].angular_velocity,
-        .axis = at->turning.axis[contact]};
-#if SCENE_ANY_FRICTION
-    motion.spring = turning->spring[contact];
-#else
-    (void)turning;
-#endif
-    return motion;
+        .axis = at->turning.axis[contact],
+        .spring = turning->spring[contact]};
 }
 
 struct turning_laws turning_laws_of(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    struct turning_laws laws = {.normal = scene_contact_law(v, q, contact),
-                                .friction = scene_friction_law(v, q, contact),
-                                .regime = (enum contact_regime)q->contact[contact].regime,
-                                .friction_regime = FRICTION_LIFTED};
-#if SCENE_ANY_FRICTION
-    laws.friction_regime = (enum friction_regime)q->contact[contact].friction_regime;
-#endif
-    return laws;
+    return (struct turning_laws){
+        .normal = scene_contact_law(v, q, contact),
+        .friction = scene_friction_law(v, q, contact),
+        .regime = (enum contact_regime)q->contact[contact].regime,
+        .friction_regime =
+            SCENE_ANY_FRICTION ? (enum friction_regime)q->contact[contact].friction_regime : FRICTION_LIFTED};
 }
 
 struct friction_state turning_rubbing(const struct turning_state *turning, const struct scene_instant *at,
                                       int contact)
 {
-    struct friction_state rubbing = {at->normal_force[contact], at->turning.slip[contact], {0.0, 0.0, 0.0}};
-#if SCENE_ANY_FRICTION
-    rubbing.spring = turning->spring[contact];
-#else
-    (void)turning;
-#endif
-    return rubbing;
+    return (struct friction_state){at->normal_force[contact], at->turning.slip[contact],
+                                   turning->spring[contact]};
 }
 
 /* w as the destination's frame sees it. */
@@ -997,5 +819,3 @@ double turning_friction_power(const struct scene_values *v, const struct scene_i
     }
     return sum;
 }
-
-#endif

@@ -9,7 +9,6 @@
 #include "contact/slopes.h"
 #include "scene/scene_state.h"
 
-#if SCENE_ANY_TURNING
 /* What turns and rubs at one instant: known where scene_turns, and after turning_complete. */
 struct turning_instant {
     struct body_turn body[SCENE_BODIES];         /* no rotation at all where a body does not turn */
@@ -20,7 +19,6 @@ struct turning_instant {
     struct vec3 friction_force[SCENE_CONTACTS];  /* F_t, part of the force on the source [N] */
     struct vec3 source_torque[SCENE_CONTACTS], destination_torque[SCENE_CONTACTS]; /* [N m] */
 };
-#endif
 
 struct scene_instant {
     struct vec3 displacement[SCENE_BODIES]; /* u [m] */
@@ -32,9 +30,7 @@ struct scene_instant {
     struct vec3 rate[SCENE_CONTACTS];         /* w = v_dst - v_src [m/s] */
     double normal_force[SCENE_CONTACTS];      /* F_n of the smooth law of the regime [N] */
     struct vec3 source_force[SCENE_CONTACTS]; /* of the contact, friction with it [N] */
-#if SCENE_ANY_TURNING
     struct turning_instant turning;
-#endif
 };
 
 /* One body of it. */
@@ -83,7 +79,6 @@ struct body_instant scene_body_now(const struct scene_values *v, const struct sc
 void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
                       const struct body_state *bodies, struct scene_instant *at);
 
-#if SCENE_ANY_TURNING
 /* The same with another state of what turns and rubs than that of q: kinematics, all of it. */
 void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct body_state *bodies, const struct turning_state *turning,
@@ -91,7 +86,6 @@ void scene_kinematics_turning(const struct scene_values *v, const struct scene_s
 void scene_evaluate_turning(const struct scene_values *v, const struct scene_state *q, double clock,
                             const struct body_state *bodies, const struct turning_state *turning,
                             struct scene_instant *at);
-#endif
 
 /* The shape of a contact with the axis of the instant. */
 struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
@@ -158,8 +152,6 @@ struct body_inertia body_inertia_of(const struct scene_values *v, int body);
 struct friction_law scene_friction_law(const struct scene_values *v, const struct scene_state *q,
                                        int contact);
 
-#if SCENE_ANY_TURNING
-
 /* The orientation that a body starts with: the smallest rotation that takes z to its axis. */
 struct quaternion turning_start_orientation(const struct scene_values *v, int body);
 
@@ -192,27 +184,8 @@ void turning_take_axes(const struct scene_values *v, struct scene_state *q);
 /* Orientations and angular velocities at the start; springs are at rest. */
 void turning_place(const struct scene_values *v, struct scene_state *q);
 
-#endif
-
-/*
- * What free bodies add to the state of motion, to an instant of it and to its jet. Scenes without a body that
- * may be free have evaluate.c instead, where these functions do nothing.
- */
-
-/* Parts of scene_rebase: the origins of bodies are moved to where they are; the clocks kept of contacts are
- * shifted with the clock. */
-void free_bodies_rebase(struct scene_state *q);
-void free_bodies_shift_clocks(struct scene_state *q);
-
-/* Where a free body is, by `bodies`. */
-void free_bodies_put(const struct scene_state *q, const struct body_state *bodies, int body,
-                     struct body_instant *at);
-
-/* The present states of the free bodies, NULL in scenes that have none. */
-const struct body_state *free_bodies_now(const struct scene_state *q);
-
 /* Puts accumulated gaps and carried rates into the present instant where they are known. */
-void free_bodies_put_gaps(const struct scene_values *v, const struct scene_state *q,
+void scene_put_known_gaps(const struct scene_values *v, const struct scene_state *q,
                           struct scene_instant *at);
 
 /* Bounds of the rounding errors of gaps, their rates and regime margins. */
@@ -251,8 +224,6 @@ double rounding_margin_offset(const struct scene_values *v, const struct scene_s
  * springs. World frame, SI units. Where a contact is apart all of its own are zero.
  */
 
-#if SCENE_ANY_TURNING
-
 /* All torques about the centre of a body of free rotation: of its contacts and the external one [N m]. */
 struct vec3 turning_torque_on(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct scene_instant *at, int body);
@@ -288,7 +259,5 @@ double turning_normal_force_rate(const struct scene_values *v, const struct scen
 
 /* -F_t.v_t, summed up over the contacts: what friction and its springs take [W]. */
 double turning_friction_power(const struct scene_values *v, const struct scene_instant *at);
-
-#endif
 
 #endif

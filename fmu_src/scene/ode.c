@@ -19,8 +19,6 @@ int ode_body(const struct scene_values *v, int body)
     return index;
 }
 
-#if SCENE_ANY_TURNING
-
 struct turning_layout turning_layout_of(const struct scene_values *v)
 {
     struct turning_layout layout;
@@ -50,15 +48,11 @@ struct turning_layout turning_layout_of(const struct scene_values *v)
     return layout;
 }
 
-#endif
-
 int ode_impulse(const struct scene_values *v, int contact)
 {
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         return turning_layout_of(v).integrals + TURNING_IMPULSES * contact;
     }
-#endif
     return ode_body(v, SCENE_BODIES) + 3 * contact;
 }
 
@@ -69,21 +63,17 @@ int ode_dissipated(const struct scene_values *v)
 
 int ode_coupled(const struct scene_values *v)
 {
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         return turning_layout_of(v).coupled;
     }
-#endif
     return ode_body(v, SCENE_BODIES);
 }
 
 int ode_integrals(const struct scene_values *v)
 {
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         return turning_layout_of(v).integrals;
     }
-#endif
     return ode_body(v, SCENE_BODIES);
 }
 
@@ -94,7 +84,6 @@ int ode_size(const struct scene_values *v)
 
 int ode_forces(const struct scene_values *v)
 {
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         const int forces = 3 * SCENE_CONTACTS;
         int left = turning_layout_of(v).coupled;
@@ -106,25 +95,20 @@ int ode_forces(const struct scene_values *v)
         }
         return forces < left ? forces : 0;
     }
-#endif
-    (void)v;
     return 0;
 }
 
 int ode_tipping(const struct scene_values *v)
 {
     int count = 0;
-#if SCENE_ANY_TURNING
-    const struct turning_layout layout = turning_layout_of(v);
-    for (int i = 0; i < SCENE_BODIES && scene_turns(v); ++i) {
-        count += layout.orientation[i] >= 0 && layout.orientation[i] < layout.coupled ? 4 : 0;
+    if (SCENE_ANY_TURNING) {
+        const struct turning_layout layout = turning_layout_of(v);
+        for (int i = 0; i < SCENE_BODIES && scene_turns(v); ++i) {
+            count += layout.orientation[i] >= 0 && layout.orientation[i] < layout.coupled ? 4 : 0;
+        }
     }
-#endif
-    (void)v;
     return count;
 }
-
-#if SCENE_ANY_TURNING
 
 double turning_inertia(const struct scene_values *v, int body)
 {
@@ -162,7 +146,6 @@ static void four_to(struct quaternion a, double *data)
     data[3] = a.z;
 }
 
-#if SCENE_ANY_ROTATION
 /* L / I_1 = omega + (I_3/I_1 - 1) (omega.e) e, and back. */
 static struct vec3 spin_of(const struct scene_values *v, const struct body_turn *turn, int body)
 {
@@ -178,49 +161,48 @@ static struct vec3 angular_velocity_of(const struct scene_values *v, struct quat
     const struct vec3 e = quaternion_third_axis(orientation);
     return vec3_axpy(spin, turning_flatness(v, body) * vec3_dot(spin, e), e);
 }
-#endif
 
 void turning_pack(const struct scene_ode *ode, double *y)
 {
     const struct turning_layout layout = turning_layout_of(ode->values);
-#if SCENE_ANY_ROTATION
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (layout.spin[i] >= 0) {
-            const struct body_turn *turn = &ode->state->turning.body[i];
-            three_to(spin_of(ode->values, turn, i), y + layout.spin[i]);
-            four_to(turn->orientation, y + layout.orientation[i]);
+    if (SCENE_ANY_ROTATION) {
+        for (int i = 0; i < SCENE_BODIES; ++i) {
+            if (layout.spin[i] >= 0) {
+                const struct body_turn *turn = &ode->state->turning.body[i];
+                three_to(spin_of(ode->values, turn, i), y + layout.spin[i]);
+                four_to(turn->orientation, y + layout.orientation[i]);
+            }
         }
     }
-#endif
-#if SCENE_ANY_FRICTION
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (layout.spring[j] >= 0) {
-            three_to(ode->state->turning.spring[j], y + layout.spring[j]);
+    if (SCENE_ANY_FRICTION) {
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            if (layout.spring[j] >= 0) {
+                three_to(ode->state->turning.spring[j], y + layout.spring[j]);
+            }
         }
     }
-#endif
 }
 
 void turning_unpack(const struct scene_values *v, const double *y, struct turning_state *turning)
 {
     const struct turning_layout layout = turning_layout_of(v);
-#if SCENE_ANY_ROTATION
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (layout.spin[i] >= 0) {
-            struct body_turn *turn = &turning->body[i];
-            turn->orientation = turning_orientation_from(y + layout.orientation[i]);
-            turn->angular_velocity =
-                angular_velocity_of(v, turn->orientation, three_from(y + layout.spin[i]), i);
+    if (SCENE_ANY_ROTATION) {
+        for (int i = 0; i < SCENE_BODIES; ++i) {
+            if (layout.spin[i] >= 0) {
+                struct body_turn *turn = &turning->body[i];
+                turn->orientation = turning_orientation_from(y + layout.orientation[i]);
+                turn->angular_velocity =
+                    angular_velocity_of(v, turn->orientation, three_from(y + layout.spin[i]), i);
+            }
         }
     }
-#endif
-#if SCENE_ANY_FRICTION
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (layout.spring[j] >= 0) {
-            turning->spring[j] = three_from(y + layout.spring[j]);
+    if (SCENE_ANY_FRICTION) {
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            if (layout.spring[j] >= 0) {
+                turning->spring[j] = three_from(y + layout.spring[j]);
+            }
         }
     }
-#endif
 }
 
 void turning_pack_integrals(const struct scene_ode *ode, double *y)
@@ -297,11 +279,7 @@ void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes
     }
 }
 
-#endif
-
 /* The event functions of contacts in a scene that turns or rubs. */
-
-#if SCENE_ANY_TURNING
 
 /* The gap, or how far the source is beyond the ends of its cylinder where that is more [m]. */
 static double way_to_contact(const struct scene_ode *ode, const struct scene_instant *at, int contact)
@@ -436,8 +414,6 @@ void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int co
     ode->lift_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_LIFT], 0.0);
 }
 
-#endif
-
 /* Relative acceleration by all but the contact itself. */
 static struct vec3 acceleration_by_others(const struct scene_values *v, const struct scene_instant *at,
                                           int contact)
@@ -485,22 +461,18 @@ void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double rel
 {
     const struct scene_values *v = ode->values;
     ode->energy_scale = energy_kinetic_of(v, at) + energy_stored(v, ode->state, at);
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         ode->energy_scale += energy_rotational_of(v, at);
     }
-#endif
     ode->momentum_scale = momentum_scale(v, ode->energy_scale);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double tolerated = relative * vec3_norm(at->rate[j]) + absolute;
         ode->gap_offset[j] = 2.0 * rounding_of_gap(v, at, j);
         ode->zone_offset[j] = ode->gap_offset[j] + 2.0 * fmax(-zones_margin(v, ode->state, at, j), 0.0);
         ode->margin_offset[j] = rounding_margin_offset(v, ode->state, at, j, tolerated);
-#if SCENE_ANY_TURNING
         if (scene_turns(v)) {
             turning_begin(ode, at, j, tolerated);
         }
-#endif
     }
 }
 
@@ -542,12 +514,10 @@ void ode_pack(const struct scene_ode *ode, double *y)
     }
     y[ode_dissipated(v)] = q->dissipated;
     y[ode_dissipated(v) + 1] = q->external_work;
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         turning_pack(ode, y);
         turning_pack_integrals(ode, y);
     }
-#endif
 }
 
 void ode_unpack(const struct scene_values *v, struct scene_state *q, const double *y)
@@ -558,26 +528,22 @@ void ode_unpack(const struct scene_values *v, struct scene_state *q, const doubl
     }
     q->dissipated = y[ode_dissipated(v)];
     q->external_work = y[ode_dissipated(v) + 1];
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         turning_unpack(v, y, &q->turning);
         turning_unpack_integrals(v, q, y);
     }
-#endif
 }
 
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at)
 {
     struct body_state bodies[SCENE_BODIES];
     unpack_bodies(ode->values, y, bodies);
-#if SCENE_ANY_TURNING
     if (scene_turns(ode->values)) {
         struct turning_state turning = ode->state->turning;
         turning_unpack(ode->values, y, &turning);
         scene_evaluate_turning(ode->values, ode->state, clock, bodies, &turning, at);
         return;
     }
-#endif
     scene_evaluate(ode->values, ode->state, clock, bodies, at);
 }
 
@@ -597,11 +563,9 @@ void ode_rates(const struct scene_ode *ode, double clock, const double *y, doubl
     }
     rates[ode_dissipated(v)] = energy_dissipated_power(v, ode->state, &at);
     rates[ode_dissipated(v) + 1] = scene_external_power(v, ode->state, clock, &at);
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         turning_rates(ode, clock, y, &at, rates);
     }
-#endif
 }
 
 static void set_three(double *sizes, double size)
@@ -626,16 +590,12 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
     for (int i = ode_dissipated(v); i < ode_size(v); ++i) {
         sizes[i] = fmax(fabs(y[i]), ode->energy_scale);
     }
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         turning_nominal(ode, y, sizes);
     }
-#endif
 }
 
 /* The Jacobian of a scene that turns or rubs: exact, by directional derivatives of each contact. */
-
-#if SCENE_ANY_TURNING
 
 #include <string.h>
 
@@ -818,7 +778,6 @@ static void add_motion(const struct turning_linearization *l, double clock, int 
     }
 }
 
-#if SCENE_ANY_ROTATION
 static void add_rotation(const struct turning_linearization *l, double clock, int body)
 {
     const int spin = l->layout.spin[body];
@@ -841,7 +800,6 @@ static void add_rotation(const struct turning_linearization *l, double clock, in
         add_entry(l->matrix, work, orientation + k, vec3_dot(torque, change));
     }
 }
-#endif
 
 static void linearize(struct turning_linearization *l, double clock)
 {
@@ -853,11 +811,9 @@ static void linearize(struct turning_linearization *l, double clock)
     ode_instant(ode, clock, l->y, &l->at);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         add_motion(l, clock, i);
-#if SCENE_ANY_ROTATION
-        if (l->layout.spin[i] >= 0) {
+        if (SCENE_ANY_ROTATION && l->layout.spin[i] >= 0) {
             add_rotation(l, clock, i);
         }
-#endif
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         add_contact(l, j);
@@ -891,8 +847,6 @@ void turning_split_jacobian(const struct scene_ode *ode, double clock, const dou
         add_to_body(&l, j, contact_destination(contact), -1.0, force, on_destination);
     }
 }
-
-#endif
 
 /* The event functions of the scene's differential equations. */
 
@@ -939,17 +893,17 @@ void ode_events_at(const struct scene_ode *ode, double clock, const double *y, s
         const enum contact_regime regime = (enum contact_regime)ode->state->contact[j].regime;
         const struct contact_law law = scene_contact_law(v, ode->state, j);
         const struct contact_geometry *g = &at->geometry[j];
-#if SCENE_ANY_TURNING
-        if (scene_turns(v)) {
-            turning_events(ode, clock, y, at, j, out);
-            put_zone(ode, at, j, out);
-            for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
-                out[i] = not_zero(out[i]);
+        if (SCENE_ANY_TURNING) {
+            if (scene_turns(v)) {
+                turning_events(ode, clock, y, at, j, out);
+                put_zone(ode, at, j, out);
+                for (int i = 0; i < ODE_EVENTS_EACH; ++i) {
+                    out[i] = not_zero(out[i]);
+                }
+                continue;
             }
-            continue;
+            out[ODE_EVENT_STICK] = out[ODE_EVENT_CAP] = out[ODE_EVENT_LIFT] = 1.0;
         }
-        out[ODE_EVENT_STICK] = out[ODE_EVENT_CAP] = out[ODE_EVENT_LIFT] = 1.0;
-#endif
         out[0] = out[1] = 1.0;
         if (contact_transmits(ode->state, j) && !contact_is_driven(v, j)) {
             out[0] = not_zero(ode->gap_offset[j] - g->gap);
@@ -1056,12 +1010,10 @@ void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, do
 {
     const struct scene_values *v = ode->values;
     const struct matrix jacobian = {columns, ode_size(v)};
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         turning_jacobian(ode, clock, y, ode_size(v), columns);
         return;
     }
-#endif
     struct scene_instant at;
     ode_instant(ode, clock, y, &at);
     memset(columns, 0, (size_t)jacobian.rows * (size_t)jacobian.rows * sizeof *columns);
@@ -1098,12 +1050,10 @@ void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const doubl
     double whole[ODE_MOST_STATES * ODE_MOST_STATES];
     const int size = ode_size(ode->values);
     const int coupled = ode_coupled(ode->values);
-#if SCENE_ANY_TURNING
     if (scene_turns(ode->values)) {
         turning_jacobian(ode, clock, y, coupled, columns);
         return;
     }
-#endif
     ode_jacobian(ode, clock, y, whole);
     for (int j = 0; j < coupled; ++j) {
         memcpy(columns + j * coupled, whole + j * size, (size_t)coupled * sizeof *columns);
@@ -1113,11 +1063,9 @@ void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const doubl
 void ode_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
                         double *by_forces, double *of_forces)
 {
-#if SCENE_ANY_TURNING
-    turning_split_jacobian(ode, clock, y, columns, by_forces, of_forces);
-#else
-    (void)ode, (void)clock, (void)y, (void)columns, (void)by_forces, (void)of_forces;
-#endif
+    if (SCENE_ANY_TURNING) {
+        turning_split_jacobian(ode, clock, y, columns, by_forces, of_forces);
+    }
 }
 
 static bool path_rests(const struct vec3 *coefficients, int count)

@@ -52,10 +52,8 @@ struct scene_ode {
     const struct scene_state *state;      /* regimes, paths; its body states are not read */
     double gap_offset[SCENE_CONTACTS];    /* added to events 0 [m] */
     double margin_offset[SCENE_CONTACTS]; /* added to events 1 [as the event] */
-#if SCENE_ANY_TURNING
     /* added to events 2, 3 and 4 */
     double stick_offset[SCENE_CONTACTS], cap_offset[SCENE_CONTACTS], lift_offset[SCENE_CONTACTS];
-#endif
     double zone_offset[SCENE_CONTACTS];  /* added to events ODE_EVENT_ZONE [m] */
     double energy_scale, momentum_scale; /* of the motion as the phase begins [J], [N s] */
 };
@@ -124,8 +122,6 @@ void ode_instant(const struct scene_ode *ode, double clock, const double *y, str
  * ode.c.
  */
 
-#if SCENE_ANY_TURNING
-
 /* Where the states are in y; -1: there is none. */
 struct turning_layout {
     int spin[SCENE_BODIES];        /* L / I_1 */
@@ -177,8 +173,6 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
 
 /* Sizes to compare errors with, as ode_nominal has them. */
 void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes);
-
-#endif
 
 /*
  * Invariants at the end of a contact phase (projection methods: Hairer, Lubich, Wanner, Geometric Numerical

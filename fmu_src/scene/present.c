@@ -28,16 +28,12 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
     return contact_escape_direction(shape, rate, at_rest);
 }
 
-#if SCENE_ANY_CAPS
-
-#if SCENE_ANY_CAPS
-
 void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact)
 {
     struct contact_state *state = &q->contact[contact];
     if (state->regime == (int32_t)REGIME_APART) {
         state->zone = 0;
-    } else if (state->zone == 0) {
+    } else if (SCENE_ANY_CAPS && state->zone == 0) {
         state->zone = at->geometry[contact].zone;
     }
 }
@@ -45,13 +41,10 @@ void zones_follow(struct scene_state *q, const struct scene_instant *at, int con
 /* The rate of the separation as the destination's axis sees it, which may turn. */
 static struct vec3 rate_by_axis(const struct scene_values *v, const struct scene_instant *at, int contact)
 {
-#if SCENE_ANY_ROTATION
     if (scene_turns(v)) {
         const struct vec3 spin = at->turning.body[contact_destination(contact)].angular_velocity;
         return vec3_sub(at->rate[contact], vec3_cross(spin, at->separation[contact]));
     }
-#endif
-    (void)v;
     return at->rate[contact];
 }
 
@@ -64,7 +57,7 @@ bool zones_pass(const struct scene_values *v, struct scene_state *q, const struc
                 int contact)
 {
     const int zone = q->contact[contact].zone;
-    if (zone == 0) {
+    if (!SCENE_ANY_CAPS || zone == 0) {
         return false;
     }
     const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
@@ -79,7 +72,7 @@ bool zones_pass(const struct scene_values *v, struct scene_state *q, const struc
 void zones_settle(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
                   int contact)
 {
-    if (zones_margin(v, q, at, contact) < -rounding_of_gap(v, at, contact)) {
+    if (SCENE_ANY_CAPS && zones_margin(v, q, at, contact) < -rounding_of_gap(v, at, contact)) {
         const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
         const struct solid_place place = contact_place_at(&shape.solid, at->separation[contact]);
         q->contact[contact].zone = contact_zone_by(&place);
@@ -90,7 +83,7 @@ double zones_margin(const struct scene_values *v, const struct scene_state *q, c
                     int contact)
 {
     const int zone = q->contact[contact].zone;
-    if (zone == 0) {
+    if (!SCENE_ANY_CAPS || zone == 0) {
         return NO_ZONE_MARGIN;
     }
     const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
@@ -108,14 +101,12 @@ enum zone zones_shown(const struct scene_values *v, const struct scene_state *q,
     return contact_is_capped(&shape) ? (enum zone)abs(at->geometry[contact].zone) : ZONE_SIDE;
 }
 
-#endif
-
-#endif
-
 void scene_kinematics_now(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
 {
-    scene_kinematics(v, q, q->clock, free_bodies_now(q), at);
-    free_bodies_put_gaps(v, q, at);
+    scene_kinematics(v, q, q->clock, q->body, at);
+    if (SCENE_ANY_FREE) {
+        scene_put_known_gaps(v, q, at);
+    }
 }
 
 void scene_now(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
@@ -170,8 +161,6 @@ enum contact_regime scene_regime_of_touching(const struct scene_values *v, const
     const double gap = fmin(at->geometry[contact].gap, -DBL_MIN); /* rounding may show none */
     return regime_by_law(v, q, at, contact, gap, true);
 }
-
-#if SCENE_ANY_HERTZ
 
 /* The square of the speed at the touch by motion and stored energy alone [m^2/s^2]. */
 static double own_speed_squared(const struct scene_values *v, const struct scene_state *q,
@@ -239,8 +228,6 @@ double onset_damping_slope(const struct scene_values *v, const struct scene_stat
     return -state->onset_damping * half / (speed * speed);
 }
 
-#endif
-
 /* Moving the origin of the clock to the present. */
 
 /* base + base_tail += clock, by Knuth's two-sum, so that base_tail holds the rounding error exactly. */
@@ -266,7 +253,6 @@ static void shift_paths(const struct scene_values *v, struct scene_state *q, int
     }
 }
 
-#if SCENE_ANY_ROTATION
 /* And those that it turns by. */
 static void shift_turning_paths(const struct scene_values *v, struct scene_state *q, int body)
 {
@@ -278,34 +264,58 @@ static void shift_turning_paths(const struct scene_values *v, struct scene_state
         path_shift(path->torque, 3, q->clock);
     }
 }
-#endif
+
+/* The origins of free bodies become the places where they are. */
+static void shift_origins(struct scene_state *q)
+{
+    q->deferrable_clock = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        q->origin[i].displacement = vec3_add(q->origin[i].displacement, q->body[i].moved);
+        q->origin[i].velocity = q->body[i].velocity;
+        q->body[i].moved = vec3_make(0.0, 0.0, 0.0);
+    }
+}
+
+/* The clocks kept of contacts are shifted with the clock. */
+static void shift_clocks(struct scene_state *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        q->contact[j].record.touch_clock -= q->clock;
+        q->contact[j].schedule.change_clock -= q->clock;
+        q->contact[j].schedule.settled_clock -= q->clock;
+        if (q->contact[j].regime == REGIME_APART || q->contact[j].regime == REGIME_SEPARATING) {
+            /* Not known where it has flown on to, unless that was foreseen. */
+            q->contact[j].physics.accumulated_gap =
+                q->contact[j].schedule.change_clock == 0.0 ? q->contact[j].schedule.change_gap : DBL_MAX;
+        }
+    }
+    q->horizon_clock -= q->clock;
+}
 
 void scene_rebase(const struct scene_values *v, struct scene_state *q)
 {
-    q->integrator_fresh = 1;
-    free_bodies_rebase(q);
-#if SCENE_ANY_TURNING
     const bool turns = scene_turns(v);
+    q->integrator_fresh = 1;
+    if (SCENE_ANY_FREE) {
+        shift_origins(q);
+    }
     if (turns) {
         turning_rebase(v, q);
     }
-#endif
     if (q->clock == 0.0) {
         return;
     }
     for (int i = 0; i < SCENE_BODIES; ++i) {
         shift_paths(v, q, i);
     }
-#if SCENE_ANY_ROTATION
     for (int i = 0; turns && i < SCENE_BODIES; ++i) {
         shift_turning_paths(v, q, i);
     }
-#endif
-    free_bodies_shift_clocks(q);
+    if (SCENE_ANY_FREE) {
+        shift_clocks(q);
+    }
     advance_base(q);
 }
-
-#if SCENE_ANY_FREE
 
 double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at)
 {
@@ -336,7 +346,6 @@ double energy_potential_of(const struct scene_values *v, const struct scene_inst
     return energy_potential_change(v, at, gravity(v)); /* from none */
 }
 
-#if SCENE_ANY_TURNING
 /* I_t omega^2/2 + (I_a - I_t) (omega.e)^2/2 */
 double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at)
 {
@@ -357,7 +366,6 @@ double energy_tangential_of(const struct scene_values *v, const struct scene_sta
                             const struct scene_instant *at)
 {
     double sum = 0.0;
-#if SCENE_ANY_FRICTION
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_rubs_elastically(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
             const struct friction_law law = scene_friction_law(v, q, j);
@@ -366,12 +374,8 @@ double energy_tangential_of(const struct scene_values *v, const struct scene_sta
             sum += friction_stored_energy(&law, (enum friction_regime)q->contact[j].friction_regime, rubbing);
         }
     }
-#else
-    (void)v, (void)q, (void)at;
-#endif
     return sum;
 }
-#endif
 
 double energy_stored(const struct scene_values *v, const struct scene_state *q,
                      const struct scene_instant *at)
@@ -439,5 +443,3 @@ double jet_of_stored(const struct scene_values *v, const struct scene_state *q, 
     }
     return sum;
 }
-
-#endif

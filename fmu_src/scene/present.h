@@ -22,8 +22,6 @@ struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 ra
 /* Margin [m] of a contact that has no zone. */
 #define NO_ZONE_MARGIN 1.0
 
-#if SCENE_ANY_CAPS
-
 /* After a regime has been set at the instant: the zone that is met then, or none without contact. */
 void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact);
 
@@ -43,42 +41,6 @@ double zones_margin(const struct scene_values *v, const struct scene_state *q, c
 /* As users see it, at the instant. */
 enum zone zones_shown(const struct scene_values *v, const struct scene_state *q,
                       const struct scene_instant *at, int contact);
-
-#else
-
-static inline void zones_follow(struct scene_state *q, const struct scene_instant *at, int contact)
-{
-    (void)q, (void)at, (void)contact;
-}
-
-static inline bool zones_pass(const struct scene_values *v, struct scene_state *q,
-                              const struct scene_instant *at, int contact)
-{
-    (void)v, (void)q, (void)at, (void)contact;
-    return false;
-}
-
-static inline void zones_settle(const struct scene_values *v, struct scene_state *q,
-                                const struct scene_instant *at, int contact)
-{
-    (void)v, (void)q, (void)at, (void)contact;
-}
-
-static inline double zones_margin(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_instant *at, int contact)
-{
-    (void)v, (void)q, (void)at, (void)contact;
-    return NO_ZONE_MARGIN;
-}
-
-static inline enum zone zones_shown(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_instant *at, int contact)
-{
-    (void)v, (void)at;
-    return q->contact[contact].regime == (int32_t)REGIME_APART ? ZONE_NONE : ZONE_SIDE;
-}
-
-#endif
 
 /*
  * The scene at its present clock. Where integration has accumulated a gap or carried its rate, both are more
@@ -139,12 +101,10 @@ static inline enum contact_regime onset_note(const struct scene_values *v, struc
                                              const struct scene_instant *at, int contact,
                                              enum contact_regime next)
 {
-#if SCENE_ANY_RESTITUTION && SCENE_ANY_HERTZ
-    return scene_damps_by_onset(v, contact) ? onset_take_damping(v, q, at, contact, next) : next;
-#else
-    (void)v, (void)q, (void)at, (void)contact; /* nor has the scene that function */
+    if (SCENE_ANY_RESTITUTION && SCENE_ANY_HERTZ) {
+        return scene_damps_by_onset(v, contact) ? onset_take_damping(v, q, at, contact, next) : next;
+    }
     return next;
-#endif
 }
 
 /* Energies of the scene [J]. kinetic + potential + contact + dissipated - external work stays constant; with
@@ -154,12 +114,10 @@ static inline enum contact_regime onset_note(const struct scene_values *v, struc
 /* Sum of m v^2 / 2 over the free bodies. */
 double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at);
 
-#if SCENE_ANY_TURNING
 /* Sum of omega I omega / 2 over the bodies of free rotation; what the tangential springs store. */
 double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at);
 double energy_tangential_of(const struct scene_values *v, const struct scene_state *q,
                             const struct scene_instant *at);
-#endif
 
 /* Minus the sum of m gravity.x over the free bodies; zero at the world's origin. */
 double energy_potential_of(const struct scene_values *v, const struct scene_instant *at);

@@ -21,9 +21,9 @@ void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
         }
         contact_jet_make(&shape, &at->geometry[j], c, w, &law, &along->law_slope[j], regime,
                          &along->contact[j]);
-#if SCENE_ANY_TURNING
-        turning_jet_of_contact(v, q, at, j, along);
-#endif
+        if (SCENE_ANY_TURNING) {
+            turning_jet_of_contact(v, q, at, j, along);
+        }
     }
 }
 
@@ -40,13 +40,91 @@ static void put_bodies(const struct scene_values *v, const struct scene_state *q
         along->velocity[i][1] = at->acceleration[i];
         along->velocity[i][2] = q->path[i].velocity[2];
     }
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         turning_jet_put_bodies(v, q, at, along);
     }
-#else
-    (void)v;
-#endif
+}
+
+/* The jet of free bodies in time, and of what depends on it. */
+
+/* d/dt of a path of three coefficients. */
+static struct vec3 path_slope(const struct vec3 *path, double clock)
+{
+    return vec3_axpy(path[1], 2.0 * clock, path[2]);
+}
+
+struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body)
+{
+    struct vec3 force = along->force[body];
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct vec3 source_force = along->contact[j].source_force[1];
+        const int sign = (contact_source(j) == body) - (contact_destination(j) == body);
+        force = vec3_axpy(force, sign, source_force);
+    }
+    return vec3_scale(0.5 / body_mass(v, body), force);
+}
+
+double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
+                                  const struct scene_jet *along, int order)
+{
+    double power = 0.0;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const struct vec3 force[2] = {path_at(q->path[i].force, 3, q->clock), along->force[i]};
+            power += jet_dot(force, along->velocity[i], order);
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct vec3 *force = along->contact[j].source_force;
+        if (body_is_prescribed(v, contact_source(j))) {
+            power -= jet_dot(force, along->velocity[contact_source(j)], order);
+        }
+        if (body_is_prescribed(v, contact_destination(j))) {
+            power += jet_dot(force, along->velocity[contact_destination(j)], order);
+        }
+    }
+    if (SCENE_ANY_TURNING) {
+        power += scene_turns(v) ? turning_jet_external_power(v, q, along, order) : 0.0;
+    }
+    return power;
+}
+
+double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
+                                    const struct scene_jet *along, int order)
+{
+    double power = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_jet *contact = &along->contact[j];
+        const struct contact_law law = scene_contact_law(v, q, j);
+        power += contact_dissipated_term(&law, (enum contact_regime)q->contact[j].regime,
+                                         contact->normal_force, contact->gap, contact->gap_rate, order);
+    }
+    return power;
+}
+
+/* The change of acceleration of free bodies, by the forces of the contacts; whether there are free bodies. */
+static bool put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            along->force[i] = path_slope(q->path[i].force, q->clock);
+            along->velocity[i][2] = free_bodies_half_jerk(v, along, i);
+        }
+    }
+    return !scene_is_force_element(v);
+}
+
+/* Energies dissipated and supplied. */
+static void put_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
+{
+    along->time[1] = 1.0;
+    for (int i = 1; i < JET_TERMS; ++i) {
+        along->dissipated[i] = free_bodies_dissipated_power(v, q, along, i - 1) / i;
+        along->external_work[i] = free_bodies_external_power(v, q, along, i - 1) / i;
+        if (SCENE_ANY_TURNING) {
+            along->friction[i] = turning_jet_friction_power(v, along, i - 1) / i;
+        }
+    }
 }
 
 /* Contacts; then once more, as free bodies go by the forces of the first time. */
@@ -54,12 +132,10 @@ static void put_contacts(const struct scene_values *v, const struct scene_state 
                          const struct scene_instant *at, struct scene_jet *along)
 {
     jet_of_contacts(v, q, at, along);
-#if SCENE_ANY_TURNING
     if (scene_turns(v)) {
         turning_jet_put_changes(v, q, at, along);
     }
-#endif
-    if (free_bodies_put_jerk(v, q, along) || (SCENE_ANY_TURNING && scene_turns(v))) {
+    if ((SCENE_ANY_FREE && put_jerk(v, q, along)) || scene_turns(v)) {
         jet_of_contacts(v, q, at, along);
     }
 }
@@ -69,7 +145,9 @@ void jet_in_time(const struct scene_values *v, const struct scene_state *q, cons
 {
     put_bodies(v, q, at, along);
     put_contacts(v, q, at, along);
-    free_bodies_put_work(v, q, along);
+    if (SCENE_ANY_FREE) {
+        put_work(v, q, along);
+    }
 }
 
 void jet_of_motion(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
@@ -87,8 +165,6 @@ void jet_of_motion(const struct scene_values *v, const struct scene_state *q, co
     }
     put_contacts(v, q, at, along);
 }
-
-#if SCENE_ANY_TURNING
 
 struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b, int order)
 {
@@ -114,7 +190,6 @@ static void put_turning_axis(const struct vec3 *omega, struct vec3 e[JET_TERMS])
     e[2] = vec3_scale(0.5, turning_jet_cross(omega, e, 1));
 }
 
-#if SCENE_ANY_ROTATION
 /* A direction that is given as a polynomial of any length. */
 static void put_given_axis(const struct body_path *path, double clock, struct vec3 e[JET_TERMS])
 {
@@ -151,7 +226,6 @@ static void put_prescribed(const struct scene_state *q, int body, struct scene_j
     }
     put_orientation(seen, along->orientation[body]);
 }
-#endif
 
 void turning_jet_put_bodies(const struct scene_values *v, const struct scene_state *q,
                             const struct scene_instant *at, struct scene_jet *along)
@@ -160,30 +234,26 @@ void turning_jet_put_bodies(const struct scene_values *v, const struct scene_sta
         along->angular_velocity[i][0] = at->turning.body[i].angular_velocity;
         along->orientation[i][0] = at->turning.body[i].orientation;
         along->axis[i][0] = quaternion_third_axis(at->turning.body[i].orientation);
-#if SCENE_ANY_ROTATION
-        along->angular_velocity[i][1] = turning_acceleration(v, q, q->clock, at, i);
-        if (body_turn_is_prescribed(v, i)) {
-            put_prescribed(q, i, along);
-        } else if (body_turns_freely(v, i)) {
-            const struct body_path *path = &q->path[i];
-            along->torque[i] = vec3_axpy(path->torque[1], 2.0 * q->clock, path->torque[2]);
-            put_turning_axis(along->angular_velocity[i], along->axis[i]);
-            put_orientation(along->angular_velocity[i], along->orientation[i]);
+        if (SCENE_ANY_ROTATION) {
+            along->angular_velocity[i][1] = turning_acceleration(v, q, q->clock, at, i);
+            if (body_turn_is_prescribed(v, i)) {
+                put_prescribed(q, i, along);
+            } else if (body_turns_freely(v, i)) {
+                const struct body_path *path = &q->path[i];
+                along->torque[i] = vec3_axpy(path->torque[1], 2.0 * q->clock, path->torque[2]);
+                put_turning_axis(along->angular_velocity[i], along->axis[i]);
+                put_orientation(along->angular_velocity[i], along->orientation[i]);
+            }
         }
-#endif
     }
-#if SCENE_ANY_ELASTIC_FRICTION
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_rubs_elastically(v, j)) {
             along->spring[j][0] = q->turning.spring[j];
             along->spring[j][1] = turning_spring_rate(v, q, &q->turning, at, j);
         }
     }
-#endif
-    (void)v, (void)q;
 }
 
-#if SCENE_ANY_FREE_ROTATION
 /* Half the change of a free body's angular acceleration: of
  * I_1 omega' = tau - (I_3 - I_1) (tau_3 / I_3 e + omega_3 omega x e). */
 static struct vec3 half_spin_jerk(const struct scene_values *v, const struct scene_state *q,
@@ -210,9 +280,7 @@ static struct vec3 half_spin_jerk(const struct scene_values *v, const struct sce
     const double more = inertia.axial - inertia.transverse;
     return vec3_scale(0.5 / inertia.transverse, vec3_axpy(torque[1], -more, gyration));
 }
-#endif
 
-#if SCENE_ANY_ELASTIC_FRICTION
 static struct vec3 times(const double m[3][3], struct vec3 a)
 {
     return vec3_make(m[0][0] * a.x + m[0][1] * a.y + m[0][2] * a.z,
@@ -239,42 +307,27 @@ static struct vec3 half_spring_change(const struct scene_values *v, const struct
     sum = vec3_add(sum, times(slopes.by_spring, spring[1]));
     return vec3_scale(0.5, vec3_sub(sum, jet_scale(tilted, geometry->normal, 1)));
 }
-#endif
 
 void turning_jet_put_changes(const struct scene_values *v, const struct scene_state *q,
                              const struct scene_instant *at, struct scene_jet *along)
 {
-#if SCENE_ANY_FREE_ROTATION
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_turns_freely(v, i)) {
             along->angular_velocity[i][2] = half_spin_jerk(v, q, at, along, i);
         }
     }
-#endif
-#if SCENE_ANY_ELASTIC_FRICTION
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_rubs_elastically(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
             along->spring[j][2] = half_spring_change(v, q, at, along, j);
         }
     }
-#endif
-    (void)v, (void)q, (void)at, (void)along;
 }
 
-#if SCENE_ANY_FREE_ROTATION
 struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
                                     const struct scene_instant *at, const struct scene_jet *along, int body)
 {
     return vec3_scale(2.0, half_spin_jerk(v, q, at, along, body));
 }
-#else
-struct vec3 turning_jet_spin_change(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_instant *at, const struct scene_jet *along, int body)
-{
-    (void)v, (void)q, (void)at, (void)along, (void)body;
-    return vec3_make(0.0, 0.0, 0.0);
-}
-#endif
 
 void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at, int body,
                            int component, double change, struct scene_jet *along)
@@ -288,10 +341,6 @@ void turning_jet_move_axis(const struct scene_values *v, const struct scene_inst
     const struct quaternion turned = quaternion_rate(at->turning.body[body].orientation, vec3_cross(e, by));
     along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, turned);
 }
-
-#endif
-
-#if SCENE_ANY_TURNING
 
 double turning_jet_of_rotational(const struct scene_values *v, const struct scene_jet *along, int order)
 {
@@ -338,33 +387,27 @@ double turning_jet_external_power(const struct scene_values *v, const struct sce
                                   const struct scene_jet *along, int order)
 {
     double power = 0.0;
-#if SCENE_ANY_ROTATION
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_turns_freely(v, i)) {
-            const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
-            power += jet_dot(torque, along->angular_velocity[i], order);
+    if (SCENE_ANY_ROTATION) {
+        for (int i = 0; i < SCENE_BODIES; ++i) {
+            if (body_turns_freely(v, i)) {
+                const struct vec3 torque[2] = {path_at(q->path[i].torque, 3, q->clock), along->torque[i]};
+                power += jet_dot(torque, along->angular_velocity[i], order);
+            }
+        }
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            const int source = contact_source(j);
+            const int destination = contact_destination(j);
+            if (body_turn_is_prescribed(v, source)) {
+                power -= jet_dot(along->turning[j].source_torque, along->angular_velocity[source], order);
+            }
+            if (body_turn_is_prescribed(v, destination)) {
+                power -= jet_dot(along->turning[j].destination_torque, along->angular_velocity[destination],
+                                 order);
+            }
         }
     }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const int source = contact_source(j);
-        const int destination = contact_destination(j);
-        if (body_turn_is_prescribed(v, source)) {
-            power -= jet_dot(along->turning[j].source_torque, along->angular_velocity[source], order);
-        }
-        if (body_turn_is_prescribed(v, destination)) {
-            power -=
-                jet_dot(along->turning[j].destination_torque, along->angular_velocity[destination], order);
-        }
-    }
-#else
-    (void)v, (void)q, (void)along, (void)order;
-#endif
     return power;
 }
-
-#endif
-
-#if SCENE_ANY_TURNING
 
 /* The motion of a contact: separation, its rate, rotations, axis; that of the shape which is met. */
 struct contact_path {
@@ -412,7 +455,6 @@ static void put_normal(const struct vec3 offset[JET_TERMS], const double distanc
     }
 }
 
-#if SCENE_ANY_CAPS
 /* Of a rim: offset = (rho - r_d) a - (height - h) e with the unit vector a to the axis, rho a = c - (c.e) e,
  * and height = -c.e, of e that points out of the rim's end. */
 static void put_rim_offset(const struct contact_shape *shape, const struct contact_path *path,
@@ -435,17 +477,14 @@ static void put_rim_offset(const struct contact_shape *shape, const struct conta
         offset[i] = vec3_add(jet_scale(radial, to_axis, i), jet_scale(axial, path->axis, i));
     }
 }
-#endif
 
 static void put_offset(const struct contact_shape *shape, const struct contact_path *path,
                        struct vec3 offset[JET_TERMS])
 {
-#if SCENE_ANY_CAPS
     if (contact_is_rim(shape)) {
         put_rim_offset(shape, path, offset);
         return;
     }
-#endif
     for (int i = 1; i < JET_TERMS; ++i) {
         offset[i] = path->c[i];
         if (contact_is_cylinder(shape)) {
@@ -526,14 +565,15 @@ static void put_friction(const struct scene_values *v, const struct scene_state 
     struct friction_path path = {.slip_velocity_slope = along->slip_velocity_slope[contact]};
     memcpy(path.normal_force, jet->normal_force, sizeof path.normal_force);
     memcpy(path.slip, turning->slip, sizeof path.slip);
-#if SCENE_ANY_FRICTION
-    memcpy(path.spring, along->spring[contact], sizeof path.spring);
-    path.spring[0] = q->turning.spring[contact];
-    if (along->jumps) {
-        path.spring[1] = vec3_axpy(path.spring[1], -vec3_dot(path.spring[0], jet->normal[1]), jet->normal[0]);
-        path.spring[1] = vec3_axpy(path.spring[1], -along->spring_lift[contact], jet->normal[1]);
+    if (SCENE_ANY_FRICTION) {
+        memcpy(path.spring, along->spring[contact], sizeof path.spring);
+        path.spring[0] = q->turning.spring[contact];
+        if (along->jumps) {
+            path.spring[1] =
+                vec3_axpy(path.spring[1], -vec3_dot(path.spring[0], jet->normal[1]), jet->normal[0]);
+            path.spring[1] = vec3_axpy(path.spring[1], -along->spring_lift[contact], jet->normal[1]);
+        }
     }
-#endif
     for (int i = 0; i < JET_TERMS; ++i) {
         turning->friction_force[i] = friction_force_term(&laws.friction, laws.friction_regime, &path, i);
         turning->stored[i] = friction_stored_term(&laws.friction, laws.friction_regime, &path, i);
@@ -562,106 +602,3 @@ void turning_jet_of_contact(const struct scene_values *v, const struct scene_sta
         turning->destination_torque[i] = turning_jet_cross(jet->source_force, turning->destination_arm, i);
     }
 }
-
-#endif
-
-#if SCENE_ANY_FREE
-
-/* The jet of free bodies in time, and of what depends on it. */
-
-/* d/dt of a path of three coefficients. */
-static struct vec3 path_slope(const struct vec3 *path, double clock)
-{
-    return vec3_axpy(path[1], 2.0 * clock, path[2]);
-}
-
-struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body)
-{
-    struct vec3 force = along->force[body];
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct vec3 source_force = along->contact[j].source_force[1];
-        const int sign = (contact_source(j) == body) - (contact_destination(j) == body);
-        force = vec3_axpy(force, sign, source_force);
-    }
-    return vec3_scale(0.5 / body_mass(v, body), force);
-}
-
-double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
-                                  const struct scene_jet *along, int order)
-{
-    double power = 0.0;
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            const struct vec3 force[2] = {path_at(q->path[i].force, 3, q->clock), along->force[i]};
-            power += jet_dot(force, along->velocity[i], order);
-        }
-    }
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct vec3 *force = along->contact[j].source_force;
-        if (body_is_prescribed(v, contact_source(j))) {
-            power -= jet_dot(force, along->velocity[contact_source(j)], order);
-        }
-        if (body_is_prescribed(v, contact_destination(j))) {
-            power += jet_dot(force, along->velocity[contact_destination(j)], order);
-        }
-    }
-#if SCENE_ANY_TURNING
-    power += scene_turns(v) ? turning_jet_external_power(v, q, along, order) : 0.0;
-#endif
-    return power;
-}
-
-double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
-                                    const struct scene_jet *along, int order)
-{
-    double power = 0.0;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        const struct contact_jet *contact = &along->contact[j];
-        const struct contact_law law = scene_contact_law(v, q, j);
-        power += contact_dissipated_term(&law, (enum contact_regime)q->contact[j].regime,
-                                         contact->normal_force, contact->gap, contact->gap_rate, order);
-    }
-    return power;
-}
-
-bool free_bodies_put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
-{
-    for (int i = 0; i < SCENE_BODIES; ++i) {
-        if (body_is_free(v, i)) {
-            along->force[i] = path_slope(q->path[i].force, q->clock);
-            along->velocity[i][2] = free_bodies_half_jerk(v, along, i);
-        }
-    }
-    return !scene_is_force_element(v);
-}
-
-void free_bodies_put_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
-{
-    along->time[1] = 1.0;
-    for (int i = 1; i < JET_TERMS; ++i) {
-        along->dissipated[i] = free_bodies_dissipated_power(v, q, along, i - 1) / i;
-        along->external_work[i] = free_bodies_external_power(v, q, along, i - 1) / i;
-#if SCENE_ANY_TURNING
-        along->friction[i] = turning_jet_friction_power(v, along, i - 1) / i;
-#endif
-    }
-}
-
-#endif
-
-#if !SCENE_ANY_FREE
-
-/* Scenes without a body that may be free add nothing. */
-
-bool free_bodies_put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
-{
-    (void)v, (void)q, (void)along;
-    return false;
-}
-
-void free_bodies_put_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
-{
-    (void)v, (void)q, (void)along;
-}
-
-#endif

@@ -11,14 +11,12 @@
 #include "math/compiler.h"
 #include "scene/evaluate.h"
 
-#if SCENE_ANY_TURNING
 /* Of a contact, as struct turning_instant has them; and what its spring stores. */
 struct turning_jet {
     struct vec3 source_arm[JET_TERMS], destination_arm[JET_TERMS], slip[JET_TERMS];
     struct vec3 friction_force[JET_TERMS], source_torque[JET_TERMS], destination_torque[JET_TERMS];
     double stored[JET_TERMS];
 };
-#endif
 
 struct scene_jet {
     struct vec3 displacement[SCENE_BODIES][JET_TERMS];
@@ -27,7 +25,6 @@ struct scene_jet {
     /* d/ds of the factors, where they are automatic */
     struct contact_law law_slope[SCENE_CONTACTS];
     struct contact_jet contact[SCENE_CONTACTS];
-#if SCENE_ANY_TURNING
     struct vec3 angular_velocity[SCENE_BODIES][JET_TERMS];
     struct vec3 axis[SCENE_BODIES][JET_TERMS]; /* the third axis of the body's frame */
     struct quaternion orientation[SCENE_BODIES][JET_TERMS];
@@ -40,7 +37,6 @@ struct scene_jet {
     bool jumps; /* the inputs: springs of contacts without a free body are laid onto the new tangent plane */
     double spring_lift[SCENE_CONTACTS]; /* of the jumps: what the springs had along the normals before [m] */
     double friction[JET_TERMS]; /* energy that friction and its springs take, without the first term */
-#endif
     /* of what only scenes with free bodies have, without the first term */
     double time[JET_TERMS], dissipated[JET_TERMS], external_work[JET_TERMS];
 };
@@ -63,8 +59,6 @@ CONTACT_COLD void jet_of_motion(const struct scene_values *v, const struct scene
  * The jet of what turns and rubs: rotations of the bodies, and contacts whose axis turns,
  * with their torques, slip, friction and springs. Coefficients of order up to two.
  */
-
-#if SCENE_ANY_TURNING
 
 /* Coefficient `order` of a cross product. */
 struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b, int order);
@@ -104,14 +98,7 @@ CONTACT_COLD double turning_jet_friction_power(const struct scene_values *v, con
 CONTACT_COLD double turning_jet_external_power(const struct scene_values *v, const struct scene_state *q,
                                                const struct scene_jet *along, int order);
 
-#endif
-
 /* What free bodies add to the jet of an instant. */
-
-/* The change of acceleration of free bodies, by the forces of the contacts; whether there are free bodies.
- * And energies dissipated and supplied. */
-bool free_bodies_put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along);
-void free_bodies_put_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along);
 
 /* Half the change of a free body's acceleration with the external force and the contact forces [m/s^3 in
  * time]; the power of dissipation, and that of external forces on free bodies and of what moves prescribed

@@ -83,36 +83,28 @@ bool contact_turns_or_rubs(const struct scene_values *v, int contact)
            contact_rubs(v, contact);
 }
 
-/* All choices are none where the bits of all of them together are those of none: asked for so often that no
- * branch is spent on each. */
-bool scene_turns(const struct scene_values *v)
+/* The bits of all choices together: asked for so often that no branch is spent on each. */
+static int turning_choices(const struct scene_values *v)
 {
     _Static_assert((int)ROTATION_NONE == 1 && (int)FRICTION_NONE == 1, "another choice has another bit");
     int choices = 1;
-#if SCENE_ANY_FRICTION
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+    for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS; ++j) {
         choices |= contact_friction(v, j);
     }
-#endif
-#if SCENE_ANY_ROTATION
-    for (int i = 0; i < SCENE_BODIES; ++i) {
+    for (int i = 0; SCENE_ANY_ROTATION && i < SCENE_BODIES; ++i) {
         choices |= body_rotation(v, i);
     }
-#endif
-    (void)v;
-    return choices != 1;
+    return choices;
+}
+
+bool scene_turns(const struct scene_values *v)
+{
+    return SCENE_ANY_TURNING && turning_choices(v) != 1; /* all are none where their bits together are */
 }
 
 void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to)
 {
-#if SCENE_ANY_TURNING
-    if (!scene_turns(v)) {
-        memcpy(to, from, offsetof(struct scene_state, turning));
-        return;
-    }
-#endif
-    (void)v;
-    *to = *from;
+    memcpy(to, from, scene_turns(v) ? sizeof *to : offsetof(struct scene_state, turning));
 }
 
 bool contact_is_driven(const struct scene_values *v, int contact)
@@ -186,17 +178,12 @@ bool body_is_loaded(const struct scene_state *q, int body, int except)
 
 bool contact_is_coupled(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-#if SCENE_CONTACTS > 1
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const bool source_moves = body_is_free(v, source) || body_turns_freely(v, source);
     const bool destination_moves = body_is_free(v, destination) || body_turns_freely(v, destination);
-    return (source_moves && body_is_loaded(q, source, contact)) ||
-           (destination_moves && body_is_loaded(q, destination, contact));
-#else
-    (void)v, (void)q, (void)contact;
-    return false;
-#endif
+    return SCENE_CONTACTS > 1 && ((source_moves && body_is_loaded(q, source, contact)) ||
+                                  (destination_moves && body_is_loaded(q, destination, contact)));
 }
 
 bool contact_is_foreseen(const struct scene_values *v, const struct scene_state *q, int contact)
@@ -209,13 +196,8 @@ bool contact_is_foreseen(const struct scene_values *v, const struct scene_state 
 
 static bool has_caps(const struct scene_values *v, int body)
 {
-#if SCENE_ANY_CAPS
-    return body_shape(body) == SHAPE_CYLINDER && body_finite_length(v, body) &&
+    return SCENE_ANY_CAPS && body_shape(body) == SHAPE_CYLINDER && body_finite_length(v, body) &&
            body_ends(v, body) == ENDS_CAPPED;
-#else
-    (void)v, (void)body;
-    return false;
-#endif
 }
 
 int scene_contact_side(const struct scene_values *v, const struct scene_state *q, int contact)
@@ -232,12 +214,8 @@ int scene_contact_side(const struct scene_values *v, const struct scene_state *q
 bool scene_ends_suddenly(const struct scene_values *v, int contact)
 {
     const int body = contact_destination(contact);
-#if SCENE_ANY_CYLINDER
-    return body_shape(body) == SHAPE_CYLINDER && body_finite_length(v, body) && !has_caps(v, body);
-#else
-    (void)v, (void)body;
-    return false;
-#endif
+    return SCENE_ANY_CYLINDER && body_shape(body) == SHAPE_CYLINDER && body_finite_length(v, body) &&
+           !has_caps(v, body);
 }
 
 struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q, int contact)
@@ -248,34 +226,27 @@ struct contact_shape scene_whole_shape(const struct scene_values *v, const struc
                                   .half_length = (double)INFINITY,
                                   .side = scene_contact_side(v, q, contact),
                                   .destination = body_shape(destination)};
-#if SCENE_ANY_CYLINDER
-    if (shape.destination == SHAPE_CYLINDER) {
+    if (SCENE_ANY_CYLINDER && shape.destination == SHAPE_CYLINDER) {
         shape.axis = q->contact[contact].parameters.axis;
         if (body_finite_length(v, destination)) {
             shape.half_length = 0.5 * body_length(v, destination);
         }
     }
-#endif
-#if SCENE_ANY_PLANE
-    if (shape.destination == SHAPE_PLANE) {
+    if (SCENE_ANY_PLANE && shape.destination == SHAPE_PLANE) {
         shape.axis = q->contact[contact].parameters.axis;
     }
-#endif
-#if SCENE_ANY_CAPS
-    if (has_caps(v, destination)) {
+    if (SCENE_ANY_CAPS && has_caps(v, destination)) {
         shape.solid = (struct contact_solid){shape.axis, shape.other_radius, shape.half_length, 0};
         shape.half_length = (double)INFINITY; /* the gap goes on beyond the ends */
     }
-#endif
     return shape;
 }
 
-#if SCENE_ANY_CAPS
 struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
                                          int contact)
 {
     const int zone = q->contact[contact].zone;
-    if (zone == 0) {
+    if (!SCENE_ANY_CAPS || zone == 0) {
         return scene_whole_shape(v, q, contact);
     }
     const struct contact_shape shape = scene_whole_shape(v, q, contact);
@@ -287,39 +258,20 @@ struct contact_shape scene_shape_met(const struct scene_values *v, const struct 
 {
     const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
     const int zone = at->geometry[contact].zone;
-    return zone != 0 ? contact_shape_in(&shape, zone) : shape;
+    return SCENE_ANY_CAPS && zone != 0 ? contact_shape_in(&shape, zone) : shape;
 }
-#else
-struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
-                                         int contact)
-{
-    return scene_whole_shape(v, q, contact);
-}
-
-struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,
-                                     const struct scene_instant *at, int contact)
-{
-    return scene_contact_shape_at(v, q, at, contact);
-}
-#endif
 
 struct contact_shape scene_contact_shape_at(const struct scene_values *v, const struct scene_state *q,
                                             const struct scene_instant *at, int contact)
 {
     struct contact_shape shape = scene_contact_shape(v, q, contact);
-#if SCENE_ANY_ROTATION
     if (body_turns(v, contact_destination(contact)) && shape.destination != SHAPE_SPHERE) {
         shape.axis = at->turning.axis[contact];
-#if SCENE_ANY_CAPS
         if (contact_is_capped(&shape)) {
             shape.solid.axis = at->turning.axis[contact];
             shape = shape.solid.zone != 0 ? contact_shape_in(&shape, shape.solid.zone) : shape;
         }
-#endif
     }
-#else
-    (void)at;
-#endif
     return shape;
 }
 

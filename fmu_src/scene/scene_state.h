@@ -1,5 +1,6 @@
 /*
- * The state of motion of a scene: flat, without pointers, so that copying it saves it.
+ * The state of motion of a scene: flat, without pointers, so that copying it saves it. It has room for all that
+ * any scene may need; what this scene has no code for stays zero.
  *
  * Time is kept as base + base_tail + clock. The clock starts at zero whenever the motion is rebased (an
  * event, a change of input), so that short contacts keep all their digits at late times; base_tail holds what
@@ -38,18 +39,12 @@ struct body_turn {
     struct vec3 angular_velocity;  /* omega [rad/s] */
 };
 
-#if SCENE_ANY_TURNING
 /* What turning bodies and friction add to the states of the bodies: moved by whoever integrates. */
 struct turning_state {
-#if SCENE_ANY_ROTATION
     /* of bodies whose rotation is free; a prescribed one follows its path from turn_origin */
     struct body_turn body[SCENE_BODIES];
-#endif
-#if SCENE_ANY_FRICTION
     struct vec3 spring[SCENE_CONTACTS]; /* xi of elastic friction, zero where it is none [m] */
-#endif
 };
-#endif
 
 /* What the orientation of a body of prescribed rotation follows. */
 enum turn_follows {
@@ -61,28 +56,22 @@ enum turn_follows {
 
 /* Inputs between communication points: sum of coefficient[i] clock^i. */
 struct body_path {
-    struct vec3 displacement[4]; /* of a prescribed body [m, m/s, ...] */
-    struct vec3 velocity[3];     /* of a prescribed body [m/s, ...] */
-    struct vec3 force[3];        /* external force on a free body [N, N/s, ...] */
-#if SCENE_ANY_ROTATION
+    struct vec3 displacement[4];     /* of a prescribed body [m, m/s, ...] */
+    struct vec3 velocity[3];         /* of a prescribed body [m/s, ...] */
+    struct vec3 force[3];            /* external force on a free body [N, N/s, ...] */
     struct vec3 angular_velocity[3]; /* of a body of prescribed rotation [rad/s, rad/s^2, ...] */
     struct vec3 axis[3];             /* its axis, of any length */
     struct vec3 torque[3];           /* external torque on a body of free rotation [N m, ...] */
     double turn_follows;             /* enum turn_follows: what a body of prescribed rotation follows */
-#endif
 };
 
 /* What the start fixes. */
 struct contact_parameters {
     /* p_n and p_nv in force [N/m, N s/m]; k_h and chi [N/m^1.5, s/m], with restitution k_h and chi v */
     struct contact_coefficients factors;
-    double diagonal; /* of the bounding box of both bodies at the start [m] */
-#if SCENE_ANY_FRICTION
+    double diagonal;      /* of the bounding box of both bodies at the start [m] */
     double slip_velocity; /* v_0 of regularized friction [m/s] */
-#endif
-#if SCENE_ANY_CYLINDER || SCENE_ANY_PLANE
-    struct vec3 axis; /* e_d at the start, unit length; zero where the destination is a sphere */
-#endif
+    struct vec3 axis;     /* e_d at the start, unit length; zero where the destination is a sphere */
 };
 
 /* What integration carries on besides the motion of the bodies. */
@@ -109,18 +98,14 @@ struct contact_record {
     int32_t unused; /* in place of padding */
 };
 
-#if SCENE_ANY_TURNING
 /* Torques about the bodies' centres in time. */
 struct contact_torques {
-#if SCENE_ANY_FREE
     /* impulses since initialization, and at the start of the communication step [N m s] */
     struct vec3 source_impulse, destination_impulse;
     struct vec3 source_mark, destination_mark;
-#else
-    struct vec3 source_mean, destination_mean; /* over the last communication step [N m] */
-#endif
+    /* means over the last communication step, kept where no body may be free [N m] */
+    struct vec3 source_mean, destination_mean;
 };
-#endif
 
 /* The largest values over the last communication step. */
 struct contact_peaks {
@@ -150,32 +135,19 @@ struct contact_schedule {
 struct contact_state {
     struct vec3 normal; /* the last valid n, for d = 0 */
     struct contact_parameters parameters;
-#if SCENE_ANY_HERTZ
     double onset_damping; /* with restitution: chi of the contact under way, or of the last one [s/m] */
-#endif
     struct contact_peaks peaks;
-#if SCENE_ANY_TURNING
     struct contact_torques torques;
-#endif
-#if SCENE_ANY_FREE
+    /* on the source, over the last communication step, kept where no body may be free [N] */
+    struct vec3 mean_force;
     struct contact_physics physics;
     struct contact_record record;
     struct contact_schedule schedule;
-#else
-    struct vec3 mean_force; /* on the source, over the last communication step [N] */
-#endif
-    int32_t regime; /* enum contact_regime */
-    int32_t side;   /* +1 outside, -1 inside: the location in force */
-#if SCENE_ANY_FRICTION
+    int32_t regime;          /* enum contact_regime */
+    int32_t side;            /* +1 outside, -1 inside: the location in force */
     int32_t friction_regime; /* enum friction_regime; of no meaning while the bodies are apart */
-#endif
-#if SCENE_ANY_CAPS
     /* of a capped cylinder in contact, as in struct contact_solid; 0: whichever is nearest */
     int32_t zone;
-#endif
-#if SCENE_ANY_FRICTION != SCENE_ANY_CAPS
-    int32_t unused; /* in place of padding */
-#endif
 };
 
 struct solver_counters {
@@ -188,7 +160,6 @@ void counter_add(int32_t *counter, long more);
 struct scene_state {
     double base, base_tail, clock; /* [s] */
     struct contact_state contact[SCENE_CONTACTS];
-#if SCENE_ANY_FREE
     /* clock up to which regime changes have been looked for; at or before `clock`: look again */
     double horizon_clock;
     double deferrable_clock; /* until it flight may be deferred, see flight_defer; 0: not known */
@@ -196,42 +167,27 @@ struct scene_state {
     struct body_state body[SCENE_BODIES];
     double phase_energy;              /* at clock 0 of the phase, see projection_balance [J] */
     double dissipated, external_work; /* since initialization [J] */
-#if SCENE_ANY_TURNING
     double friction_energy; /* taken by friction since initialization, with what springs store [J] */
-#endif
-    double step_length;    /* length of the last communication step, as far as it got [s] */
-    double general_length; /* of a step that the general segment may try next [s]; 0: not known */
-#endif
+    double step_length;     /* length of the last communication step, as far as it got [s] */
+    double general_length;  /* of a step that the general segment may try next [s]; 0: not known */
     struct body_path path[SCENE_BODIES];
     struct solver_counters counters;
     /* 1: integrators start from this state: neither CVODE's history nor `unfinished` matters */
     int32_t integrator_fresh;
-#if SCENE_ANY_FREE
     /* 1: the flight is deferred: body states are those of an earlier clock, see flight_catch_up */
     int32_t deferred;
     int32_t unused; /* in place of padding */
-#endif
     /* of no meaning where nothing turns or rubs: last, see scene_state_copy */
-#if SCENE_ANY_TURNING
     struct turning_state turning;
-#endif
-#if SCENE_ANY_ROTATION
     struct body_turn turn_origin[SCENE_BODIES]; /* at clock 0, of bodies that turn */
-#endif
-#if SCENE_ANY_TURNING && SCENE_ANY_FREE
     /* what event_driven goes on with unless `integrator_fresh`: last, see scene_state_look */
     struct unfinished_step unfinished;
-#endif
 };
 
 /* Copies all but the unfinished step, for whoever looks at the motion and does not go on with it. */
 static inline void scene_state_look(const struct scene_state *from, struct scene_state *to)
 {
-#if SCENE_ANY_TURNING && SCENE_ANY_FREE
     memcpy(to, from, offsetof(struct scene_state, unfinished));
-#else
-    *to = *from;
-#endif
 }
 
 /* The present time [s]. */

@@ -26,7 +26,6 @@ double regime_dashpot_margin(const struct scene_values *v, const struct scene_st
 double regime_zone_margin(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, int contact);
 
-#if SCENE_ANY_FRICTION
 /* The event functions of friction (contact/friction.h), negative on the other side of their change: that of
  * a contact that slides, that of friction at its largest force, that of a dashpot that pulls; 1 where nothing
  * changes. */
@@ -36,15 +35,12 @@ double regime_friction_margin(const struct scene_values *v, const struct scene_s
 /* The event of friction whose margin has passed zero; ODE_EVENT_GAP: none has. */
 enum ode_event regime_friction_event(const struct scene_values *v, const struct scene_state *q,
                                      const struct scene_instant *at, int contact);
-#endif
 
 /* The regime that follows from touch and dashpot: the present one unless a margin has passed zero. */
 enum contact_regime regime_by_margins(const struct scene_values *v, const struct scene_state *q,
                                       const struct scene_instant *at, int contact);
 
 /* Changes of the regime of friction, besides those of the contact: who rubs begins to stick or to slide. */
-
-#if SCENE_ANY_FRICTION
 
 /*
  * After a contact has changed its regime from `before` at the present instant: friction begins with a spring
@@ -57,8 +53,6 @@ void turning_take_regime(const struct scene_values *v, struct scene_state *q, in
 /* After one of friction's own events (scene/ode.h) at the present instant. */
 void turning_take_event(const struct scene_values *v, struct scene_state *q, int contact,
                         enum ode_event event);
-
-#endif
 
 /* Transitions: a contact changes its regime, bodies begin or cease to touch; peaks and communication
  * steps. */
@@ -73,21 +67,17 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
 void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime, struct scene_instant *at);
 
-#if SCENE_ANY_FRICTION
 /* Takes over a change of friction alone, after one of its own event functions (scene/ode.h); the rest as
  * above. */
 void transition_change_friction(const struct scene_values *v, struct scene_state *q, int contact,
                                 enum ode_event event, struct scene_instant *at);
-#endif
 
 /* The same for bodies that an integrator outside moves: they stay where they are, and peaks are not noted.
  * The zone is then the nearest. */
 void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime);
-#if SCENE_ANY_FRICTION
 void transition_switch_friction(const struct scene_values *v, struct scene_state *q, int contact,
                                 enum ode_event event);
-#endif
 
 /*
  * Sets the regimes by the geometry of the present: at the start, and after inputs have jumped.

@@ -1,6 +1,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "contact/choices.h"
 #include "math/compiler.h"
 #include "touch/collocation.h"
 
@@ -35,12 +36,10 @@ static inline struct vec3 collocation_in_world(const struct collocation *p, stru
  * momenta; n.z and h.z are zero.
  */
 
-#ifndef CONTACT_NO_CAPS
-
 /* Whether the step is at a rim, and turns. */
 static inline bool collocation_at_rim(const struct collocation *p)
 {
-    return p->from.at_rim && !p->local.head_on;
+    return CONTACT_ANY_CAPS && p->from.at_rim && !p->local.head_on;
 }
 
 /* Frame and what acts; f; the first guess. */
@@ -78,66 +77,6 @@ static struct collocation_correction collocation_rim_correction(const struct col
                                                                 const struct rim_state *at,
                                                                 struct vec3 acceleration, double y,
                                                                 double y_rate);
-
-#else /* never, and none of these is called */
-
-static inline bool collocation_at_rim(const struct collocation *p)
-{
-    (void)p;
-    return false;
-}
-
-static inline void collocation_rim_begin(struct collocation *p)
-{
-    (void)p;
-}
-
-static inline double collocation_rim_load_at_start(const struct collocation *p)
-{
-    (void)p;
-    return 0.0;
-}
-
-static inline void collocation_rim_guess(struct collocation *p, double half)
-{
-    (void)p, (void)half;
-}
-
-static inline void collocation_rim_load(const struct collocation *p, double *values, double *softening)
-{
-    (void)p, (void)values, (void)softening;
-}
-
-static inline double collocation_rim_turn(struct collocation *p)
-{
-    (void)p;
-    return 0.0;
-}
-
-static inline void collocation_rim_keep_tilt(struct collocation *p)
-{
-    (void)p;
-}
-
-static inline void collocation_rim_mismatch(const struct collocation *p, double *values)
-{
-    (void)p, (void)values;
-}
-
-static inline void collocation_rim_at_node(const struct collocation *p, int node, struct vec3 *moved,
-                                           struct vec3 *normal)
-{
-    (void)p, (void)node;
-    *moved = *normal = vec3_make(0.0, 0.0, 0.0);
-}
-
-static inline struct collocation_change collocation_rim_change_at(const struct collocation *p, double s)
-{
-    (void)p, (void)s;
-    return (struct collocation_change){.deviation = 0.0};
-}
-
-#endif
 
 static void collocation_load(const struct collocation *p, double *values, double *softening)
 {
@@ -457,8 +396,6 @@ bool collocation_make(struct collocation *p, const struct collocation_problem *f
     return collocation_finish(p, 0.0, tolerance);
 }
 
-#ifndef CONTACT_NO_CAPS
-
 static struct rim_state collocation_rim_state(const struct collocation *p, struct vec3 n, struct vec3 h,
                                               double x)
 {
@@ -602,11 +539,7 @@ static void collocation_rim_mismatch(const struct collocation *p, double *values
     }
 }
 
-#endif
-
 /* Dense output of a step at a rim. */
-
-#ifndef CONTACT_NO_CAPS
 
 static void collocation_rim_at_node(const struct collocation *p, int node, struct vec3 *moved,
                                     struct vec3 *normal)
@@ -678,8 +611,6 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
     }
     rim_edges(tilt, p->from.reach, radial, axial);
 }
-
-#endif
 
 /* Dense output of a collocated step: x at any s, and what y adds to n and H. */
 

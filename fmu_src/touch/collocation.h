@@ -48,10 +48,8 @@ struct collocation_problem {
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E [m/s, ...] */
     bool has_mismatch;                                        /* whether E is other than zero */
-#ifndef CONTACT_NO_CAPS
     bool at_rim;          /* of a capped cylinder: n, H and f are as in rim.h, and the rest */
     struct rim_start rim; /* is as it is elsewhere */
-#endif
 };
 
 /* The problem in the frame of the start: n, the direction of the tangential motion, and their cross product.
@@ -83,9 +81,7 @@ struct collocation_result {
     nodal_values load;                /* half^2 f, coefficients of s - 1 [m] */
     nodal_values slow;                /* x without y, likewise [m] */
     nodal_values normal_mismatch;     /* half n.E, likewise [m] */
-#ifndef CONTACT_NO_CAPS
-    nodal_values tilt_rate; /* at a rim, once the iteration has converged: n_rate.y, likewise [rad] */
-#endif
+    nodal_values tilt_rate;         /* at a rim, once the iteration has converged: n_rate.y, likewise [rad] */
     nodal_values y_of_y, y_of_rate; /* the free oscillation's basis at the nodes, if resolved */
     int terms;                      /* coefficients of `slow` that matter */
     /* of y, per s; averaged: omega2 corrected by the mean of -df/dx */
@@ -167,12 +163,10 @@ struct collocation_change collocation_change_at(const struct collocation *p, dou
  * [m^2/s^2]. */
 double collocation_dissipated(const struct collocation *p, double s);
 
-#ifndef CONTACT_NO_CAPS
 /* At a rim: reach cos(tilt) and reach sin(tilt), which are zero where its zone ends, and two derivatives; x
  * with or without y. */
 void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
                        double axial[3]);
-#endif
 
 /* The integral from 0 to s of weight(t).(c - c(0)) dt, weight = weight[0] + weight[1] t. */
 double collocation_moment(const struct collocation *p, const struct vec3 weight[2], double s);

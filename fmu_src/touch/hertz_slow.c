@@ -15,8 +15,6 @@
  * zero.
  */
 
-#if SCENE_ANY_CAPS
-
 /* Whether it is at a rim, and n turns. */
 static inline bool slow_at_rim(const struct hertz_slow *p)
 {
@@ -38,43 +36,6 @@ static void slow_rim_deviation(const struct hertz_slow *p, const struct slow_pla
 /* PAIR_RADIAL and PAIR_AXIAL at a place; of a head-on motion too. */
 static void slow_rim_edges(const struct hertz_slow *p, const struct slow_place *at, double s,
                            struct pair_sample *sample);
-
-#else /* never, and none of these is called */
-
-static inline bool slow_at_rim(const struct hertz_slow *p)
-{
-    (void)p;
-    return false;
-}
-
-static inline void slow_rim_begin(struct hertz_slow *p)
-{
-    (void)p;
-}
-
-static inline double slow_rim_sweep(struct hertz_slow *p)
-{
-    (void)p;
-    return 0.0;
-}
-
-static inline void slow_rim_load(const struct hertz_slow *p, double load[SLOW_N])
-{
-    (void)p, (void)load;
-}
-
-static inline void slow_rim_normal(const struct hertz_slow *p, const struct slow_place *at, double n[FRAME])
-{
-    (void)p, (void)at, (void)n;
-}
-
-static inline void slow_rim_deviation(const struct hertz_slow *p, const struct slow_place *at, double s,
-                                      double r[FRAME], double r_rate[FRAME])
-{
-    (void)p, (void)at, (void)s, (void)r, (void)r_rate;
-}
-
-#endif
 
 enum { SLOW_SWEEPS = 30 };
 
@@ -373,10 +334,6 @@ void slow_load(const struct hertz_slow *p, double load[SLOW_N])
     }
 }
 
-#if SCENE_ANY_CAPS
-
-#if SCENE_ANY_CAPS && SCENE_ANY_HERTZ
-
 /* Rows of azimuth and tilt, then of their momenta. */
 enum { RIM_ROWS = 4 };
 static const int rim_rows[RIM_ROWS] = {0, 1, FRAME, FRAME + 1};
@@ -503,12 +460,10 @@ static void slow_rim_edges(const struct hertz_slow *p, const struct slow_place *
     } else {
         tilt[0] = pair_rim_start(p->from).tilt;
     }
-    rim_edges(tilt, contact_reach(&p->from->shape), sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
+    if (SCENE_ANY_CAPS) { /* else samples have no room for it */
+        rim_edges(tilt, contact_reach(&p->from->shape), sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
+    }
 }
-
-#endif
-
-#endif
 
 static double slow_depth(const struct hertz_slow *p, double s)
 {
@@ -547,12 +502,10 @@ void slow_hertz_sample(const void *hertz_slow, double s, struct pair_sample *sam
     sample->of[PAIR_FORCE][1] = k * (spring[1] * damping[0] + spring[0] * damping[1]);
     sample->of[PAIR_FORCE][2] =
         k * (spring[2] * damping[0] + 2.0 * spring[1] * damping[1] + spring[0] * damping[2]);
-#if SCENE_ANY_CAPS
     if (contact_is_rim(&p->from->shape)) {
         const struct slow_place at = slow_place_at(p, s);
         slow_rim_edges(p, &at, s, sample);
     }
-#endif
 }
 
 static struct slow_place slow_place_of_node(const struct hertz_slow *p, int node)

@@ -37,9 +37,7 @@ struct hertz_slow {
     nodal_values rate;                   /* d delta/ds [m] */
     nodal_values bend;                   /* d2 delta/ds2 [m] */
     nodal_values rate_terms;             /* of `rate`, coefficients of s - 1 */
-#if SCENE_ANY_CAPS
-    struct rim_start rim; /* at a rim */
-#endif
+    struct rim_start rim;                /* at a rim */
 };
 
 /* n, H, delta and d delta/ds at s. */
@@ -75,11 +73,9 @@ static inline double slow_distance(const struct hertz_slow *p, double depth)
 /* Whether a component of n or H changes. */
 static inline bool is_turning(const struct hertz_slow *p, int row)
 {
-#if SCENE_ANY_CAPS
     if (contact_is_rim(&p->from->shape)) { /* its third rows are zero */
         return p->flight.dimensions > 1 && row % FRAME < 2;
     }
-#endif
     const bool in_plane = row == 0 || row == 1 || row == HERTZ_TURNING - 1;
     return p->flight.dimensions == 3 || (p->flight.dimensions == 2 && in_plane);
 }

@@ -172,25 +172,21 @@ double pair_gap_derivative(const struct contact_pair *p)
 
 double pair_turning(const struct contact_pair *p, double distance)
 {
-#if SCENE_ANY_CAPS
     if (contact_is_rim(&p->shape)) {
         const struct contact_geometry at =
             contact_geometry_at(&p->shape, p->flight.c[0], p->flight.c[1], p->normal);
         return contact_turning_rate(&p->shape, &at, p->flight.c[1], p->flight.c[1]) / distance;
     }
-#endif
     const struct vec3 across = pair_tangential(p, pair_across(p, p->flight.c[1]));
     return vec3_dot(across, across) / distance;
 }
 
-#if SCENE_ANY_CAPS
 struct rim_start pair_rim_start(const struct contact_pair *p)
 {
     const struct contact_solid *solid = &p->shape.solid;
     return rim_start_of(p->shape.axis, solid->radius, solid->half_height, p->flight.c[0],
                         contact_reach(&p->shape) + p->gap, p->flight.c[1]);
 }
-#endif
 
 double pair_load(const struct contact_pair *p)
 {
@@ -641,11 +637,9 @@ static void fill_sample(const struct pair_collocation *p, const double x[4], dou
         sample->of[PAIR_GAP][i] = side * x[i];
         sample->of[PAIR_GAP_RATE][i] = per_time * (x[i + 1] + normal_mismatch[i]);
     }
-#if SCENE_ANY_CAPS
-    if (p->step.from.at_rim) {
+    if (SCENE_ANY_CAPS && p->step.from.at_rim) {
         collocation_edges(&p->step, s, x, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
     }
-#endif
     if (p->step.kind == COLLOCATION_OVERDAMPED) {
         add_overdamped_force(p, s, sample);
     } else {
@@ -859,13 +853,13 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
         drop_rounded_mismatch(p, out->tangential_rate, problem);
     }
     double turning = vec3_dot(along, along) / d;
-#if SCENE_ANY_CAPS
-    problem->at_rim = contact_is_rim(&p->shape);
-    if (problem->at_rim) {
-        problem->rim = pair_rim_start(p);
-        turning = pair_turning(p, d);
+    if (SCENE_ANY_CAPS) {
+        problem->at_rim = contact_is_rim(&p->shape);
+        if (problem->at_rim) {
+            problem->rim = pair_rim_start(p);
+            turning = pair_turning(p, d);
+        }
     }
-#endif
     const double load = turning + vec3_dot(p->normal, problem->acceleration[0]) -
                         problem->damping_rate * vec3_dot(p->normal, problem->mismatch[0]);
     const struct oscillator oscillator = {problem->omega2, problem->damping_rate};

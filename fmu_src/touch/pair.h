@@ -86,10 +86,8 @@ double pair_turning(const struct contact_pair *p, double distance);
  * centre half the reach stands for d, since the bodies only pass there. */
 double pair_load(const struct contact_pair *p);
 
-#if SCENE_ANY_CAPS
 /* Of a rim. */
 struct rim_start pair_rim_start(const struct contact_pair *p);
-#endif
 
 /* The part of c perpendicular to a cylinder's axis. */
 struct vec3 pair_across(const struct contact_pair *p, struct vec3 c);

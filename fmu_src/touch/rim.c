@@ -1,7 +1,5 @@
 #include "touch/rim.h"
 
-#ifndef CONTACT_NO_CAPS
-
 struct rim_start rim_start_of(struct vec3 axis, double radius, double half_height, struct vec3 c,
                               double distance, struct vec3 rate)
 {
@@ -142,5 +140,3 @@ void rim_edges(const double tilt[3], double reach, double radial[3], double axia
     axial[1] = c * tilt[1];
     axial[2] = c * tilt[2] - s * tilt[1] * tilt[1];
 }
-
-#endif

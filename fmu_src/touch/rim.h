@@ -38,8 +38,6 @@ struct rim_slopes {
     double load;          /* f [m/s^2] */
 };
 
-#ifndef CONTACT_NO_CAPS
-
 /* The start from c across and along the axis, d as it is known better than by c, and c' (world). */
 struct rim_start rim_start_of(struct vec3 axis, double radius, double half_height, struct vec3 c,
                               double distance, struct vec3 rate);
@@ -65,7 +63,5 @@ struct vec3 rim_velocity(const struct rim_state *at, double radial);
 /* reach cos(tilt) and reach sin(tilt), which are zero where the zone of the rim ends, and two derivatives,
  * from those of the tilt. */
 void rim_edges(const double tilt[3], double reach, double radial[3], double axial[3]);
-
-#endif
 
 #endif

@@ -73,11 +73,9 @@ double segment_time(const struct segment *p, double s)
     if (p->kind == SEGMENT_SERIES) {
         return pair_series_time(&p->as.series, s);
     }
-#if SCENE_ANY_HERTZ
-    if (p->kind == SEGMENT_HERTZ_ELASTIC) {
+    if (SCENE_ANY_HERTZ && p->kind == SEGMENT_HERTZ_ELASTIC) {
         return hertz_elastic_time(&p->as.hertz_elastic, s);
     }
-#endif
     return s * p->unit;
 }
 
@@ -90,11 +88,9 @@ double segment_place(const struct segment *p, double time)
         const double end = fmin(p->end, p->terminal.s);
         return !(time < segment_time(p, end)) ? end : pair_series_place(&p->as.series, time, end);
     }
-#if SCENE_ANY_HERTZ
-    if (p->kind == SEGMENT_HERTZ_ELASTIC) {
+    if (SCENE_ANY_HERTZ && p->kind == SEGMENT_HERTZ_ELASTIC) {
         return hertz_elastic_place(&p->as.hertz_elastic, time);
     }
-#endif
     return time / p->unit;
 }
 
@@ -119,7 +115,6 @@ static bool is_collocated(const struct segment *p)
     return p->kind != SEGMENT_CLOSED_FORM && p->kind < SEGMENT_SERIES;
 }
 
-#if SCENE_ANY_HERTZ
 /* What is in closed form first; then the series, whose first coefficients tell if anything is fast; where
  * they were wrong it is made in spite of them. */
 static void make_hertz(struct segment *p)
@@ -131,12 +126,6 @@ static void make_hertz(struct segment *p)
         (void)make_kind(p, SEGMENT_SERIES);
     }
 }
-#else /* then it is not called */
-static void make_hertz(struct segment *p)
-{
-    (void)p;
-}
-#endif
 
 /* Where nothing turns, nothing would end a segment. But unless the bodies are head-on their motion is that of
  * the flight without contact and a deviation that nearly cancels it: the flight may be as long as the gap's
@@ -182,7 +171,6 @@ static void make_up_to(struct segment *p, double longest)
  * longer small: rebuild with twice the contact's length. */
 static const double EARLY_EVENT = 1e-3;
 
-#if SCENE_ANY_CAPS
 static void keep_faces_apart(struct segment *p)
 {
     const double longest = zone_longest_inside(p);
@@ -203,17 +191,6 @@ static void note_zone_end(struct segment *p)
         zone_end_note(p);
     }
 }
-#else
-static void keep_faces_apart(struct segment *p)
-{
-    (void)p;
-}
-
-static void note_zone_end(struct segment *p)
-{
-    (void)p;
-}
-#endif
 
 bool segment_make(struct segment *p, const struct scene_values *v, const struct scene_state *q,
                   const struct scene_instant *at, int contact, double longest, double tolerance)
@@ -224,12 +201,16 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
     p->gap_is_known = p->pair.gap == 0.0 || scene_gap_is_accumulated(q, at, contact);
     p->tolerance = tolerance;
     make_up_to(p, longest);
-    keep_faces_apart(p);
+    if (SCENE_ANY_CAPS) {
+        keep_faces_apart(p);
+    }
     if (is_collocated(p) && p->terminal.s > 0.0 && p->terminal.s < EARLY_EVENT * p->end) {
         make_up_to(p, 2.0 * p->terminal.s * p->unit);
     }
     terminal_event_at_centre(p);
-    note_zone_end(p);
+    if (SCENE_ANY_CAPS) {
+        note_zone_end(p);
+    }
     return p->end > 0.0;
 }
 
@@ -273,10 +254,10 @@ void segment_advance(struct segment *p, double s, const struct scene_values *v, 
     if (state->physics.rate_rounding > 0.0) {
         state->physics.carried_rate = segment_sample(p, s)->of[PAIR_GAP_RATE][0];
     }
-#if SCENE_HAS_TORQUES
-    state->torques.destination_impulse =
-        vec3_add(state->torques.destination_impulse, torque_impulse(p, kinds[p->kind].change, &change, s));
-#endif
+    if (SCENE_HAS_TORQUES) {
+        state->torques.destination_impulse = vec3_add(state->torques.destination_impulse,
+                                                      torque_impulse(p, kinds[p->kind].change, &change, s));
+    }
 }
 
 /* Samples at the extrema of gap, rate and force, of which each has one at most. */
@@ -1022,8 +1003,6 @@ static void peaks_note(struct segment *p, struct contact_state *state, double en
     }
 }
 
-#if SCENE_HAS_TORQUES
-
 /* What counts of C, at most; its second derivative: polynomials of time. */
 struct lever {
     struct vec3 c[SEPARATION_DEGREE + 1];
@@ -1157,9 +1136,9 @@ static CONTACT_NOINLINE struct vec3 of_bend(struct segment *p, pair_changer *cha
         return head_on(&p->pair, lever, change);
     }
     bool by_nodes = !vec3_is_zero(lever->bend[2]); /* a path has three coefficients */
-#if SCENE_ANY_HERTZ
-    by_nodes = by_nodes || p->kind == SEGMENT_HERTZ_ELASTIC;
-#endif
+    if (SCENE_ANY_HERTZ) {
+        by_nodes = by_nodes || p->kind == SEGMENT_HERTZ_ELASTIC;
+    }
     return by_nodes ? by_quadrature(p, changer, lever, change->time) : as_works(p, changer, lever, change, s);
 }
 
@@ -1225,12 +1204,6 @@ struct vec3 torque_impulse(struct segment *p, pair_changer *changer, const struc
     }
     return vec3_scale(-pair->reduced_mass, sum);
 }
-
-#endif
-
-#if SCENE_ANY_CAPS
-
-#if SCENE_ANY_CAPS
 
 /* Where the centre is no longer beyond the side, or the cap, as far as `beyond` says at the start [m]: a
  * segment is right to its tolerance there. It may be within a face up to `rounding` outside. */
@@ -1404,7 +1377,3 @@ double zone_longest_inside(const struct segment *p)
     const double longest = LONGEST_INSIDE * sqrt(p->pair.reduced_mass / p->pair.coefficients.k);
     return longest < segment_time(p, p->end) && may_change_face(&path) ? longest : (double)INFINITY;
 }
-
-#endif
-
-#endif

@@ -41,22 +41,16 @@ struct segment {
     double unit, end;    /* time per s [s], see segment_time; the segment covers s from 0 to `end` */
     struct dense_output output;
     struct terminal_event terminal;
-#if SCENE_ANY_CAPS
     bool leaves_zone; /* the terminal event: the zone of a capped cylinder ends, and the regime goes on */
-#endif
-#if SCENE_ANY_HERTZ
     bool may_be_slow; /* under Hertz's law, and to be looked at */
-#endif
     /* Below: for the kinds and the search for peaks. */
     enum segment_kind kind;
     union {
         struct pair_oscillation oscillation;
         struct pair_collocation collocation;
         struct pair_series series;
-#if SCENE_ANY_HERTZ
         struct hertz_elastic hertz_elastic;
         struct hertz_slow hertz_slow;
-#endif
     } as;
     struct pair_timescales scales;    /* of all kinds but the closed form */
     bool event_free;                  /* known to have no event */
@@ -159,8 +153,6 @@ double averaged_error(double a, double ratio, double distance, double radians);
 /* Where a segment leaves the zone of a capped cylinder that it is made for (shape.h): a terminal event, after
  * which the regime goes on in the next zone. Without capped cylinders there is none. */
 
-#if SCENE_ANY_CAPS
-
 /* Ends the segment there, if that is before p->terminal. */
 void zone_end_note(struct segment *p);
 
@@ -169,22 +161,7 @@ double zone_longest_inside(const struct segment *p);
 
 static inline bool zone_end_is_terminal(const struct segment *p)
 {
-    return p->leaves_zone;
+    return SCENE_ANY_CAPS && p->leaves_zone;
 }
-
-#else
-
-static inline void zone_end_note(struct segment *p)
-{
-    (void)p;
-}
-
-static inline bool zone_end_is_terminal(const struct segment *p)
-{
-    (void)p;
-    return false;
-}
-
-#endif
 
 #endif

@@ -82,7 +82,7 @@ def run(fmu, outputs, values, end, steps, method):
             fmu.step(end * (k + 1) / steps - fmu.time)
         except FmuError as error:
             return [*told, {"refused": str(error)}]
-        told.append({name: np.asarray(fmu[name], float).tobytes() for name in outputs})
+        told.append({name: np.asarray(fmu[name]).tobytes() for name in outputs})
     return told
 
 
