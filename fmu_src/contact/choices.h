@@ -2,7 +2,7 @@
 #ifndef CONTACT_CONTACT_CHOICES_H
 #define CONTACT_CONTACT_CHOICES_H
 
-/* What the build may meet: the build says what its scene has none of (ContactFmu.cmake); all of it, by default.
+/* What the build may meet: all of it, unless the build says what its scene has none of (ContactFmu.cmake).
  * The compiler drops what is asked only behind a zero. */
 #ifdef CONTACT_NO_CYLINDER
 #define CONTACT_ANY_CYLINDER 0

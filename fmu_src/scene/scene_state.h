@@ -1,6 +1,6 @@
 /*
- * The state of motion of a scene: flat, without pointers, so that copying it saves it. It has room for all that
- * any scene may need; what this scene has no code for stays zero.
+ * The state of motion of a scene: flat, without pointers, so that copying it saves it. It has room for all
+ * that any scene may need; what this scene has no code for stays zero.
  *
  * Time is kept as base + base_tail + clock. The clock starts at zero whenever the motion is rebased (an
  * event, a change of input), so that short contacts keep all their digits at late times; base_tail holds what
