@@ -76,7 +76,6 @@ struct frame_flight frame_flight_of(const struct contact_pair *from)
     return flight;
 }
 
-#if SCENE_ANY_CAPS
 struct frame_flight frame_flight_at_rim(const struct contact_pair *from)
 {
     const struct rim_start rim = pair_rim_start(from);
@@ -86,7 +85,6 @@ struct frame_flight frame_flight_at_rim(const struct contact_pair *from)
     (void)put_flight_in_frame(&flight, from, true);
     return flight;
 }
-#endif
 
 /* What is known while the code is made: fewer dimensions, a lower degree and no mismatch cost less. */
 struct series_kind {
@@ -195,8 +193,7 @@ static inline void sum_lower_vectors(const struct pair_series *p, const struct s
 static inline void put_nearest(struct pair_series *p, struct series_work *z, int i, struct series_kind kind,
                                double f[FRAME])
 {
-#if SCENE_ANY_CAPS
-    if (kind.at_rim) {
+    if (SCENE_ANY_CAPS && kind.at_rim) {
         const struct contact_solid *solid = &p->from->shape.solid;
         z->across[0][i] = f[0];
         z->across[1][i] = f[1];
@@ -211,9 +208,6 @@ static inline void put_nearest(struct pair_series *p, struct series_work *z, int
         p->radial[i] = z->rho[i] - (kind.first ? solid->radius : 0.0);
         p->axial[i] = -f[2];
     }
-#else
-    (void)p, (void)z, (void)i, (void)kind, (void)f;
-#endif
 }
 
 /* Coefficient i of d and n, from those of c and of the gap. */
@@ -479,11 +473,7 @@ void pair_series_begin(struct pair_series *p, struct series_work *z, const struc
 {
     p->from = from;
     p->by_root = by_root;
-#if SCENE_ANY_CAPS
     p->flight = contact_is_rim(&from->shape) ? frame_flight_at_rim(from) : frame_flight_of(from);
-#else
-    p->flight = frame_flight_of(from);
-#endif
     p->unit = unit_of(p);
     p->time[0] = 0.0;
     p->opened[0] = by_root ? sqrt(fmax(-from->gap, 0.0)) : from->gap;
@@ -645,11 +635,9 @@ void pair_series_sample(const void *pair_series, double s, struct pair_sample *s
             sample->of[PAIR_FORCE][i] = contact_linear_force(p->from->coefficients, gap[i], rate[i]);
         }
     }
-#if SCENE_ANY_CAPS
-    if (contact_is_rim(&p->from->shape)) {
+    if (SCENE_ANY_CAPS && contact_is_rim(&p->from->shape)) {
         two_rows_at(p->radial, p->axial, s, sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
     }
-#endif
 }
 
 /* Powers of s: sums of many rows at one place then need no more than a multiplication a term. */

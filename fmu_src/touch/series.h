@@ -43,11 +43,9 @@ struct frame_flight {
 
 struct frame_flight frame_flight_of(const struct contact_pair *from);
 
-#if SCENE_ANY_CAPS
 /* At a rim, in the frame of a, b = e x a and e. All three directions take part, and no vector is
  * projected. */
 struct frame_flight frame_flight_at_rim(const struct contact_pair *from);
-#endif
 
 typedef double series_row[TAYLOR_TERMS];
 
@@ -63,9 +61,7 @@ struct pair_series {
     series_row drag;          /* -dt/ds / unit times the dashpot's part of F_n [N], or [N sqrt(m)] */
     series_row r[FRAME];      /* deviation of the separation from flight [m] */
     series_row r_rate[FRAME]; /* r' [m/s] */
-#if SCENE_ANY_CAPS
     series_row radial, axial; /* at a rim: how far beyond side and cap [m] */
-#endif
 };
 
 /* A row backwards, from its coefficient 1 on: coefficient j at [TAYLOR_ORDER - j], and zero in place of
@@ -85,11 +81,9 @@ struct series_work {
     series_row impulse;        /* F_n dt/ds / unit */
     series_back time_back, opened_back, square_back, rate_back;
     series_back n_back[FRAME], r_rate_back[FRAME];
-#if SCENE_ANY_CAPS
     series_row across[2], rho_squared, rho, a[2]; /* c across the axis; a */
-#endif
-    double normal[FRAME];                  /* n at the start */
-    double inverse_distance, side_by_mass; /* 1/d at the start [1/m], side/m_red [1/kg] */
+    double normal[FRAME];                         /* n at the start */
+    double inverse_distance, side_by_mass;        /* 1/d at the start [1/m], side/m_red [1/kg] */
 };
 
 /* The coefficients up to SERIES_FIRST, then the rest; the sums are exact to `accuracy`, a part of their
