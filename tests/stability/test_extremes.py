@@ -139,7 +139,7 @@ def test_a_light_shell_carried_off_by_its_ball_causes_no_more_events(mass, speed
 
 
 @pytest.mark.parametrize("law", ["undamped", "non_adhesive", "unclamped", "approach_only"])
-@pytest.mark.parametrize("clearance", [1e-4, 1e-5, 1e-6, 1e-8])
+@pytest.mark.parametrize("clearance", [1e-4, 1e-6, 1e-8])
 @pytest.mark.parametrize("geometry", HOLLOW)
 def test_a_ball_thrown_between_near_walls_touches_each_once(geometry, clearance, law):
     """It comes back from depths far larger than the clearance, with a gap rounded as those are."""
