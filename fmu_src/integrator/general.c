@@ -310,7 +310,9 @@ static double missing_to(struct general *g, int event, double rate, double clock
     return rate < 0.0 ? -event_at(g, event, clock, y) / rate : 0.0;
 }
 
-/* Solves the step again for another length, from the polynomial as guess. */
+/* Solves the step again for another length, from the polynomial as guess. False: it has no solution, or one
+ * that is less accurate than the tolerances allow; where it is stiff, anywhere, as what it has not seen of the
+ * slip before its end is then the error of its end. */
 static bool solve_again(struct general *g, double length)
 {
     struct radau_step *p = &g->step;
@@ -318,9 +320,8 @@ static bool solve_again(struct general *g, double length)
         !(g->fully ? radau_step_solve_fully : radau_step_solve)(p, general_newton_share(g))) {
         return false;
     }
-    radau_step_finish(p);
-    g->error_within = radau_step_error(p).within;
-    return true;
+    const double error = general_finish_step(g);
+    return (general_is_stiff(g) ? fmax(error, g->error_within) : error) <= 1.0;
 }
 
 /* The state at the event, from one that is close to it. The rate is a mean over some of the step, right to a
@@ -361,7 +362,8 @@ static bool look_again(struct general *g, double length, struct general_event *f
 /* Where the polynomial is not as accurate within as at its end, a step of that length is made; the event is
  * where the end of that has it. Until both agree it is looked for again, on the polynomial of the shorter
  * step. Where there is no such step, as friction has no direction where the normal force ends, one of half
- * the length comes first. */
+ * the length comes first. A stiff step is made again, too: friction that leads a surface slides before F_n
+ * ends, and a polynomial that goes on to F_n < 0 may show slip the other way round in place of that. */
 bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)
 {
     struct radau_step *p = &g->step;
@@ -369,7 +371,8 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
         const double rate = rate_at(g, found->event, found->part);
         const int event = found->event;
         double length = p->length * found->part;
-        if (!(g->error_within > (g->step.problem.turns ? ACCURATE_WITHIN : 1.0))) {
+        const double accurate = g->step.problem.turns ? ACCURATE_WITHIN : 1.0;
+        if (!(g->error_within > accurate) && !general_is_stiff(g)) {
             radau_step_at(p, found->part, y);
             *clock = p->start + length;
             move_to_event(g, event, rate, clock, y);

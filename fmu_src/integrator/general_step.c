@@ -475,19 +475,26 @@ static bool try_to_solve(struct general *g, const struct radau_stages *stages, d
     return stiffness > LEAST_STIFF && try_fully(g, stages, length, false);
 }
 
-/* A trial; what is left of its error by the weights, INFINITY where it is no solution. */
-static double error_of_trial(struct general *g, const struct radau_stages *stages, double length)
+bool general_is_stiff(const struct general *g)
+{
+    return SCENE_ANY_FRICTION && g->step.problem.turns && g->step.length * g->fastest_decay > LEAST_STIFF;
+}
+
+double general_finish_step(struct general *g)
 {
     struct radau_step *p = &g->step;
-    if (!try_to_solve(g, stages, length)) {
-        return (double)INFINITY;
-    }
     radau_step_finish(p);
     const struct radau_error error = radau_step_error(p);
     g->error_within = error.within;
     g->error_at_end = fmax(error.at_end, g->within_share * error.within);
     g->error_of_start = g->fully ? radau_step_start_error(p) : 0.0;
     return fmax(g->error_at_end, g->error_of_start);
+}
+
+/* A trial; what is left of its error by the weights, INFINITY where it is no solution. */
+static double error_of_trial(struct general *g, const struct radau_stages *stages, double length)
+{
+    return try_to_solve(g, stages, length) ? general_finish_step(g) : (double)INFINITY;
 }
 
 /* By how much another length may be longer: the error goes with its power 2 s - 1. */

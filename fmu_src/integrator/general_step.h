@@ -101,6 +101,12 @@ double general_length_of_impacts(const struct scene_values *v, const struct scen
 /* Errors allowed in the states, by their sizes in the step as far as that is known. */
 void general_set_weights(struct general *g);
 
+/* Whether something dies away within the step, so that its polynomial does not show each change. */
+bool general_is_stiff(const struct general *g);
+
+/* Completes a step whose stages are solved; its largest error, as part of what is allowed. */
+double general_finish_step(struct general *g);
+
 /* Solves a stiff step from its guess; false where that does not converge. Unless it is to be
  * done thoroughly a guess that goes on from the last step has to be a good one. */
 bool general_solve_fully(struct general *g, bool thoroughly);
