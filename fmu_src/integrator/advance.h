@@ -22,7 +22,23 @@ struct advance {
 };
 
 /* The present instant, without accelerations and forces: computed once, however many ask for it. */
-const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
-                                        const struct scene_state *q);
+static inline const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
+                                                      const struct scene_state *q)
+{
+    if (!step->is_now) {
+        scene_kinematics_now(v, q, &step->now);
+        step->is_now = true;
+    }
+    return &step->now;
+}
+
+/* Event-driven integration of contact pairs, segment by segment (touch/segment.h). */
+
+/*
+ * Advances the contact pairs, and the kinematically driven contacts with them. ADVANCE_FAILED where contacts
+ * share a free body; phases.c then lets the general segment take over and counts it.
+ */
+enum advance_result event_driven_advance(const struct scene_values *v, struct scene_state *q,
+                                         struct advance *step);
 
 #endif

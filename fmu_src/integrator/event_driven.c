@@ -1,4 +1,4 @@
-#include "integrator/event_driven.h"
+#include "integrator/advance.h"
 
 #include <float.h>
 

@@ -5,7 +5,6 @@
 
 #include "flight/flight.h"
 #include "integrator/cvode.h"
-#include "integrator/event_driven.h"
 #include "integrator/general.h"
 #include "integrator/prediction.h"
 #include "integrator/prescribed.h"

@@ -5,7 +5,6 @@
 
 #include "contact/law.h"
 #include "model/motion.h"
-#include "model/outputs.h"
 #include "model/state.h"
 #include "scene/present.h"
 #include "scene/scene_jet.h"

@@ -37,7 +37,6 @@
 #define CONTACT_SCENE_ODE_H
 
 #include "scene/evaluate.h"
-#include "scene/unfinished_step.h"
 
 enum ode_event { ODE_EVENT_GAP, ODE_EVENT_LAW, ODE_EVENT_STICK, ODE_EVENT_CAP, ODE_EVENT_LIFT };
 
