@@ -3,7 +3,6 @@
 #include <float.h>
 
 #include "flight/flight.h"
-#include "integrator/prescribed.h"
 #include "touch/segment.h"
 
 /* The error allowed in a segment [m]: a thousandth of the tolerances, because impacts amplify errors. Near

@@ -7,7 +7,6 @@
 #include "integrator/cvode.h"
 #include "integrator/general.h"
 #include "integrator/prediction.h"
-#include "integrator/prescribed.h"
 #include "scene/evaluate.h"
 #include "scene/present.h"
 

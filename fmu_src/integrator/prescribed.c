@@ -1,4 +1,4 @@
-#include "integrator/prescribed.h"
+#include "integrator/advance.h"
 
 #include <float.h>
 
