@@ -27,12 +27,12 @@ COMMANDS = {
     ),
     "compatibility": ("checking.compatibility:main", "what FMI's cross check asks of an exported FMU"),
     "importers": ("importers.command:main", "run FMUs in every importer that is installed, compare"),
-    "published": ("published.command:main", "run published benchmark impacts, compare"),
+    "published": ("published:main", "run published benchmark impacts, compare"),
     "scenarios": ("scenarios.command:run", "run scenarios, check their claims, write plots and index.html"),
     "picture": ("scenarios.command:picture", "draw one scenario"),
     "plot": ("plot.command:main", "draw a result, an FMU or a scenario over time, as picture or page"),
     "animate": (
-        "animate.command:main",
+        "animate.page:main",
         "a page that plays a result, FMU or scenario in three dimensions",
     ),
     "leave-out": ("scenarios.command:leave_out", "compare the sizes and speeds of the FMUs"),
@@ -44,8 +44,8 @@ COMMANDS = {
     "peers": ("peers.command:main", "other simulators: peers.csv and peers.json"),
     "page": ("report.command:page", "draw the report's page from what is in the folder"),
     "stability": ("stability.command:main", "the atlas of stiff and extreme scenes"),
-    "beyond": ("stability.beyond:main", "random scenes far beyond the atlas"),
-    "fuzz": ("fuzzing.command:main", "let fuzzers look for calls and files that break a claim"),
+    "beyond": ("stability.command:beyond", "random scenes far beyond the atlas"),
+    "fuzz": ("fuzzing:main", "let fuzzers look for calls and files that break a claim"),
 }
 
 # The extra of the Python package that brings a module

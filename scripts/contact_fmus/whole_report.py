@@ -7,7 +7,7 @@ from pathlib import Path
 
 from .coupling import study
 from .fmu.files import results_folder
-from .peers import command as peers
+from .peers import command
 from .report import command as report
 
 
@@ -25,11 +25,11 @@ def main(arguments: list[str] | None = None) -> int:
     parts = [
         ("The FMU's solvers", report.measure, [*quick, *folder]),
         ("The FMU as a force element", study.main, [*quick, *folder]),
-        ("Other simulators", peers.main, [*quick, *folder]),
+        ("Other simulators", command.main, [*quick, *folder]),
         ("Page", report.page, folder),
     ]
     for title, part, given in parts:
-        if part is peers.main and not options.peers:
+        if part is command.main and not options.peers:
             continue
         print(f"\n== {title}", flush=True)
         status = part(given)

@@ -6,7 +6,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from contact_fmus.animate.command import main as animate
+from contact_fmus.animate.page import main as animate
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import repository
 from support.pinhole import Camera

@@ -8,8 +8,7 @@ import pytest
 from PIL import Image
 
 from contact_fmus.__main__ import main
-from contact_fmus.plot.contacts import touches
-from contact_fmus.plot.panels import chosen, usual
+from contact_fmus.plot.panels import chosen, touches, usual
 from contact_fmus.plot.source import motion_of, open_runs
 from contact_fmus.results import Result
 

@@ -8,7 +8,7 @@ from contact_fmus.__main__ import main
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file
 from contact_fmus.fmu.touching import Touching
-from contact_fmus.plot.contacts import touches
+from contact_fmus.plot.panels import touches
 from contact_fmus.plot.source import open_runs
 
 ROUNDINGS = 64  # of the time between the rows of an onset, of which a step needs some

@@ -98,9 +98,9 @@ def test_a_circle_or_an_import_that_points_back_is_found(text):
     edges = graph()
     back = imports("contact_fmus.fmu.files", text.format("fmu.contact_fmu"), package=False)
     assert circle({**edges, "contact_fmus.fmu.files": edges["contact_fmus.fmu.files"] | back})
-    back = imports("contact_fmus.fmu.files", text.format("report.rows"), package=False)
+    back = imports("contact_fmus.fmu.files", text.format("report.measure"), package=False)
     assert upward({"contact_fmus.fmu.files": back}) == [
-        "contact_fmus.fmu.files imports contact_fmus.report.rows"
+        "contact_fmus.fmu.files imports contact_fmus.report.measure"
     ]
 
 

@@ -5,7 +5,7 @@ import gc
 import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError
-from contact_fmus.scenarios import leave_out
+from contact_fmus.scenarios import command
 
 NAME = "SphereSphere"
 FALL = {"source.center": [0.03, 0.04, 1.1], "contact.method": "penalty"}
@@ -105,5 +105,5 @@ def test_the_leave_out_table_knows_no_fmu_whose_scene_is_gone(fmu_path, tmp_path
     for name in ("ForceElement", "Gone"):
         (tmp_path / f"{name}.fmu").write_bytes(fmu_path("ForceElement").read_bytes())
     monkeypatch.setenv("CONTACT_FMUS", str(tmp_path))
-    monkeypatch.setattr(leave_out, "times_per_step", lambda *_: (0.0, 0.0))
-    assert [size.name for size in leave_out.measure_all()] == ["ForceElement"]
+    monkeypatch.setattr(command, "times_per_step", lambda *_: (0.0, 0.0))
+    assert [size.name for size in command.measure_all()] == ["ForceElement"]

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from contact_fmus.errors import UserError
-from contact_fmus.importers.page import page, table
-from contact_fmus.importers.trying import AGREE, IMPORTERS, Given, Trial, tried
+from contact_fmus.importers.command import AGREE, IMPORTERS, Given, Trial, page, table, tried
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENES = sorted(path.stem for path in (ROOT / "modelDescription" / "scenes").glob("*.toml"))

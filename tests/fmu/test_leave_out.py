@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
-from contact_fmus.scenarios import leave_out
-from contact_fmus.scenarios.leave_out import open_start
+from contact_fmus.scenarios import command
+from contact_fmus.scenarios.command import open_start
 from support.fmi2 import elf
 from support.sources import units_of
 
@@ -50,8 +50,8 @@ def test_the_universal_fmu_that_is_timed_beside_it_does_the_same(fmu_path, scene
         with ContactFmu(fmu_path(name)) as fmu:
             fmu.start(start)
             start = open_start(fmu, scene)
-            for _ in range(leave_out.STEPS // 10):
-                fmu.step(10 * leave_out.STEP)
+            for _ in range(command.STEPS // 10):
+                fmu.step(10 * command.STEP)
             ends.append({one: fmu[one] for one, of in fmu.variables.items() if of.causality == "output"})
     common = [one for one in ends[0] if one in ends[1] and not one.startswith("solver.")]
     assert len(common) > 10

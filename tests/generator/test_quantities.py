@@ -6,8 +6,7 @@ import tomllib
 import pytest
 
 from contact_fmus.errors import UserError
-from contact_fmus.fmu.settings import read_settings
-from contact_fmus.fmu.variables import Variable
+from contact_fmus.fmu.variables import Variable, read_settings
 from generator.quantity import in_unit
 from support.generator.generated import ROOT, run
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from contact_fmus.importers.trying import AGREE, IMPORTERS, Given, installed, tried
+from contact_fmus.importers.command import AGREE, IMPORTERS, Given, installed, tried
 from support.fmi2 import raw
 from support.sources import ROOT
 

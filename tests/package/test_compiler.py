@@ -5,7 +5,7 @@ import stat
 
 import pytest
 
-from contact_fmus.building.compiler import find_compiler
+from contact_fmus.building.cmake_build import find_compiler
 from contact_fmus.errors import UserError
 
 

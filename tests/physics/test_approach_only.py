@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from contact_fmus.stability.expected import of_head_on
-from contact_fmus.stability.head_on import GEOMETRIES, PLANE, HeadOn
+from contact_fmus.stability.motions import GEOMETRIES, PLANE, HeadOn, of_head_on
 from support.checks import check_close, run
 from support.reference.stiff_limit import StiffContact
 

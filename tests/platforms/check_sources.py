@@ -9,7 +9,7 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from contact_fmus.building.compiler import find_compiler
+from contact_fmus.building.cmake_build import find_compiler
 from support.portable_host import (
     HEADERS,
     SOURCE,

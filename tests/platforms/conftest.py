@@ -2,7 +2,7 @@
 
 import pytest
 
-from contact_fmus.building.compiler import find_compiler
+from contact_fmus.building.cmake_build import find_compiler
 from support.portable_host import HEADERS, SOURCES, motion, unpacked
 from support.programs import checked
 from support.release import CASES, MINGW, QUIET_WINE, RUN, WINE, fmu_of, library_in

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from contact_fmus.coupling import problems as force_problems
-from contact_fmus.coupling import study as force_element
+from contact_fmus.coupling import study
 from contact_fmus.coupling.driven_contact import DrivenContact
 from contact_fmus.coupling.outer_integrators import (
     EULER,
@@ -22,7 +22,7 @@ from contact_fmus.coupling.outer_integrators import (
     Outside,
     run,
 )
-from contact_fmus.coupling.stable_steps import PRESS, stable_step_measured, stable_step_of_theory
+from contact_fmus.coupling.study import PRESS, stable_step_measured, stable_step_of_theory
 from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
 
 BY_NAME = {(scheme.integrator, scheme.coupling): scheme for scheme in SCHEMES}
@@ -58,10 +58,8 @@ STABLE = {
 def test_the_error_in_a_lasting_contact_falls_with_the_order_of_the_scheme(scheme):
     problem = force_problems.press()
     with ContactFmu(fmu_file(problem.fmu)) as fmu:
-        points = [
-            force_element.error_of(problem, scheme, fmu, step / problem.omega) for step in (0.025, 0.0125)
-        ]
-    assert force_element.order_between(points) == pytest.approx(scheme.order, abs=0.2)
+        points = [study.error_of(problem, scheme, fmu, step / problem.omega) for step in (0.025, 0.0125)]
+    assert study.order_between(points) == pytest.approx(scheme.order, abs=0.2)
     assert points[-1]["error"] < 0.1
 
 
@@ -140,16 +138,16 @@ def test_the_pinned_force_element_gives_the_same_motion(coupling):
 def test_a_ball_that_is_lost_has_no_error():
     problem = force_problems.benchmark("P3")
     with ContactFmu(fmu_file(problem.fmu)) as fmu:
-        point = force_element.error_of(problem, BY_NAME[VERLET, "held"], fmu, 1e-3)
+        point = study.error_of(problem, BY_NAME[VERLET, "held"], fmu, 1e-3)
     assert point["error"] is None
 
 
 def test_the_command_writes_data_figure_and_sections(tmp_path, monkeypatch, capsys):
     few = {"press": [0.1, 0.05], "bounce": [1.0, 0.5], "P1": [5e-3], "P3": [2e-3]}
-    monkeypatch.setattr(force_element, "QUICK", few)
+    monkeypatch.setattr(study, "QUICK", few)
     schemes = [BY_NAME[VERLET, coupling] for coupling in ("at once", "held", "mean, predicted")]
-    monkeypatch.setattr(force_element, "SCHEMES", schemes)
-    force_element.main(["--output", str(tmp_path), "--quick"])
+    monkeypatch.setattr(study, "SCHEMES", schemes)
+    study.main(["--output", str(tmp_path), "--quick"])
     data = json.loads((tmp_path / "force_element.json").read_text())
     assert [problem["name"] for problem in data["problems"]] == list(few)
     (section,) = data["sections"]

@@ -6,11 +6,9 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from contact_fmus.pages import write_pages
-from contact_fmus.pages.formula import FormulaError, plain, typeset
-from contact_fmus.pages.table import Table
+from contact_fmus.pages import FormulaError, Table, plain, typeset, write_pages
 from contact_fmus.stability import text as atlas
-from contact_fmus.stability.head_on import LAWS
+from contact_fmus.stability.motions import LAWS
 from contact_fmus.stability.scenes import FAMILIES
 from support.sources import ROOT
 

@@ -12,23 +12,22 @@ from types import SimpleNamespace
 
 import pytest
 
-from contact_fmus.peers import problems, worker
-from contact_fmus.peers import run as peers
-from contact_fmus.peers.case import Case, Run
+from contact_fmus.peers import command, problems
 from contact_fmus.peers.command import main
-from contact_fmus.report.rows import PEER, SAME, SIMILAR, read_rows
+from contact_fmus.peers.problems import Case, Run
+from contact_fmus.report.measure import PEER, SAME, SIMILAR, read_rows
 from support.programs import PATIENCE
 from support.scenes.benchmarks import BENCHMARKS
 
 CASE = Case("made up", "step size in s", 1.0, SAME)
-PLAN = worker.Plan(3, 0.1, 1.0)
+PLAN = command.Plan(3, 0.1, 1.0)
 
 
 @pytest.fixture(scope="module")
 def scipy_rows(tmp_path_factory):
     folder = tmp_path_factory.mktemp("peers")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(peers, "QUICK", peers.QUICK._replace(patience=PATIENCE))
+        patch.setattr(command, "QUICK", command.QUICK._replace(patience=PATIENCE))
         assert main(["--output", str(folder), "--quick", "--only", "scipy"]) == 0
     return read_rows(folder / "peers.csv")
 
@@ -84,9 +83,9 @@ FINE = [
 def test_a_peer_comes_near_the_reference_or_says_that_it_is_not_installed(
     peer, name, integrator, parameter, bound
 ):
-    module = peers.module_of(peer)
+    module = command.module_of(peer)
     if importlib.util.find_spec(module.IMPORT) is None:
-        (row,) = peers.run([name], quick=True, names=[peer])
+        (row,) = command.run([name], quick=True, names=[peer])
         assert not row.measured
         assert row.note == f"not installed: {' and '.join(module.PACKAGES)}"
         return
@@ -96,8 +95,8 @@ def test_a_peer_comes_near_the_reference_or_says_that_it_is_not_installed(
         for case in module.cases(problem, quick=False)
         if (case.integrator, case.parameter) == (integrator, parameter)
     ]
-    with worker.Worker(module.__name__) as process:
-        measured, late = process.ask(problem, found[-1], worker.QUICK)
+    with command.Worker(module.__name__) as process:
+        measured, late = process.ask(problem, found[-1], command.QUICK)
     assert (measured.error, late) == ("", False)
     assert problems.error_of(name, measured.position) < bound
 
@@ -105,16 +104,16 @@ def test_a_peer_comes_near_the_reference_or_says_that_it_is_not_installed(
 @pytest.mark.parametrize("peer", ["mujoco", "drake"])
 def test_a_peer_without_a_hollow_cylinder_says_so(peer):
     for name in ("P3", "P3b"):
-        rows = list(peers.run_problem(peers.module_of(peer), None, problems.problem_of(name), quick=True))
+        rows = list(command.run_problem(command.module_of(peer), None, problems.problem_of(name), quick=True))
         assert [row.measured for row in rows] == [False]
         assert rows[0].note.startswith("cannot be expressed: no hollow cylinder")
 
 
 def test_a_law_is_the_same_or_similar_in_every_case():
     laws = {}
-    for peer in peers.NAMES:
+    for peer in command.NAMES:
         problem = problems.problem_of("P2")
-        laws[peer] = {case.law for case in peers.module_of(peer).cases(problem, quick=False)}
+        laws[peer] = {case.law for case in command.module_of(peer).cases(problem, quick=False)}
     same, similar = {SAME}, {SIMILAR}
     assert laws == {"scipy": same, "exudyn": same, "mujoco": similar, "lammps": same, "drake": similar}
 
@@ -128,21 +127,21 @@ def test_what_a_peer_raises_is_a_note():
     def advance():
         raise RuntimeError("first line\nsecond line")
 
-    measured = worker.measure(peer_that(advance), problems.problem_of("P1"), CASE, PLAN)
+    measured = command.measure(peer_that(advance), problems.problem_of("P1"), CASE, PLAN)
     assert measured.error == "RuntimeError: first line second line"
 
 
 def test_a_position_that_is_no_number_is_a_note():
     module, problem = peer_that(lambda: None, (0.0, float("nan"), 0.0)), problems.problem_of("P1")
-    row = peers.measured_row(module, problem, CASE, worker.measure(module, problem, CASE, PLAN))
+    row = command.measured_row(module, problem, CASE, command.measure(module, problem, CASE, PLAN))
     assert (row.measured, row.note) == (False, "the position at the end is not finite")
 
 
 def test_repeats_end_when_it_is_enough(monkeypatch):
     shown = itertools.count()  # each look at the clock is a second after the one before
-    monkeypatch.setattr(worker.time, "perf_counter", lambda: next(shown))
+    monkeypatch.setattr(command.time, "perf_counter", lambda: next(shown))
     problem, peer = problems.problem_of("P1"), peer_that(lambda: None)
-    times = [worker.measure(peer, problem, CASE, PLAN._replace(enough=s)).times for s in (0.5, 2.0, 9.0)]
+    times = [command.measure(peer, problem, CASE, PLAN._replace(enough=s)).times for s in (0.5, 2.0, 9.0)]
     assert times == [[1], [1, 1], [1, 1, 1]]
 
 
@@ -159,11 +158,13 @@ NAME = "trouble"
 
 
 def trouble(name, start, monkeypatch):
-    monkeypatch.setattr(worker, "START", start)
-    monkeypatch.setattr(peers, "QUICK", PLAN)
+    monkeypatch.setattr(command, "START", start)
+    monkeypatch.setattr(command, "QUICK", PLAN)
     module = SimpleNamespace(NAME=NAME, cases=cases)
-    with worker.Worker(__name__) as process:
-        return [row.note for row in peers.run_problem(module, process, problems.problem_of(name), quick=True)]
+    with command.Worker(__name__) as process:
+        return [
+            row.note for row in command.run_problem(module, process, problems.problem_of(name), quick=True)
+        ]
 
 
 def test_a_run_that_takes_too_long_is_ended_and_finer_ones_are_left_out(monkeypatch):

@@ -15,19 +15,33 @@ from lxml import etree
 
 from contact_fmus.__main__ import main
 from contact_fmus.bench.problems import (
+    ABSOLUTE,
+    CVODE,
+    METHODS,
+    STIFF_TOLERANCE,
     TURNING,
+    Setting,
     benchmarks,
     hertz_problems,
     shape_problems,
     stiff_families,
     turning_problems,
 )
-from contact_fmus.bench.settings import ABSOLUTE, CVODE, METHODS, STIFF_TOLERANCE, Setting
 from contact_fmus.fmu.host import HostTimeout, run_host
 from contact_fmus.report import command as report_command
 from contact_fmus.report import measure
-from contact_fmus.report.measure import QUICK, row_of, run_ladders, stiff_setting
-from contact_fmus.report.rows import COLUMNS, PEER, RELATIVE_TOLERANCE, Row, read_rows, write_rows
+from contact_fmus.report.measure import (
+    COLUMNS,
+    PEER,
+    QUICK,
+    RELATIVE_TOLERANCE,
+    Row,
+    read_rows,
+    row_of,
+    run_ladders,
+    stiff_setting,
+    write_rows,
+)
 from support.programs import PATIENCE
 from support.scenes.benchmarks import BENCHMARKS
 

@@ -7,9 +7,9 @@ import pytest
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from contact_fmus.fmu.scene import Body, Contact, Scene
+from contact_fmus.fmu.files import Body, Contact, Scene
 from contact_fmus.scenarios import plots
-from contact_fmus.scenarios.motion import Motion
+from contact_fmus.scenarios.experiment import Motion
 
 SIDE = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact_fmus.__main__ import main
-from contact_fmus.scenarios.inputs import InputSignal
+from contact_fmus.scenarios.experiment import InputSignal
 from contact_fmus.scenarios.scenario import ScenarioError, read_scenario
 
 SHIPPED = sorted((Path(__file__).resolve().parents[2] / "scripts" / "scenarios").glob("*.toml"))

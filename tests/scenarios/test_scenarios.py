@@ -8,9 +8,8 @@ from lxml import etree
 
 from contact_fmus.scenarios import command
 from contact_fmus.scenarios.claims import Outcome
+from contact_fmus.scenarios.command import run_scenario, write_report
 from contact_fmus.scenarios.experiment import Claim
-from contact_fmus.scenarios.page import write_report
-from contact_fmus.scenarios.runner import run_scenario
 from contact_fmus.scenarios.scenario import read_scenario
 
 FOLDER = Path(__file__).resolve().parents[2] / "scripts" / "scenarios"

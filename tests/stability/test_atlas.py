@@ -12,17 +12,21 @@ import pytest
 from lxml import etree
 
 from contact_fmus.stability import command
-from contact_fmus.stability.checks import LIMITS, Figures
 from contact_fmus.stability.command import QUICK
-from contact_fmus.stability.drive import Outcome
-from contact_fmus.stability.head_on import HeadOn
-from contact_fmus.stability.limits import groups, write_csv
-from contact_fmus.stability.page import draw_page
-from contact_fmus.stability.rolling import Rolling
-from contact_fmus.stability.run import METHODS, not_right, row_of, run_all, run_scene, thinned
-from contact_fmus.stability.scene import Scene
-from contact_fmus.stability.scenes import FAMILIES, all_scenes
-from contact_fmus.stability.similar import Similar, Units, bases
+from contact_fmus.stability.motions import HeadOn, Rolling, Similar, Units, bases
+from contact_fmus.stability.page import draw_page, groups, write_csv
+from contact_fmus.stability.run import (
+    LIMITS,
+    METHODS,
+    Figures,
+    Outcome,
+    not_right,
+    row_of,
+    run_all,
+    run_scene,
+    thinned,
+)
+from contact_fmus.stability.scenes import FAMILIES, Scene, all_scenes
 
 CVODE = METHODS[1:]
 # What the page names as limits of CVODE: the depth of an impact below its tolerance, flights it does not see.

@@ -2,20 +2,20 @@
 
 import pytest
 
-from contact_fmus.stability import beyond
-from contact_fmus.stability.checks import Figures
+from contact_fmus.stability import command
+from contact_fmus.stability.run import Figures
 
 
 @pytest.mark.parametrize("first", range(0, 100, 20))
 def test_the_first_seeds_are_right(first):
     compared = 0
     for seed in range(first, first + 20):
-        rows = beyond.run_seed(seed)
+        rows = command.run_seed(seed)
         if isinstance(rows, str):
             assert rows.startswith("the moment of an event could not be found")  # of the closed form
             continue
         compared += 1
-        assert [beyond.line_of(row) for row in rows if row.wrong or row.status != "ok"] == []
+        assert [command.line_of(row) for row in rows if row.wrong or row.status != "ok"] == []
     assert compared >= 15
 
 
@@ -24,15 +24,15 @@ def test_seeds_that_were_wrong_or_refused_are_right(seed):
     """Dashpots that let a contact die away or hold it; swings far out of a hollow body; a touch at a
     communication point; a centre that is passed after a long fall
     """
-    rows = beyond.run_seed(seed)
+    rows = command.run_seed(seed)
     assert len(rows) == 2
-    assert [beyond.line_of(row) for row in rows if row.wrong or row.status != "ok"] == []
+    assert [command.line_of(row) for row in rows if row.wrong or row.status != "ok"] == []
 
 
 def test_the_scenes_are_beyond_the_atlas():
-    motions = [beyond.drawn(seed).motion for seed in range(400)]
-    assert {motion.geometry for motion in motions} == set(beyond.GEOMETRIES)
-    assert {motion.law for motion in motions} == set(beyond.LAWS)
+    motions = [command.drawn(seed).motion for seed in range(400)]
+    assert {motion.geometry for motion in motions} == set(command.GEOMETRIES)
+    assert {motion.law for motion in motions} == set(command.LAWS)
     assert any(motion.length for motion in motions)
     assert min(motion.source_mass for motion in motions) < 1e-13
     assert max(motion.speed for motion in motions) > 1e7
@@ -58,8 +58,8 @@ def test_what_is_wrong_or_refused_is_named_and_counted(monkeypatch, capsys):
             assert chunksize > 0
             return map(function, values)
 
-    monkeypatch.setattr(beyond.multiprocessing, "get_context", lambda _: type("Context", (), {"Pool": Here}))
-    assert beyond.main(["3", "5"]) == 0
+    monkeypatch.setattr(command.multiprocessing, "get_context", lambda _: type("Context", (), {"Pool": Here}))
+    assert command.beyond(["3", "5"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 5
     assert lines[0].startswith("3, ") and ": energy; error" in lines[0]

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import time
 
-from contact_fmus.sweep.planning import make_batch, make_work
+from contact_fmus.sweep.drive import make_batch, make_work
 from contact_fmus.sweep.study import read_study
 from contact_fmus.sweep.worker import run_batch
 from support.programs import PATIENCE, environment, python

@@ -14,7 +14,7 @@ import polars
 import pyarrow.parquet as pq
 import pytest
 
-from contact_fmus.sweep.interrupts import Interrupts
+from contact_fmus.sweep.drive import Interrupts
 from support.programs import PATIENCE, environment
 from support.sweeps import Cluster, command, read, run_here, study_text, sweep, wait_for, write_study
 

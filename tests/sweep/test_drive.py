@@ -5,9 +5,7 @@ import pytest
 from distributed import Future
 from distributed.client import FutureCancelledError
 
-from contact_fmus.sweep.cluster import connected
-from contact_fmus.sweep.drive import Drive
-from contact_fmus.sweep.planning import make_work
+from contact_fmus.sweep.drive import Drive, connected, make_work
 from contact_fmus.sweep.store import Store
 from support.sweeps import read, write_study
 

@@ -5,7 +5,7 @@ import re
 import subprocess
 import sys
 
-from contact_fmus.sweep import samples, spread, store, study, table
+from contact_fmus.sweep import store, study
 from contact_fmus.sweep.command import _parser
 from support.sources import ROOT
 from support.sweeps import read, run_here, write_study
@@ -18,7 +18,7 @@ def block(language):
 
 
 def test_every_word_of_a_study_is_explained():
-    words = {*study.REDUCTIONS, *samples.METHODS, *spread.GRID, *spread.SAMPLED, *table.STATUSES, "choices"}
+    words = {*study.REDUCTIONS, *study.METHODS, *study.GRID, *study.SAMPLED, *store.STATUSES, "choices"}
     words |= {
         "title",
         "fmu",
@@ -32,7 +32,7 @@ def test_every_word_of_a_study_is_explained():
         "method",
     }
     assert sorted(word for word in words if not re.search(rf"[`{{ ]{word}\b", PAGE)) == []
-    assert sorted(word for word in spread.DISTRIBUTIONS if word not in PAGE and word != "uniform") == []
+    assert sorted(word for word in study.DISTRIBUTIONS if word not in PAGE and word != "uniform") == []
 
 
 def test_every_option_is_explained():
@@ -46,7 +46,7 @@ def test_its_study_and_its_python_lines_run(tmp_path, capsys):
     assert (samples_.runs, rows.status.tolist()) == (200, [0] * 200)
     made = store.Store(tmp_path / "results" / "bounces", found)
     made.open(resume=False)
-    made.write(table.make_table(found, made.schema, samples_.values(0, 200), rows), 0)
+    made.write(store.make_table(found, made.schema, samples_.values(0, 200), rows), 0)
     made.merge()
     made.close()
     script = tmp_path / "read.py"

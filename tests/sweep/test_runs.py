@@ -90,7 +90,7 @@ def test_a_run_that_fails_leaves_the_others_alone(tmp_path, compiled):
 def test_a_library_that_is_none_is_an_error_in_words(study, tmp_path):
     from contact_fmus.errors import RunFailure
     from contact_fmus.sweep import native
-    from contact_fmus.sweep.planning import make_batch, make_plan
+    from contact_fmus.sweep.drive import make_batch, make_plan
 
     batch = make_batch(study, 0, study.samples().values(0, 2))
     (tmp_path / "bad.so").write_bytes(b"no library")

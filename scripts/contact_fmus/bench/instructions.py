@@ -23,9 +23,8 @@ from contact_fmus.errors import RunFailure
 from contact_fmus.fmu.files import unpack
 from contact_fmus.fmu.host import Case, case_arguments, host_file
 
-from .problems import benchmarks, law_benchmarks
+from .problems import EVENT_DRIVEN, STIFF_TOLERANCE, Setting, benchmarks, law_benchmarks
 from .ratios import FLIGHT_STEP, FULL, flight_case, stiff_problems
-from .settings import EVENT_DRIVEN, STIFF_TOLERANCE, Setting
 
 BOUNDS = Path(__file__).with_name("instruction_bounds.toml")
 STEPS = (1, 997)  # communication steps of the benchmark problems

@@ -1,4 +1,4 @@
-"""The command check"""
+"""The command check: what is wrong with an FMU file, of this project or of another maker"""
 
 from __future__ import annotations
 
@@ -12,17 +12,161 @@ import subprocess
 import sys
 import tempfile
 import zipfile
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import fmpy
+from fmpy.validation import validate_fmu
 
 from contact_fmus.errors import CLAIM_FAILED, DONE, UserError, similar
 from contact_fmus.fmu.files import fmu_file, shipped_fmus
 
-from . import archive, github
-from .check import FOUND, NOT_DONE, Check, not_done, result
 from .trial import platform_folder
+
+# Checks that only read the file: archive, description, and the kind of every binary
+
+WHAT = {
+    "archive": "names and checksums in the ZIP archive",
+    "description": "XML schema, names, model structure, start values, units (fmpy)",
+    "binaries": "a library of the described name and kind for each platform",
+    "exports": "the standard's functions in this platform's library",
+    "run": "a short run by Co-Simulation: finite numbers, no error",
+    "exchange": "a short run by Model Exchange: finite numbers, no error",
+    "state": "a state that is saved and restored: outputs as they were",
+}
+# Where FMI keeps the binaries of a platform (2.0.5 section 2.3, 3.0.2 section 2.5.1.4.1), the ending of their
+# names, and how such a file begins: ELF says its machine in bytes 18 and 19, a PE file is told by MZ alone.
+PLATFORMS = {
+    "linux64": (".so", b"\x7fELF", b"\x3e\x00"),
+    "linux32": (".so", b"\x7fELF", b"\x03\x00"),
+    "aarch64-linux": (".so", b"\x7fELF", b"\xb7\x00"),
+    "x86_64-linux": (".so", b"\x7fELF", b"\x3e\x00"),
+    "x86-linux": (".so", b"\x7fELF", b"\x03\x00"),
+    "win64": (".dll", b"MZ", b""),
+    "win32": (".dll", b"MZ", b""),
+    "x86_64-windows": (".dll", b"MZ", b""),
+    "x86-windows": (".dll", b"MZ", b""),
+    "darwin64": (".dylib", b"", b""),  # Mach-O, thin or universal: several beginnings
+    "x86_64-darwin": (".dylib", b"", b""),
+    "aarch64-darwin": (".dylib", b"", b""),
+}
+MACH_O = (b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe", b"\xca\xfe\xba\xbf")
+
+
+def archive(file: Path) -> Iterator[str]:
+    """Damaged members, names that other systems cannot read, names that would leave the folder"""
+    with zipfile.ZipFile(file) as members:
+        damaged = members.testzip()
+        if damaged is not None:
+            yield f"{damaged} is damaged: its checksum does not agree"
+        for member in members.infolist():
+            if "\\" in member.orig_filename:
+                yield f"{member.orig_filename}: a backslash in a name; FMI wants forward slashes"
+            if member.filename.startswith("/") or ".." in member.filename.split("/"):
+                yield f"{member.filename}: a name that leaves the FMU's folder"
+            if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+                yield f"{member.filename}: packed by a method that FMI does not allow, only store and deflate"
+
+
+def description(file: Path) -> Iterator[str]:
+    """fmpy's validation: XML schema, names, model structure, start values, causality, units"""
+    for problem in validate_fmu(str(file)):
+        yield " ".join(problem.split())
+
+
+def binaries(folder: Path, about: Any) -> Iterator[str]:
+    """Each platform's binaries: one of the described name, and of the platform's kind"""
+    kinds = (about.coSimulation, about.modelExchange, getattr(about, "scheduledExecution", None))
+    identifiers = {kind.modelIdentifier for kind in kinds if kind is not None}
+    found = sorted(path for path in (folder / "binaries").glob("*") if path.is_dir())
+    if not found and not (folder / "sources").is_dir():
+        yield "there are neither binaries nor sources"
+    for platform in found:
+        if platform.name not in PLATFORMS:
+            continue  # a platform that this list does not know is no fault
+        for identifier in sorted(identifiers):
+            yield from _binary(platform, identifier)
+
+
+def _binary(platform: Path, identifier: str) -> Iterator[str]:
+    ending, begin, machine = PLATFORMS[platform.name]
+    library = platform / f"{identifier}{ending}"
+    name = f"binaries/{platform.name}/{library.name}"
+    if not library.is_file():
+        yield f"{name} is missing: the description says modelIdentifier {identifier}"
+        return
+    head = library.read_bytes()[:20]
+    if ending == ".dylib":
+        fits = head.startswith(MACH_O)
+    else:
+        fits = head.startswith(begin) and head[18:20].startswith(machine)
+    if not fits:
+        yield f"{name} is no library for {platform.name}: it begins with {head[:4].hex(' ')}"
+
+
+# One check's result
+
+PASSED, FOUND, NOT_DONE = "passed", "found", "not done"
+
+
+@dataclasses.dataclass
+class Check:
+    name: str
+    outcome: str  # passed | found | not done
+    findings: list[str]
+    what: str = ""
+
+
+def result(name: str, findings: Iterable[str]) -> Check:
+    """`findings` may raise: then what it raises is the finding"""
+    found = []
+    try:
+        found.extend(findings)
+    except Exception as error:  # fmpy and zipfile raise what their parts raise
+        found.append(" ".join(str(error).split()) or type(error).__name__)
+    return Check(name, FOUND if found else PASSED, found, WHAT.get(name, ""))
+
+
+def not_done(name: str, reason: str) -> Check:
+    return Check(name, NOT_DONE, [reason], WHAT.get(name, ""))
+
+
+# What GitHub Actions show of checks: an annotation for each finding, a table in the run's summary
+
+
+def tell(found: dict[str, list[Check]], allowed: set[str]) -> None:
+    """Annotations on stdout, the summary into the file that GITHUB_STEP_SUMMARY names"""
+    for file, checks in found.items():
+        for check in checks:
+            if check.outcome in (FOUND, NOT_DONE):
+                level = "warning" if check.outcome == NOT_DONE and check.name in allowed else "error"
+                for finding in check.findings:
+                    print(f"::{level} file={_property(file)},title={check.name}::{_data(finding)}")
+    if path := os.environ.get("GITHUB_STEP_SUMMARY"):
+        with open(path, "a", encoding="utf-8") as summary:
+            summary.write("\n".join(_table(found)) + "\n")
+
+
+def _table(found: dict[str, list[Check]]) -> list[str]:
+    lines = ["### FMU checks", "", "| FMU | check | outcome | findings |", "| --- | --- | --- | --- |"]
+    for file, checks in found.items():
+        for check in checks:
+            text = "<br>".join(check.findings).replace("|", "\\|")
+            lines.append(f"| {file} | {check.name} | {check.outcome} | {text} |")
+    return lines
+
+
+def _data(text: str) -> str:
+    """As GitHub's workflow commands want it"""
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    return _data(text).replace(":", "%3A").replace(",", "%2C")
+
+
+# The command check
 
 PATIENCE = 120.0  # s, of a trial run or of a validator
 # Programs that are asked where they are installed: names, and the words of a report that finds nothing
@@ -37,10 +181,10 @@ ALL = "all"
 def main(arguments: list[str] | None = None) -> int:
     """0: nothing found; 1: something is, or a check could not be done; 2: a file is no FMU"""
     options = _parser().parse_args(arguments)
-    unknown = set(options.allow_missing) - {*archive.WHAT, *VALIDATORS, ALL}
+    unknown = set(options.allow_missing) - {*WHAT, *VALIDATORS, ALL}
     if unknown:
         name = min(unknown)
-        known = [*archive.WHAT, *VALIDATORS, ALL]
+        known = [*WHAT, *VALIDATORS, ALL]
         hint = f"{similar(name, known)}: {', '.join(known)}"
         raise UserError(f"--allow-missing: there is no check '{name}'{hint}")
     found = {file: check_file(_file(file), options.patience) for file in options.files}
@@ -59,7 +203,7 @@ def main(arguments: list[str] | None = None) -> int:
     if options.output is not None:
         options.output.write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
     if options.github:
-        github.tell(found, allowed)
+        tell(found, allowed)
     bad = any(failed(check, allowed) for checks in found.values() for check in checks)
     return CLAIM_FAILED if bad else DONE
 
@@ -77,7 +221,7 @@ def told(checks: list[Check]) -> list[str]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    what = "".join(f"\n  {name:12} {text}" for name, text in archive.WHAT.items())
+    what = "".join(f"\n  {name:12} {text}" for name, text in WHAT.items())
     parser = argparse.ArgumentParser(
         prog="contact-fmus check",
         description="Checks FMU files of FMI 2.0 and 3.0, of any maker:\n"
@@ -120,7 +264,7 @@ def check_file(file: Path, patience: float = PATIENCE) -> list[Check]:
     with zipfile.ZipFile(file) as members:
         if "modelDescription.xml" not in members.namelist():
             raise UserError(f"{file}: this is no FMU: it has no modelDescription.xml")
-    checks = [result("archive", archive.archive(file)), result("description", archive.description(file))]
+    checks = [result("archive", archive(file)), result("description", description(file))]
     with tempfile.TemporaryDirectory() as name:
         checks += _unpacked(file, Path(name), patience)
     installed = {name: program for name in VALIDATORS if (program := _program(name)) is not None}
@@ -135,7 +279,7 @@ def _unpacked(file: Path, folder: Path, patience: float) -> list[Check]:
     except Exception as error:  # fmpy has no class of its own for what it cannot read
         reason = f"the FMU cannot be read: {' '.join(str(error).split())}"
         return [not_done(name, reason) for name in ("binaries", "exports", "run")]
-    checks = [result("binaries", archive.binaries(folder, about))]
+    checks = [result("binaries", binaries(folder, about))]
     trials = [name for name in TRIALS if _offers(about, name)]
     platform = platform_folder(about)
     if not (folder / "binaries" / platform).is_dir():

@@ -65,7 +65,7 @@ def paragraphs(data: dict[str, Any]) -> list[str]:
 
 
 def sections(data: dict[str, Any]) -> list[dict[str, Any]]:
-    """As rows.py describes them"""
+    """As measure.py describes them"""
     tables = [_summary(data), *(_errors(data, name) for name in ("P1", "P3"))]
     caption = (
         "Error against communication step $h$ in units of $1/omega$; the line marks $h = 2/omega$. Bounce: "

@@ -17,8 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .contact_fmu import ContactFmu, FmuError
-from .saved_state import SavedState
+from .contact_fmu import ContactFmu, FmuError, SavedState
 
 LEAST = 16  # roundings of the time: a shorter step could end where it began
 WIDTHS = (1, 8, 64, 4096)  # of LEAST, how far beside the instant that the FMU names is looked first

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
+import importlib.util
+import math
 import re
+from collections.abc import Iterable
 from itertools import product
+from pathlib import Path
 from typing import Any, NamedTuple
+
+from contact_fmus.errors import UserError, similar
+
+from .files import Scene, fmu_file, has_scene, read_scene, repository, unpack
 
 # Types of FMI 3.0 in the words of FMI 2.0
 TYPES3 = {"Float32": "Real", "Float64": "Real"}
@@ -101,3 +110,129 @@ def item_value(variable: Variable, value: Any) -> int:
     if value not in variable.items:
         raise ValueError(f"{variable.name} is one of {', '.join(variable.items)}, not '{value}'")
     return variable.item_values[variable.items.index(value)]
+
+
+# --set name=value, in the words of the FMU's own description
+
+SETTABLE = ("parameter", "input")
+BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
+
+
+# The shipped FMU that leaves everything open, by the shape that a sphere touches
+OPEN = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
+
+
+def read_settings(texts: Iterable[str], variables: dict[str, Variable], fmu: Path) -> dict[str, Any]:
+    """Values by name; UserError for a name that is not there, or a value that is none of its kind"""
+    return dict(_setting(text, variables, fmu) for text in texts)
+
+
+def known(name: str, variables: dict[str, Variable], fmu: Path) -> Variable:
+    """UserError where there is none, with the value that the FMU's scene pins it to"""
+    if name in variables:
+        return variables[name]
+    scene = read_scene(fmu) if has_scene(fmu) else None
+    text = f"{fmu.name} has no variable '{name}'{similar(name, variables)}"
+    if scene is None:
+        raise UserError(text)
+    if name in scene.pinned:
+        text = f"{fmu.name} has {name} pinned to {_written(scene.pinned[name])}"
+    raise UserError(text + _where_open(name, scene))
+
+
+def _where_open(name: str, scene: Scene) -> str:
+    """A shipped FMU with the same bodies that has the variable, else what a scene of one's own would do"""
+    shapes = {body.name: body.shape for body in scene.bodies}
+    if set(shapes) == {"source", "destination"}:
+        other = OPEN.get(shapes["destination"], "")
+        with contextlib.suppress(FileNotFoundError):
+            if name in read_variables(unpack(fmu_file(other))[1]):
+                return f"; {other} has it open"
+    pinned = name in scene.pinned
+    return "; a scene that does not pin it has it open" if pinned else ""
+
+
+def _written(value: Any) -> str:
+    if isinstance(value, list):
+        return ",".join(_written(one) for one in value)
+    return (
+        str(value).lower()
+        if isinstance(value, bool)
+        else f"{value:g}"
+        if isinstance(value, float)
+        else str(value)
+    )
+
+
+def _setting(text: str, variables: dict[str, Variable], fmu: Path) -> tuple[str, Any]:
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not equals or not name or not value:
+        raise UserError(f"--set takes NAME=VALUE, such as contact.dashpot=unclamped, not '{text}'")
+    variable = known(name, variables, fmu)
+    if variable.causality not in SETTABLE:
+        raise UserError(
+            f"{name} is a variable of kind {variable.causality}: only parameters and inputs are set"
+        )
+    return name, _value(variable, value)
+
+
+def _value(variable: Variable, text: str) -> Any:
+    if variable.type == "Real":
+        return _reals(variable, text)
+    if variable.type == "Boolean":
+        if text.lower() not in BOOLEANS:
+            raise UserError(f"{variable.name} is true or false, not '{text}'")
+        return BOOLEANS[text.lower()]
+    if variable.items:
+        if text in variable.items:
+            return text
+        items = ", ".join(variable.items)
+        raise UserError(f"{variable.name} is one of {items}, not '{text}'{similar(text, variable.items)}")
+    if variable.type != "Integer":
+        raise UserError(f"{variable.name} is of type {variable.type}, which cannot be set here")
+    try:
+        return int(text)
+    except ValueError:
+        raise UserError(f"{variable.name} takes a whole number, not '{text}'") from None
+
+
+def _reals(variable: Variable, text: str) -> Any:
+    """A number, or for a vector as many as it has: 0,0,1 or [0, 0, 1]; each may have a unit: 50mm"""
+    count, unit = len(variable.references), f" in {variable.unit}" if variable.unit else ""
+    parts = text.strip("[]()").split(",")
+    values = [_number(part) for part in parts]
+    with_unit = [part for part, value in zip(parts, values, strict=True) if value is None]
+    if with_unit and len(parts) == count:
+        if any(values):  # 10,20,30mm: metres and millimetres
+            raise UserError(f"{variable.name} takes a unit with each number that is not 0, not '{text}'")
+        values = [
+            _in_unit(variable, part) if value is None else value
+            for part, value in zip(parts, values, strict=True)
+        ]
+    if len(values) != count or not all(value is not None and math.isfinite(value) for value in values):
+        wanted = (
+            "a number" if count == 1 else f"{count} numbers, such as {','.join('0' * (count - 1) + '1')},"
+        )
+        raise UserError(f"{variable.name} takes {wanted}{unit}, not '{text}'")
+    return values if variable.is_vector else values[0]
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def _in_unit(variable: Variable, text: str) -> float:
+    """As scene files are read, by the module of their generator"""
+    file = repository() / "modelDescription" / "generator" / "quantity.py"
+    loader = importlib.util.spec_from_file_location("contact_quantity", file)
+    assert loader is not None and loader.loader is not None
+    quantity = importlib.util.module_from_spec(loader)
+    loader.loader.exec_module(quantity)
+    unit = variable.unit or "1"
+    try:
+        return quantity.in_unit(text, unit)
+    except ValueError as error:
+        raise UserError(f"{variable.name} takes a number in {unit}, not '{text.strip()}', {error}") from None

@@ -1,18 +1,239 @@
-"""The command importers"""
+"""The command importers: FMUs in every importer that is installed, compared with fmpy"""
 
 from __future__ import annotations
 
 import argparse
+import json
+import math
+import os
+import re
+import subprocess
 import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
+import fmpy
 import platformdirs
 from rich.console import Console
 
 from contact_fmus.errors import UserError
 
-from .page import page, table
-from .trying import AGREE, IMPORTERS, Given, Trial, installed, prepared_java, tried, version_of
+# Runs an FMU in each importer, in a process of its own, and compares end values with fmpy's
+#
+# Some importers report success for an FMU that never ran: numbers are compared, always.
+
+RUNNERS = Path(__file__).resolve().parent / "runners"
+SECONDS = 900  # a run takes less than one; the rest is a busy machine
+
+# Where both make the same calls at the same times the bits are the same. Importers that add up their clock
+# make steps that differ by rounding; what comes of it was 1e-14 at most.
+AGREE = 1e-12
+
+TEXT = {"capture_output": True, "text": True, "check": False}
+
+
+@dataclass(frozen=True)
+class Importer:
+    name: str
+    registry: str
+    package: str  # as the registry knows it
+    module: str  # of Python; empty for Java, see prepared_java
+    script: str
+    script3: str = ""  # for FMI 3.0; empty where nobody has tried
+
+
+IMPORTERS = (
+    Importer("fmpy", "PyPI", "fmpy", "fmpy", "with_fmpy.py", "with_fmpy3.py"),
+    Importer("libcosim", "PyPI", "libcosimpy", "libcosimpy", "with_libcosim.py", "with_libcosim.py"),
+    Importer("fmuloader", "PyPI", "fmuloader", "fmuloader", "with_fmuloader.py", "with_fmuloader3.py"),
+    Importer("ecos", "PyPI", "ecospy", "ecospy", "with_ecos.py", "with_ecos.py"),
+    Importer("FMI4j", "Maven", "info.laht.fmi4j:fmi-import", "", "WithFmi4j.java", "WithFmi4j.java"),
+    Importer("Maestro", "Maven", "org.into-cps.maestro:maestro", "", "with_maestro.py"),
+)
+
+
+Programs = dict[str, list[str]]  # how a command for an importer of Java begins, by its name
+
+
+@dataclass(frozen=True)
+class Given:
+    """What is asked of every importer"""
+
+    step: float  # s
+    count: int
+    python: Path
+    java: Programs
+    settings: dict[str, int] = field(default_factory=dict)  # choices by name, set before the start
+
+
+@dataclass
+class Trial:
+    """An FMU in an importer"""
+
+    importer: Importer
+    fmu: str
+    version: str = ""
+    values: dict[str, float] = field(default_factory=dict)
+    problem: str = ""  # one line; empty where it ran
+
+    def difference(self, other: Trial) -> float:
+        """The largest, relative to values above 1 and absolute below; infinite where the other did not run"""
+        pairs = [(self.values[name], value) for name, value in other.values.items()]
+        off = [abs(a - b) / max(1.0, abs(b)) for a, b in pairs]
+        return max(off) if off and all(map(math.isfinite, off)) else math.inf
+
+
+def installed(importer: Importer, python: Path, java: Programs) -> bool:
+    if not importer.module:
+        return importer.name in java
+    command = [str(python), "-c", f"import {importer.module}"]
+    return subprocess.run(command, capture_output=True, check=False).returncode == 0
+
+
+def prepared_java(folder: Path) -> Programs:
+    """By Maven and javac, into that folder; what cannot be had is left out"""
+    programs = {}
+    fmi4j, maestro = folder / "fmi4j", folder / "maestro"
+    source = RUNNERS / "WithFmi4j.java"
+    compiling = ["javac", "-cp", f"{fmi4j}/*", "-d", str(fmi4j), str(source)]
+    if _fetched(RUNNERS / "pom.xml", fmi4j) and _done(compiling):
+        programs["FMI4j"] = ["java", "-cp", f"{fmi4j}/*:{fmi4j}", source.stem]
+    if _fetched(RUNNERS / "maestro.xml", maestro, "-DexcludeTransitive=true"):
+        (jar,) = maestro.glob("*.jar")
+        programs["Maestro"] = [sys.executable, str(RUNNERS / "with_maestro.py"), str(jar)]
+    return programs
+
+
+def _fetched(project: Path, folder: Path, *options: str) -> bool:
+    """The libraries that a project of Maven names"""
+    copying = ["mvn", "-q", "-B", "-f", str(project), "dependency:copy-dependencies", *options]
+    return any(folder.glob("*.jar")) or _done([*copying, f"-DoutputDirectory={folder}"])
+
+
+def _done(command: list[str]) -> bool:
+    try:
+        return subprocess.run(command, capture_output=True, check=False).returncode == 0
+    except OSError:
+        return False
+
+
+def described(fmu: Path) -> fmpy.model_description.ModelDescription:
+    try:
+        return fmpy.read_model_description(str(fmu))
+    except Exception as error:  # fmpy raises what its parts raise, of a dozen kinds
+        raise UserError(f"{fmu}: no FMU that fmpy can read: {str(error).splitlines()[0]}") from None
+
+
+def version_of(fmu: Path) -> int:
+    return int(described(fmu).fmiVersion[0])
+
+
+def outputs(fmu: Path) -> dict[str, int]:
+    """Outputs of one number each, by name. In FMI 3.0 vectors are arrays, which few importers read."""
+    variables = described(fmu).modelVariables
+    numbers = [v for v in variables if v.type in ("Real", "Float64") and not v.dimensions]
+    return {v.name: v.valueReference for v in numbers if v.causality == "output"}
+
+
+def chosen(fmu: Path, settings: dict[str, int]) -> list[str]:
+    """Settings as the runners read them. FMI sets enumerations as it sets integers."""
+    variables = {v.name: v for v in described(fmu).modelVariables}
+    for name in settings:
+        if name not in variables or variables[name].type not in ("Integer", "Enumeration", "Int64"):
+            raise UserError(f"{fmu}: there is no Integer or Enumeration {name!r}")
+    return [f"{name}={variables[name].valueReference}:={value}" for name, value in settings.items()]
+
+
+def tried(importer: Importer, fmu: Path, given: Given) -> Trial:
+    """In a folder of its own, for importers that write logs"""
+    script = importer.script3 if version_of(fmu) == 3 else importer.script
+    program = given.java.get(importer.name) or [str(given.python), str(RUNNERS / script)]
+    names = [f"{name}={reference}" for name, reference in outputs(fmu).items()]
+    settings = chosen(fmu, given.settings)
+    command = [*program, str(fmu.resolve()), repr(given.step), str(given.count), *settings, *names]
+    trial = Trial(importer, fmu.stem)
+    environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            run = subprocess.run(command, cwd=folder, env=environment, timeout=SECONDS, **TEXT)
+        except subprocess.TimeoutExpired:
+            trial.problem = f"no answer within {SECONDS} s"
+            return trial
+    lines = [line for line in run.stdout.splitlines() if line.startswith('{"version"')]
+    if run.returncode or not lines:
+        killed = f"ended by signal {-run.returncode}"
+        status = killed if run.returncode < 0 else f"status {run.returncode}"
+        lines = (run.stderr.strip() or run.stdout.strip() or status).splitlines()
+        of_java = r"Exception in thread \"main\" [\w.]+: "
+        said = next((line for line in lines if re.match(of_java, line)), lines[-1])
+        said = re.sub(of_java, "", said)
+        trial.problem = re.sub(r"/\S*/", "", said)[-160:]  # whose folders differ from run to run
+        return trial
+    found = json.loads(lines[-1])
+    trial.version, trial.values = found["version"], found["values"]
+    return trial
+
+
+# docs/importers.md: the table of what was tried, and what to click or write in tools that were not
+
+NOTES = Path(__file__).resolve().parent / "notes.md"
+
+
+TOP = """\
+# Importers
+
+`contact-fmus importers build/fmus/*.fmu build/fmus-fmi3/*.fmu -o docs/importers.md` runs each FMU for
+{count} steps of {step:g} s in each importer that is installed, in its own process, and compares the end
+values of all outputs with those that fmpy gives; in FMI 3.0 of those that are no arrays, which the others
+cannot read. A table has the largest difference, relative to values above 1 and absolute below; up to
+{agree:g} counts as the same, for importers that add up their clock make steps of other lengths.
+"""
+
+
+def page(tables: dict[int, list[str]], step: float, count: int) -> str:
+    """Of tables by version of FMI"""
+    parts = [f"## FMI {version}.0\n\n" + "\n".join(lines) + "\n" for version, lines in tables.items()]
+    notes = NOTES.read_text(encoding="utf-8")
+    return "\n".join([TOP.format(count=count, step=step, agree=AGREE), *parts, notes])
+
+
+def table(
+    trials: list[Trial], present: list[Importer], importers: Sequence[Importer] = IMPORTERS
+) -> list[str]:
+    """Its lines: a row for each of the importers"""
+    fmus = list(dict.fromkeys(trial.fmu for trial in trials))
+    found = {(trial.importer.name, trial.fmu): trial for trial in trials}
+    versions = {trial.importer.name: trial.version for trial in trials if trial.version}
+    lines = [
+        f"| importer | version | {' | '.join(fmus)} |",
+        f"| --- | --- | {' | '.join('---' for _ in fmus)} |",
+    ]
+    problems: dict[str, str] = {}
+    for importer in importers:
+        if importer not in present:
+            cells = ["not installed"] * len(fmus)
+        else:
+            cells = [_cell(found[importer.name, fmu], found["fmpy", fmu], problems) for fmu in fmus]
+        about = f"{importer.name} ({importer.registry})"
+        lines.append(f"| {about} | {versions.get(importer.name, '')} | {' | '.join(cells)} |")
+    if problems:
+        lines += ["", *(f"- {name} refuses: {text}" for name, text in problems.items())]
+    return lines
+
+
+def _cell(trial: Trial, reference: Trial, problems: dict[str, str]) -> str:
+    if trial.problem:
+        problems[trial.importer.name] = trial.problem
+        return "refused"
+    if trial is reference:
+        return "reference"
+    off = trial.difference(reference)
+    return ("0" if off == 0.0 else f"{off:.0e}") + ("" if off <= AGREE else " **differs**")
+
+
+# The command importers
 
 
 def setting(text: str) -> tuple[str, int]:

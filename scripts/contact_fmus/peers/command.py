@@ -6,14 +6,219 @@ Writes peers.csv and peers.json for the report's page. FOLDER may also be the na
 from __future__ import annotations
 
 import argparse
+import importlib
+import importlib.metadata
+import importlib.util
 import json
+import math
+import multiprocessing
+import os
+import statistics
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple
 
-from contact_fmus.report.rows import Row, write_rows
+from contact_fmus.bench.problems import benchmarks
+from contact_fmus.report.measure import PEER, Row, write_rows
 
-from .run import NAMES, module_of, run, versions
+from .problems import BallAndWall, CannotExpress, Case, error_of, problem_of
+
+# One peer in a process of its own, so that it may hang, crash or print without harm to the report.
+#
+# Times are taken inside that process: of stepping alone, in several repeats, each of a model made anew.
+
+
+class Plan(NamedTuple):
+    """How much is asked of one case"""
+
+    repeats: int
+    enough: float  # s of stepping, after which it is not repeated any more
+    patience: float  # s for all of it, the making of models included
+
+
+FULL = Plan(7, 0.6, 30.0)
+QUICK = Plan(3, 0.1, 10.0)
+START = 90.0  # s more for a process's first case, which loads the peer
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+class Measured(NamedTuple):
+    times: list[float]
+    position: list[float]
+    onsets: int | None
+    error: str = ""  # why there is nothing
+
+
+def failed(text: str) -> Measured:
+    return Measured([], [], None, text)
+
+
+def measure(module: Any, problem: BallAndWall, case: Case, plan: Plan) -> Measured:
+    times: list[float] = []
+    try:
+        while len(times) < plan.repeats and sum(times) < plan.enough:
+            run = module.prepare(problem, case)
+            begin = time.perf_counter()
+            run.advance()
+            times.append(time.perf_counter() - begin)
+            position, onsets = [float(x) for x in run.position()], run.onsets()
+    except Exception as error:  # whatever a peer raises is a line of the report
+        text = " ".join(str(error).split())
+        return failed(f"{type(error).__name__}: {text}"[:200])
+    return Measured(times, position, onsets)
+
+
+def serve(connection: Any, module_name: str) -> None:
+    """Answers cases until the other end is closed. What a peer prints goes nowhere."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.dup2(nowhere, 2)
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    module = importlib.import_module(module_name)
+    while True:
+        try:
+            question = connection.recv()
+        except EOFError:
+            return
+        connection.send(measure(module, *question))
+
+
+class Worker:
+    """The process, started when it is needed and again after it was ended"""
+
+    def __init__(self, module_name: str) -> None:
+        self.module_name = module_name
+        self.process: Any = None
+        self.connection: Any = None
+
+    def __enter__(self) -> Worker:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def start(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.connection, theirs = context.Pipe()
+        self.process = context.Process(target=serve, args=(theirs, self.module_name), daemon=True)
+        self.process.start()
+        theirs.close()
+
+    def stop(self) -> None:
+        if self.process is not None:
+            self.connection.close()
+            self.process.kill()
+            self.process.join()
+            self.process = None
+
+    def ask(self, problem: BallAndWall, case: Case, plan: Plan) -> tuple[Measured, bool]:
+        """What was measured, and whether it took too long"""
+        fresh = self.process is None
+        if fresh:
+            self.start()
+        try:
+            self.connection.send((problem, case, plan))
+            if self.connection.poll(plan.patience + (START if fresh else 0.0)):
+                return self.connection.recv(), False
+        except (EOFError, OSError):
+            self.process.join()
+            status = self.process.exitcode
+            self.stop()
+            return failed(f"its process ended with status {status}"), False
+        self.stop()
+        return failed(f"not done after {plan.patience:g} s"), True
+
+
+def median(times: list[float]) -> float:
+    return statistics.median(times)
+
+
+# Runs the peers and yields the rows of peers.csv; requirements-peers.txt lists the packages, none of which
+# must be there. A peer that is missing, cannot express a problem, fails or takes too long gives rows that say
+# so.
+
+NAMES = ("scipy", "exudyn", "mujoco", "lammps", "drake")
+
+
+def module_of(name: str) -> ModuleType:
+    return importlib.import_module(f"contact_fmus.peers.{name}_peer")
+
+
+def versions() -> dict[str, str]:
+    """Of the peers that are installed, and what they need"""
+    found = {}
+    for name in NAMES:
+        for package in module_of(name).PACKAGES:
+            try:
+                found[package] = importlib.metadata.version(package)
+            except importlib.metadata.PackageNotFoundError:
+                continue
+    return found
+
+
+def run(
+    problems: Iterable[str] | None = None, quick: bool = False, names: Iterable[str] = NAMES
+) -> Iterator[Row]:
+    """Rows of each peer on each problem, as they come"""
+    chosen = [problem_of(name) for name in (benchmarks() if problems is None else problems)]
+    for name in names:
+        module = module_of(name)
+        if importlib.util.find_spec(module.IMPORT) is None:
+            for problem in chosen:
+                yield unmeasured(module, problem, f"not installed: {' and '.join(module.PACKAGES)}")
+            continue
+        with Worker(module.__name__) as worker:
+            for problem in chosen:
+                yield from run_problem(module, worker, problem, quick)
+
+
+def run_problem(module: ModuleType, worker: Worker, problem: BallAndWall, quick: bool) -> Iterator[Row]:
+    too_long: set[tuple[str, str]] = set()
+    try:
+        cases = list(module.cases(problem, quick))
+    except CannotExpress as reason:
+        yield unmeasured(module, problem, f"cannot be expressed: {reason}")
+        return
+    for case in cases:
+        key = case.integrator, case.setting
+        if key in too_long:
+            yield row_of(module, problem, case, note="left out: a coarser run already took too long")
+            continue
+        measured, late = worker.ask(problem, case, QUICK if quick else FULL)
+        if late:
+            too_long.add(key)
+        yield measured_row(module, problem, case, measured)
+
+
+def measured_row(module: ModuleType, problem: BallAndWall, case: Case, measured: Measured) -> Row:
+    if measured.error:
+        return row_of(module, problem, case, note=measured.error)
+    error = error_of(problem.name, measured.position)
+    if not math.isfinite(error):
+        return row_of(module, problem, case, note="the position at the end is not finite")
+    times = measured.times
+    return row_of(module, problem, case, median(times), min(times), error, measured.onsets, case.note)
+
+
+def row_of(
+    module: ModuleType,
+    problem: BallAndWall,
+    case: Case,
+    time: float | None = None,
+    least: float | None = None,
+    error: float | None = None,
+    onsets: int | None = None,
+    note: str = "",
+) -> Row:
+    solver = f"{module.NAME} {case.integrator}"
+    where = (problem.name, PEER, solver, case.law, case.setting, case.parameter)
+    return Row(*where, None, time, least, error, onsets, note)
+
+
+def unmeasured(module: ModuleType, problem: BallAndWall, note: str) -> Row:
+    return Row(problem.name, PEER, module.NAME, "", "", None, None, None, None, None, None, note)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -6,9 +6,9 @@ approximation: a linear spring and a dashpot (relaxation time p_nv/p_n) that nev
 of first order: similar. Stiffnesses of two bodies act in series, relaxation times add up.
 """
 
-from contact_fmus.report.rows import RELATIVE_TOLERANCE, SAME, SIMILAR
+from contact_fmus.report.measure import RELATIVE_TOLERANCE, SAME, SIMILAR
 
-from .case import STEP_SIZE, CannotExpress, Case, Run
+from .problems import STEP_SIZE, CannotExpress, Case, Run
 
 NAME = "Drake"
 PACKAGES = ("drake",)

@@ -8,9 +8,9 @@ the ball, so that the ball is always in its middle plane, is one.
 User function: the same law in Exudyn's symbolic expressions, evaluated in C++ without Python.
 """
 
-from contact_fmus.report.rows import RELATIVE_TOLERANCE, SAME
+from contact_fmus.report.measure import RELATIVE_TOLERANCE, SAME
 
-from .case import STEP_SIZE, Case, Run, steps_of
+from .problems import STEP_SIZE, Case, Run, steps_of
 
 NAME = "Exudyn"
 PACKAGES = ("exudyn",)

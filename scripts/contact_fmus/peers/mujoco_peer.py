@@ -6,9 +6,9 @@ d it takes, 1e-4, comes nearest to a force that is simply added. The force never
 equal to p_n and p_nv but for 1e-4 of gravity while touching, and for the clip where there is a dashpot.
 """
 
-from contact_fmus.report.rows import SIMILAR
+from contact_fmus.report.measure import SIMILAR
 
-from .case import STEP_SIZE, CannotExpress, Case, Run, steps_of
+from .problems import STEP_SIZE, CannotExpress, Case, Run, steps_of
 
 NAME = "MuJoCo"
 PACKAGES = ("mujoco",)

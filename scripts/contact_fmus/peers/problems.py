@@ -1,12 +1,85 @@
-"""The report's problems as a peer is given them, taken from what the FMU is given."""
+"""What a peer's module and the runner say to each other.
+
+A module has NAME, PACKAGES (distributions it needs; the first is the peer itself), IMPORT (the module that
+tells whether it is there), and
+
+    cases(problem, quick)     the runs to be made, coarse ones of a setting first; raises CannotExpress
+    prepare(problem, case)    a Run; called anew for each repeat, in a process of the peer's own
+
+The peer's packages are imported in prepare only, so that a missing one is found before anything breaks.
+"""
 
 from __future__ import annotations
 
-from math import sqrt
+from collections.abc import Callable
+from math import pi, sqrt
+from typing import NamedTuple
 
 from contact_fmus.bench.problems import benchmarks
 
-from .case import BallAndWall
+STEP_SIZE = "step size in s"
+
+
+class BallAndWall(NamedTuple):
+    """A free ball and a fixed wall, SI units, gravity along -z: a solid sphere about the origin, or a hollow
+    cylinder about the y axis.
+    """
+
+    name: str
+    inside: bool  # the cylinder
+    wall_radius: float
+    radius: float
+    mass: float
+    stiffness: float  # p_n
+    damping: float  # p_nv, of an unclamped dashpot
+    position: tuple[float, float, float]
+    velocity: tuple[float, float, float]
+    gravity: float
+    end: float
+
+    @property
+    def touching_distance(self) -> float:
+        """Of the ball's centre from the wall's centre or axis"""
+        return self.wall_radius - self.radius if self.inside else self.wall_radius + self.radius
+
+    @property
+    def touching(self) -> bool:
+        """At the start, to rounding"""
+        x, y, z = self.position
+        distance = sqrt(x * x + (0.0 if self.inside else y * y) + z * z)
+        return abs(distance - self.touching_distance) < 1e-12
+
+    @property
+    def contact_time(self) -> float:
+        """Of a short contact without damping: half a period of the ball on its spring"""
+        return pi * sqrt(self.mass / self.stiffness)
+
+
+class Case(NamedTuple):
+    integrator: str
+    setting: str  # what `parameter` is: STEP_SIZE or RELATIVE_TOLERANCE, and what else was chosen
+    parameter: float
+    law: str  # SAME or SIMILAR
+    note: str = ""
+
+
+class Run(NamedTuple):
+    advance: Callable[[], object]  # from start to end; this alone is timed
+    position: Callable[[], list[float]]  # at the end
+    onsets: Callable[[], int | None] = lambda: None  # contacts begun, where the peer can tell
+
+
+class CannotExpress(Exception):
+    """The peer has no means for the problem; the message says what is missing."""
+
+
+def steps_of(end: float, size: float) -> tuple[int, float]:
+    """The whole number of steps nearest to the size asked for, and their exact size"""
+    count = max(1, round(end / size))
+    return count, end / count
+
+
+# The report's problems as a peer is given them, taken from what the FMU is given.
 
 GRAVITY = 9.81  # the FMUs' start value
 

@@ -10,9 +10,9 @@ that lasts longer is left to the error control) and to 0.1 s in flight.
 
 from math import inf, sqrt
 
-from contact_fmus.report.rows import RELATIVE_TOLERANCE, SAME
+from contact_fmus.report.measure import RELATIVE_TOLERANCE, SAME
 
-from .case import Case, Run
+from .problems import Case, Run
 
 NAME = "scipy"
 PACKAGES = ("scipy",)

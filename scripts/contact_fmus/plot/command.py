@@ -1,4 +1,4 @@
-"""The command plot of contact-fmus"""
+"""The command plot, and a result drawn in one call"""
 
 from __future__ import annotations
 
@@ -6,12 +6,30 @@ import argparse
 from pathlib import Path
 
 from contact_fmus.errors import UserError, similar
-from contact_fmus.scenarios.target import ANY, find, words
+from contact_fmus.fmu.files import has_scene, read_scene
+from contact_fmus.results import Result
+from contact_fmus.scenarios.scenario import ANY, find, words
 
 from . import page, panels, picture
-from .source import open_runs
+from .panels import usual
+from .source import Run, open_runs
 
 SUFFIXES = (*picture.SUFFIXES, ".html")
+
+
+def draw(result: Result, file: str | Path) -> None:
+    """In one call, as `contact-fmus run --plot` does: gaps, forces, positions and energies over time"""
+    output = output_file(Path(file), "", SUFFIXES)
+    write = page.write_page if output.suffix == ".html" else picture.draw
+    title = _title(result, output)
+    write(title, [Run(title, "", result)], usual(result), output)
+
+
+def _title(result: Result, output: Path) -> str:
+    if result.fmu is None:
+        return output.stem
+    fmu = Path(result.fmu)
+    return read_scene(fmu).title if fmu.is_file() and has_scene(fmu) else fmu.stem
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -12,8 +12,7 @@ from matplotlib.lines import Line2D
 
 from contact_fmus.scenarios.plots import COLORS, EDGE, LINES, STYLE, calm
 
-from .contacts import Touch, touches
-from .panels import Panel, threshold, values
+from .panels import Panel, Touch, threshold, touches, values
 from .source import Run
 
 SUFFIXES = (".png", ".svg", ".pdf")

@@ -1,7 +1,7 @@
 """The commands measure and page of contact_fmus
 
 measure writes results.csv and summary.json; page draws figures, index.html and README.md from them and from
-what the optional parts left in the same folder (rows.py).
+what the optional parts left in the same folder (measure.py).
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ import json
 import time
 from pathlib import Path
 
+from contact_fmus import pages
 from contact_fmus.bench.problems import benchmarks, hertz_problems, shape_problems, turning_problems
 from contact_fmus.fmu.files import results_folder
-from contact_fmus.pages import machine
 
 from . import measure as solvers
+from .measure import write_rows
 from .page import draw_page
-from .rows import write_rows
 
 
 def measure(arguments: list[str] | None = None) -> int:
@@ -58,7 +58,7 @@ def _measure(options: argparse.Namespace) -> int:
     summary = {
         "made": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "plan": _describe(plan, options.quick),
-        "versions": machine.versions(),
+        "versions": pages.versions(),
         "ratios": ratios[0],
         "shape_ratios": ratios[1],
         "hertz_ratios": ratios[2],

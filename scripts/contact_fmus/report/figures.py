@@ -10,12 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from contact_fmus.bench.problems import Problem, benchmarks, stiff_families
-from contact_fmus.bench.settings import METHODS, STIFF_TOLERANCE
+from contact_fmus.bench.problems import METHODS, STIFF_TOLERANCE, Problem, benchmarks, stiff_families
 
 from . import tables
-from .measure import stiff_setting
-from .rows import PEER, SIMILAR, Row
+from .measure import PEER, SIMILAR, Row, stiff_setting
 
 COLORS = {"event_driven": "#c2410c", "cvode_bdf": "#1d4ed8", "cvode_adams": "#0f766e"}
 MARKERS = {"event_driven": "o", "cvode_bdf": "s", "cvode_adams": "^"}

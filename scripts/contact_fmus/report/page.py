@@ -16,11 +16,10 @@ from contact_fmus.bench.problems import (
     stiff_families,
     turning_problems,
 )
-from contact_fmus.pages import write_pages
-from contact_fmus.pages.table import Table
+from contact_fmus.pages import Table, write_pages
 
-from . import figures, summary, tables
-from .rows import Row, read_part, read_rows
+from . import figures, tables
+from .measure import Row, read_part, read_rows
 
 
 @dataclass
@@ -60,8 +59,8 @@ def draw_page(folder: Path) -> list[Path]:
 
 
 def _summary(ratios: list[dict], others: list[Row]) -> Section:
-    listed = [summary.comparison(ratios, others), summary.problems()]
-    return Section("Summary", summary.paragraphs(ratios, others), listed)
+    listed = [tables.comparison(ratios, others), tables.problems()]
+    return Section("Summary", tables.paragraphs(ratios, others), listed)
 
 
 def _work_precision(
@@ -90,7 +89,7 @@ def _work_precision(
     unable = [f"{row.solver}, {row.problem}: {row.note}" for row in others if not row.measured]
     if unable and not given:
         paragraphs.append("Not measured: " + "; ".join(dict.fromkeys(unable)) + ".")
-    return Section("Error against time", paragraphs, [*listed, tables.ratios(ratios)], shown)
+    return Section("Error against time", paragraphs, [*listed, tables.ratios_table(ratios)], shown)
 
 
 def _shapes(own: list[Row], ratios: Sequence[dict], folder: Path) -> list[Section]:
@@ -143,7 +142,7 @@ def _more_problems(
     if not rows:
         return []
     figures.work_precision(rows, problems.values(), folder, figure[0])
-    listed = [*(tables.least_times(problem, rows) for problem in problems), tables.ratios(ratios)]
+    listed = [*(tables.least_times(problem, rows) for problem in problems), tables.ratios_table(ratios)]
     return [Section(title, [text], listed, [{"name": figure[0], "caption": figure[1]}])]
 
 
@@ -162,7 +161,7 @@ def _stiffness(own: list[Row], folder: Path) -> Section:
 
 
 def given_section(section: dict[str, Any], folder: Path) -> Section:
-    """A section of peers.json or force_element.json (rows.py describes it)"""
+    """A section of peers.json or force_element.json (measure.py describes it)"""
     listed = [
         Table(one.get("caption", ""), one["header"], [[_text(cell) for cell in row] for row in one["rows"]])
         for one in section.get("tables", ())

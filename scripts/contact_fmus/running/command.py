@@ -16,10 +16,9 @@ from rich.progress import Progress
 
 from contact_fmus.errors import UserError
 from contact_fmus.results import Result
-from contact_fmus.scenarios.target import Experiment, changed, find, first_run
+from contact_fmus.scenarios.scenario import Experiment, changed, find, first_run
 
-from .exchange import exchange
-from .simulate import StoppedEarly, simulate
+from .simulate import StoppedEarly, exchange, simulate
 
 EPILOG = """examples:
   contact-fmus run SphereSphere --set contact.dashpot=unclamped --stop 1 --csv bounce.csv
@@ -119,9 +118,9 @@ def _check_files(experiment: Experiment, options: argparse.Namespace) -> None:
     if options.csv is not None and not options.csv.parent.is_dir():
         raise UserError(f"{options.csv}: there is no folder {options.csv.parent}")
     if options.plot is not None:
-        from contact_fmus.plot.figures import checked
+        from contact_fmus.plot.command import SUFFIXES, output_file
 
-        checked(_picture(experiment, options))
+        output_file(_picture(experiment, options), "", SUFFIXES)
 
 
 def _picture(experiment: Experiment, options: argparse.Namespace) -> Path:
@@ -151,7 +150,7 @@ def _write(result: Result, experiment: Experiment, options: argparse.Namespace) 
         for line in end_values(result):
             print(f"  {line}")
     if options.plot is not None:
-        from contact_fmus.plot.figures import draw
+        from contact_fmus.plot.command import draw
 
         file = _picture(experiment, options)
         draw(result, file)

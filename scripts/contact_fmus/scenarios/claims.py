@@ -1,7 +1,7 @@
 """What a scenario can claim: each check takes a recording and gives the measured and the expected value.
 
 A check's further arguments are keys of its [[claim]] table. Expected values come from closed_forms.py, from a
-literal in the scenario file, or from a recomputation in geometry.py; never from the FMU that is measured.
+literal in the scenario file, or from a recomputation here; never from the FMU that is measured.
 """
 
 from __future__ import annotations
@@ -13,9 +13,77 @@ from typing import Any
 
 import numpy as np
 
-from . import closed_forms, geometry
-from .experiment import Claim, Recording
+from . import closed_forms
+from .experiment import Claim, Recording, RunError
 from .recording import ENERGIES
+
+# The contact geometry and force law once more, from DESIGN's formulas in NumPy, to compare the FMU with
+
+
+def _pair(run: Recording) -> tuple[str, str, str]:
+    """Names of contact, source and destination; RunError where the scene has more than one contact"""
+    contacts = run.motion.scene.contacts
+    if len(contacts) != 1:
+        text = f"the claim is about one contact, and {run.scenario.fmu} has {len(contacts)}"
+        raise RunError(f"{run.scenario.name}: {text}")
+    return contacts[0].name, contacts[0].source, contacts[0].destination
+
+
+def recompute_force(run: Recording) -> tuple[np.ndarray, float]:
+    """Force on a source outside the destination, both prescribed; and the size of the largest term in it"""
+    contact, source, destination = _pair(run)
+    apart, closing = (_relative(run, kind) for kind in ("displacement", "velocity"))
+    axis, is_plane = run.motion.axis(destination), run.motion.is_plane(destination)
+    if axis is not None and not is_plane:
+        along = apart @ axis
+        apart = apart - np.outer(along, axis)
+    distance = apart @ -axis if is_plane else np.linalg.norm(apart, axis=1)
+    normal = np.tile(-axis, (len(apart), 1)) if is_plane else apart / distance[:, None]
+    gap = distance - run.value(f"{source}.radius") - (run.motion.radius(destination) or 0.0)
+    rate = np.sum(closing * normal, axis=1)
+    touching = gap < 0.0
+    if not is_plane and axis is not None and run.value(f"{destination}.finite_length"):
+        touching &= np.abs(along) <= 0.5 * run.value(f"{destination}.length")
+    elastic = -run.value(f"{contact}.penalty_factor") * gap
+    viscous = -run.value(f"{contact}.viscous_penalty_factor") * rate
+    dashpot = run.value(f"{contact}.dashpot")
+    if dashpot == "approach_only":
+        viscous = np.where(rate < 0.0, viscous, 0.0)
+    force = elastic + viscous
+    if dashpot == "non_adhesive":
+        force = np.maximum(force, 0.0)
+    scale = float(np.max(np.where(touching, np.abs(elastic) + np.abs(viscous), 0.0)))
+    return -np.where(touching, force, 0.0)[:, None] * normal, scale
+
+
+def _relative(run: Recording, kind: str) -> np.ndarray:
+    """Destination minus source: location of the centres, or their velocity"""
+    _, source, destination = _pair(run)
+    relative = run.series[f"{destination}.prescribed_{kind}"] - run.series[f"{source}.prescribed_{kind}"]
+    if kind == "displacement":
+        relative = relative + (
+            np.asarray(run.value(f"{destination}.center")) - np.asarray(run.value(f"{source}.center"))
+        )
+    return relative
+
+
+def recomputed_diagonal(run: Recording) -> float:
+    """Diagonal of the bounding box of both bodies at the start; of an infinite cylinder, its cross-section,
+    and nothing of a plane"""
+    centers, extents = [], []
+    for body in _pair(run)[1:]:
+        if run.motion.is_plane(body):
+            continue
+        radius, axis = run.value(f"{body}.radius"), run.motion.axis(body)
+        centers.append(np.asarray(run.value(f"{body}.position"), dtype=float))
+        if axis is None:
+            extents.append(closed_forms.sphere_extent(radius))
+        else:
+            extents.append(closed_forms.cylinder_extent(radius, axis, run.motion.length(body) or 0.0))
+    lower = [center - extent for center, extent in zip(centers, extents, strict=True)]
+    upper = [center + extent for center, extent in zip(centers, extents, strict=True)]
+    return closed_forms.box_diagonal(lower, upper)
+
 
 CHECKS: dict[str, Callable[..., Outcome]] = {}
 
@@ -203,7 +271,7 @@ def free_flight(run: Recording, after: float = 0.0) -> Outcome:
 @check
 def force_law(run: Recording) -> Outcome:
     """Force on the source at every communication point, recomputed from where the importer put the bodies"""
-    expected, scale = geometry.recompute_force(run)
+    expected, scale = recompute_force(run)
     return _worst_point(run, "contact.source_force", expected, "N", scale)
 
 
@@ -219,7 +287,7 @@ def opposite_forces(run: Recording) -> Outcome:
 @check
 def automatic_factor(run: Recording, variable: str) -> Outcome:
     """diagonal, effective_penalty_factor or effective_viscous_penalty_factor under automatic control"""
-    diagonal = geometry.diagonal(run)
+    diagonal = recomputed_diagonal(run)
     modulus, time = run.value("contact.reference_modulus"), run.value("contact.characteristic_time")
     viscous_only = run.value("contact.penalty_control") == "viscous_only"
     stiffness = modulus * diagonal * (1.0 if viscous_only else run.value("contact.penalty_multiplier"))
@@ -229,3 +297,86 @@ def automatic_factor(run: Recording, variable: str) -> Outcome:
         "contact.effective_viscous_penalty_factor": (time * stiffness, "N.s/m"),
     }
     return Outcome(run.value(variable), *expected[variable])
+
+
+# Checks of bodies that turn: as in claims.py, the expected values come from closed forms
+# (closed_forms.py).
+
+
+@check
+def slides_then_rolls(run: Recording) -> Outcome:
+    """Place of a ball along x at every communication point, on a level plane"""
+    speed, spin = run.value("source.velocity")[0], run.value("source.angular_velocity")[1]
+    slip = speed - run.value("source.radius") * spin
+    friction = run.value("contact.friction_coefficient")
+    way, _ = closed_forms.slide_to_roll(run.time, speed, slip, friction, _gravity(run))
+    expected = run.series["source.position"].copy()
+    expected[:, 0] = run.value("source.position")[0] + way
+    return _worst_point(run, "source.position", expected, "m")
+
+
+@check
+def rolls_at_last(run: Recording) -> Outcome:
+    """Velocity of that ball at the end"""
+    speed, spin = run.value("source.velocity")[0], run.value("source.angular_velocity")[1]
+    slip = speed - run.value("source.radius") * spin
+    friction = run.value("contact.friction_coefficient")
+    _, final = closed_forms.slide_to_roll(run.time[-1:], speed, slip, friction, _gravity(run))
+    return Outcome(run.final["source.velocity"], [float(final[0]), 0.0, 0.0], "m/s")
+
+
+@check
+def rolls_round_a_tube(run: Recording) -> Outcome:
+    """Place of a ball in a vertical tube at every communication point"""
+    x, speed = run.value("source.position")[0], run.value("source.velocity")[1]
+    rate = speed / x
+    height = closed_forms.vertical_tube(run.time, rate, _gravity(run))
+    angle = rate * run.time
+    expected = np.stack([x * np.cos(angle), x * np.sin(angle), height], axis=-1)
+    return _worst_point(run, "source.position", expected, "m")
+
+
+@check
+def rolls_on_a_turntable(run: Recording) -> Outcome:
+    """Place of a ball on a plane that turns about z, at every communication point"""
+    rate = run.value("destination.prescribed_angular_velocity")[2]
+    start, velocity = run.value("source.position"), run.value("source.velocity")
+    place, _ = closed_forms.turntable(run.time, start[:2], velocity[:2], rate)
+    expected = np.concatenate([place, np.full((len(place), 1), start[2])], axis=1)
+    return _worst_point(run, "source.position", expected, "m")
+
+
+@check
+def tumbles(run: Recording) -> Outcome:
+    """Speeds along y of ball and cylinder and the cylinder's angular velocity about x, at the end: the ball
+    came along y, the cylinder lay along z
+    """
+    inertia = _moment(run)
+    lever = run.value("source.position")[2] - run.value("destination.position")[2]
+    speed = run.value("source.velocity")[1]
+    expected = closed_forms.hit_beside(speed, _mass(run, "source"), _mass(run, "destination"), inertia, lever)
+    found = run.final["source.velocity"][1], run.final["destination.velocity"][1]
+    return Outcome([*found, -run.final["destination.angular_velocity"][0]], expected, "m/s")
+
+
+@check
+def angular_momentum(run: Recording) -> Outcome:
+    """Largest change of the angular momentum about the origin of a ball that does not turn and a free
+    cylinder, gravity off, against the bodies' own
+    """
+    parts = [
+        _mass(run, body) * np.cross(run.series[f"{body}.position"], run.series[f"{body}.velocity"])
+        for body in ("source", "destination")
+    ]
+    axis, spin = run.series["destination.current_axis"], run.series["destination.angular_velocity"]
+    along = 0.5 * _mass(run, "destination") * run.value("destination.radius") ** 2
+    turning = np.sum(spin * axis, axis=1, keepdims=True) * axis
+    parts.append(_moment(run) * (spin - turning) + along * turning)
+    total = np.sum(parts, axis=0)
+    largest = float(max(np.max(np.abs(part)) for part in parts))
+    return Outcome(float(np.max(np.abs(total - total[0]))), 0.0, "kg.m2/s", largest)
+
+
+def _moment(run: Recording) -> float:
+    values = (run.value(f"destination.{name}") for name in ("mass", "radius", "length"))
+    return closed_forms.moment_across(*values)

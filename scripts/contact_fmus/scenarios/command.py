@@ -1,19 +1,296 @@
-"""The commands run, picture and leave-out of contact_fmus"""
+"""The commands scenarios, picture and leave-out"""
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import datetime
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
 
 from contact_fmus.errors import UserError
+from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
 from contact_fmus.fmu.files import fmus_folder, repository, results_folder
+from contact_fmus.fmu.host import Case, run_host
+from contact_fmus.pages import plain, write_pages
 
-from . import plots, runner, tables
-from .leave_out import measure_all
-from .page import write_report
+from . import claims, plots
+from .experiment import Claim, RunError, Scenario, Variant, scene_file
 from .recording import DRAWN, record
-from .scenario import read_scenario
-from .target import SCENARIOS, find, words
+from .scenario import SCENARIOS, find, read_scenario, words
+
+# Runs scenarios: every variant with its claims, then the runs that are drawn
+
+
+@dataclass(frozen=True)
+class ClaimResult:
+    claim: Claim
+    variant: Variant
+    outcome: claims.Outcome
+
+    @property
+    def error(self) -> float:
+        return self.outcome.error_of(self.claim)
+
+    @property
+    def holds(self) -> bool:
+        return self.outcome.holds(self.claim)
+
+
+@dataclass
+class ScenarioResult:
+    scenario: Scenario
+    results: list[ClaimResult] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)  # runs that the FMU refused
+    plot: Path | None = None
+
+    @property
+    def holds(self) -> bool:
+        return not self.failures and all(result.holds for result in self.results)
+
+    def worst(self, claim: Claim) -> ClaimResult | None:
+        """The run in which the claim is furthest from holding; a NaN error counts as furthest"""
+        own = [result for result in self.results if result.claim is claim]
+        return max(own, key=lambda result: (math.isnan(result.error), result.error), default=None)
+
+
+def run_scenario(
+    scenario: Scenario, plot_folder: Path | None, advance: Callable[[int], None]
+) -> ScenarioResult:
+    result = ScenarioResult(scenario)
+    for variant in scenario.variants:
+        with _failures_kept(result):
+            recording = record(scenario, variant, advance)
+            for claim in scenario.claims:
+                if all(variant.choice[name] == value for name, value in claim.when.items()):
+                    outcome = claims.evaluate(claim, recording)
+                    result.results.append(ClaimResult(claim, variant, outcome))
+    if plot_folder is not None:
+        with _failures_kept(result):
+            recordings = [record(scenario, variant, advance, DRAWN) for variant in scenario.plotted()]
+            result.plot = plots.draw(recordings, plot_folder / f"{scenario.name}.png")
+    return result
+
+
+@contextlib.contextmanager
+def _failures_kept(result: ScenarioResult) -> Iterator[None]:
+    try:
+        yield
+    except RunError as error:
+        result.failures.append(str(error))
+
+
+def run_scenarios(
+    scenarios: list[Scenario], plot_folder: Path | None, console: Console
+) -> list[ScenarioResult]:
+    """A progress bar counts communication steps; on something that is not a terminal it stays silent."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
+        task = progress.add_task("", total=sum(_steps(scenario, plot_folder) for scenario in scenarios))
+        results = []
+        for scenario in scenarios:
+            progress.update(task, description=scenario.title)
+            results.append(run_scenario(scenario, plot_folder, lambda steps: progress.advance(task, steps)))
+    return results
+
+
+def _steps(scenario: Scenario, plot_folder: Path | None) -> int:
+    drawn = scenario.plotted() if plot_folder is not None else []
+    return sum(variant.steps for variant in [*scenario.variants, *drawn])
+
+
+# What leaving out saves: variables, library, state and time per communication step of each FMU
+
+STEP = 1e-3  # s, a usual communication step
+STEPS = 1000
+REPETITIONS = 5
+
+
+@dataclass(frozen=True)
+class FmuSize:
+    name: str
+    variables: int
+    library: int  # bytes of the shared library
+    state: int  # bytes of the serialized state
+    time: float  # s per communication step
+    universal: str | None  # the FMU with every choice open that does the same
+    universal_time: float
+
+
+def measure_all() -> list[FmuSize]:
+    """Universal FMUs first, each followed by those that pin its choices; none whose scene is gone"""
+    names = [file.stem for file in fmus_folder().glob("*.fmu") if scene_file(file.stem)]
+    return [
+        measure(name) for name in sorted(names, key=lambda name: (_family(name), name != _family(name), name))
+    ]
+
+
+def _family(name: str) -> str:
+    """SphereSphere, SphereCylinder: the shapes of source and destination"""
+    bodies = scene_file(name).get("body", [])
+    return "".join(body["shape"].capitalize() for body in bodies)
+
+
+def measure(name: str) -> FmuSize:
+    family = _family(name)
+    universal = family if family not in ("", name) and (fmus_folder() / f"{family}.fmu").is_file() else None
+    with ContactFmu(fmu_file(name)) as fmu:
+        library = sum(file.stat().st_size for file in Path(fmu.folder, "binaries").rglob("*.so"))
+        variables = len(fmu.description.modelVariables)
+        fmu.start()
+        state = len(bytes(fmu.save()))
+        start = open_start(fmu, name)
+    own, other = times_per_step(name, universal, start)
+    return FmuSize(name, variables, library, state, own, universal, other)
+
+
+def times_per_step(name: str, universal: str | None, start: dict[str, Any]) -> tuple[float, float]:
+    """The least of several averages over STEPS steps, in turns: what the machine does besides only adds"""
+    cases = [Case(name, fmu_file(name), STEP * STEPS, STEPS)]
+    if universal is not None:
+        cases.append(Case(universal, fmu_file(universal), STEP * STEPS, STEPS, start=start))
+    times = [result.least / STEPS for result in run_host(cases, REPETITIONS)]
+    return times[0], times[1] if universal is not None else 0.0
+
+
+def open_start(fmu: ContactFmu, name: str) -> dict[str, Any]:
+    """What lets the FMU with every choice open do the same: what the scene pins, and all parameters, whose
+    start values are others there
+    """
+    given = [one for one, variable in fmu.variables.items() if variable.causality == "parameter"]
+    whole = {one: fmu[one] for one in given if not one.endswith("]")}
+    return whole | _constants(scene_file(name).get("pinned", {}))
+
+
+def _constants(pinned: dict[str, Any]) -> dict[str, Any]:
+    """Without the choices that keep several of their items"""
+    return {
+        name: value
+        for name, value in pinned.items()
+        if not (isinstance(value, list) and isinstance(value[0], str))
+    }
+
+
+# Results as tables in the terminal, and the number formats that the HTML page shares
+
+WIDTH = 170  # of tables that do not go to a terminal
+
+
+def make_console() -> Console:
+    console = Console(highlight=False)
+    return console if console.is_terminal else Console(highlight=False, width=WIDTH)
+
+
+def format_value(value: Any, unit: str) -> str:
+    values = np.atleast_1d(np.asarray(value, dtype=float))
+    text = ", ".join(f"{entry:.8g}" for entry in values)
+    return (f"({text})" if len(values) > 1 else text) + (f" {unit}" if unit != "1" else "")
+
+
+def format_error(result: ClaimResult) -> str:
+    return f"{result.error:.1e}" + _error_unit(result)
+
+
+def format_allowed(result: ClaimResult) -> str:
+    return f"{result.claim.allowed:.0e}" + _error_unit(result)
+
+
+def _error_unit(result: ClaimResult) -> str:
+    if result.claim.relative:
+        return " rel."
+    return "" if result.outcome.unit == "1" else f" {result.outcome.unit}"
+
+
+def claims_table(results: list[ScenarioResult]) -> Table:
+    """A line for each claim, with the run that is furthest from it"""
+    table = Table(
+        title="Claims (of several runs of a scenario, the one with the largest error)", title_justify="left"
+    )
+    for name in ("scenario", "claim"):
+        table.add_column(name, overflow="fold")
+    table.add_column("runs", justify="right")
+    for name in ("measured", "expected"):
+        table.add_column(name, overflow="fold", justify="right")
+    for name in ("error", "allowed"):
+        table.add_column(name, justify="right", no_wrap=True)
+    table.add_column("holds", no_wrap=True)
+    for result in results:
+        title = result.scenario.title
+        for claim in result.scenario.claims:
+            worst = result.worst(claim)
+            if worst is not None:
+                runs = sum(one.claim is claim for one in result.results)
+                unit = worst.outcome.unit
+                table.add_row(
+                    title, plain(claim.text), str(runs), format_value(worst.outcome.measured, unit),
+                    format_value(worst.outcome.expected, unit), format_error(worst), format_allowed(worst),
+                    "[green]yes[/]" if worst.holds else "[red]NO[/]",
+                )  # fmt: skip
+                title = ""
+        table.add_section()
+    return table
+
+
+def leave_out_table(sizes: list[FmuSize]) -> Table:
+    table = Table(title="Leave out: what a scene that pins choices is spared", title_justify="left")
+    table.add_column("FMU")
+    for name in ("variables", "library [bytes]", "state [bytes]", "time per step [µs]"):
+        table.add_column(name, justify="right")
+    table.add_column("same problem on the universal FMU [µs]", justify="right")
+    for size in sizes:
+        other = f"{size.universal_time * 1e6:.2f} ({size.universal})" if size.universal else ""
+        table.add_row(
+            size.name, str(size.variables), f"{size.library:,}", f"{size.state:,}",
+            f"{size.time * 1e6:.2f}", other,
+        )  # fmt: skip
+    return table
+
+
+# The HTML page of all scenarios
+
+
+def write_report(results: list[ScenarioResult], folder: Path) -> Path:
+    """index.html in `folder`, next to the plots it shows"""
+    context = {
+        "results": results,
+        "summary": summary(results),
+        "contents": [("claims", "All claims")] + [(one.scenario.name, one.scenario.title) for one in results],
+        "labels": plotted_labels,
+        "value": format_value,
+        "error": format_error,
+        "allowed": format_allowed,
+        "plot": lambda result: result.plot.relative_to(folder).as_posix() if result.plot else None,
+        "made": datetime.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
+    }
+    (file,) = write_pages(Path(__file__).parent, folder, context, {"page.html": "index.html"})
+    return file
+
+
+def summary(results: list[ScenarioResult]) -> str:
+    """How many comparisons there are, and how many of them do not hold"""
+    every = [one for result in results for one in result.results]
+    broken = sum(not one.holds for one in every)
+    failures = sum(len(result.failures) for result in results)
+    text = f"{len(results)} scenario{'s' * (len(results) != 1)}, {len(every)} comparisons: "
+    text += "all hold." if not broken else f"{broken} do not hold."
+    return text + (f" {failures} runs failed." if failures else "")
+
+
+def plotted_labels(result: ScenarioResult) -> str:
+    """What the colours of the picture stand for; nothing where there is one run"""
+    labels = [variant.label for variant in result.scenario.plotted()]
+    return ", ".join(labels) if len(labels) > 1 else ""
+
+
+# The commands run, picture and leave-out of contact_fmus
 
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -53,11 +330,11 @@ def _run(options: argparse.Namespace) -> int:
         (repository() / "scripts" / "scenarios").glob("*.toml")
     )
     scenarios = [read_scenario(file) for file in files]
-    console = tables.make_console()
+    console = make_console()
     options.output.mkdir(parents=True, exist_ok=True)
     plot_folder = None if options.no_plots else options.output / "plots"
-    results = runner.run_scenarios(scenarios, plot_folder, console)
-    console.print(tables.claims_table(results))
+    results = run_scenarios(scenarios, plot_folder, console)
+    console.print(claims_table(results))
     for result in results:
         for failure in result.failures:
             console.print(f"FAILED {failure}", style="red", markup=False)
@@ -89,6 +366,6 @@ def _leave_out(_options: argparse.Namespace) -> int:
     sizes = measure_all()
     if not sizes:
         raise FileNotFoundError(f"no FMU in {fmus_folder()}: build first")
-    tables.make_console().print(tables.leave_out_table(sizes))
+    make_console().print(leave_out_table(sizes))
     print("time per step: least of 5 averages over 1000 communication steps of 1 ms, in turns")
     return 0

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import Any
@@ -10,11 +12,183 @@ from typing import Any
 import numpy as np
 
 from contact_fmus.errors import RunFailure
-from contact_fmus.fmu.files import fmu_file, repository
-from contact_fmus.fmu.scene import has_scene, read_scene
+from contact_fmus.fmu.files import Contact, Scene, fmu_file, has_scene, read_scene, repository
 
-from .inputs import InputSignal
-from .motion import Motion
+# Inputs over time: straight lines between points, a sinusoid, or the time derivative of another input
+
+FORMS = {
+    "table": {"times", "values"},
+    "sinusoid": {"offset", "amplitude", "frequency", "phase"},
+    "derivative": {"derivative_of"},
+}
+
+
+@dataclass(frozen=True)
+class InputSignal:
+    variable: str
+    derivatives: int  # how many are given to the FMU besides the value
+    evaluate: Callable[[float, int], np.ndarray]  # (time, order of the derivative)
+
+    @staticmethod
+    def make(variable: str, derivatives: int, options: dict[str, Any]) -> InputSignal:
+        """ValueError where the options are not one of the forms"""
+        if derivatives not in (0, 1, 2):
+            raise ValueError(f"derivatives = {derivatives} is not 0, 1 or 2")
+        if not options:
+            raise ValueError("give times and values, or amplitude and frequency, or derivative_of")
+        form = next((name for name, keys in FORMS.items() if set(options) <= keys), None)
+        if form == "table":
+            return InputSignal(variable, derivatives, _table(**options))
+        if form == "sinusoid":
+            return InputSignal(variable, derivatives, _sinusoid(**options))
+        if form == "derivative":
+            original = options["derivative_of"].evaluate
+            return InputSignal(variable, derivatives, lambda time, order: original(time, order + 1))
+        raise ValueError(
+            f"{', '.join(options)} do not go together: give times and values, or amplitude and "
+            "frequency, or derivative_of"
+        )
+
+
+def _table(
+    times: list[float] | None = None, values: list | None = None
+) -> Callable[[float, int], np.ndarray]:
+    if not times or not values or len(times) != len(values) or not np.all(np.diff(times) > 0.0):
+        raise ValueError("times must rise, with one of values for each")
+    points, nodes = np.array(times, dtype=float), np.array(values, dtype=float).reshape(len(times), -1)
+
+    def evaluate(time: float, order: int) -> np.ndarray:
+        # A corner belongs to the line after it: that is the derivative the FMU needs from this point on.
+        line = int(np.searchsorted(points, time, side="right")) - 1
+        if line < 0 or line >= len(points) - 1:
+            return nodes[max(0, min(line, len(points) - 1))] * (order == 0)
+        slope = (nodes[line + 1] - nodes[line]) / (points[line + 1] - points[line])
+        return (nodes[line] + slope * (time - points[line]), slope)[order] if order < 2 else 0.0 * slope
+
+    return evaluate
+
+
+def _sinusoid(
+    amplitude: Any = None, frequency: float | None = None, offset: Any = 0.0, phase: float = 0.0
+) -> Callable[[float, int], np.ndarray]:
+    if amplitude is None or frequency is None:
+        raise ValueError("a sinusoid needs amplitude and frequency")
+    size, middle = np.atleast_1d(np.array(amplitude, dtype=float)), np.array(offset, dtype=float)
+    rate = 2.0 * math.pi * frequency
+
+    def evaluate(time: float, order: int) -> np.ndarray:
+        # The n-th derivative of sin is sin turned by n quarter turns.
+        wave = size * rate**order * math.sin(rate * time + phase + 0.5 * math.pi * order)
+        return wave + middle if order == 0 else wave
+
+    return evaluate
+
+
+# Where the bodies of any scene are over time, and what they look like: for pictures and animations
+
+STILL = 1e-12  # a body that moves by less than this part of the scene's size stands still in a picture
+
+
+@dataclass(frozen=True)
+class Motion:
+    """One run of one scene"""
+
+    scene: Scene
+    time: np.ndarray  # s
+    value: Callable[[str], Any]  # a parameter, pinned or open; None where the FMU has none of this name
+    series: Callable[[str], np.ndarray | None]  # a variable over time, vectors one row a time; None as above
+
+    def shape(self, body: str) -> str:
+        return next(one.shape for one in self.scene.bodies if one.name == body)
+
+    def position(self, body: str) -> np.ndarray:
+        """Centre of a body: an output, or what a fixed or driven body starts from"""
+        found = self.series(f"{body}.position")
+        if found is not None:
+            return found
+        center = self._center(body)
+        driven = self.series(f"{body}.prescribed_displacement")
+        if driven is None or self.value(f"{body}.motion") != "prescribed":
+            return np.tile(center, (len(self.time), 1))
+        return center + driven
+
+    def velocity(self, body: str) -> np.ndarray | None:
+        """None where the run does not tell"""
+        found = self.series(f"{body}.velocity")
+        driven = self.value(f"{body}.motion") == "prescribed"
+        return self.series(f"{body}.prescribed_velocity") if found is None and driven else found
+
+    def _center(self, body: str) -> np.ndarray:
+        center = self.value(f"{body}.center")
+        return np.zeros(3) if center is None else np.asarray(center, dtype=float)
+
+    def radius(self, body: str) -> float | None:
+        """None for a shape without one"""
+        radius = self.value(f"{body}.radius")
+        return None if radius is None else float(radius)
+
+    def is_plane(self, body: str) -> bool:
+        return self.shape(body) == "plane"
+
+    def axis(self, body: str) -> np.ndarray | None:
+        """Unit vector: a cylinder's axis, a plane's outward normal; None for a sphere"""
+        axis = self.value(f"{body}.axis")
+        if axis is None:
+            return None
+        # The FMU takes an axis of any length: first scaled, so that its square stays inside a double.
+        axis = np.asarray(axis, dtype=float)
+        axis = axis / np.max(np.abs(axis))
+        return axis / np.linalg.norm(axis)
+
+    def axis_at(self, body: str, index: int) -> np.ndarray | None:
+        """The axis as it has turned, at one of the times"""
+        turned = self.series(f"{body}.current_axis")
+        return self.axis(body) if turned is None else turned[index]
+
+    def length(self, body: str) -> float | None:
+        """None for a sphere and for an infinite cylinder"""
+        if not self.value(f"{body}.finite_length"):
+            return None
+        return float(self.value(f"{body}.length"))
+
+    def orientation(self, body: str) -> np.ndarray | None:
+        """Unit quaternions w, x, y, z from the body to the world; None for bodies that do not turn"""
+        found = self.series(f"{body}.orientation")
+        return None if found is None or np.all(np.ptp(found, axis=0) == 0.0) else found
+
+    def contacts_of(self, body: str) -> list[Contact]:
+        return [one for one in self.scene.contacts if body in (one.source, one.destination)]
+
+    def size(self) -> float:
+        """The longest side of the box around all centres, or the largest radius where they are one point; the
+        point of a plane may be anywhere"""
+        bodies = [body.name for body in self.scene.bodies if not self.is_plane(body.name)]
+        centers = np.concatenate([self.position(body) for body in bodies])
+        radii = [self.radius(body.name) or 0.0 for body in self.scene.bodies]
+        return float(max(np.max(np.ptp(centers, axis=0)), *radii))
+
+    def moves(self, body: str) -> bool:
+        return bool(np.max(np.ptp(self.position(body), axis=0)) > STILL * self.size())
+
+    def is_hollow(self, body: str) -> bool:
+        """Whether a contact has its source inside this body"""
+        return any(self._inside(contact) for contact in self.scene.contacts if contact.destination == body)
+
+    def _inside(self, contact: Contact) -> bool:
+        """As the FMU decides: by the parameter, or by the start where it is automatic"""
+        if self.is_plane(contact.destination):
+            return False
+        location = self.value(f"{contact.name}.location")
+        if location != "automatic":
+            return location == "inside"
+        radius, inner = self.radius(contact.destination), self.radius(contact.source)
+        if radius is None or inner is None:
+            return False
+        apart = self.position(contact.source)[0] - self.position(contact.destination)[0]
+        axis = self.axis(contact.destination)
+        if axis is not None:
+            apart = apart - (apart @ axis) * axis
+        return bool(np.linalg.norm(apart) < radius and inner < radius)
 
 
 @dataclass(frozen=True)

@@ -2,17 +2,244 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
-from . import together
-from .edge_scenes import edge_on, over_the_edge
-from .head_on import GEOMETRIES, LAWS, PLANE, HeadOn
-from .impact_scenes import exponent, modulus, restitution
-from .scene import Family, Jump, Scene, decades
-from .similar import Similar, bases, unit_systems
-from .turning_scenes import friction, inertia_ratio, slip_velocity, spin, tumbling_rate
+import numpy as np
+
+from .motions import (
+    GEOMETRIES,
+    IMPACT_GEOMETRIES,
+    LAWS,
+    PLANE,
+    TURN,
+    Edge,
+    Expected,
+    HeadOn,
+    Impact,
+    Motion,
+    Rolling,
+    Similar,
+    Tumbling,
+    bases,
+    of_head_on,
+    unit_systems,
+)
+
+# A scene of the atlas, and a family of them along one axis
+
+STEPS = (1, 7)  # communication steps of a run, where a family does not say
+
+
+class Jump(NamedTuple):
+    """At the begin of communication step `step` the destination is moved to `shift` along z"""
+
+    step: int
+    shift: float
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One motion; it is run with every method and each number of communication steps"""
+
+    family: str
+    value: float  # on the family's axis
+    motion: Motion
+    steps: Sequence[int] = STEPS
+    jumps: Sequence[Jump] = ()
+    note: str = ""  # what sets it apart from others at the same value
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.motion, Similar):
+            object.__setattr__(self, "motion", self.motion.timed())
+
+    def expected(self) -> dict[int, Expected]:
+        """By number of communication steps, which matters where inputs jump at them"""
+        if not isinstance(self.motion, HeadOn):
+            return dict.fromkeys(self.steps, self.motion.expected())
+        if not self.jumps:
+            return dict.fromkeys(self.steps, of_head_on(self.motion))
+        end = self.motion.end
+        return {
+            steps: of_head_on(self.motion, [(end * (jump.step / steps), jump.shift) for jump in self.jumps])
+            for steps in self.steps
+        }
+
+    @property
+    def name(self) -> str:
+        parts = (self.family, f"{self.value:g}", self.motion.geometry, self.motion.law, self.note)
+        return ", ".join(part for part in parts if part)
+
+
+class Family(NamedTuple):
+    name: str
+    axis: str  # with its unit
+    make: Callable[[], Iterator[Scene]]
+
+
+def decades(first: int, last: int, stride: int = 1) -> list[float]:
+    return [float(f"1e{k}") for k in range(first, last + 1, stride)]
+
+
+# Families of the atlas at the rim of a capped cylinder
+
+LINEAR_OR_HERTZ = ((False, "linear"), (True, "hertz"))
+
+
+def over_the_edge() -> Iterator[Scene]:
+    """A ball comes down on the cap, or across the side, and its centre passes the edge so far inside or
+    outside: it meets the face, or the rim, or passes"""
+    for value in [0.0, *decades(-12, 0)]:
+        for law in LAWS[:4]:
+            for hertz, name in LINEAR_OR_HERTZ:
+                one = Edge(law=law, hertz=hertz)
+                for angle, face in ((TURN, "cap"), (0.0, "side")):
+                    for sign in (1, -1) if value else (1,):
+                        moved = replace(one, angle=angle, offset=sign * value * one.destination_radius)
+                        yield Scene("over the edge", value, moved, note=f"{name}, {face}, {sign:+d}")
+
+
+def edge_on() -> Iterator[Scene]:
+    """At the rim along the bisector, dead centre and beside it, and parallel to the cap, at all speeds, soft
+    and stiff"""
+    for value in decades(-6, 6, 2):
+        for law in LAWS[:4]:
+            for hertz, name in LINEAR_OR_HERTZ:
+                for depth in (1e-6, 1e-3, 0.1, 0.5):
+                    one = Edge(law=law, hertz=hertz, speed=value, depth=depth)
+                    for angle, part in ((math.pi / 4, 0.0), (math.pi / 4, 0.3), (0.0, 0.3), (0.0, 0.6)):
+                        if depth + part > 0.75:
+                            continue  # it may go on over the cap
+                        moved = replace(one, angle=angle, offset=part * one.source_radius)
+                        note = f"{name}, {depth:g} deep, {angle:.2g} rad, {part:g} aside"
+                        yield Scene("edge-on impact", value, moved, note=note)
+
+
+# Families of the atlas along the parameters of an impact, with Hertz's law and the linear one
+
+DAMPED = LAWS[1:4]  # the dashpots
+
+
+def modulus() -> Iterator[Scene]:
+    for value in decades(5, 13):
+        for geometry in IMPACT_GEOMETRIES:
+            one = Impact(geometry=geometry, modulus=value)
+            yield Scene("modulus", value, replace(one, law="undamped"))
+            for law in DAMPED:
+                yield Scene("modulus", value, replace(one, law=law, restitution=0.7), note="restitution 0.7")
+                free = replace(one, law=law, damped=0.3, destination_mass=2.0)
+                yield Scene("modulus", value, free, note="Hunt-Crossley, both free")
+
+
+def restitution() -> Iterator[Scene]:
+    for value in (0.0, 1e-6, 1e-3, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 0.999, 1.0):
+        for geometry in IMPACT_GEOMETRIES:
+            for law in DAMPED:
+                hertz = Impact(geometry=geometry, law=law, restitution=value)
+                yield Scene("restitution", value, hertz, note="hertz")
+                linear = HeadOn(geometry=geometry, law=law, restitution=value, gravity=0.0)
+                yield Scene("restitution", value, linear, note="linear")
+
+
+def exponent() -> Iterator[Scene]:
+    """1: the linear law, 3/2: Hertz's, from creeping to a bullet's speed; the depth is the same"""
+    for geometry in IMPACT_GEOMETRIES:
+        for law in LAWS[:4]:
+            for speed in decades(-6, 6, 3):
+                e = None if law == "undamped" else 0.7
+                penalty = (speed / 1e-3) ** 2
+                linear = HeadOn(
+                    geometry=geometry, law=law, restitution=e, gravity=0.0, speed=speed, penalty=penalty
+                )
+                yield Scene("exponent", 1.0, linear, note=f"{speed:g} m/s")
+                stiffness = 1.25 * speed**2 / 1e-3**2.5
+                hertz = Impact(geometry=geometry, law=law, restitution=e, speed=speed, stiffness=stiffness)
+                yield Scene("exponent", 1.5, hertz, note=f"{speed:g} m/s")
+
+
+# Families of the atlas whose bodies turn: a ball that slides and rolls, a cylinder that tumbles
+
+
+def slip_velocity() -> Iterator[Scene]:
+    """From Coulomb's friction to one that creeps"""
+    for value in decades(-12, 1):
+        for speed, spin in ((2.0, 0.0), (0.5, -40.0)):
+            one = Rolling(speed=speed, spin=spin, slip_velocity=value)
+            yield Scene("slip velocity", value, one, note=f"spin {spin:g} rad/s")
+
+
+def friction() -> Iterator[Scene]:
+    for value in decades(-9, 6):
+        yield Scene("friction", value, Rolling(friction=value))
+        yield Scene("friction", value, Rolling(friction=value, spin=-40.0), note="back-spin")
+
+
+def spin() -> Iterator[Scene]:
+    for value in [0.0, *decades(-6, 6)]:
+        for speed in (0.0, 1.0, 100.0):
+            if speed or value:
+                one = Rolling(speed=speed, spin=-value, slip_velocity=1e-3)
+                yield Scene("spin", value, one, note=f"{speed:g} m/s")
+
+
+def inertia_ratio() -> Iterator[Scene]:
+    """A solid ball has 2/5, a hollow one 2/3"""
+    for value in [*decades(-9, 9), 0.4, 2.0 / 3.0]:
+        yield Scene("inertia ratio", value, Rolling(inertia=value))
+
+
+def tumbling_rate() -> Iterator[Scene]:
+    for value in decades(-6, 6):
+        one = Tumbling(rate=value)
+        yield Scene("tumbling rate", value, one)
+        yield Scene("tumbling rate", value, replace(one, end=1.01 * one.touch), note="up to the impact")
+
+
+# Head-on scenes in which everything is extreme at once, drawn at random
+
+SEED = 20
+GROUPS, SIZE = 10, 40
+
+
+def power(random: np.random.Generator, first: float, last: float) -> float:
+    return float(10 ** random.uniform(first, last))
+
+
+def drawn(random: np.random.Generator) -> HeadOn:
+    """Within the ranges of the other axes; half of the scenes know no gravity, force or offset"""
+    geometry = GEOMETRIES[random.integers(4)]
+    large = power(random, -9, 6)
+    small = large * power(random, -9, -0.05)
+    inside = geometry.endswith("inside")
+    radii = (small, large) if inside or random.integers(2) else (large, small)
+    reach = large - small if inside else large + small
+    mass = power(random, -9, 9)
+    return HeadOn(
+        geometry=geometry,
+        law=LAWS[random.integers(5)],
+        dashpot=LAWS[1 + random.integers(3)],
+        source_radius=radii[0],
+        destination_radius=radii[1],
+        gap=reach * power(random, -6, 0),
+        speed=power(random, -6, 6),
+        source_mass=mass,
+        destination_mass=mass * power(random, -12, 12) if random.integers(2) else None,
+        penalty=power(random, 0, 15),
+        ratio=power(random, -4, 2),
+        gravity=9.81 * random.integers(2),
+        force=power(random, -3, 12) * (random.random() < 0.3),
+        offset=power(random, 0, 9) * (random.random() < 0.3),
+    )
+
+
+def scenes() -> Iterator[tuple[int, int, HeadOn]]:
+    """Group, number and motion"""
+    for group in range(GROUPS):
+        for number in range(SIZE):
+            yield group, number, drawn(np.random.default_rng([SEED, group, number]))
 
 
 def variants(hollow: bool | None = None) -> Iterator[HeadOn]:
@@ -230,7 +457,7 @@ def plane() -> Iterator[Scene]:
 
 
 def at_once() -> Iterator[Scene]:
-    for group, number, motion in together.scenes():
+    for group, number, motion in scenes():
         yield Scene("all at once", group, motion, note=f"number {number}")
 
 

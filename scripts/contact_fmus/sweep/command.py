@@ -26,8 +26,7 @@ def main(arguments: list[str] | None = None) -> int:
         raise UserError(f"--workers: a whole number from 1 is wanted, not {options.workers}")
     if options.study.is_file() and not options.scheduler and not options.compare:
         start_early()
-    from .picture import columns_of, picture_file
-    from .study import read_study
+    from .study import columns_of, picture_file, read_study
 
     study = read_study(options.study)
     folder = options.output or FOLDER / options.study.stem
@@ -104,10 +103,7 @@ def _report(store, options: argparse.Namespace, files: list[Path], done: int, se
 
 def _run(store, options: argparse.Namespace) -> None:
     """What is missing, with a bar on a terminal; rows are merged while the workers end"""
-    from .cluster import connected
-    from .drive import Drive
-    from .interrupts import Interrupts
-    from .planning import make_work
+    from .drive import Drive, Interrupts, connected, make_work
 
     samples, interrupts = store.study.samples(), Interrupts()
     # The strata of a million samples take as long as the workers need to start.

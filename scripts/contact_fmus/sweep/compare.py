@@ -24,9 +24,8 @@ import numpy as np
 from contact_fmus.errors import RunFailure, UserError
 from contact_fmus.fmu.files import unpack
 
-from .native import built_file
-from .plan import Plan
-from .planning import make_plan
+from .drive import make_plan
+from .native import Plan, built_file
 from .study import Study
 
 MOST = 10_000_000  # runs: the bare loop has all start values in memory

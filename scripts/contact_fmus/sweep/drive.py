@@ -3,25 +3,273 @@
 from __future__ import annotations
 
 import contextlib
+import logging
+import signal
+import threading
 import time
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+import dask
 import numpy as np
-from distributed import CancelledError, Client, Future, wait
+from distributed import CancelledError, Client, Future, LocalCluster, wait
 from distributed.client import ClosedClientError
+from distributed.comm import parse_address
 from distributed.scheduler import KilledWorker
 
-from contact_fmus.errors import RunFailure
+from contact_fmus.errors import RunFailure, UserError
 
-from .batches import Cutter
-from .plan import Rows
-from .planning import make_batch
-from .samples import Samples
-from .store import Store
-from .study import Study
-from .table import CRASH, make_table
+from .native import AT, MAX, MEAN, MIN, Batch, Plan, Rows, Setting
+from .processes import METHOD, end, keep_dask_from_importing
+from .store import CRASH, Store, make_table
+from .study import Samples, Study, point_of
 from .worker import Work, run_batch, work
+
+# How the runs that are left are cut into batches: long enough to cost little, short enough to lose little
+
+SECONDS = 1.0  # of a batch: dask and the file of a batch cost ten milliseconds, an interrupt loses so much
+MOST = 25_000  # runs of a batch: some MB of rows, in flight a few times for each worker
+SHORTEST = 0.1  # s of the last batches
+FIRST = 16  # runs of the first ones, before it is known how long a run takes
+GROWTH = 16  # at most so many times the runs of the longest batch measured
+
+
+class Cutter:
+    """Hands out stretches of runs, and takes back those that are to be done again"""
+
+    def __init__(self, gaps: list[tuple[int, int]]):
+        self._left = deque(gaps)
+        self._most = FIRST
+        self.rate = 0.0  # runs/s of one worker
+
+    @property
+    def left(self) -> int:
+        return sum(end - first for first, end in self._left)
+
+    def next(self, workers: int) -> tuple[int, int] | None:
+        """First run and run after the last, None when none is left"""
+        if not self._left:
+            return None
+        first, end = self._left.popleft()
+        # The last batches are short, so that all workers end together.
+        fair = (self.left + end - first) // (2 * max(workers, 1))
+        stop = min(end, first + max(1, min(self._most, max(fair, int(SHORTEST * self.rate)))))
+        if stop < end:
+            self._left.appendleft((stop, end))
+        return first, stop
+
+    def measured(self, runs: int, seconds: float) -> None:
+        self.rate = runs / max(seconds, 1e-9)
+        self._most = int(min(MOST, GROWTH * max(self._most, 1), max(1.0, self.rate * SECONDS)))
+
+    def again(self, first: int, end: int) -> None:
+        """A batch of which nothing came"""
+        self._left.appendleft((first, end))
+
+
+# The plan of a study, and the start values of its batches
+
+CODES = {"last": AT, "at": AT, "max": MAX, "min": MIN, "mean": MEAN}
+REAL, INTEGER, BOOLEAN = range(3)
+TYPES = {"Real": REAL, "Integer": INTEGER, "Enumeration": INTEGER, "Boolean": BOOLEAN}
+
+
+def make_plan(study: Study) -> Plan:
+    read: list[dict[int, int]] = [{}, {}, {}]
+    for one in study.outputs:
+        kind = read[TYPES[one.variable.type]]
+        kind.setdefault(one.variable.references[0], len(kind))
+    offsets = np.cumsum([0, *map(len, read)])
+    rows, last = [], len(study.points)
+    reads = np.zeros(last + 1, np.uint8)
+    for one in study.outputs:
+        kind = TYPES[one.variable.type]
+        time = study.points[-1] if one.time is None else one.time
+        point = point_of(time, study.start_time, study.points)
+        assert point is not None
+        rows.append((offsets[kind] + read[kind][one.variable.references[0]], CODES[one.reduction], point))
+        reads[point if CODES[one.reduction] == AT else slice(None)] = 1
+    strings = [(name, value) for name, value in study.constants.items() if isinstance(value, str)]
+    references = study.interface.variables
+    return Plan(
+        study.interface.identifier,
+        study.interface.guid,
+        study.interface.fmi3,
+        study.start_time,
+        study.tolerance,
+        np.array(study.points),
+        reads,
+        (_setting(study, REAL), _setting(study, INTEGER), _setting(study, BOOLEAN)),
+        tuple((references[name].references[0], value) for name, value in strings),
+        tuple(np.array(list(kind), np.uint32) for kind in read),  # type: ignore[arg-type]
+        np.array(rows, np.int64).reshape(-1, 3),
+    )
+
+
+def make_work(study: Study) -> Work:
+    return Work(study.fmu.read_bytes(), make_plan(study), study.interface.single)
+
+
+def _setting(study: Study, kind: int) -> Setting:
+    variables = study.interface.variables
+    varied = [
+        reference
+        for one in study.parameters
+        if TYPES[one.variable.type] == kind
+        for reference in one.variable.references
+    ]
+    references, constants = list(varied), []
+    for name, value in study.constants.items():
+        if TYPES.get(variables[name].type) == kind:
+            references += variables[name].references
+            constants += value if isinstance(value, tuple) else [value]
+    number = float if kind == REAL else np.int32
+    return Setting(np.array(references, np.uint32), len(varied), np.array(constants, number))
+
+
+def make_batch(study: Study, first: int, values: dict[str, np.ndarray]) -> Batch:
+    """`values` are those of Samples.values"""
+    count = len(next(iter(values.values())))
+
+    def stacked(kind: int) -> np.ndarray:
+        number = float if kind == REAL else np.int32
+        rows = [values[one.name].T for one in study.parameters if TYPES[one.variable.type] == kind]
+        return np.ascontiguousarray(np.concatenate(rows), number) if rows else np.zeros((0, count), number)
+
+    return Batch(first, stacked(REAL), stacked(INTEGER), stacked(BOOLEAN))
+
+
+# What asks for an end: Ctrl-C, and SIGTERM alike
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+class Interrupts:
+    """An exception is lost where a signal happens to meet a finalizer (dask's futures have one). While
+    somebody looks often, the first signal is only noted."""
+
+    def __init__(self) -> None:
+        self._asked = 0
+        self._looked_for = False
+
+    def _answer(self, *_) -> None:
+        self._asked += 1
+        if self._asked > 1 or not self._looked_for:
+            raise KeyboardInterrupt
+
+    def look(self) -> None:
+        """Ends what goes on if that has been asked for"""
+        if self._asked:
+            raise KeyboardInterrupt
+
+    @contextlib.contextmanager
+    def answered(self) -> Iterator[None]:
+        """Signals come here; they are the main thread's"""
+        if threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        before = {number: signal.signal(number, self._answer) for number in SIGNALS}
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+    @contextlib.contextmanager
+    def looked_for(self) -> Iterator[None]:
+        """Within, somebody calls look() at least every second"""
+        self._looked_for = True
+        try:
+            yield
+        finally:
+            self._looked_for = False
+        self.look()
+
+
+# The workers: an embedded cluster of dask.distributed, or one that is already there
+
+CONNECT = 5.0  # s that a scheduler has to answer
+ARRIVE = 60.0  # s that its first worker has to appear
+SETTINGS = {
+    # A task that was on two workers when they died is taken as what killed them, and its batch is halved.
+    "distributed.scheduler.allowed-failures": 1,
+    "distributed.comm.timeouts.connect": CONNECT,
+    # Batches hold the processor without Python's lock, so that a silent worker is a dead one.
+    "distributed.admin.tick.limit": "60s",
+    "distributed.worker.memory.terminate": False,
+    "distributed.worker.memory.pause": False,
+    "distributed.worker.multiprocessing-method": METHOD,
+    # What an embedded cluster can do without: it would take a tenth of the processors.
+    "distributed.worker.profile.enabled": False,
+    "distributed.scheduler.active-memory-manager.start": False,
+    "distributed.scheduler.work-stealing": False,
+    "distributed.admin.tick.interval": "500ms",
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.admin.system-monitor.gil.enabled": False,
+}
+
+
+@contextlib.contextmanager
+def connected(address: str | None, workers: int, dashboard: str | None = None) -> Iterator[Client]:
+    """A client with at least one worker"""
+    logging.disable(logging.CRITICAL)  # dask tells of each broken connection; what matters is said in words
+    try:
+        with (
+            dask.config.set(SETTINGS),
+            _embedded(workers, dashboard) if address is None else _elsewhere(address) as client,
+        ):
+            yield client
+    finally:
+        logging.disable(logging.NOTSET)
+
+
+@contextlib.contextmanager
+def _embedded(workers: int, dashboard: str | None) -> Iterator[Client]:
+    """Processes of this machine that nobody else can reach"""
+    keep_dask_from_importing()
+    cluster = LocalCluster(
+        n_workers=workers,
+        threads_per_worker=1,
+        processes=True,
+        host="127.0.0.1",
+        # dask serves its state in any case; a port of the loopback that is free
+        dashboard_address=dashboard or "127.0.0.1:0",
+        worker_dashboard_address="127.0.0.1:0",
+        memory_limit=None,
+        preload="contact_fmus.sweep.quiet",
+        silence_logs=logging.CRITICAL,
+    )
+    try:
+        with cluster, Client(cluster) as client:
+            yield client
+    finally:
+        end()
+
+
+@contextlib.contextmanager
+def _elsewhere(address: str) -> Iterator[Client]:
+    try:
+        parse_address(address, strict=True)
+        client = Client(address, timeout=CONNECT)
+    except (OSError, TimeoutError):
+        said = f"within {CONNECT:g} s; is it running, and is the address that of its start message?"
+        raise RunFailure(f"--scheduler {address}: no scheduler answers {said}") from None
+    except (ValueError, TypeError) as error:
+        reason = str(error).splitlines()[0]
+        raise UserError(
+            f"--scheduler {address}: an address like tcp://host:8786 is wanted ({reason})"
+        ) from None
+    try:
+        with contextlib.suppress(TimeoutError):
+            client.wait_for_workers(1, timeout=ARRIVE)
+        if not client.ncores():
+            raise RunFailure(f"--scheduler {address}: no worker there within {ARRIVE:g} s")
+        yield client
+    finally:
+        with contextlib.suppress(Exception):  # the scheduler may be gone
+            client.close(timeout=2)
+
 
 IN_FLIGHT = 3  # batches for each thread of a worker: one at work, one that waits, one under way
 LOST = 60.0  # s without a scheduler or a worker after which it is given up

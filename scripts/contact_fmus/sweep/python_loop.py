@@ -13,8 +13,7 @@ from fmpy.fmi1 import FMICallException
 
 from contact_fmus.fmu.slaves import slave_of
 
-from .native import MESSAGE_SIZE
-from .plan import AT, MAX, MEAN, MIN, Batch, Clock, Plan, Rows
+from .native import AT, MAX, MEAN, MESSAGE_SIZE, MIN, Batch, Clock, Plan, Rows
 
 OK, WARNING, ERROR, FATAL = 0, 1, 3, 4  # fmi2Status
 

@@ -12,8 +12,7 @@ import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import native
-from .plan import Batch, Plan, Rows
+from .native import Batch, Plan, Rows, library_file, run
 
 _unpacking = threading.Lock()
 _unpacked: dict[str, Path] = {}
@@ -36,7 +35,7 @@ def work(made: Work) -> Work:
 
 def run_batch(given: Work, batch: Batch) -> Rows:
     folder = unpacked(given.fmu)
-    loop = native.library_file() if given.compiled and not given.plan.fmi3 else None
+    loop = library_file() if given.compiled and not given.plan.fmi3 else None
     if not given.single:
         return _run(given.plan, batch, folder, loop)
     with _one_instance:
@@ -52,7 +51,7 @@ def _run(plan: Plan, batch: Batch, folder: Path, loop: Path | None) -> Rows:
 
         return python_loop.run(plan, batch, folder)
     library = folder / "binaries" / "linux64" / f"{plan.identifier}.so"
-    return native.run(plan, batch, library, (folder / "resources").as_uri(), loop)
+    return run(plan, batch, library, (folder / "resources").as_uri(), loop)
 
 
 def unpacked(fmu: bytes) -> Path:

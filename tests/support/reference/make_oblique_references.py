@@ -7,7 +7,7 @@ by the Taylor integrator in 40 digits, with how much these depend on the last di
 import json
 from concurrent.futures import ProcessPoolExecutor
 
-from contact_fmus.stability.similar import FILE
+from contact_fmus.stability.motions import FILE
 from support.reference.make_references import reference_of
 from support.scenes.wide_scenes import particular, wide_scene
 

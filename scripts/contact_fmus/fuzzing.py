@@ -11,7 +11,8 @@ import subprocess
 import sys
 
 from contact_fmus.errors import CLAIM_FAILED, DONE, RunFailure, UserError
-from contact_fmus.fmu.files import is_clone, repository
+
+from .fmu.files import is_clone, repository
 
 # exchange: Model Exchange of FMI 2.0; calls3 and exchange3: Co-Simulation and Model Exchange of FMI 3.0;
 # these three also with other scenes than SphereCylinder

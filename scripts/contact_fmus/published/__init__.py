@@ -1,1 +1,0 @@
-"""Published benchmark impacts beside what the FMUs give (docs/chung-ooi.md)"""
