@@ -1,4 +1,5 @@
-/* Constants of collocation at the Gauss-Lobatto nodes of [-1, 1]; source: scripts/tools/make_lobatto.py. */
+/* Constants of collocation at the Gauss-Lobatto nodes of [-1, 1]. scripts/tools/make_nodes.py writes all
+ * tables and says what each array holds. */
 #ifndef CONTACT_MATH_NODE_TABLES_H
 #define CONTACT_MATH_NODE_TABLES_H
 
@@ -20,21 +21,14 @@ struct lobatto {
 
 extern const struct lobatto lobatto[LOBATTO_SIZES];
 
-/* Constants of collocation at the right Radau nodes of [-1, 1]; source:
- * scripts/tools/make_lobatto.py radau. */
-
-/* Radau IIA with so many stages has order 23 and damps away what is too fast for a step. The start is no
- * node: the collocation polynomial goes on from there in spite of what is fast there. */
+/* The right Radau nodes of [-1, 1]. Radau IIA with so many stages has order 23 and damps away what is too
+ * fast for a step. The start is no node: the collocation polynomial goes on from there in spite of what is
+ * fast there. */
 enum { RADAU_POINTS = 12 };
 
 extern const struct lobatto radau;
 
-/* radau.integral twice: [j RADAU_POINTS + i] is the integral to node i of the integral of the polynomial
- * that is 1 at node j. */
-extern const double radau_twice[RADAU_POINTS * RADAU_POINTS];
-
-/* Constants of Radau IIA with simplified Newton iterations; source: scripts/tools/make_radau.py, which says
- * what each array holds. */
+/* Constants of Radau IIA with simplified Newton iterations, at the right Radau nodes of [0, 1]. */
 
 struct radau_stages {
     int stages; /* s, even: all eigenvalues of A^-1 are complex, in s/2 pairs */

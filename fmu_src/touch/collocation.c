@@ -7,15 +7,19 @@
 
 /* How n and H turn in a collocated step, and the load on x that comes of it. */
 
-/* half^2 f [m] at the nodes, and half of its softening, -half^2 df/dx of the centrifugal terms. */
-static void collocation_load(const struct collocation *p, double *values, double *softening);
-
-/* H by n, then n by that H; returns the largest change [m]. */
-static double collocation_turn(struct collocation *p);
-
-/* Of a step whose sweeps have converged: n.E; the tilt at a rim. */
-static void collocation_keep_mismatch(struct collocation *p);
-static void collocation_keep_tilt(struct collocation *p);
+/* What a place says of a step whose normal turns there. */
+struct collocation_place {
+    void (*begin)(struct collocation *p);                 /* the frame, and what acts in it */
+    double (*load_at_start)(const struct collocation *p); /* f [m/s^2] */
+    void (*guess)(struct collocation *p, double half);    /* of n and H, for a step of such a half */
+    void (*load)(const struct collocation *p, double *values, double *softening);
+    double (*turn)(struct collocation *p); /* n and H by one sweep; returns the largest change [m] */
+    void (*mismatch)(const struct collocation *p, double *values); /* half n.E at the nodes [m] */
+    void (*finish)(struct collocation *p); /* of a step whose sweeps have converged; NULL: nothing */
+    /* c - c(0) and n at a node, in the world, the oscillation left out */
+    void (*at_node)(const struct collocation *p, int node, struct vec3 *moved, struct vec3 *normal);
+    struct collocation_change (*change_at)(const struct collocation *p, double s);
+};
 
 /* A vector of the world in the frame of the start, and back. */
 static inline struct vec3 collocation_in_frame(const struct collocation *p, struct vec3 a)
@@ -30,60 +34,11 @@ static inline struct vec3 collocation_in_world(const struct collocation *p, stru
                      p->local.frame[2]);
 }
 
-/*
- * Collocation at the rim of a capped cylinder, in the coordinates of rim.h. The rows of the result are
- * those of n and H elsewhere: n.x and n.y are the changes of azimuth and tilt, h.x and h.y those of their
- * momenta; n.z and h.z are zero.
- */
+/* How n and H turn about a centre or an axis. */
 
-/* Whether the step is at a rim, and turns. */
-static inline bool collocation_at_rim(const struct collocation *p)
+/* half^2 f [m] at the nodes, and half of its softening, -half^2 df/dx of the centrifugal terms. */
+static void centre_load(const struct collocation *p, double *values, double *softening)
 {
-    return CONTACT_ANY_CAPS && p->from.at_rim && !p->local.head_on;
-}
-
-/* Frame and what acts; f; the first guess. */
-static void collocation_rim_begin(struct collocation *p);
-static double collocation_rim_load_at_start(const struct collocation *p);
-static void collocation_rim_guess(struct collocation *p, double half);
-
-/* half^2 f [m] at the nodes, and half of its softening, -half^2 df/dx. */
-static void collocation_rim_load(const struct collocation *p, double *values, double *softening);
-
-/* The momenta, then the angles by them; returns the largest change [m]. */
-static double collocation_rim_turn(struct collocation *p);
-
-/* Of a step whose sweeps have converged: result.tilt_rate. */
-static void collocation_rim_keep_tilt(struct collocation *p);
-
-/* half n.E at the nodes [m]. */
-static void collocation_rim_mismatch(const struct collocation *p, double *values);
-
-/* c - c(0) and n at a node, in the world, the oscillation left out. */
-static void collocation_rim_at_node(const struct collocation *p, int node, struct vec3 *moved,
-                                    struct vec3 *normal);
-
-static struct collocation_change collocation_rim_change_at(const struct collocation *p, double s);
-
-/* Below: what the files of the rim share. */
-
-/* From rows of n and H, or at a node, the oscillation left out. */
-static struct rim_state collocation_rim_state(const struct collocation *p, struct vec3 n, struct vec3 h,
-                                              double x);
-static struct rim_state collocation_rim_state_at_node(const struct collocation *p, int i);
-
-/* What y adds to the rows. */
-static struct collocation_correction collocation_rim_correction(const struct collocation *p,
-                                                                const struct rim_state *at,
-                                                                struct vec3 acceleration, double y,
-                                                                double y_rate);
-
-static void collocation_load(const struct collocation *p, double *values, double *softening)
-{
-    if (collocation_at_rim(p)) {
-        collocation_rim_load(p, values, softening);
-        return;
-    }
     const int points = p->nodes->points;
     const double half2 = p->half * p->half;
     const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
@@ -162,11 +117,9 @@ static double integrate_normal(struct collocation *p)
     return p->local.distance * change;
 }
 
-static double collocation_turn(struct collocation *p)
+/* H by n, then n by that H; returns the largest change [m]. */
+static double centre_turn(struct collocation *p)
 {
-    if (collocation_at_rim(p)) {
-        return collocation_rim_turn(p);
-    }
     if (p->kind != COLLOCATION_RESOLVED) {
         const struct collocation_correction correction =
             collocation_correction_of(p, p->result.y, p->result.y_rate, vec3_make(1.0, 0.0, 0.0),
@@ -178,25 +131,14 @@ static double collocation_turn(struct collocation *p)
     return larger(by_momentum, integrate_normal(p));
 }
 
-static void collocation_keep_mismatch(struct collocation *p)
+/* half n.E at the nodes [m]. */
+static void centre_mismatch(const struct collocation *p, double *values)
 {
     const struct vec3 n = vec3_sub(vec3_make(1.0, 0.0, 0.0), p->result.normal_correction);
-    nodal_values values;
-    for (int i = 0; i < p->nodes->points && !collocation_at_rim(p); ++i) {
+    for (int i = 0; i < p->nodes->points; ++i) {
         values[i] = (n.x + p->result.n.x[i]) * p->work.mismatch_at.x[i] +
                     (n.y + p->result.n.y[i]) * p->work.mismatch_at.y[i] +
                     (n.z + p->result.n.z[i]) * p->work.mismatch_at.z[i];
-    }
-    if (collocation_at_rim(p)) {
-        collocation_rim_mismatch(p, values);
-    }
-    nodal_coefficients(p->nodes, values, p->result.normal_mismatch);
-}
-
-static void collocation_keep_tilt(struct collocation *p)
-{
-    if (collocation_at_rim(p)) {
-        collocation_rim_keep_tilt(p);
     }
 }
 
@@ -287,7 +229,7 @@ static double update_load(struct collocation *p)
     nodal_values values;
     nodal_values softening;
     double mean = 0.0;
-    collocation_load(p, values, softening);
+    p->place->load(p, values, softening);
     /* the softening averaged over the step: half its integral over s */
     for (int i = 0; i < points && p->kind == COLLOCATION_AVERAGED; ++i) {
         mean += weight[i * points] * softening[i];
@@ -304,7 +246,7 @@ double collocation_sweep(struct collocation *p)
         /* otherwise the load does not depend on x */
         return p->kind == COLLOCATION_OVERDAMPED ? by_load : 0.0;
     }
-    return larger(by_load, collocation_turn(p));
+    return larger(by_load, p->place->turn(p));
 }
 
 static double tail_of(const struct collocation *p, const struct nodal_vec3 *values, bool in_plane,
@@ -365,9 +307,13 @@ static void sum_up(struct collocation *p)
     }
     p->result.interior_error = tail_of_all(p);
     if (p->from.has_mismatch) {
-        collocation_keep_mismatch(p);
+        nodal_values values;
+        p->place->mismatch(p, values);
+        nodal_coefficients(p->nodes, values, p->result.normal_mismatch);
     }
-    collocation_keep_tilt(p);
+    if (p->place->finish != NULL) {
+        p->place->finish(p);
+    }
 }
 
 bool collocation_finish(struct collocation *p, double before, double tolerance)
@@ -396,6 +342,13 @@ bool collocation_make(struct collocation *p, const struct collocation_problem *f
     return collocation_finish(p, 0.0, tolerance);
 }
 
+/*
+ * Collocation at the rim of a capped cylinder, in the coordinates of rim.h. The rows of the result are
+ * those of n and H elsewhere: n.x and n.y are the changes of azimuth and tilt, h.x and h.y those of their
+ * momenta; n.z and h.z are zero.
+ */
+
+/* The state from rows of n and H, the oscillation left out. */
 static struct rim_state collocation_rim_state(const struct collocation *p, struct vec3 n, struct vec3 h,
                                               double x)
 {
@@ -538,8 +491,6 @@ static void collocation_rim_mismatch(const struct collocation *p, double *values
         values[i] = vec3_dot(rim_normal(&at), rim_row(&p->work.mismatch_at, i));
     }
 }
-
-/* Dense output of a step at a rim. */
 
 static void collocation_rim_at_node(const struct collocation *p, int node, struct vec3 *moved,
                                     struct vec3 *normal)
@@ -816,7 +767,7 @@ static double moment_of_oscillation(const struct collocation *p, const double *v
 }
 
 /* c - c(0) and n at a node, in the world, the oscillation left out. */
-static void at_node(const struct collocation *p, int i, struct vec3 *moved, struct vec3 *normal)
+static void centre_at_node(const struct collocation *p, int i, struct vec3 *moved, struct vec3 *normal)
 {
     const struct vec3 start = {1.0, 0.0, 0.0};
     const struct vec3 normal_change = vec3_sub(
@@ -837,11 +788,7 @@ double collocation_moment(const struct collocation *p, const struct vec3 weight[
         const struct vec3 weight_then = vec3_axpy(weight[0], p->half * at, weight[1]);
         struct vec3 moved;
         struct vec3 normal;
-        if (collocation_at_rim(p)) {
-            collocation_rim_at_node(p, i, &moved, &normal);
-        } else {
-            at_node(p, i, &moved, &normal);
-        }
+        p->place->at_node(p, i, &moved, &normal);
         values[i] = vec3_dot(weight_then, moved);
         along[i] = vec3_dot(weight_then, normal);
     }
@@ -886,12 +833,9 @@ static void frame_change_at(const struct collocation *p, double s, const double 
     }
 }
 
-struct collocation_change collocation_change_at(const struct collocation *p, double s)
+static struct collocation_change centre_change_at(const struct collocation *p, double s)
 {
     const struct vec3 normal = {1.0, 0.0, 0.0};
-    if (collocation_at_rim(p)) {
-        return collocation_rim_change_at(p, s);
-    }
     double x[4];
     collocation_deviation(p, s, x);
     struct vec3 normal_change = {0.0, 0.0, 0.0};
@@ -973,8 +917,9 @@ static bool is_head_on(const struct collocation_problem *from)
     return !(across > 0.0);
 }
 
-static void put_problem_in_frame(struct collocation *p)
+static void centre_begin(struct collocation *p)
 {
+    set_frame(p);
     p->local.rate = collocation_in_frame(p, p->from.rate);
     p->local.rate.x = p->from.radial;
     p->local.planar = flatten(&p->local.rate);
@@ -988,15 +933,43 @@ static void put_problem_in_frame(struct collocation *p)
     p->local.momentum = vec3_scale(p->local.distance, vec3_make(0.0, -p->local.rate.z, p->local.rate.y));
 }
 
-static double load_at_start(const struct collocation *p)
+static double centre_load_at_start(const struct collocation *p)
 {
-    if (collocation_at_rim(p)) {
-        return collocation_rim_load_at_start(p);
-    }
     const double mismatch = p->from.has_mismatch ? p->from.damping_rate * p->local.mismatch[0].x : 0.0;
     return vec3_dot(p->local.momentum, p->local.momentum) /
                (p->local.distance * p->local.distance * p->local.distance) +
            p->local.acceleration[0].x - mismatch;
+}
+
+/* The first guess of n and H, to second and first order. */
+static void centre_guess(struct collocation *p, double half)
+{
+    const struct vec3 n = {1.0, 0.0, 0.0};
+    const double per_distance_squared = 1.0 / (p->local.distance * p->local.distance);
+    const struct vec3 momentum_rate = vec3_scale(p->local.distance, vec3_cross(n, p->local.acceleration[0]));
+    const struct vec3 normal_rate = vec3_scale(per_distance_squared, vec3_cross(p->local.momentum, n));
+    const struct vec3 bend =
+        vec3_scale(0.5 * per_distance_squared,
+                   vec3_add(vec3_cross(momentum_rate, n), vec3_cross(p->local.momentum, normal_rate)));
+    for (int i = 0; i < p->nodes->points; ++i) {
+        const double t = half * (1.0 + p->nodes->node[i]);
+        nodal_put_vec3(&p->result.h, i, vec3_scale(t, momentum_rate));
+        nodal_put_vec3(&p->result.n, i, vec3_scale(t, vec3_axpy(normal_rate, t, bend)));
+    }
+}
+
+/* Of a head-on motion too, wherever that is. */
+static const struct collocation_place about_centre = {centre_begin, centre_load_at_start, centre_guess,
+                                                      centre_load,  centre_turn,          centre_mismatch,
+                                                      NULL,         centre_at_node,       centre_change_at};
+
+static const struct collocation_place about_rim = {
+    collocation_rim_begin,     collocation_rim_load_at_start, collocation_rim_guess,
+    collocation_rim_load,      collocation_rim_turn,          collocation_rim_mismatch,
+    collocation_rim_keep_tilt, collocation_rim_at_node,       collocation_rim_change_at};
+struct collocation_change collocation_change_at(const struct collocation *p, double s)
+{
+    return p->place->change_at(p, s);
 }
 
 void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
@@ -1010,18 +983,15 @@ void collocation_begin(struct collocation *p, const struct collocation_problem *
     p->local.head_on = is_head_on(from);
     p->result.normal_correction = p->result.momentum_correction = vec3_make(0.0, 0.0, 0.0);
     p->work.sweeps = 0;
-    if (collocation_at_rim(p)) {
-        collocation_rim_begin(p);
-    } else {
-        set_frame(p);
-        put_problem_in_frame(p);
-    }
+    p->place = CONTACT_ANY_CAPS && from->at_rim && !p->local.head_on ? &about_rim : &about_centre;
+    p->place->begin(p);
     p->result.oscillator =
         (struct oscillator){from->omega2 * p->half * p->half, from->damping_rate * p->half};
     memset(p->result.slow, 0, sizeof p->result.slow);
     memset(p->result.normal_mismatch, 0, sizeof p->result.normal_mismatch);
     p->result.terms = 1;
-    p->result.slow[0] = kind == COLLOCATION_OVERDAMPED ? from->deviation : load_at_start(p) / from->omega2;
+    p->result.slow[0] =
+        kind == COLLOCATION_OVERDAMPED ? from->deviation : p->place->load_at_start(p) / from->omega2;
     p->result.y = from->deviation - p->result.slow[0];
     p->result.y_rate = p->half * p->local.rate.x;
 }
@@ -1033,24 +1003,6 @@ static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
         sum = vec3_axpy(a[i], t, sum);
     }
     return sum;
-}
-
-/* The first guess: x under the load as it begins, n and H to second and first order. */
-static void guess(struct collocation *p, double half)
-{
-    const struct vec3 n = {1.0, 0.0, 0.0};
-    const double per_distance_squared = 1.0 / (p->local.distance * p->local.distance);
-    const struct vec3 momentum_rate = vec3_scale(p->local.distance, vec3_cross(n, p->local.acceleration[0]));
-    const struct vec3 normal_rate = vec3_scale(per_distance_squared, vec3_cross(p->local.momentum, n));
-    const struct vec3 bend =
-        vec3_scale(0.5 * per_distance_squared,
-                   vec3_add(vec3_cross(momentum_rate, n), vec3_cross(p->local.momentum, normal_rate)));
-    for (int i = 0; i < p->nodes->points; ++i) {
-        const double t = half * (1.0 + p->nodes->node[i]);
-        nodal_put_vec3(&p->result.h, i, vec3_scale(t, momentum_rate));
-        nodal_put_vec3(&p->result.n, i, vec3_scale(t, vec3_axpy(normal_rate, t, bend)));
-        p->result.x[i] = p->result.slow[0];
-    }
 }
 
 /* Adds y at the nodes to x (sign 1) or takes it out (sign -1). */
@@ -1107,9 +1059,9 @@ void collocation_size(struct collocation *p, double step)
     const bool resolved = p->kind == COLLOCATION_RESOLVED;
     const double longer = 0.5 * step / p->half;
     if (p->work.sweeps == 0) {
-        guess(p, 0.5 * step);
-        if (collocation_at_rim(p)) {
-            collocation_rim_guess(p, 0.5 * step);
+        p->place->guess(p, 0.5 * step);
+        for (int i = 0; i < p->nodes->points; ++i) {
+            p->result.x[i] = p->result.slow[0]; /* under the load as it begins */
         }
     } else if (resolved) {
         extrapolate(p, longer - 1.0);

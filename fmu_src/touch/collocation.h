@@ -90,8 +90,11 @@ struct collocation_result {
     double interior_error; /* estimated truncation error between the ends [m] */
 };
 
+struct collocation_place; /* how n and H turn: in collocation.c */
+
 struct collocation {
     struct collocation_problem from;
+    const struct collocation_place *place;
     const struct lobatto *nodes;
     enum collocation_kind kind;
     double half; /* half the step [s] */

@@ -9,234 +9,58 @@
 #include "touch/segment.h"
 #include "touch/terminal_event.h"
 
-/*
- * A slow segment under Hertz's law at the rim of a capped cylinder, in the coordinates of rim.h: the
- * rows of n hold the changes of azimuth and tilt, those of H the changes of their momenta; the third ones are
- * zero.
- */
-
-/* Whether it is at a rim, and n turns. */
-static inline bool slow_at_rim(const struct hertz_slow *p)
-{
-    return contact_is_rim(&p->from->shape) && p->flight.dimensions > 1;
-}
-
-/* The frame, and the flight in it. */
-static void slow_rim_begin(struct hertz_slow *p);
-
-/* As slow_sweep_turning and slow_load. */
-static double slow_rim_sweep(struct hertz_slow *p);
-static void slow_rim_load(const struct hertz_slow *p, double load[SLOW_N]);
-
-/* In the frame at a place: n; r and r'. */
-static void slow_rim_normal(const struct hertz_slow *p, const struct slow_place *at, double n[FRAME]);
-static void slow_rim_deviation(const struct hertz_slow *p, const struct slow_place *at, double s,
-                               double r[FRAME], double r_rate[FRAME]);
-
-/* PAIR_RADIAL and PAIR_AXIAL at a place; of a head-on motion too. */
-static void slow_rim_edges(const struct hertz_slow *p, const struct slow_place *at, double s,
-                           struct pair_sample *sample);
-
-enum { SLOW_SWEEPS = 30 };
-
-/* Sweeps have converged where what is left changes delta and n by less than this part of them; their rounding
- * is less. */
-static const double SLOW_SWEPT = 4.0 * DBL_EPSILON;
-
-/* Newton's matrix is made once n changes by less than this, and anew while delta changes by more than this
- * part, on its way to its place. */
-static const double NEW_MATRIX = 1e-3;
-
-/* Columns of Newton's matrix are a vector longer than the matrix has rows (lu.h). */
-enum { SLOW_STRIDE = SLOW_N + LANES };
-
-/* d g_i / d of the change of the bend: 1 + spring I I + dashpot I, factored. */
-struct slow_newton {
-    double at[SLOW_N * SLOW_STRIDE];
-    int pivot[SLOW_N];
+/* n, H, delta and d delta/ds at s. */
+struct slow_place {
+    double turned[HERTZ_TURNING];
+    double depth, rate;
 };
 
-static struct dense_matrix slow_system(struct slow_newton *newton)
+/* factor a x b */
+static inline void slow_cross(const double *a, const double *b, double slow_factor, double out[FRAME])
 {
-    return (struct dense_matrix){SLOW_N, SLOW_STRIDE, newton->at, newton->pivot};
+    out[0] = slow_factor * (a[1] * b[2] - a[2] * b[1]);
+    out[1] = slow_factor * (a[2] * b[0] - a[0] * b[2]);
+    out[2] = slow_factor * (a[0] * b[1] - a[1] * b[0]);
 }
 
-/* False where it is singular. */
-static bool slow_matrix(const struct hertz_slow *p, struct slow_newton *newton)
+static inline double slow_distance(const struct hertz_slow *p, double depth)
 {
-    memset(newton->at, 0, sizeof newton->at);
-    for (int i = 0; i < SLOW_N; ++i) {
-        double law[3];
-        slow_law(p, p->depth[i], p->rate[i], law);
-        for (int j = 0; j < SLOW_N; ++j) {
-            newton->at[j * SLOW_STRIDE + i] = (i == j ? 1.0 : 0.0) + law[1] * radau_twice[j * SLOW_N + i] +
-                                              law[2] * radau.integral[j * SLOW_N + i];
-        }
-    }
-    return dense_lu_factor(slow_system(newton));
+    return p->from->distance - p->from->shape.side * (depth - p->depth_start);
 }
 
-/* delta and its rate from the bend; false where the bodies would part. */
-static bool take_bend(struct hertz_slow *p, double *change)
+/* Whether a component of n or H changes. */
+static inline bool is_turning(const struct hertz_slow *p, int row)
 {
-    nodal_values moved = {0.0};
-    nodal_values deeper = {0.0};
-    (void)nodal_integrate(&radau, p->bend, moved);
-    for (int i = 0; i < SLOW_N; ++i) {
-        p->rate[i] = p->rate_start + moved[i];
+    if (contact_is_rim(&p->from->shape)) { /* its third rows are zero */
+        return p->flight.dimensions > 1 && row % FRAME < 2;
     }
-    (void)nodal_integrate(&radau, p->rate, deeper);
-    *change = 0.0;
-    for (int i = 0; i < SLOW_N; ++i) {
-        const double depth = p->depth_start + deeper[i];
-        const double part = fabs(depth - p->depth[i]) / depth;
-        *change = larger(part, *change);
-        if (!(depth > 0.0)) {
-            return false;
-        }
-        p->depth[i] = depth;
-    }
-    return true;
+    const bool in_plane = row == 0 || row == 1 || row == HERTZ_TURNING - 1;
+    return p->flight.dimensions == 3 || (p->flight.dimensions == 2 && in_plane);
 }
 
-/* A first guess of delta: at rest under the load at each node; as at the start beyond critical damping, for
- * there it creeps. The bend is left zero, leading elsewhere: for Newton's first step, `apart` is how far. */
-static bool guess_depth(struct hertz_slow *p, const double *load, double apart[SLOW_N])
+/* The bend by the law, and its derivatives with respect to delta and d delta/ds. */
+static inline void slow_law(const struct hertz_slow *p, double depth, double rate, double out[3])
 {
-    double law[3];
-    slow_law(p, p->depth_start, p->rate_start, law);
-    const bool creeps = law[2] * law[2] > 4.0 * law[1];
-    for (int i = 0; i < SLOW_N; ++i) {
-        if (!creeps && !(load[i] > 0.0)) {
-            return false;
-        }
-        const double rest = load[i] / (p->half * p->half * p->k);
-        p->depth[i] = creeps ? p->depth_start : cbrt(rest * rest);
-        p->rate[i] = p->rate_start;
-        p->bend[i] = 0.0;
-        apart[i] = p->depth_start + p->rate_start * (1.0 + radau.node[i]) - p->depth[i];
-    }
-    return true;
+    const double root = sqrt(depth);
+    const double scale = p->half * p->half * p->k;
+    const double damping = 1.0 + p->from->chi * rate / p->half;
+    out[0] = scale * depth * root * damping;
+    out[1] = 1.5 * scale * root * damping;
+    out[2] = scale * depth * root * p->from->chi / p->half;
 }
 
-/* The polynomial through the nodes at the start, less the value there: what truncation leaves, and a part
- * that is too fast for the step. */
-static double misses_start(const double *values, double start)
-{
-    nodal_values a;
-    nodal_coefficients(&radau, values, a);
-    return fabs(nodal_polynomial_at(a, SLOW_N, 0.0) - start);
-}
-
-/* After so many sweeps delta is near enough to its place to tell whether anything fast is left of it: a
- * step is given up where that is so many times too much. */
-enum { LOOK_AFTER = 2 };
-static const double TOO_FAST = 1e3;
-
-/* Whether the changes of sweeps to come are below SLOW_SWEPT in all, as they fall by the ratio of the last
- * two. */
-static bool sweeps_have_converged(double last, double before)
-{
-    return last <= SLOW_SWEPT || (last < before && last * last <= SLOW_SWEPT * (before - last));
-}
-
-static bool slow_iterate(struct hertz_slow *p, double depth_tolerance)
-{
-    struct slow_newton newton;
-    nodal_values load;
-    double apart[SLOW_N];
-    for (int i = 0; i < SLOW_SWEEPS && slow_sweep_turning(p) > NEW_MATRIX; ++i) {
-        /* until the load is near enough for Newton's matrix to last */
-    }
-    slow_load(p, load);
-    if (!guess_depth(p, load, apart)) {
-        return false;
-    }
-    double change = 1.0;
-    double largest = 0.0; /* of the changes of delta and n; none yet */
-    for (int i = 0; i < SLOW_SWEEPS; ++i) {
-        double error[SLOW_STRIDE] = {0.0};
-        const double before = largest;
-        const double turned = slow_sweep_turning(p);
-        slow_load(p, load);
-        if (change > NEW_MATRIX && !slow_matrix(p, &newton)) {
-            return false;
-        }
-        for (int j = 0; j < SLOW_N; ++j) {
-            double law[3];
-            slow_law(p, p->depth[j], p->rate[j], law);
-            error[j] = load[j] - law[0] - p->bend[j] - (i == 0 ? law[1] * apart[j] : 0.0);
-        }
-        dense_lu_solve(slow_system(&newton), error);
-        for (int j = 0; j < SLOW_N; ++j) {
-            p->bend[j] += error[j];
-        }
-        if (!take_bend(p, &change)) {
-            return false;
-        }
-        largest = fmax(change, turned);
-        if (sweeps_have_converged(largest, before)) {
-            (void)slow_sweep_turning(p); /* with the last delta */
-            return true;
-        }
-        if (i == LOOK_AFTER && misses_start(p->depth, p->depth_start) > TOO_FAST * depth_tolerance) {
-            return false;
-        }
-    }
-    return false;
-}
-
-static bool slow_is_accurate(const struct hertz_slow *p, double tolerance, double depth_tolerance)
-{
-    const double stiffness = 1.5 * p->k * sqrt(p->depth_start);
-    const double damping = p->k * p->depth_start * sqrt(p->depth_start) * p->from->chi;
-    /* Beyond critical damping the force is known by the rate, at which the contact settles. */
-    const bool creeps = damping * damping > 4.0 * stiffness;
-    const double fast = fmax(sqrt(stiffness), damping);
-    const double by_rate = creeps ? stiffness / damping * p->half : fmax(1.0, fast * p->half);
-    double error = misses_start(p->depth, p->depth_start);
-    error = fmax(error, misses_start(p->rate, p->rate_start) / by_rate);
-    if (!(error <= depth_tolerance)) {
-        return false;
-    }
-    for (int j = 0; j < FRAME; ++j) {
-        if (is_turning(p, j) && !(p->from->distance * misses_start(p->turned[j], 0.0) <= tolerance)) {
-            return false;
-        }
-    }
-    return true;
-}
-
-bool slow_hertz_make(struct hertz_slow *p, const struct contact_pair *from, double step, double tolerance,
-                     double depth_tolerance)
-{
-    p->from = from;
-    p->flight = frame_flight_of(from);
-    p->half = 0.5 * step;
-    p->k = from->hertz_stiffness / from->reduced_mass;
-    p->depth_start = -from->gap;
-    p->rate_start = -p->half * pair_gap_derivative(from);
-    const double normal[HERTZ_TURNING] = {
-        1.0, 0.0, 0.0, 0.0, -from->distance * p->flight.w[0][2], from->distance * p->flight.w[0][1]};
-    for (int j = 0; j < HERTZ_TURNING; ++j) {
-        p->start[j] = normal[j];
-        for (int i = 0; i < SLOW_N; ++i) {
-            p->turned[j][i] = p->turning[j][i] = 0.0;
-        }
-    }
-    for (int i = 0; i < SLOW_N; ++i) {
-        p->depth[i] = p->depth_start;
-    }
-    if (slow_at_rim(p)) {
-        slow_rim_begin(p);
-    }
-    slow_note_pull(p);
-    if (!slow_iterate(p, depth_tolerance) || !slow_is_accurate(p, tolerance, depth_tolerance)) {
-        return false;
-    }
-    nodal_coefficients(&radau, p->rate, p->rate_terms);
-    return true;
-}
+/* How n and H turn at a place. The rows of n and H are those of the frame; a place may use them otherwise. */
+struct slow_turning {
+    /* One sweep with delta as it is: H by n, then n by that H, so that the error falls by two powers of the
+     * radians in the step; returns the largest change of n. */
+    double (*sweep)(struct hertz_slow *p);
+    void (*load)(const struct hertz_slow *p, double load[SLOW_N]); /* half^2 L [m] at the nodes */
+    void (*normal)(const struct hertz_slow *p, const struct slow_place *at,
+                   double n[FRAME]); /* in the frame */
+    /* r and r' at a place, in the frame */
+    void (*deviation)(const struct hertz_slow *p, const struct slow_place *at, double s, double r[FRAME],
+                      double r_rate[FRAME]);
+};
 
 /* How the normal turns in a slow segment, and the load that comes of it. */
 
@@ -251,7 +75,8 @@ static void slow_acceleration(const struct frame_flight *flight, double time, do
     }
 }
 
-void slow_note_pull(struct hertz_slow *p)
+/* p->pull, from p->flight and p->half. */
+static void slow_note_pull(struct hertz_slow *p)
 {
     for (int i = 0; i < SLOW_N; ++i) {
         slow_acceleration(&p->flight, p->half * (1.0 + radau.node[i]), p->pull[i]);
@@ -284,13 +109,10 @@ static double integrate_turning(struct hertz_slow *p, int first)
     return change;
 }
 
-double slow_sweep_turning(struct hertz_slow *p)
+static double slow_centre_sweep(struct hertz_slow *p)
 {
     if (p->flight.dimensions == 1) {
         return 0.0;
-    }
-    if (slow_at_rim(p)) {
-        return slow_rim_sweep(p);
     }
     for (int i = 0; i < SLOW_N; ++i) {
         double at[HERTZ_TURNING];
@@ -315,12 +137,8 @@ double slow_sweep_turning(struct hertz_slow *p)
     return integrate_turning(p, 0);
 }
 
-void slow_load(const struct hertz_slow *p, double load[SLOW_N])
+static void slow_centre_load(const struct hertz_slow *p, double load[SLOW_N])
 {
-    if (slow_at_rim(p)) {
-        slow_rim_load(p, load);
-        return;
-    }
     for (int i = 0; i < SLOW_N; ++i) {
         double at[HERTZ_TURNING];
         turned_at(p, i, at);
@@ -333,6 +151,42 @@ void slow_load(const struct hertz_slow *p, double load[SLOW_N])
         load[i] = -p->from->shape.side * p->half * p->half * push;
     }
 }
+
+static void slow_centre_deviation(const struct hertz_slow *p, const struct slow_place *at, double s,
+                                  double r[FRAME], double r_rate[FRAME])
+{
+    const double time = p->half * s;
+    const double d = slow_distance(p, at->depth);
+    const double radial = -p->from->shape.side * at->rate / p->half;
+    double along[FRAME] = {0.0, 0.0, 0.0};
+    slow_cross(at->turned + FRAME, at->turned, 1.0 / d, along);
+    for (int j = 0; j < FRAME; ++j) {
+        double c = 0.0;
+        double w = 0.0;
+        for (int k = p->flight.degree; k >= 1; --k) {
+            c = (c + p->flight.c[k][j]) * time;
+            w = w * time + k * p->flight.c[k][j];
+        }
+        const double start = j == 0 ? p->from->distance : 0.0;
+        const bool counts = j < p->flight.dimensions;
+        r[j] = counts ? (d * at->turned[j] - start) - c : 0.0;
+        r_rate[j] = counts ? radial * at->turned[j] + along[j] - w : 0.0;
+    }
+}
+
+static void slow_centre_normal(const struct hertz_slow *p, const struct slow_place *at, double n[FRAME])
+{
+    (void)p;
+    memcpy(n, at->turned, FRAME * sizeof *n);
+}
+
+static const struct slow_turning about_a_centre = {slow_centre_sweep, slow_centre_load, slow_centre_normal,
+                                                   slow_centre_deviation};
+
+/*
+ * At the rim of a capped cylinder, in the coordinates of rim.h: the rows of n hold the changes of azimuth
+ * and tilt, those of H the changes of their momenta; the third ones are zero.
+ */
 
 /* Rows of azimuth and tilt, then of their momenta. */
 enum { RIM_ROWS = 4 };
@@ -359,6 +213,7 @@ static struct rim_slopes slow_rim_slopes(const struct hertz_slow *p, int node, s
     return rim_slopes_at(at, vec3_make(pull[0], pull[1], pull[2]));
 }
 
+/* The frame, and the flight in it. */
 static void slow_rim_begin(struct hertz_slow *p)
 {
     p->rim = pair_rim_start(p->from);
@@ -436,6 +291,9 @@ static void slow_rim_deviation(const struct hertz_slow *p, const struct slow_pla
     }
 }
 
+static const struct slow_turning about_a_rim = {slow_rim_sweep, slow_rim_load, slow_rim_normal,
+                                                slow_rim_deviation};
+
 static struct vec3 acceleration_of_flight(const struct hertz_slow *p, double time)
 {
     struct vec3 sum = {0.0, 0.0, 0.0};
@@ -446,11 +304,12 @@ static struct vec3 acceleration_of_flight(const struct hertz_slow *p, double tim
     return sum;
 }
 
+/* PAIR_RADIAL and PAIR_AXIAL at a place; of a head-on motion too. */
 static void slow_rim_edges(const struct hertz_slow *p, const struct slow_place *at, double s,
                            struct pair_sample *sample)
 {
     double tilt[3] = {0.0, 0.0, 0.0};
-    if (slow_at_rim(p)) {
+    if (p->turns == &about_a_rim) {
         const struct rim_state state = slow_rim_state(p, at->turned, at->depth);
         const struct rim_slopes slopes = rim_slopes_at(&state, acceleration_of_flight(p, p->half * s));
         const double bend = p->half * p->half * slopes.over / (state.d * state.d);
@@ -463,6 +322,219 @@ static void slow_rim_edges(const struct hertz_slow *p, const struct slow_place *
     if (SCENE_ANY_CAPS) { /* else samples have no room for it */
         rim_edges(tilt, contact_reach(&p->from->shape), sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
     }
+}
+
+enum { SLOW_SWEEPS = 30 };
+
+/* Sweeps have converged where what is left changes delta and n by less than this part of them; their rounding
+ * is less. */
+static const double SLOW_SWEPT = 4.0 * DBL_EPSILON;
+
+/* Newton's matrix is made once n changes by less than this, and anew while delta changes by more than this
+ * part, on its way to its place. */
+static const double NEW_MATRIX = 1e-3;
+
+/* Columns of Newton's matrix are a vector longer than the matrix has rows (lu.h). */
+enum { SLOW_STRIDE = SLOW_N + LANES };
+
+/* The defect's slope with the rate at the nodes, factored: D + spring I + dashpot, where I integrates
+ * values at the nodes and D is its inverse. */
+struct slow_newton {
+    double at[SLOW_N * SLOW_STRIDE];
+    int pivot[SLOW_N];
+};
+
+static struct dense_matrix slow_system(struct slow_newton *newton)
+{
+    return (struct dense_matrix){SLOW_N, SLOW_STRIDE, newton->at, newton->pivot};
+}
+
+/* d/ds at node i of the polynomial that is 1 at node j and 0 at the others and at the start: the step of
+ * [0, 1] that radau_stages_12 has is half as long. */
+static double slow_derivative(int i, int j)
+{
+    return 0.5 * radau_stages_12.inverse[i * SLOW_N + j];
+}
+
+/* False where it is singular. */
+static bool slow_matrix(const struct hertz_slow *p, struct slow_newton *newton)
+{
+    memset(newton->at, 0, sizeof newton->at);
+    for (int i = 0; i < SLOW_N; ++i) {
+        double law[3];
+        slow_law(p, p->depth[i], p->rate[i], law);
+        for (int j = 0; j < SLOW_N; ++j) {
+            newton->at[j * SLOW_STRIDE + i] =
+                slow_derivative(i, j) + law[1] * radau.integral[j * SLOW_N + i] + (i == j ? law[2] : 0.0);
+        }
+    }
+    return dense_lu_factor(slow_system(newton));
+}
+
+/* delta and its rate from the bend; false where the bodies would part. */
+static bool take_bend(struct hertz_slow *p, double *change)
+{
+    nodal_values moved = {0.0};
+    nodal_values deeper = {0.0};
+    (void)nodal_integrate(&radau, p->bend, moved);
+    for (int i = 0; i < SLOW_N; ++i) {
+        p->rate[i] = p->rate_start + moved[i];
+    }
+    (void)nodal_integrate(&radau, p->rate, deeper);
+    *change = 0.0;
+    for (int i = 0; i < SLOW_N; ++i) {
+        const double depth = p->depth_start + deeper[i];
+        const double part = fabs(depth - p->depth[i]) / depth;
+        *change = larger(part, *change);
+        if (!(depth > 0.0)) {
+            return false;
+        }
+        p->depth[i] = depth;
+    }
+    return true;
+}
+
+/* A first guess of delta: at rest under the load at each node; as at the start beyond critical damping, for
+ * there it creeps. The bend is left zero, leading elsewhere: for Newton's first step, `apart` is how far. */
+static bool guess_depth(struct hertz_slow *p, const double *load, double apart[SLOW_N])
+{
+    double law[3];
+    slow_law(p, p->depth_start, p->rate_start, law);
+    const bool creeps = law[2] * law[2] > 4.0 * law[1];
+    for (int i = 0; i < SLOW_N; ++i) {
+        if (!creeps && !(load[i] > 0.0)) {
+            return false;
+        }
+        const double rest = load[i] / (p->half * p->half * p->k);
+        p->depth[i] = creeps ? p->depth_start : cbrt(rest * rest);
+        p->rate[i] = p->rate_start;
+        p->bend[i] = 0.0;
+        apart[i] = p->depth_start + p->rate_start * (1.0 + radau.node[i]) - p->depth[i];
+    }
+    return true;
+}
+
+/* The polynomial through the nodes at the start, less the value there: what truncation leaves, and a part
+ * that is too fast for the step. */
+static double misses_start(const double *values, double start)
+{
+    nodal_values a;
+    nodal_coefficients(&radau, values, a);
+    return fabs(nodal_polynomial_at(a, SLOW_N, 0.0) - start);
+}
+
+/* After so many sweeps delta is near enough to its place to tell whether anything fast is left of it: a
+ * step is given up where that is so many times too much. */
+enum { LOOK_AFTER = 2 };
+static const double TOO_FAST = 1e3;
+
+/* Whether the changes of sweeps to come are below SLOW_SWEPT in all, as they fall by the ratio of the last
+ * two. */
+static bool sweeps_have_converged(double last, double before)
+{
+    return last <= SLOW_SWEPT || (last < before && last * last <= SLOW_SWEPT * (before - last));
+}
+
+static bool slow_iterate(struct hertz_slow *p, double depth_tolerance)
+{
+    struct slow_newton newton;
+    nodal_values load;
+    double apart[SLOW_N];
+    for (int i = 0; i < SLOW_SWEEPS && p->turns->sweep(p) > NEW_MATRIX; ++i) {
+        /* until the load is near enough for Newton's matrix to last */
+    }
+    p->turns->load(p, load);
+    if (!guess_depth(p, load, apart)) {
+        return false;
+    }
+    double change = 1.0;
+    double largest = 0.0; /* of the changes of delta and n; none yet */
+    for (int i = 0; i < SLOW_SWEEPS; ++i) {
+        double error[SLOW_STRIDE] = {0.0};
+        const double before = largest;
+        const double turned = p->turns->sweep(p);
+        p->turns->load(p, load);
+        if (change > NEW_MATRIX && !slow_matrix(p, &newton)) {
+            return false;
+        }
+        for (int j = 0; j < SLOW_N; ++j) {
+            double law[3];
+            slow_law(p, p->depth[j], p->rate[j], law);
+            error[j] = load[j] - law[0] - p->bend[j] - (i == 0 ? law[1] * apart[j] : 0.0);
+        }
+        dense_lu_solve(slow_system(&newton), error);
+        for (int j = 0; j < SLOW_N; ++j) {
+            for (int k = 0; k < SLOW_N; ++k) {
+                p->bend[j] += slow_derivative(j, k) * error[k];
+            }
+        }
+        if (!take_bend(p, &change)) {
+            return false;
+        }
+        largest = fmax(change, turned);
+        if (sweeps_have_converged(largest, before)) {
+            (void)p->turns->sweep(p); /* with the last delta */
+            return true;
+        }
+        if (i == LOOK_AFTER && misses_start(p->depth, p->depth_start) > TOO_FAST * depth_tolerance) {
+            return false;
+        }
+    }
+    return false;
+}
+
+static bool slow_is_accurate(const struct hertz_slow *p, double tolerance, double depth_tolerance)
+{
+    const double stiffness = 1.5 * p->k * sqrt(p->depth_start);
+    const double damping = p->k * p->depth_start * sqrt(p->depth_start) * p->from->chi;
+    /* Beyond critical damping the force is known by the rate, at which the contact settles. */
+    const bool creeps = damping * damping > 4.0 * stiffness;
+    const double fast = fmax(sqrt(stiffness), damping);
+    const double by_rate = creeps ? stiffness / damping * p->half : fmax(1.0, fast * p->half);
+    double error = misses_start(p->depth, p->depth_start);
+    error = fmax(error, misses_start(p->rate, p->rate_start) / by_rate);
+    if (!(error <= depth_tolerance)) {
+        return false;
+    }
+    for (int j = 0; j < FRAME; ++j) {
+        if (is_turning(p, j) && !(p->from->distance * misses_start(p->turned[j], 0.0) <= tolerance)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool slow_hertz_make(struct hertz_slow *p, const struct contact_pair *from, double step, double tolerance,
+                     double depth_tolerance)
+{
+    p->from = from;
+    p->flight = frame_flight_of(from);
+    p->half = 0.5 * step;
+    p->k = from->hertz_stiffness / from->reduced_mass;
+    p->depth_start = -from->gap;
+    p->rate_start = -p->half * pair_gap_derivative(from);
+    const double normal[HERTZ_TURNING] = {
+        1.0, 0.0, 0.0, 0.0, -from->distance * p->flight.w[0][2], from->distance * p->flight.w[0][1]};
+    for (int j = 0; j < HERTZ_TURNING; ++j) {
+        p->start[j] = normal[j];
+        for (int i = 0; i < SLOW_N; ++i) {
+            p->turned[j][i] = p->turning[j][i] = 0.0;
+        }
+    }
+    for (int i = 0; i < SLOW_N; ++i) {
+        p->depth[i] = p->depth_start;
+    }
+    p->turns = &about_a_centre;
+    if (contact_is_rim(&from->shape) && p->flight.dimensions > 1) {
+        p->turns = &about_a_rim;
+        slow_rim_begin(p);
+    }
+    slow_note_pull(p);
+    if (!slow_iterate(p, depth_tolerance) || !slow_is_accurate(p, tolerance, depth_tolerance)) {
+        return false;
+    }
+    nodal_coefficients(&radau, p->rate, p->rate_terms);
+    return true;
 }
 
 static double slow_depth(const struct hertz_slow *p, double s)
@@ -517,33 +589,6 @@ static struct slow_place slow_place_of_node(const struct hertz_slow *p, int node
     return at;
 }
 
-/* r and r' at a place, in the frame. */
-static void slow_deviation(const struct hertz_slow *p, const struct slow_place *at, double s, double r[FRAME],
-                           double r_rate[FRAME])
-{
-    if (slow_at_rim(p)) {
-        slow_rim_deviation(p, at, s, r, r_rate);
-        return;
-    }
-    const double time = p->half * s;
-    const double d = slow_distance(p, at->depth);
-    const double radial = -p->from->shape.side * at->rate / p->half;
-    double along[FRAME] = {0.0, 0.0, 0.0};
-    slow_cross(at->turned + FRAME, at->turned, 1.0 / d, along);
-    for (int j = 0; j < FRAME; ++j) {
-        double c = 0.0;
-        double w = 0.0;
-        for (int k = p->flight.degree; k >= 1; --k) {
-            c = (c + p->flight.c[k][j]) * time;
-            w = w * time + k * p->flight.c[k][j];
-        }
-        const double start = j == 0 ? p->from->distance : 0.0;
-        const bool counts = j < p->flight.dimensions;
-        r[j] = counts ? (d * at->turned[j] - start) - c : 0.0;
-        r_rate[j] = counts ? radial * at->turned[j] + along[j] - w : 0.0;
-    }
-}
-
 /* F_n at a place [SLOW_N]. */
 static double slow_force(const struct hertz_slow *p, const struct slow_place *at)
 {
@@ -575,13 +620,9 @@ static void slow_powers(const struct hertz_slow *p, double s, struct pair_change
         const double rate = at.rate / p->half;
         const double spring = p->from->hertz_stiffness * at.depth * sqrt(at.depth);
         double rows[3][FRAME];
-        const double *n = at.turned;
-        double rim_normal_then[FRAME];
-        if (slow_at_rim(p)) {
-            slow_rim_normal(p, &at, rim_normal_then);
-            n = rim_normal_then;
-        }
-        slow_deviation(p, &at, place, rows[0], rows[1]);
+        double n[FRAME];
+        p->turns->normal(p, &at, n);
+        p->turns->deviation(p, &at, place, rows[0], rows[1]);
         change->dissipated += weight * (force - spring) * rate;
         for (int body = 0; body < PAIR_BODIES; ++body) {
             const struct pair_work *work = &p->from->work[body];
@@ -601,7 +642,7 @@ struct pair_change slow_hertz_change(const void *hertz_slow, double s)
     const struct slow_place at = slow_place_at(p, s);
     double r[FRAME];
     double r_rate[FRAME];
-    slow_deviation(p, &at, s, r, r_rate);
+    p->turns->deviation(p, &at, s, r, r_rate);
     struct pair_change change = {.time = p->half * s, .gap = -at.depth};
     change.head_on = p->from->is_head_on;
     change.gap_rate = -at.rate / p->half;

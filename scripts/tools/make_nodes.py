@@ -1,10 +1,16 @@
-"""Prints constants for fmu_src/math/node_tables.c, with 60 digits: simplified Newton iterations
-for Radau IIA.
+"""Prints fmu_src/math/node_tables.c, with 60 digits: constants of collocation at Lobatto's and Radau's nodes.
 
-    python scripts/tools/make_radau.py 4 8
-    python scripts/tools/make_radau.py 12
+    python scripts/tools/make_nodes.py > fmu_src/math/node_tables.c
 
-Of s stages at the right Radau nodes c of [0, 1] (make_lobatto.py), A_ij the integral of l_j from 0 to c_i:
+Lobatto's nodes of [-1, 1] are -1, 1 and the roots of P'_{n-1} (Abramowitz and Stegun, 25.4.32). Radau's are
+the roots of P_{n-1} - P_n, of which 1 is one (25.4.31, mirrored). With l_j the Lagrange polynomials of the n
+nodes:
+
+    integral     [j n + i]: the integral of l_j from -1 to node i
+    monomial     [j n + k]: the coefficient of sigma^k in l_j
+
+Simplified Newton iterations for Radau IIA of s stages use the right Radau nodes c of [0, 1]. With A_ij the
+integral of l_j from 0 to c_i:
 
     integral     A, row by row
     inverse      A^-1, row by row
@@ -16,15 +22,48 @@ Of s stages at the right Radau nodes c of [0, 1] (make_lobatto.py), A_ij the int
     bernstein    from values at 0 and at the nodes to the s + 1 Bernstein coefficients; by places
 """
 
-import sys
-
 import mpmath
-from make_lobatto import lagrange, number, radau_nodes
+
+LOBATTO = (4, 8, 12)
+RADAU = 12
+STAGES = (4, 8, 12)
 
 
-def integral(coefficients: list, end) -> mpmath.mpf:
-    """Of a polynomial from 0 to `end`."""
-    return sum(c * end ** (k + 1) / (k + 1) for k, c in enumerate(coefficients))
+def lobatto_nodes(points: int) -> list:
+    """The Gauss-Lobatto nodes, ascending."""
+    legendre = mpmath.taylor(lambda x: mpmath.legendre(points - 1, x), 0, points - 1)
+    slope = [k * legendre[k] for k in range(points - 1, 0, -1)]
+    inner = sorted(mpmath.re(root) for root in mpmath.polyroots(slope, maxsteps=500, extraprec=500))
+    return [mpmath.mpf(-1), *inner, mpmath.mpf(1)]
+
+
+def radau_nodes(points: int) -> list:
+    """The right Radau nodes, ascending."""
+    row = mpmath.taylor(lambda x: mpmath.legendre(points - 1, x) - mpmath.legendre(points, x), 0, points)
+    roots = mpmath.polyroots(row[::-1], maxsteps=500, extraprec=500)
+    return [*sorted(mpmath.re(root) for root in roots)[:-1], mpmath.mpf(1)]
+
+
+def lagrange(at: list, j: int) -> list:
+    """Coefficients of l_j, lowest degree first."""
+    coefficients = [mpmath.mpf(1)]
+    for i, node in enumerate(at):
+        if i != j:
+            shifted = [mpmath.mpf(0), *coefficients]
+            scaled = [-node * c for c in coefficients] + [mpmath.mpf(0)]
+            coefficients = [(a + b) / (at[j] - node) for a, b in zip(shifted, scaled, strict=True)]
+    return coefficients
+
+
+def integral(coefficients: list, start, end) -> mpmath.mpf:
+    """Of a polynomial between two places."""
+    return sum(c * (end ** (k + 1) - start ** (k + 1)) / (k + 1) for k, c in enumerate(coefficients))
+
+
+def number(x) -> str:
+    """A C literal that reads back as the nearest double."""
+    value = float(x)
+    return "0.0" if abs(value) < 1e-40 else repr(value)
 
 
 def eigenvectors(inverse) -> tuple[list, list, list]:
@@ -78,11 +117,11 @@ def table(name: str, rows: list) -> str:
     return "\n".join([*lines, "};\n"])
 
 
-def tables(stages: int) -> str:
+def stage_tables(stages: int) -> str:
     """Those of so many stages, and the struct of them."""
     at = [(x + 1) / 2 for x in radau_nodes(stages)]
     basis = [lagrange(at, j) for j in range(stages)]
-    a = mpmath.matrix([[integral(b, x) for b in basis] for x in at])
+    a = mpmath.matrix([[integral(b, 0, x) for b in basis] for x in at])
     inverse = a**-1
     values, into, back = eigenvectors(inverse)
     places = [mpmath.mpf(0), *at]
@@ -106,12 +145,37 @@ def tables(stages: int) -> str:
     return "\n".join([*arrays, struct])
 
 
+def node_tables(name: str, at: list) -> str:
+    """Those of some nodes of [-1, 1]."""
+    basis = [lagrange(at, j) for j in range(len(at))]
+    return "\n".join(
+        [
+            table(f"node_{name}", [at]),
+            table(f"integral_{name}", [[integral(b, -1, x) for x in at] for b in basis]),
+            table(f"monomial_{name}", basis),
+        ]
+    )
+
+
+def members(name: str, points: int) -> str:
+    """The values of a struct of them."""
+    return f"{{{points}, node_{name}, integral_{name}, monomial_{name}}}"
+
+
 def main() -> None:
-    """Prints one file."""
+    """Prints the file."""
     mpmath.mp.dps = 60
-    print("/* Written by scripts/tools/make_radau.py; not to be edited. */")
+    print("/* Written by scripts/tools/make_nodes.py; not to be edited. */")
     print('#include "math/node_tables.h"\n\n/* clang-format off */')
-    print("\n".join(tables(int(stages)) for stages in sys.argv[1:]), end="")
+    for points in LOBATTO:
+        print(node_tables(str(points), lobatto_nodes(points)))
+    print("const struct lobatto lobatto[LOBATTO_SIZES] = {")
+    for points in LOBATTO:
+        print(f"    {members(str(points), points)},")
+    print("};\n")
+    print(node_tables(f"radau_{RADAU}", radau_nodes(RADAU)))
+    print(f"const struct lobatto radau = {members(f'radau_{RADAU}', RADAU)};\n")
+    print("\n".join(stage_tables(stages) for stages in STAGES), end="")
     print("/* clang-format on */")
 
 
