@@ -16,7 +16,7 @@
 
 #include "math/node_tables.h"
 #include "math/nodes.h"
-#include "touch/series.h"
+#include "touch/pair.h"
 
 enum {
     HERTZ_TURNING = 2 * FRAME, /* components of n, then of H */

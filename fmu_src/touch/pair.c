@@ -347,6 +347,83 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change, 
     state->physics.accumulated_gap = change->gap;
 }
 
+/* Components across the plane of motion by less than this part are rounding. */
+static const double OUT_OF_PLANE = 8.0 * DBL_EPSILON;
+
+/* The part of a vector along the normal that rounding leaves across it points anywhere. A second
+ * projection of its direction leaves less than this of it. */
+static const double MOSTLY_NORMAL = 0.5;
+
+/* The first tangential direction that the motion of flight has; zero where the motion is head-on. */
+static struct vec3 tangent_of(const struct contact_pair *from)
+{
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        const struct vec3 rows[2] = {from->flight.c[i], from->flight.w[i - 1]};
+        for (int k = 0; k < 2; ++k) {
+            const struct vec3 across = pair_across(from, rows[k]);
+            const struct vec3 along = pair_tangential(from, across);
+            if (!vec3_is_zero(along) && !vec3_is_zero(vec3_cross(from->normal, across))) {
+                const struct vec3 direction = vec3_scale(1.0 / vec3_norm(along), along);
+                const struct vec3 tangent = pair_tangential(from, direction);
+                const double left = vec3_norm(tangent);
+                if (left > MOSTLY_NORMAL) {
+                    return vec3_scale(1.0 / left, tangent);
+                }
+            }
+        }
+    }
+    return vec3_make(0.0, 0.0, 0.0);
+}
+
+/* One coefficient in the frame; whether it is out of the plane. */
+static bool put_in_frame(const struct frame_flight *flight, struct vec3 a, double out[FRAME])
+{
+    for (int j = 0; j < FRAME; ++j) {
+        out[j] = vec3_dot(flight->frame[j], a);
+    }
+    return fabs(out[2]) > OUT_OF_PLANE * vec3_norm(a);
+}
+
+/* C, C' and W in the frame, and their degree; whether the motion leaves the plane of the first two
+ * directions. */
+static bool put_flight_in_frame(struct frame_flight *flight, const struct contact_pair *from, bool at_rim)
+{
+    bool leaves_plane = false;
+    flight->degree = 1;
+    for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
+        const struct vec3 c = from->flight.c[i];
+        const struct vec3 w = from->flight.w[i - 1];
+        flight->degree = vec3_is_zero(c) && vec3_is_zero(w) ? flight->degree : i;
+        leaves_plane = put_in_frame(flight, at_rim ? c : pair_across(from, c), flight->c[i]) || leaves_plane;
+        leaves_plane =
+            put_in_frame(flight, at_rim ? w : pair_across(from, w), flight->w[i - 1]) || leaves_plane;
+        for (int j = 0; j < FRAME; ++j) {
+            flight->c_rate[i - 1][j] = i * flight->c[i][j];
+        }
+    }
+    return leaves_plane;
+}
+
+struct frame_flight frame_flight_of(const struct contact_pair *from)
+{
+    struct frame_flight flight = {.frame = {from->normal, tangent_of(from)},
+                                  .c = {{from->distance, 0.0, 0.0}}};
+    flight.frame[2] = vec3_cross(flight.frame[0], flight.frame[1]);
+    const bool leaves_plane = put_flight_in_frame(&flight, from, false);
+    flight.dimensions = vec3_is_zero(flight.frame[1]) ? 1 : leaves_plane ? 3 : 2;
+    return flight;
+}
+
+struct frame_flight frame_flight_at_rim(const struct contact_pair *from)
+{
+    const struct rim_start rim = pair_rim_start(from);
+    struct frame_flight flight = {.dimensions = FRAME};
+    memcpy(flight.frame, rim.frame, sizeof flight.frame);
+    (void)put_in_frame(&flight, from->flight.c[0], flight.c[0]);
+    (void)put_flight_in_frame(&flight, from, true);
+    return flight;
+}
+
 /* Lowest damped frequency treated as an oscillation [radians per s]: at 0.97 of critical damping. Beyond, y
  * decays below rounding within one period. */
 static const double LOWEST_FREQUENCY = 0.25;

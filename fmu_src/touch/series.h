@@ -29,24 +29,6 @@
 #include "math/series.h"
 #include "touch/pair.h"
 
-enum { FRAME = 3 }; /* directions of a frame */
-
-/* The flight of a pair in a frame of its start: coefficients of time, of a cylinder across its axis. */
-struct frame_flight {
-    struct vec3 frame[FRAME];                /* n, the tangential direction of the motion, across both */
-    int dimensions;                          /* of these that take part: one head-on, two in a plane */
-    int degree;                              /* of C, and of W plus one */
-    double c[SEPARATION_DEGREE + 1][FRAME];  /* C [m, m/s, ...] */
-    double c_rate[SEPARATION_DEGREE][FRAME]; /* C' [m/s, ...] */
-    double w[SEPARATION_DEGREE][FRAME];      /* W [m/s, ...] */
-};
-
-struct frame_flight frame_flight_of(const struct contact_pair *from);
-
-/* At a rim, in the frame of a, b = e x a and e. All three directions take part, and no vector is
- * projected. */
-struct frame_flight frame_flight_at_rim(const struct contact_pair *from);
-
 typedef double series_row[TAYLOR_TERMS];
 
 struct pair_series {
