@@ -124,13 +124,12 @@ def amalgamated(units, source, scene, fmi):
     """The text of contact.c"""
     about = (scene / "scene.cmake").read_text(encoding="utf-8")
     one = Amalgamation(source, scene, fmi)
-    cvode = [unit for unit in units if unit.stem in ("cvode", "cvode_memory")]
+    cvode = [unit for unit in units if unit.stem == "cvode"]
     body = "".join(one.text(unit) for unit in units if unit not in cvode)
     if cvode:
         # Last, since what they include is there only where CVODE is.
         with_it = "".join(one.text(unit) for unit in cvode)
-        without = one.text(source / "integrator" / "cvode_absent.c")
-        body += f"\n#ifdef CONTACT_WITH_CVODE\n{with_it}\n#else\n{without}\n#endif\n"
+        body += f"\n#ifdef CONTACT_WITH_CVODE\n{with_it}\n#endif\n"
     # What the contact folder, which knows no scene, hears of it.
     parts = ("CYLINDER", "CAPS", "PLANE", "HERTZ", "RESTITUTION")
     left_out = [f"CONTACT_NO_{part}" for part in parts if f"set(SCENE_HAS_{part} OFF)" in about]

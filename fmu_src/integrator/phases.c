@@ -7,8 +7,10 @@
 #include "integrator/cvode.h"
 #include "integrator/general.h"
 #include "integrator/prediction.h"
+#include "prescribed/prescribed.h"
 #include "scene/evaluate.h"
 #include "scene/present.h"
+#include "touch/segment.h"
 
 bool integrator_open(struct integrator *s, const struct scene_values *v,
                      const struct integrator_memory *memory)
@@ -17,14 +19,40 @@ bool integrator_open(struct integrator *s, const struct scene_values *v,
     if (!scene_uses_ode(v) || (scene_is_force_element(v) && !scene_turns(v))) {
         return true;
     }
-    return solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN ? general_open(&s->general, v, memory, s->message)
-                                                          : cvode_open(&s->cvode, v, memory, s->message);
+#if SCENE_HAS_GENERAL
+    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN) {
+        return general_open(&s->general, v, memory, s->message);
+    }
+#endif
+#ifdef CONTACT_WITH_CVODE
+    return cvode_open(&s->cvode, v, memory, s->message);
+#else
+    (void)memory;
+    snprintf(s->message, sizeof s->message, "this FMU has no CVODE");
+    return solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN;
+#endif
 }
 
 void integrator_close(struct integrator *s)
 {
-    cvode_close(&s->cvode);
+#if SCENE_HAS_GENERAL
     general_close(&s->general);
+#endif
+#ifdef CONTACT_WITH_CVODE
+    cvode_close(&s->cvode);
+#endif
+    (void)s;
+}
+
+/* The present instant, without accelerations and forces: computed once, however many ask for it. */
+static const struct scene_instant *advance_now(struct advance *step, const struct scene_values *v,
+                                               const struct scene_state *q)
+{
+    if (!step->is_now) {
+        scene_kinematics_now(v, q, &step->now);
+        step->is_now = true;
+    }
+    return &step->now;
 }
 
 /* Horizon of a separating contact, as a multiple of the time in which it opens at its present rate. */
@@ -130,34 +158,320 @@ static double unforeseen_until(const struct scene_values *v, const struct scene_
     return until;
 }
 
+/* The error allowed in a segment [m]: a thousandth of the tolerances, because impacts amplify errors. Near
+ * the centre it is cut in proportion to d, because an error e across n turns n by e / d. It is never below
+ * what rounding leaves. */
+static double tolerance_of(const struct scene_values *v, const struct scene_state *q,
+                           const struct scene_instant *at, int contact)
+{
+    const struct contact_shape shape = scene_contact_shape(v, q, contact);
+    const double reach = contact_reach(&shape);
+    const double distance = contact_is_plane(&shape) ? reach : at->geometry[contact].distance;
+    const double size = fmax(distance, reach);
+    const double asked = solver_relative_tolerance(v) * size + solver_absolute_tolerance(v);
+    return fmax(1e-3 * asked * (distance / size), 8.0 * DBL_EPSILON * size);
+}
+
+/* Segments are made for contact pairs where nothing turns or rubs and no free body takes part in two contacts
+ * that transmit forces. */
+static bool pairs_are_alone(const struct scene_values *v, const struct scene_state *q)
+{
+    if (solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN || scene_turns(v)) {
+        return false;
+    }
+    for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
+        if (contact_is_coupled(v, q, j)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* One synchronized step: all contact pairs advance by the same time, up to the first terminal event, the
+ * first end of a segment, or the first passage of a centre. */
+struct synchronized_step {
+    struct segment segment[SCENE_CONTACTS];
+    double longest, time; /* at most, and as it is [s] */
+    int terminal;         /* the contact whose regime ends then or begins anew; -1: none */
+    enum contact_regime next;
+    bool changes; /* whether the regime or the zone of that contact is another then */
+};
+
+static bool has_segment(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    return contact_transmits(q, contact) && !contact_is_driven(v, contact);
+}
+
+/* A segment that reaches this part of the time asked for reaches all of it but for rounding: the other pairs
+ * are not shortened. */
+static const double ALL_OF_IT = 1.0 - 4.0 * DBL_EPSILON;
+
+static bool add_pair(struct synchronized_step *all, const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at, int contact)
+{
+    struct segment *p = &all->segment[contact];
+    const double longest =
+        all->time > 0.0 ? all->time : all->longest; /* if another ends, up to the same time */
+    if (!segment_make(p, v, q, at, contact, longest, tolerance_of(v, q, at, contact))) {
+        return false;
+    }
+    const double end = segment_time(p, p->end);
+    const double terminal = p->terminal.s <= p->end ? segment_time(p, p->terminal.s) : (double)INFINITY;
+    const double latest = all->terminal < 0 ? all->time / ALL_OF_IT : all->time;
+    if (p->terminal.s <= p->end && terminal < latest) {
+        all->time = terminal;
+        all->terminal = contact;
+        all->next = p->terminal.regime;
+        all->changes =
+            all->next != (enum contact_regime)q->contact[contact].regime || zone_end_is_terminal(p);
+    } else if (end < all->time && end < longest * ALL_OF_IT) {
+        all->time = end;
+        all->terminal = -1;
+    }
+    return true;
+}
+
+/* Where one pair shortens the step, the pairs made before it are made again: a segment is most accurate at
+ * its own end. */
+static bool synchronized_step_make(struct synchronized_step *all, const struct scene_values *v,
+                                   const struct scene_state *q, const struct scene_instant *at,
+                                   double longest)
+{
+    all->longest = all->time = longest;
+    all->terminal = -1;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        all->segment[j].kind = SEGMENT_CLOSED_FORM; /* defined where there is none, too */
+        all->segment[j].unit = all->segment[j].end = 0.0;
+    }
+    for (double before = (double)INFINITY; all->time < before;) {
+        before = SCENE_CONTACTS > 1 ? all->time : 0.0;
+        for (int j = 0; j < SCENE_CONTACTS; ++j) {
+            if (has_segment(v, q, j) && j != all->terminal && !add_pair(all, v, q, at, j)) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+#if SCENE_ANY_PRESCRIBED_CONTACT
+/* Integrates the prescribed contacts to a clock; returns the clock reached. How deep bodies come is looked up apart:
+ * a force that is zero has no panels that would show it. */
+static double integrate_prescribed(const struct scene_values *v, struct scene_state *q, double end,
+                                   struct advance *step)
+{
+    const double reached = prescribed_integrate(v, q, end, &step->budget);
+    for (int j = 0; reached > q->clock && j < SCENE_CONTACTS; ++j) {
+        if (contact_is_driven(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
+            regime_change_note_depth(v, q, advance_now(step, v, q), j, reached);
+        }
+    }
+    return reached;
+}
+#endif
+
+/* Integrates the prescribed contacts over the same time; false where the budget ends the synchronized step early. */
+static bool synchronized_step_integrate(struct synchronized_step *all, const struct scene_values *v,
+                                        struct scene_state *q, struct advance *step)
+{
+#if SCENE_ANY_PRESCRIBED_CONTACT && SCENE_CONTACTS > 1
+    const double to = q->clock + all->time;
+    const double reached = integrate_prescribed(v, q, to, step);
+    if (reached < to) {
+        all->time = reached - q->clock;
+        all->terminal = -1;
+        return false;
+    }
+#else
+    (void)all, (void)v, (void)q, (void)step;
+#endif
+    return true;
+}
+
+/* External work on bodies without a contact force. */
+static void book_flights(const struct scene_values *v, struct scene_state *q, double time)
+{
+    for (int i = 0; SCENE_CONTACTS > 1 && i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i) && !body_is_loaded(q, i, -1)) {
+            struct vec3 force[3];
+            flight_force(q, i, q->clock, force);
+            q->external_work += flight_work(v, i, q->body[i], force, time);
+        }
+    }
+}
+
+/* A step that ends where it begins moves nothing: a segment is right to its tolerance there, not exact. */
+static void synchronized_step_apply(struct synchronized_step *all, const struct scene_values *v,
+                                    struct scene_state *q)
+{
+    if (!(all->time > 0.0)) {
+        return;
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (has_segment(v, q, j)) {
+            struct segment *p = &all->segment[j];
+            const bool is_shortened = j == all->terminal || all->time < segment_time(p, p->end);
+            const double s = is_shortened ? segment_place(p, all->time) : p->end;
+            segment_advance(p, s, v, q, j);
+            counter_add(&q->counters.steps, 1);
+            counter_add(&q->counters.force_evaluations, 1);
+        }
+    }
+    book_flights(v, q, all->time);
+    q->clock += all->time;
+    flight_restore(v, q);
+}
+
+/* Energy stored by separating contacts [J]. Their force is zero, so that it is lost as the gap opens. */
+static double stored_in_separating(const struct scene_values *v, const struct scene_state *q,
+                                   struct advance *step)
+{
+    double sum = 0.0;
+    for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
+        if (q->contact[j].regime == REGIME_SEPARATING && !contact_is_driven(v, j)) {
+            const struct contact_law law = scene_contact_law(v, q, j);
+            const double gap = advance_now(step, v, q)->geometry[j].gap;
+            sum += contact_stored_energy(&law, REGIME_SEPARATING, gap);
+        }
+    }
+    return sum;
+}
+
+/* Advances the contact pairs segment by segment (touch/segment.h), and the prescribed contacts with them. */
+static enum advance_result advance_pairs(struct integrator *s, const struct scene_values *v,
+                                         struct scene_state *q, struct advance *step)
+{
+    (void)s;
+    while (q->clock < step->clock_end) {
+        struct synchronized_step all;
+        const double left = step->clock_end - q->clock;
+        if (step->budget <= 0) {
+            return ADVANCE_STEP_LIMIT;
+        }
+        if (!synchronized_step_make(&all, v, q, advance_now(step, v, q), left)) {
+            /* with the budget it came with: CVODE takes a budget of 0 as its default */
+            return ADVANCE_FAILED;
+        }
+        step->budget -= 1;
+        const bool whole = synchronized_step_integrate(&all, v, q, step);
+        const double stored = stored_in_separating(v, q, step);
+        step->is_now = false;
+        synchronized_step_apply(&all, v, q);
+        q->dissipated += stored - stored_in_separating(v, q, step);
+        if (!whole) {
+            return ADVANCE_STEP_LIMIT;
+        }
+        if (all.terminal >= 0 && all.changes) {
+            step->contact = all.terminal;
+            step->regime = all.next;
+            return ADVANCE_EVENT;
+        }
+        if (all.time >= left) {
+            q->clock = step->clock_end;
+        }
+    }
+    return ADVANCE_REACHED;
+}
+
+#if SCENE_ANY_PRESCRIBED_CONTACT
+static bool is_prescribed(const struct scene_values *v, const struct scene_state *q)
+{
+    (void)q;
+    return scene_is_force_element(v) && !scene_turns(v);
+}
+
+static enum advance_result advance_prescribed(struct integrator *s, const struct scene_values *v,
+                                              struct scene_state *q, struct advance *step)
+{
+    (void)s;
+    q->clock = integrate_prescribed(v, q, step->clock_end, step);
+    return q->clock < step->clock_end ? ADVANCE_STEP_LIMIT : ADVANCE_REACHED;
+}
+#endif
+
+static bool is_flight(const struct scene_values *v, const struct scene_state *q)
+{
+    (void)v;
+    return flight_is_free(q);
+}
+
+static enum advance_result advance_flight(struct integrator *s, const struct scene_values *v,
+                                          struct scene_state *q, struct advance *step)
+{
+    (void)s;
+    note_depth_of_released(v, q, step);
+    flight_advance(v, q, step->clock_end);
+    return ADVANCE_REACHED;
+}
+
+#if SCENE_HAS_GENERAL
+static bool is_general(const struct scene_values *v, const struct scene_state *q)
+{
+    (void)q;
+    return solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && scene_uses_ode(v);
+}
+
+static enum advance_result advance_general(struct integrator *s, const struct scene_values *v,
+                                           struct scene_state *q, struct advance *step)
+{
+    counter_add(&q->counters.fallbacks, 1);
+    step->clock_limit = fmax(step->clock_end, unforeseen_until(v, q));
+    return general_advance(s->general, v, q, step);
+}
+#endif
+
+#ifdef CONTACT_WITH_CVODE
+static bool is_cvode(const struct scene_values *v, const struct scene_state *q)
+{
+    (void)q;
+    return solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN;
+}
+
+static enum advance_result advance_cvode(struct integrator *s, const struct scene_values *v,
+                                         struct scene_state *q, struct advance *step)
+{
+    return cvode_advance(s->cvode, v, q, step);
+}
+#endif
+
+/* The phases of motion in order of preference. One that applies may give up where the motion is too hard for
+ * it (ADVANCE_FAILED); the next one that applies goes on from there. */
+static const struct motion_phase {
+    bool (*applies)(const struct scene_values *v, const struct scene_state *q);
+    enum advance_result (*advance)(struct integrator *s, const struct scene_values *v, struct scene_state *q,
+                                   struct advance *step);
+} PHASES[] = {
+#if SCENE_ANY_PRESCRIBED_CONTACT
+    {is_prescribed, advance_prescribed},
+#endif
+    {is_flight, advance_flight},         {pairs_are_alone, advance_pairs},
+#if SCENE_HAS_GENERAL
+    {is_general, advance_general},
+#endif
+#ifdef CONTACT_WITH_CVODE
+    {is_cvode, advance_cvode},
+#endif
+};
+
 static enum advance_result advance_phase(struct integrator *s, const struct scene_values *v,
                                          struct scene_state *q, struct advance *step)
 {
     if (!(step->clock_end > q->clock)) {
         return ADVANCE_REACHED;
     }
-    if (scene_is_force_element(v) && !scene_turns(v)) {
-        return prescribed_advance(v, q, step);
-    }
-    if (flight_is_free(q)) {
-        note_depth_of_released(v, q, step);
-        flight_advance(v, q, step->clock_end);
-        return ADVANCE_REACHED;
-    }
-    if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN) {
-        const enum advance_result result = scene_turns(v) ? ADVANCE_FAILED : event_driven_advance(v, q, step);
-        if (result != ADVANCE_FAILED) {
-            return result;
+    s->message[0] = '\0';
+    for (size_t i = 0; i < sizeof PHASES / sizeof *PHASES; ++i) {
+        if (PHASES[i].applies(v, q)) {
+            const enum advance_result result = PHASES[i].advance(s, v, q, step);
+            if (result != ADVANCE_FAILED) {
+                return result;
+            }
         }
-        if (!scene_uses_ode(v)) {
-            snprintf(s->message, sizeof s->message, "no segment of the motion can be made from here");
-            return ADVANCE_FAILED;
-        }
-        counter_add(&q->counters.fallbacks, 1);
-        step->clock_limit = fmax(step->clock_end, unforeseen_until(v, q));
-        return general_advance(s->general, v, q, step);
     }
-    return cvode_advance(s->cvode, v, q, step);
+    if (s->message[0] == '\0') {
+        snprintf(s->message, sizeof s->message, "no segment of the motion can be made from here");
+    }
+    return ADVANCE_FAILED;
 }
 
 /* Puts a contact into its next regime; whether it begins or ends with that. */

@@ -15,8 +15,25 @@
 
 #include <stddef.h>
 
-#include "integrator/advance.h"
 #include "integrator/step_request.h"
+#include "scene/transition.h"
+
+/* One advance of a phase: within fixed regimes of the contacts, up to a clock or their first change. */
+
+/* What it ended with. */
+enum advance_result { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_STEP_LIMIT, ADVANCE_FAILED };
+
+struct advance {
+    double clock_end;           /* in: not beyond this clock */
+    double clock_limit;         /* in: up to here nothing is known that would end the phase */
+    long budget;                /* in: at most so many internal steps; out: what is left of it */
+    long evaluations;           /* likewise evaluations of forces by the general segment */
+    struct scene_instant now;   /* the present instant, if `is_now`; see advance_now */
+    bool is_now;                /* to be cleared by whoever moves the bodies */
+    int contact;                /* out, ADVANCE_EVENT: which contact changes its regime at q->clock */
+    enum contact_regime regime; /* out, ADVANCE_EVENT: and into which */
+    int event; /* out, ADVANCE_EVENT: by which of its event functions (scene/ode.h); 0, 1: by regime alone */
+};
 
 enum integrator_status {
     INTEGRATOR_DONE,       /* arrived at the end time */

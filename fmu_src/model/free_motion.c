@@ -7,7 +7,7 @@
 #include "math/compiler.h"
 #include "model/motion.h"
 #include "model/report.h"
-#include "prescribed/driven.h"
+#include "prescribed/prescribed.h"
 #include "scene/evaluate.h"
 #include "scene/present.h"
 #include "scene/scene_jet.h"
@@ -739,8 +739,8 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     scene_rebase(v, q);
     memcpy(q->path, next, sizeof q->path);
     turning_take_axes(v, q);
-    if (jumps && scene_turns(v) && scene_is_force_element(v)) {
-        driven_lay_springs(v, q);
+    if (SCENE_ANY_FRICTION && jumps && scene_turns(v) && scene_is_force_element(v)) {
+        prescribed_lay_springs(v, q);
     }
     transition_settle_regimes(v, q, stored, false);
     if (isfinite(q->external_work) || scene_is_force_element(v)) {
@@ -790,7 +790,7 @@ static enum model_status report_step_limit(const struct model *m, const struct s
 }
 
 /* No body is free or turns freely, but something turns or rubs. */
-static enum model_status advance_given(struct model *m, const struct step_request *request)
+static enum model_status advance_prescribed_turning(struct model *m, const struct step_request *request)
 {
     const struct scene_values *v = &m->state.values;
     struct scene_state *q = &m->state.motion;
@@ -799,10 +799,10 @@ static enum model_status advance_given(struct model *m, const struct step_reques
     const long limit = solver_max_internal_steps(v);
     struct scene_instant at;
     transition_begin_step(v, q, &at);
-    if (!driven_turning_over(v, q, length, limit < DRIVEN_PANELS ? limit : DRIVEN_PANELS)) {
+    if (!prescribed_over(v, q, length, limit < PRESCRIBED_PANELS ? limit : PRESCRIBED_PANELS)) {
         const struct step_request whole = {.end_time = request->end_time, .whole = true};
         *q = before;
-        return limit < DRIVEN_PANELS ? report_step_limit(m, &whole) : model_report_stalled(m, &whole);
+        return limit < PRESCRIBED_PANELS ? report_step_limit(m, &whole) : model_report_stalled(m, &whole);
     }
     q->clock += length;
     q->step_length = length;
@@ -814,7 +814,7 @@ static enum model_status advance_given(struct model *m, const struct step_reques
 enum model_status motion_advance(struct model *m, const struct step_request *request)
 {
     if (scene_turns(&m->state.values) && scene_is_force_element(&m->state.values)) {
-        return advance_given(m, request);
+        return advance_prescribed_turning(m, request);
     }
     const double end_time = request->end_time;
     const struct scene_values *v = &m->state.values;

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "model/motion.h"
-#include "prescribed/given.h"
+#include "prescribed/prescribed.h"
 #include "scene/evaluate.h"
 
 /* Whether the scene has not left all of them out. */
@@ -39,7 +39,7 @@ void motion_place(const struct scene_values *v, struct scene_state *q)
 void motion_begin(const struct scene_values *v, struct scene_state *q)
 {
     if (SUMS_UP_STEPS) {
-        given_force_begin(v, q);
+        prescribed_begin(v, q);
     }
 }
 
@@ -69,14 +69,20 @@ bool motion_tune(const struct scene_values *v, struct scene_state *q, const stru
 
 enum model_status motion_advance(struct model *m, const struct step_request *request)
 {
+    const struct scene_values *v = &m->state.values;
     struct scene_state *q = &m->state.motion;
     const double length = scene_remaining(q, request->end_time);
-    if (SUMS_UP_STEPS && !given_force_over(&m->state.values, q, length)) {
-        const struct step_request whole = {.end_time = request->end_time, .whole = true};
-        return model_report_stalled(m, &whole);
+    if (SUMS_UP_STEPS) {
+        const struct scene_state before = *q;
+        prescribed_begin(v, q);
+        if (!prescribed_over(v, q, length, PRESCRIBED_PANELS)) {
+            const struct step_request whole = {.end_time = request->end_time, .whole = true};
+            *q = before;
+            return model_report_stalled(m, &whole);
+        }
     }
     q->clock += length;
-    scene_rebase(&m->state.values, q);
+    scene_rebase(v, q);
     return MODEL_OK;
 }
 
@@ -118,7 +124,7 @@ const struct scene_state *motion_shown(const struct scene_values *v, const struc
                                        struct scene_state *settled)
 {
     scene_state_copy(v, q, settled);
-    given_force_settle(v, settled);
+    prescribed_settle(v, settled);
     return settled;
 }
 

@@ -187,6 +187,13 @@ def _facts(resolved: Resolved) -> dict:
     return {
         "any_free": resolved.may("body.motion", "free") or resolved.may("body.rotation", "free"),
         "any_prescribed": resolved.may("body.motion", "prescribed"),
+        "any_prescribed_contact": any(
+            all(
+                any(resolved.may("body.motion", how, body) for how in ("fixed", "prescribed"))
+                for body in (contact.source, contact.destination)
+            )
+            for contact in resolved.scene.contacts
+        ),
         "any_cylinder": any(body.shape == "cylinder" for body in resolved.scene.bodies),
         "any_linear": resolved.may("contact.law", "linear"),
         "any_hertz": resolved.may("contact.law", "hertz"),

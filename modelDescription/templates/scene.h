@@ -52,6 +52,7 @@
 #define SCENE_INDICATORS {{ positions.indicators | length }} /* event indicators */
 #define SCENE_ANY_FREE {{ any_free | int }}       /* may any body be free or turn freely? else there is no solver */
 #define SCENE_ANY_PRESCRIBED {{ any_prescribed | int }} /* may any body's motion be prescribed? */
+#define SCENE_ANY_PRESCRIBED_CONTACT {{ any_prescribed_contact | int }} /* may neither body of a contact be free? */
 #define SCENE_ANY_CYLINDER {{ any_cylinder | int }}
 #define SCENE_ANY_LINEAR {{ any_linear | int }} /* may the law of any contact be linear? */
 #define SCENE_ANY_HERTZ {{ any_hertz | int }}  /* may it be Hertz's? */

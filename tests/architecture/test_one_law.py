@@ -17,7 +17,7 @@ OF_FRICTION = {
     "fmu_src/scene/evaluate.c",
     "fmu_src/scene/ode.c",  # of friction alone; the normal law it asks
     "fmu_src/scene/transition.c",
-    "fmu_src/prescribed/driven.c",
+    "fmu_src/prescribed/prescribed.c",
 }
 # The recurrences of Hertz's law: its series is made with k_h, as closed forms are with p_n.
 HERTZ = {label(file) for file in UNITS if re.fullmatch(r"(?:pair_)?hertz(?:_\w+)?\.c", file.name)}

@@ -1,6 +1,6 @@
 /*
  * The model's interface without an adapter: wrong calls, and the quadrature over a given motion
- * (integrator/prescribed.c), where impulse, work, dissipated energy and peaks have closed forms.
+ * (prescribed/prescribed.c), where impulse, work, dissipated energy and peaks have closed forms.
  */
 #include "model/model.h"
 

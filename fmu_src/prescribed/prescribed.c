@@ -1,0 +1,1429 @@
+#include "prescribed/prescribed.h"
+
+#include <float.h>
+
+#include "flight/relative_path.h"
+#include "flight/tumbling.h"
+#include "flight/zone_path.h"
+#include "math/lu.h"
+#include "math/nodes.h"
+#include "math/polynomial.h"
+#include "scene/dense_output.h"
+#include "scene/evaluate.h"
+#include "scene/present.h"
+
+/* One contact. A search evaluates it in regimes and with springs that q does not have yet, so q serves as working
+ * memory. */
+struct prescribed_contact {
+    const struct scene_values *v;
+    struct scene_state *q;
+    int contact;
+};
+
+/* The places of the integrals: impulse of the force on the source [N s]; impulses of the torques on source and
+ * destination [N m s]; energies that the normal law dissipates, that friction takes, and the work of whoever moves the
+ * bodies [J]. The integral of the law's event function tells only whether a panel resolves that function, which may
+ * change where no force acts. */
+enum {
+    TERM_FORCE = 0,
+    TERM_SOURCE_TORQUE = 3,
+    TERM_DESTINATION_TORQUE = TERM_SOURCE_TORQUE + 3 * SCENE_ANY_TURNING,
+    TERM_DISSIPATED = TERM_DESTINATION_TORQUE + 3 * SCENE_ANY_TURNING,
+    TERM_FRICTION = TERM_DISSIPATED + SCENE_ANY_FREE,
+    TERM_WORK = TERM_FRICTION + SCENE_ANY_FREE,
+    TERM_EVENT = TERM_WORK + SCENE_ANY_FREE,
+    TERMS = TERM_EVENT + SCENE_ANY_TURNING
+};
+
+/* The integrals over a stretch of time, and the spring of elastic friction by collocation at the same nodes, which has
+ * order ten at the end. */
+struct panel {
+    double from, to;     /* clocks [s] */
+    double sum[TERMS];   /* the integrals */
+    double size[TERMS];  /* the integrals of the size of what each is summed up from */
+    double lever[TERMS]; /* the integrals of what a unit of force makes of each */
+    struct vec3 spring;  /* xi at the end [m] */
+    double slipped;      /* the path of the slip [m] */
+    struct {
+        double clock;
+        struct vec3 spring, slip, normal;
+    } node[GAUSS_NODES];
+};
+
+/* One contact over a length of time. */
+struct span {
+    struct prescribed_contact c;
+    double length;      /* [s], from q->clock on */
+    double sum[TERMS];  /* the integrals so far */
+    double size[TERMS]; /* and their sizes */
+    struct vec3 spring; /* xi at present [m] */
+    bool turns;         /* something in the scene turns or rubs */
+    bool elastic;       /* friction has a spring */
+    long *panels;       /* that are left to the quadrature */
+    long *evaluations;  /* that are left to the search for touches */
+    long panel_cost;    /* in panels of bodies that do not turn about changing directions */
+};
+
+static enum contact_regime regime_of(const struct prescribed_contact *c)
+{
+    return (enum contact_regime)c->q->contact[c->contact].regime;
+}
+
+static void kinematics_at(const struct prescribed_contact *c, double clock, struct scene_instant *at)
+{
+    scene_kinematics(c->v, c->q, clock, c->q->body, at);
+}
+
+/* The instant of a contact in its present regimes, whose formulas are smooth beyond their ends too. */
+CONTACT_NOINLINE static void instant_at(const struct prescribed_contact *c, double clock, struct vec3 spring,
+                                        struct scene_instant *at)
+{
+    kinematics_at(c, clock, at);
+#if SCENE_ANY_FRICTION
+    c->q->turning.spring[c->contact] = spring;
+#else
+    (void)spring;
+#endif
+    scene_forces(c->v, c->q, clock, at);
+}
+
+static void put_vector(double *out, struct vec3 a)
+{
+    out[0] = a.x;
+    out[1] = a.y;
+    out[2] = a.z;
+}
+
+/* The torques and what friction takes, with the length of both arms [m]. Returns the speeds that the bodies' rotations
+ * give the arms [m/s]. */
+static double torque_rates(const struct prescribed_contact *c, const struct scene_instant *at,
+                           double rate[TERMS], double *arm)
+{
+    *arm = 0.0;
+#if SCENE_ANY_TURNING
+    const int j = c->contact;
+    const struct turning_instant *turning = &at->turning;
+    if (!scene_turns(c->v)) {
+        put_vector(rate + TERM_DESTINATION_TORQUE, scene_torque_of_force(at, j));
+        *arm = vec3_norm(at->separation[j]);
+        return 0.0;
+    }
+    put_vector(rate + TERM_SOURCE_TORQUE, turning->source_torque[j]);
+    put_vector(rate + TERM_DESTINATION_TORQUE, turning->destination_torque[j]);
+    if (SCENE_ANY_FREE) {
+        rate[TERM_FRICTION] = -vec3_dot(turning->friction_force[j], turning->slip[j]);
+    }
+    *arm = vec3_norm(turning->source_arm[j]) + vec3_norm(turning->destination_arm[j]);
+    return *arm * (vec3_norm(turning->body[contact_source(j)].angular_velocity) +
+                   vec3_norm(turning->body[contact_destination(j)].angular_velocity));
+#else
+    (void)c, (void)at, (void)rate;
+    return 0.0;
+#endif
+}
+
+/* The integrands. `scale`: how large the quantities are that they are made of. `lever`: what a unit of force makes
+ * of each. */
+static void rates_at(const struct prescribed_contact *c, const struct scene_instant *at, double rate[TERMS],
+                     double scale[TERMS], double lever[TERMS])
+{
+    const int j = c->contact;
+    const struct contact_law law = scene_contact_law(c->v, c->q, j);
+    const struct contact_geometry *g = &at->geometry[j];
+    const double force = vec3_norm(at->source_force[j]);
+    double arm;
+    for (int k = 0; k < TERMS; ++k) {
+        rate[k] = 0.0;
+    }
+    put_vector(rate + TERM_FORCE, at->source_force[j]);
+    const double turning = torque_rates(c, at, rate, &arm);
+    const double speed = vec3_norm(at->velocity[contact_source(j)]) +
+                         vec3_norm(at->velocity[contact_destination(j)]) + turning;
+    for (int k = 0; k < TERMS; ++k) {
+        lever[k] = k < TERM_SOURCE_TORQUE ? 1.0 : k < TERM_DISSIPATED ? arm : k < TERM_EVENT ? speed : 0.0;
+        scale[k] = force * lever[k];
+    }
+    if (SCENE_ANY_FREE) {
+        rate[TERM_DISSIPATED] = energy_dissipated_power_of(c->v, c->q, at, j);
+        rate[TERM_WORK] = scene_driving_power(c->v, at, j);
+        /* a spring may lose energy while the force is clipped to zero */
+        scale[TERM_DISSIPATED] += fabs(contact_stored_slope(&law, regime_of(c), g->gap)) * speed;
+    }
+    if (SCENE_ANY_TURNING) {
+        const struct contact_slopes slopes = contact_event_slopes(&law, regime_of(c), g->gap, g->gap_rate);
+        const bool ends = scene_turns(c->v) && contact_has_events(&law);
+        rate[TERM_EVENT] = ends ? contact_event(&law, regime_of(c), g->gap, g->gap_rate) : 0.0;
+        scale[TERM_EVENT] = fabs(slopes.by_gap * g->gap) + fabs(slopes.by_rate) * vec3_norm(at->rate[j]);
+    }
+}
+
+#if SCENE_ANY_ELASTIC_FRICTION
+
+/* Integrals from 0 to node i of [0, 1] of the polynomial that is 1 at node j and 0 at the other nodes of the
+ * Gauss rule; computed from that definition with 30 digits. */
+static const double COLLOCATION[GAUSS_NODES][GAUSS_NODES] = {
+    {0.059231721264047272, -0.019570364359076037, 0.011254400818642956, -0.0055937936608121849,
+     0.0015881129678659985},
+    {0.12815100567004528, 0.11965716762484162, -0.0245921146196422, 0.010318280670683357,
+     -0.002768994398769603},
+    {0.1137762880042246, 0.26000465168064152, 0.14222222222222222, -0.020690316430958285,
+     0.0046871545238699412},
+    {0.12123243692686415, 0.22899605457899988, 0.30903655906408664, 0.11965716762484162,
+     -0.0096875631419507397},
+    {0.11687532956022855, 0.24490812891049542, 0.27319004362580149, 0.25888469960875927,
+     0.059231721264047272}};
+
+/* The unknowns are the components of the spring at all nodes. A column of the matrix has a zero behind them (lu.h). */
+enum { UNKNOWNS = 3 * GAUSS_NODES, COLUMN = UNKNOWNS + 1 };
+
+/* What the rate of the spring depends on at a node, besides the spring. */
+struct spring_node {
+    struct friction_state rubbing;
+    struct vec3 normal, normal_rate;
+    double factor; /* of the rate, for the variable of a panel of length one [s] */
+};
+
+struct spring_problem {
+    struct friction_law law;
+    enum friction_regime regime;
+    struct spring_node node[GAUSS_NODES];
+    struct vec3 start;
+};
+
+static struct vec3 spring_rate_at(const struct spring_problem *p, int i, struct vec3 spring)
+{
+    const struct spring_node *node = &p->node[i];
+    struct friction_state rubbing = node->rubbing;
+    rubbing.spring = spring;
+    const struct vec3 own = friction_spring_rate(&p->law, p->regime, rubbing);
+    return vec3_axpy(own, -vec3_dot(spring, node->normal_rate), node->normal);
+}
+
+/* The matrix I - A x J by columns, and the residual. */
+static void put_equations(const struct spring_problem *p, const struct vec3 x[GAUSS_NODES],
+                          double m[UNKNOWNS][COLUMN], double residual[COLUMN])
+{
+    struct vec3 rate[GAUSS_NODES];
+    for (int j = 0; j < GAUSS_NODES; ++j) {
+        const struct spring_node *node = &p->node[j];
+        struct friction_state rubbing = node->rubbing;
+        rubbing.spring = x[j];
+        rate[j] = spring_rate_at(p, j, x[j]);
+        const struct friction_slopes slopes = friction_spring_rate_slopes(&p->law, p->regime, rubbing);
+        for (int i = 0; i < GAUSS_NODES; ++i) {
+            const double weight = COLLOCATION[i][j] * node->factor;
+            for (int a = 0; a < 3; ++a) {
+                for (int b = 0; b < 3; ++b) {
+                    const double slope =
+                        slopes.by_spring[a][b] - vec3_get(node->normal, a) * vec3_get(node->normal_rate, b);
+                    m[3 * j + b][3 * i + a] = (i == j && a == b) - weight * slope;
+                }
+            }
+        }
+    }
+    for (int i = 0; i < GAUSS_NODES; ++i) {
+        struct vec3 left = vec3_sub(p->start, x[i]);
+        for (int j = 0; j < GAUSS_NODES; ++j) {
+            left = vec3_axpy(left, COLLOCATION[i][j] * p->node[j].factor, rate[j]);
+        }
+        put_vector(residual + 3 * i, left);
+    }
+}
+
+/* Newton's method converges in two or three steps where the panel is short enough. */
+enum { NEWTON_STEPS = 12 };
+static const double NEWTON_PART = 1e-14; /* of the spring or of its change, where the steps end */
+
+static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NODES])
+{
+    for (int step = 0; step < NEWTON_STEPS; ++step) {
+        double m[UNKNOWNS][COLUMN] = {{0.0}};
+        double by[COLUMN] = {0.0};
+        int pivot[UNKNOWNS];
+        const struct dense_matrix matrix = {UNKNOWNS, COLUMN, &m[0][0], pivot};
+        put_equations(p, x, m, by);
+        if (!dense_lu_factor(matrix)) {
+            return false;
+        }
+        dense_lu_solve(matrix, by);
+        double change = 0.0;
+        double size = vec3_norm(p->start);
+        for (int i = 0; i < GAUSS_NODES; ++i) {
+            const struct vec3 d = vec3_make(by[3 * i], by[3 * i + 1], by[3 * i + 2]);
+            x[i] = vec3_add(x[i], d);
+            change = fmax(change, vec3_norm(d));
+            size = fmax(size, vec3_norm(x[i]));
+        }
+        if (!(change <= (double)INFINITY)) {
+            return false;
+        }
+        if (change <= NEWTON_PART * size) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* The spring at the nodes, and at the end of the panel. */
+static bool put_springs(const struct prescribed_contact *c, bool graded, struct vec3 start,
+                        struct panel *panel)
+{
+    struct spring_problem p = {.law = scene_friction_law(c->v, c->q, c->contact),
+                               .regime = (enum friction_regime)c->q->contact[c->contact].friction_regime,
+                               .start = start};
+    struct vec3 x[GAUSS_NODES];
+    for (int i = 0; i < GAUSS_NODES; ++i) {
+        struct scene_instant at;
+        instant_at(c, panel->node[i].clock, start, &at);
+        p.node[i] =
+            (struct spring_node){.rubbing = {at.normal_force[c->contact], at.turning.slip[c->contact], start},
+                                 .normal = at.geometry[c->contact].normal,
+                                 .normal_rate = turning_normal_rate(c->v, c->q, &at, c->contact),
+                                 .factor = (panel->to - panel->from) * gauss_place(i, graded).factor};
+        x[i] = start;
+    }
+    if (!solve_spring(&p, x)) {
+        return false;
+    }
+    panel->spring = start;
+    for (int i = 0; i < GAUSS_NODES; ++i) {
+        panel->node[i].spring = x[i];
+        panel->spring =
+            vec3_axpy(panel->spring, 0.5 * GAUSS_WEIGHT[i] * p.node[i].factor, spring_rate_at(&p, i, x[i]));
+    }
+    return true;
+}
+
+#endif
+
+/* Near the touch Hertz's force goes with the power 3/2 of time. A panel at one end of which the depth is less than this
+ * part of the depth in its middle is graded (nodes.h). Elsewhere equal steps converge faster. */
+static const double SHALLOW = 0.1;
+
+static bool wants_grading(const struct prescribed_contact *c, double from, double to)
+{
+    const double clock[3] = {from, 0.5 * (from + to), to};
+    double gap[3];
+    if (!scene_is_hertz(c->v, c->contact)) {
+        return false;
+    }
+    for (int i = 0; i < 3; ++i) {
+        struct scene_instant at;
+        kinematics_at(c, clock[i], &at);
+        gap[i] = at.geometry[c->contact].gap;
+    }
+    return fmax(gap[0], gap[2]) > SHALLOW * gap[1];
+}
+
+/* False where the spring is not found: the panel is too long for it. */
+CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, double from, double to,
+                                        struct vec3 spring, struct panel *panel)
+{
+    const double half = 0.5 * (to - from);
+    const bool graded = wants_grading(c, from, to);
+    *panel = (struct panel){.from = from, .to = to, .spring = spring};
+    for (int i = 0; i < GAUSS_NODES; ++i) {
+        panel->node[i].clock = from + half * gauss_place(i, graded).at;
+        panel->node[i].spring = spring;
+    }
+#if SCENE_ANY_ELASTIC_FRICTION
+    if (contact_rubs_elastically(c->v, c->contact) && !put_springs(c, graded, spring, panel)) {
+        return false;
+    }
+#endif
+    for (int i = 0; i < GAUSS_NODES; ++i) {
+        struct scene_instant at;
+        double rate[TERMS];
+        double scale[TERMS];
+        double lever[TERMS];
+        const double weight = half * GAUSS_WEIGHT[i] * gauss_place(i, graded).factor;
+        instant_at(c, panel->node[i].clock, panel->node[i].spring, &at);
+        rates_at(c, &at, rate, scale, lever);
+        for (int k = 0; k < TERMS; ++k) {
+            panel->sum[k] += weight * rate[k];
+            panel->size[k] += weight * scale[k];
+            panel->lever[k] += weight * lever[k];
+        }
+        panel->node[i].normal = at.geometry[c->contact].normal;
+#if SCENE_ANY_TURNING
+        panel->node[i].slip = at.turning.slip[c->contact];
+        panel->slipped += weight * vec3_norm(panel->node[i].slip);
+#endif
+    }
+    counter_add(&c->q->counters.force_evaluations, GAUSS_NODES);
+    return true;
+}
+
+#if SCENE_ANY_TURNING
+
+/*
+ * The regimes of law and friction of a contact that turns or rubs: which they are as it begins, the event functions
+ * that end them, and what follows each event. Between two events nothing changes them, so that all forces are smooth
+ * there.
+ */
+
+/* The law's event (contact/law.h); friction ends or begins under a dashpot that pulls, reaches its largest force or
+ * leaves it, sticks or breaks away (contact/friction.h). */
+enum regime_event { EVENT_LAW, EVENT_LIFT, EVENT_CAP, EVENT_STICK, REGIME_EVENTS };
+
+/* Event functions, positive within the regimes, and what rounding makes of them. */
+struct margins {
+    double value[REGIME_EVENTS];
+    double noise[REGIME_EVENTS];
+};
+
+static struct vec3 spring_of(const struct scene_state *q, int contact)
+{
+#if SCENE_ANY_FRICTION
+    return q->turning.spring[contact];
+#else
+    (void)q, (void)contact;
+    return vec3_make(0.0, 0.0, 0.0);
+#endif
+}
+
+static void margins_at(const struct prescribed_contact *c, double clock, struct vec3 spring,
+                       struct margins *margins);
+
+/* The first event whose function is below zero by more than rounding, of friction below what it was at `start` too;
+ * REGIME_EVENTS: none is. */
+static enum regime_event event_passed(const struct margins *now, const struct margins *start);
+
+/* The regimes and the spring after an event at an instant. What sticks again keeps the spring that sliding had. */
+static void take_regime_event(const struct prescribed_contact *c, double clock, struct vec3 spring,
+                              enum regime_event event);
+
+static double event_rounding(const struct prescribed_contact *c, const struct contact_law *law,
+                             enum contact_regime regime, const struct scene_instant *at)
+{
+    const struct contact_geometry *g = &at->geometry[c->contact];
+    const struct contact_slopes slopes = contact_event_slopes(law, regime, g->gap, g->gap_rate);
+    return rounding_of_event(c->v, law, &slopes, at, c->contact, 0.0);
+}
+
+#if SCENE_ANY_FRICTION
+
+static const struct vec3 NO_SPRING = {0.0, 0.0, 0.0};
+
+static void rub_with(const struct prescribed_contact *c, enum friction_regime regime, struct vec3 spring)
+{
+    c->q->contact[c->contact].friction_regime = (int32_t)regime;
+    c->q->turning.spring[c->contact] = spring;
+}
+
+/* Where no force tells how long the spring is: of the source's radius. */
+static const double FIRST_LENGTH = 1e-4;
+
+/* Of sliding without a dashpot the state is the spring's direction; it begins with that of the slip. */
+static struct vec3 first_spring(const struct prescribed_contact *c, const struct friction_law *law,
+                                const struct scene_instant *at)
+{
+    const struct vec3 slip = at->turning.slip[c->contact];
+    const double speed = vec3_norm(slip);
+    if (law->damping > 0.0 || !(speed > 0.0)) {
+        return NO_SPRING;
+    }
+    const double limit = friction_limit(law, FRICTION_SLIDING, at->normal_force[c->contact]);
+    const double length = fmin(limit, law->largest) / law->stiffness;
+    const double least = FIRST_LENGTH * body_radius(c->v, contact_source(c->contact));
+    return vec3_scale(fmax(length, least) / speed, slip);
+}
+
+/* Whether the dashpot may pull while the bodies overlap: F_n is then the law's push, and changes its sign. */
+static bool may_pull(const struct contact_law *law)
+{
+    return law->dashpot == DASHPOT_UNCLAMPED && !contact_is_elastic(law);
+}
+
+/* Friction begins at an instant, its spring at rest. A force that only rounding keeps from being above zero
+ * slides. */
+static void start_friction(const struct prescribed_contact *c, double clock)
+{
+    const int j = c->contact;
+    struct scene_instant at;
+    const struct friction_law law = scene_friction_law(c->v, c->q, j);
+    const struct contact_law normal = scene_contact_law(c->v, c->q, j);
+    rub_with(c, FRICTION_STICKING, NO_SPRING);
+    instant_at(c, clock, NO_SPRING, &at);
+    const double force = may_pull(&normal) ? at.normal_force[j] : fmax(at.normal_force[j], 0.0);
+    const double rate = turning_normal_force_rate(c->v, c->q, clock, &at, j);
+    enum friction_regime next = friction_onset_regime(&law, force, rate, at.turning.slip[j]);
+    next = force < 0.0 ? FRICTION_LIFTED : next;
+    const bool slides = next == FRICTION_SLIDING || next == FRICTION_CAPPED;
+    rub_with(c, next, law.kind == FRICTION_ELASTIC && slides ? first_spring(c, &law, &at) : NO_SPRING);
+}
+
+/* As the regime of the law begins at an instant. */
+static void friction_from(const struct prescribed_contact *c, double clock)
+{
+    if (contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact)) {
+        start_friction(c, clock);
+    } else {
+        rub_with(c, FRICTION_LIFTED, NO_SPRING);
+    }
+}
+
+/* The part of what a friction's event function is a difference of that is rounding. */
+static const double MARGIN_ROUNDING = 1e-13;
+
+static void put_margin(struct margins *margins, enum regime_event event, double value, double noise)
+{
+    margins->value[event] = value;
+    margins->noise[event] = noise;
+}
+
+static void friction_margins(const struct prescribed_contact *c, double clock, const struct scene_instant *at,
+                             struct margins *margins)
+{
+    const int j = c->contact;
+    const struct friction_law law = scene_friction_law(c->v, c->q, j);
+    const enum friction_regime regime = (enum friction_regime)c->q->contact[j].friction_regime;
+    const struct friction_state rubbing = turning_rubbing(&c->q->turning, at, j);
+    const double force = fabs(at->normal_force[j]);
+    const double force_noise = rounding_of_force(c->v, c->q, at, j) + MARGIN_ROUNDING * force;
+    struct contact_law pull = scene_contact_law(c->v, c->q, j);
+    if (may_pull(&pull)) {
+        const struct contact_geometry *g = &at->geometry[j];
+        const double push = contact_push(&pull, g->gap, g->gap_rate);
+        pull.dashpot = DASHPOT_NON_ADHESIVE; /* whose event it is that the push ends */
+        put_margin(margins, EVENT_LIFT, friction_lift_event(&law, regime, push),
+                   event_rounding(c, &pull, REGIME_COMPRESSION, at));
+    }
+    put_margin(margins, EVENT_CAP, friction_cap_event(&law, regime, at->normal_force[j]),
+               law.coefficient * force_noise);
+    if (law.kind == FRICTION_ELASTIC) {
+        const double rate = turning_normal_force_rate(c->v, c->q, clock, at, j);
+        const bool by_speed = law.damping == 0.0 && regime != FRICTION_STICKING;
+        const double scale = by_speed ? vec3_norm(rubbing.slip) : law.static_coefficient * force;
+        put_margin(margins, EVENT_STICK, friction_stick_event(&law, regime, rubbing, rate),
+                   MARGIN_ROUNDING * scale);
+    }
+}
+
+/* At a corner of the force the slip may no longer stretch the spring, or the spring may be too long. One
+ * event at most follows. */
+static void reconsider_friction(const struct prescribed_contact *c, double clock)
+{
+    struct margins margins;
+    const struct vec3 spring = c->q->turning.spring[c->contact];
+    margins_at(c, clock, spring, &margins);
+    const enum regime_event event = event_passed(&margins, NULL);
+    if (event > EVENT_LAW && event < REGIME_EVENTS) {
+        take_regime_event(c, clock, spring, event);
+    }
+}
+
+static void take_friction_event(const struct prescribed_contact *c, double clock, struct vec3 spring,
+                                enum regime_event event)
+{
+    const int j = c->contact;
+    struct scene_instant at;
+    const struct friction_law law = scene_friction_law(c->v, c->q, j);
+    const enum friction_regime before = (enum friction_regime)c->q->contact[j].friction_regime;
+    instant_at(c, clock, spring, &at);
+    if (event == EVENT_LIFT && before == FRICTION_LIFTED) {
+        start_friction(c, clock);
+    } else if (event == EVENT_LIFT) {
+        rub_with(c, FRICTION_LIFTED, NO_SPRING);
+    } else if (event == EVENT_CAP) {
+        rub_with(c, before == FRICTION_CAPPED ? FRICTION_SLIDING : FRICTION_CAPPED, spring);
+    } else if (before == FRICTION_STICKING) {
+        rub_with(c, friction_sliding_regime(&law, at.normal_force[j]), spring);
+    } else {
+        rub_with(c, FRICTION_STICKING,
+                 friction_spring(&law, before, turning_rubbing(&c->q->turning, &at, j)));
+    }
+}
+
+/* After the law's event: friction ends with the force, begins with it, and may stick at its corner. */
+static void follow_law(const struct prescribed_contact *c, double clock, enum contact_regime before)
+{
+    if (!contact_rubs(c->v, c->contact)) {
+        return;
+    }
+    if (before == REGIME_SEPARATING || !contact_transmits(c->q, c->contact)) {
+        friction_from(c, clock);
+    } else {
+        reconsider_friction(c, clock);
+    }
+}
+
+static void lay_spring(const struct prescribed_contact *c)
+{
+    struct scene_instant at;
+    struct vec3 *spring = &c->q->turning.spring[c->contact];
+    instant_at(c, c->q->clock, *spring, &at);
+    const struct vec3 n = at.geometry[c->contact].normal;
+    *spring = vec3_axpy(*spring, -vec3_dot(*spring, n), n);
+}
+
+void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q)
+{
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        lay_spring(&(struct prescribed_contact){v, q, j});
+    }
+}
+
+#endif
+
+static void margins_at(const struct prescribed_contact *c, double clock, struct vec3 spring,
+                       struct margins *margins)
+{
+    struct scene_instant at;
+    const struct contact_law law = scene_contact_law(c->v, c->q, c->contact);
+    for (int i = 0; i < REGIME_EVENTS; ++i) {
+        margins->value[i] = 1.0;
+        margins->noise[i] = 0.0;
+    }
+    instant_at(c, clock, spring, &at);
+    if (contact_has_events(&law)) {
+        const struct contact_geometry *g = &at.geometry[c->contact];
+        margins->value[EVENT_LAW] = contact_event(&law, regime_of(c), g->gap, g->gap_rate);
+        margins->noise[EVENT_LAW] = event_rounding(c, &law, regime_of(c), &at);
+    }
+#if SCENE_ANY_FRICTION
+    if (contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact)) {
+        friction_margins(c, clock, &at, margins);
+    }
+#endif
+}
+
+static enum regime_event event_passed(const struct margins *now, const struct margins *start)
+{
+    for (int i = 0; i < REGIME_EVENTS; ++i) {
+        /* the law's may jump, in the centre, so that it starts below zero on the other side */
+        const double floor = start && i != EVENT_LAW ? fmin(start->value[i], 0.0) : 0.0;
+        if (now->value[i] < floor - now->noise[i]) {
+            return (enum regime_event)i;
+        }
+    }
+    return REGIME_EVENTS;
+}
+
+static void take_regime_event(const struct prescribed_contact *c, double clock, struct vec3 spring,
+                              enum regime_event event)
+{
+    const enum contact_regime before = regime_of(c);
+    if (event == EVENT_LAW) {
+        const struct contact_law law = scene_contact_law(c->v, c->q, c->contact);
+        c->q->contact[c->contact].regime = (int32_t)contact_regime_after(&law, before);
+    }
+#if SCENE_ANY_FRICTION
+    if (event == EVENT_LAW) {
+        follow_law(c, clock, before);
+    } else {
+        take_friction_event(c, clock, spring, event);
+    }
+#else
+    (void)clock, (void)spring;
+#endif
+}
+
+/* The regimes from the touch on, and after the parting. */
+static void begin_regimes(const struct prescribed_contact *c, double clock)
+{
+    struct scene_instant at;
+    struct contact_state *state = &c->q->contact[c->contact];
+    kinematics_at(c, clock, &at);
+    (void)onset_note(c->v, c->q, &at, c->contact, scene_regime_of_touching(c->v, c->q, &at, c->contact));
+    state->regime = (int32_t)scene_regime_of_touching(c->v, c->q, &at, c->contact);
+#if SCENE_ANY_FRICTION
+    friction_from(c, clock);
+#endif
+}
+
+static void end_regimes(const struct prescribed_contact *c)
+{
+    c->q->contact[c->contact].regime = (int32_t)REGIME_APART;
+#if SCENE_ANY_FRICTION
+    rub_with(c, FRICTION_STICKING, NO_SPRING);
+#endif
+}
+
+#if !SCENE_ANY_FREE
+/* Puts the regimes to what the present asks for: at the start, and after inputs have jumped. */
+static void settle_regimes(const struct scene_values *v, struct scene_state *q, int contact)
+{
+    struct scene_instant at;
+    const struct prescribed_contact c = {v, q, contact};
+    const enum contact_regime before = regime_of(&c);
+    kinematics_at(&c, q->clock, &at);
+    const enum contact_regime next = onset_note(v, q, &at, contact, scene_regime(v, q, &at, contact));
+    q->contact[contact].regime = (int32_t)next;
+    if (next == REGIME_APART) {
+        end_regimes(&c);
+        return;
+    }
+#if SCENE_ANY_FRICTION
+    if (before != REGIME_APART) {
+        lay_spring(&c);
+    }
+    if (before == REGIME_APART || (contact_rubs(v, contact) && !contact_rubs_elastically(v, contact))) {
+        friction_from(&c, q->clock);
+    } else {
+        follow_law(&c, q->clock, before);
+    }
+#else
+    (void)before;
+#endif
+}
+#endif
+
+#endif
+
+/* A panel and its halves agree to this part of what they are summed up of. The halves are a thousand times better. */
+static const double PANELS_AGREE = 1e-12;
+/* Where the normal reverses in the centre the force jumps. That is not located but ends in panels so short that they
+ * make no more than this part of the whole span. */
+static const double JUMPS_AGREE = 1e-14;
+#if SCENE_ANY_TURNING
+/* The integral of the law's event function agrees so closely that its changes of sign show at the nodes. */
+static const double EVENTS_AGREE = 1e-6;
+#endif
+
+/* The cosine of the largest rotation of n between an end of a panel and the node next to it, 0.5 rad. Where it turns
+ * further it may reverse, in the centre. */
+static const double LARGEST_TURN_COSINE = 0.88;
+
+#if SCENE_ANY_FRICTION
+/* In characteristic slip velocities: so fast a slip leaves nothing of exp(-|v_t|/v_0); the change of the slip
+ * within which an interpolation follows that; so slow that friction is proportional to the slip. */
+static const double SATURATED = 40.0, FOLLOWED = 2.0, PROPORTIONAL = 1e-6;
+
+/* Regularized friction reverses with the slip within a layer that ends with exp(-|v_t|/v_0) and has a corner
+ * of its slope in the middle. */
+static bool sees_layer(const struct span *s, struct vec3 slip, struct vec3 next)
+{
+    const double unit = scene_friction_law(s->c.v, s->c.q, s->c.contact).slip_velocity;
+    const double speed = vec3_norm(slip);
+    if (s->elastic || !contact_rubs(s->c.v, s->c.contact)) {
+        return true;
+    }
+    if (vec3_dot(slip, next) < 0.0) {
+        return fmax(speed, vec3_norm(next)) <= PROPORTIONAL * unit;
+    }
+    return speed > SATURATED * unit || vec3_norm(vec3_sub(next, slip)) <= FOLLOWED * unit;
+}
+#endif
+
+/* Whether the nodes see what may happen on the way from an end of a panel to the node next to it. Where the bodies are
+ * concentric, to rounding, n has no meaning. */
+static bool sees_end(const struct span *s, const struct scene_instant *at, const struct panel *panel,
+                     int node)
+{
+    const int j = s->c.contact;
+    const struct contact_geometry *g = &at->geometry[j];
+    const bool has_direction = !g->degenerate && fabs(g->distance) > rounding_of_gap(s->c.v, at, j);
+    const double cosine = vec3_dot(g->normal, panel->node[node].normal);
+    if (has_direction && !(cosine > LARGEST_TURN_COSINE)) {
+        return false;
+    }
+#if SCENE_ANY_FRICTION
+    return sees_layer(s, at->turning.slip[j], panel->node[node].slip);
+#else
+    return true;
+#endif
+}
+
+/* Near the centre n may be rounding at one end of both panels: the bound of the other end then holds for nearly all of
+ * the time between. */
+static bool panels_agree(const struct span *s, const struct panel *whole, const struct panel *left,
+                         const struct panel *right)
+{
+    struct scene_instant at[3];
+    instant_at(&s->c, left->from, left->spring, &at[0]);
+    instant_at(&s->c, left->to, left->spring, &at[1]);
+    instant_at(&s->c, right->to, right->spring, &at[2]);
+    const double noise = fmin(rounding_of_force(s->c.v, s->c.q, &at[0], s->c.contact),
+                              rounding_of_force(s->c.v, s->c.q, &at[2], s->c.contact));
+    for (int k = 0; k < TERMS; ++k) {
+        const double size = left->size[k] + right->size[k];
+        double allowed = PANELS_AGREE * size + noise * whole->lever[k] + JUMPS_AGREE * s->size[k] + DBL_MIN;
+#if SCENE_ANY_TURNING
+        allowed = k == TERM_EVENT ? EVENTS_AGREE * size + DBL_MIN : allowed;
+#endif
+        if (!(fabs(left->sum[k] + right->sum[k] - whole->sum[k]) <= allowed)) {
+            return false;
+        }
+    }
+    const double way = vec3_norm(right->spring) + left->slipped + right->slipped;
+    return (!s->elastic ||
+            vec3_norm(vec3_sub(right->spring, whole->spring)) <= 4.0 * PANELS_AGREE * way + DBL_MIN) &&
+           sees_end(s, &at[0], left, 0) && sees_end(s, &at[1], left, GAUSS_NODES - 1) &&
+           sees_end(s, &at[1], right, 0) && sees_end(s, &at[2], right, GAUSS_NODES - 1);
+}
+
+/* The quadrature resolves a panel by five nodes each half: no quantity has two extrema within a quarter. */
+enum { PANEL_PARTS = 4 };
+
+static void note_peaks_between(const struct span *s, double from, double to)
+{
+    struct scene_output output = {.values = s->c.v, .state = s->c.q, .contact = s->c.contact};
+    scene_output_note_peaks(&output, from, to, PANEL_PARTS, &s->c.q->contact[s->c.contact].peaks);
+    counter_add(&s->c.q->counters.force_evaluations, PANEL_PARTS + 1);
+}
+
+static void add_sums(struct span *s, const struct panel *panel)
+{
+    for (int k = 0; k < TERMS; ++k) {
+        s->sum[k] += panel->sum[k];
+        s->size[k] += panel->size[k];
+    }
+    s->spring = panel->spring;
+}
+
+#if SCENE_ANY_TURNING
+
+/* The spring lies across the normal. */
+static void lay_present_spring(struct span *s, double clock)
+{
+    struct scene_instant at;
+    instant_at(&s->c, clock, s->spring, &at);
+    const struct vec3 n = at.geometry[s->c.contact].normal;
+    s->spring = vec3_axpy(s->spring, -vec3_dot(s->spring, n), n);
+}
+
+/* A place of a panel, and the event functions there. */
+struct place {
+    double clock;
+    struct margins at;
+};
+
+/* Of both halves of a panel: the start, the nodes and the end. */
+enum { PANEL_PLACES = 2 * GAUSS_NODES + 2 };
+
+static void put_place(const struct span *s, double clock, struct vec3 spring, struct place *place)
+{
+    place->clock = clock;
+    margins_at(&s->c, clock, spring, &place->at);
+}
+
+/* An event function without a spring, for root_lowest. */
+struct dip {
+    const struct span *span;
+    int event;
+};
+
+static void dip_at(const void *data, double clock, double *value, double *slope)
+{
+    const struct dip *dip = data;
+    struct margins at;
+    margins_at(&dip->span->c, clock, dip->span->spring, &at);
+    *value = at.value[dip->event];
+    *slope = (double)NAN; /* not needed */
+}
+
+/* Whether one of those falls below zero between three places, and to where from the first. */
+static bool finds_dip(const struct span *s, const struct place place[3], double *after)
+{
+    for (int event = 0; event < EVENT_STICK; ++event) {
+        const struct dip dip = {s, event};
+        struct root_place of[3];
+        for (int i = 0; i < 3; ++i) {
+            of[i] = (struct root_place){place[i].clock, place[i].at.value[event]};
+        }
+        if (root_may_dip(of)) {
+            struct margins low;
+            *after = root_lowest(dip_at, &dip, of);
+            margins_at(&s->c, *after, s->spring, &low);
+            if (low.value[event] < -low.noise[event]) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* The first two places of both halves of a panel between which a regime ends; false: none. */
+static bool finds_event(const struct span *s, const struct panel *left, const struct panel *right,
+                        struct place *start, double *before, double *after)
+{
+    struct place place[PANEL_PLACES];
+    int count = 1;
+    put_place(s, left->from, s->spring, &place[0]);
+    for (int i = 0; i < 2 * GAUSS_NODES; ++i) {
+        const struct panel *half = i < GAUSS_NODES ? left : right;
+        put_place(s, half->node[i % GAUSS_NODES].clock, half->node[i % GAUSS_NODES].spring, &place[count++]);
+    }
+    put_place(s, right->to, right->spring, &place[count++]);
+    *start = place[0];
+    for (int i = 1; i < count; ++i) {
+        *before = place[i - 1].clock;
+        *after = place[i].clock;
+        if (event_passed(&place[i].at, &start->at) != REGIME_EVENTS) {
+            return true;
+        }
+        if (i + 1 < count && finds_dip(s, &place[i - 1], after)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Halves the bracket of an event that is between `before` and `after` until the clock is known to rounding;
+ * the panel that ends there, just past the event, and which event it is. */
+static bool panel_to_event(const struct span *s, const struct place *start, double before, double after,
+                           struct panel *panel, enum regime_event *event)
+{
+    const struct vec3 first = s->spring;
+    struct margins now;
+    panel->spring = first;
+    while (after - before > 4.0 * DBL_EPSILON * fabs(after)) {
+        const double middle = 0.5 * (before + after);
+        if (!(middle > before && middle < after) ||
+            (s->elastic && !panel_make(&s->c, start->clock, middle, first, panel))) {
+            break;
+        }
+        margins_at(&s->c, middle, panel->spring, &now);
+        *(event_passed(&now, &start->at) != REGIME_EVENTS ? &after : &before) = middle;
+    }
+    if (!panel_make(&s->c, start->clock, after, first, panel)) {
+        return false;
+    }
+    margins_at(&s->c, after, panel->spring, &now);
+    *event = event_passed(&now, &start->at);
+    return *event != REGIME_EVENTS;
+}
+
+/* Where an event ends a regime in one of two panels: integrates up to it and changes the regime. Returns
+ * whether there is one. */
+static bool passes_event(struct span *s, const struct panel *left, const struct panel *right, double *clock)
+{
+    struct panel panel;
+    struct place start;
+    double before;
+    double after;
+    enum regime_event event;
+    const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
+    if (!(contact_has_events(&law) || contact_rubs(s->c.v, s->c.contact)) ||
+        !finds_event(s, left, right, &start, &before, &after) ||
+        !panel_to_event(s, &start, before, after, &panel, &event)) {
+        return false;
+    }
+    add_sums(s, &panel);
+    note_peaks_between(s, panel.from, panel.to);
+    lay_present_spring(s, panel.to);
+    take_regime_event(&s->c, panel.to, s->spring, event);
+    s->spring = spring_of(s->c.q, s->c.contact);
+    counter_add(&s->c.q->counters.events, 1);
+    *clock = panel.to;
+    return true;
+}
+
+#endif
+
+/* Adds the integrals from one clock to another, between which the bodies touch; returns the clock reached, before `end`
+ * where no panels are left. */
+static double integrate_between(struct span *s, double from, double end)
+{
+    double clock = from;
+    double width = end - from;
+    while (clock < end) {
+        if (*s->panels < s->panel_cost) {
+            return clock;
+        }
+        *s->panels -= s->panel_cost;
+        const double to = width < end - clock ? clock + width : end;
+        const double middle = 0.5 * (clock + to);
+        const bool divides = middle > clock && middle < to;
+        struct panel whole;
+        struct panel left;
+        struct panel right;
+        const bool made = panel_make(&s->c, clock, to, s->spring, &whole) &&
+                          panel_make(&s->c, clock, middle, s->spring, &left) &&
+                          panel_make(&s->c, middle, to, left.spring, &right);
+        if (divides && (!made || !panels_agree(s, &whole, &left, &right))) {
+            width = 0.5 * (to - clock);
+            continue;
+        }
+        width *= 2.0;
+#if SCENE_ANY_TURNING
+        if (s->turns && made && divides && passes_event(s, &left, &right, &clock)) {
+            continue;
+        }
+#endif
+        if (made) { /* else one rounding of the clock, in which no force adds up to anything */
+            add_sums(s, &left);
+            add_sums(s, &right);
+            note_peaks_between(s, clock, to);
+#if SCENE_ANY_TURNING
+            if (s->turns) {
+                lay_present_spring(s, to);
+            }
+#endif
+        }
+        clock = to;
+    }
+    return clock;
+}
+
+static struct span span_of(const struct scene_values *v, struct scene_state *q, int contact, double length,
+                           long *panels)
+{
+    return (struct span){.c = {v, q, contact},
+                         .length = length,
+                         .turns = scene_turns(v),
+                         .elastic = contact_rubs_elastically(v, contact),
+                         .panels = panels,
+                         .panel_cost = 1};
+}
+
+static struct vec3 vector_from(const double *a)
+{
+    return vec3_make(a[0], a[1], a[2]);
+}
+
+/* Adds impulses and energies to those of the scene. Scenes without a free body keep means over the span. */
+static void book_span(const struct span *s)
+{
+    struct scene_state *q = s->c.q;
+    struct contact_state *state = &q->contact[s->c.contact];
+    const struct vec3 force = vector_from(s->sum + TERM_FORCE);
+#if SCENE_ANY_FREE
+    state->physics.impulse = vec3_add(state->physics.impulse, force);
+    q->dissipated += s->sum[TERM_DISSIPATED];
+    q->external_work += s->sum[TERM_WORK];
+#else
+    state->mean_force = vec3_scale(1.0 / s->length, force);
+#endif
+#if SCENE_ANY_TURNING
+    struct contact_torques *torques = &state->torques;
+    const struct vec3 source = vector_from(s->sum + TERM_SOURCE_TORQUE);
+    const struct vec3 destination = vector_from(s->sum + TERM_DESTINATION_TORQUE);
+#if SCENE_ANY_FREE
+    torques->source_impulse = vec3_add(torques->source_impulse, source);
+    torques->destination_impulse = vec3_add(torques->destination_impulse, destination);
+    q->friction_energy += s->sum[TERM_FRICTION];
+#else
+    torques->source_mean = vec3_scale(1.0 / s->length, source);
+    torques->destination_mean = vec3_scale(1.0 / s->length, destination);
+#endif
+#endif
+#if SCENE_ANY_FRICTION
+    if (s->turns) {
+        q->turning.spring[s->c.contact] = s->spring;
+    }
+#endif
+}
+
+#if SCENE_ANY_FREE
+
+static bool is_prescribed_touch(const struct scene_values *v, const struct scene_state *q, int contact)
+{
+    return contact_is_driven(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
+}
+
+/* Books the integrals of all prescribed contacts; of none where the panels run out before `end`. Returns the clock
+ * reached. */
+static double integrate_contacts(const struct scene_values *v, struct scene_state *q, double end,
+                                 long *panels)
+{
+    struct span span[SCENE_CONTACTS];
+    struct contact_peaks before[SCENE_CONTACTS];
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        before[j] = q->contact[j].peaks;
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (is_prescribed_touch(v, q, j)) {
+            span[j] = span_of(v, q, j, end - q->clock, panels);
+            const double reached = integrate_between(&span[j], q->clock, end);
+            if (reached < end) {
+                for (int i = 0; i <= j; ++i) {
+                    q->contact[i].peaks = before[i];
+                }
+                return reached;
+            }
+        }
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (is_prescribed_touch(v, q, j)) {
+            book_span(&span[j]);
+        }
+    }
+    return end;
+}
+
+/* Where the panels run out within one contact, all begin again and go as far as that one has come. */
+double prescribed_integrate(const struct scene_values *v, struct scene_state *q, double end, long *budget)
+{
+    const long allowed = *budget < PRESCRIBED_PANELS ? *budget : PRESCRIBED_PANELS;
+    long panels = allowed;
+    const double reached = integrate_contacts(v, q, end, &panels);
+    *budget -= allowed - panels;
+    if (!(reached < end)) {
+        return end;
+    }
+    panels = PRESCRIBED_PANELS;
+    return integrate_contacts(v, q, reached, &panels) < reached ? q->clock : reached;
+}
+
+#endif
+
+#if SCENE_ANY_TURNING
+
+static struct axis_motion axis_from(const struct span *s, const struct scene_instant *at, double clock)
+{
+    const int destination = contact_destination(s->c.contact);
+    const struct vec3 axis = at->turning.axis[s->c.contact];
+#if SCENE_ANY_ROTATION
+    if (body_turn_is_prescribed(s->c.v, destination) && body_shape(destination) != SHAPE_SPHERE) {
+        struct body_path path = s->c.q->path[destination];
+        path_shift(path.angular_velocity, 3, clock);
+        path_shift(path.axis, 3, clock);
+        return path.turn_follows == TURN_FOLLOWS_VELOCITY ? axis_motion_driven(axis, path.angular_velocity, 3)
+                                                          : axis_motion_following(path.axis, 3);
+    }
+#else
+    (void)destination, (void)clock;
+#endif
+    return axis_motion_fixed(axis);
+}
+
+/* The motion from a clock on. */
+static struct tumbling_path path_from(const struct span *s, double clock)
+{
+    struct scene_instant at;
+    kinematics_at(&s->c, clock, &at);
+    const struct separation_path separation = separation_path_of(s->c.v, s->c.q, &at, clock, s->c.contact);
+    struct tumbling_path path = {.shape = scene_contact_shape_at(s->c.v, s->c.q, &at, s->c.contact),
+                                 .axis = axis_from(s, &at, clock),
+                                 .rounding = rounding_of_gap(s->c.v, &at, s->c.contact)};
+    for (int i = 0; i < TUMBLING_TERMS; ++i) {
+        path.c[i] = separation.c[i];
+    }
+    return path;
+}
+
+/* So many evaluations of the gap in search of touches and partings, some tenths of a second; some dozens are
+ * usual. */
+static const long SEARCH_BUDGET = 1000000;
+
+/* The clock of the next change, `end` where there is none. False where that is not found out. */
+static bool finds_change(const struct span *s, double clock, double end, enum tumbling_change change,
+                         double *next)
+{
+    const struct tumbling_path path = path_from(s, clock);
+    if (*s->evaluations <= 0) {
+        return false;
+    }
+    const struct tumbling_result found = tumbling_first(&path, change, end - clock, *s->evaluations);
+    *s->evaluations -= found.evaluations;
+    *next = found.after < end - clock ? clock + found.after : end;
+    return *next < end || !(found.searched < end - clock);
+}
+
+static void begin_contact(struct span *s, double clock)
+{
+    struct scene_state *q = s->c.q;
+    begin_regimes(&s->c, clock);
+    s->spring = spring_of(q, s->c.contact);
+#if SCENE_ANY_FREE
+    struct contact_record *record = &q->contact[s->c.contact].record;
+    counter_add(&record->onsets, 1);
+    record->onset_time = q->base + (q->base_tail + clock);
+    record->touch_clock = clock;
+#endif
+    counter_add(&q->counters.events, 1);
+}
+
+static void end_contact(struct span *s, double clock)
+{
+    end_regimes(&s->c);
+#if SCENE_ANY_FREE
+    struct contact_record *record = &s->c.q->contact[s->c.contact].record;
+    record->last_duration = clock - record->touch_clock;
+#else
+    (void)clock;
+#endif
+    counter_add(&s->c.q->counters.events, 1);
+}
+
+/* What a finite cylinder's end or a jump leaves of the stored energy is dissipated, and what it brings is gained. */
+static void book_stored(struct span *s, double clock, double sign)
+{
+    if (SCENE_ANY_FREE) {
+        struct scene_instant at;
+        const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
+        kinematics_at(&s->c, clock, &at);
+        const double gap = fmin(at.geometry[s->c.contact].gap, 0.0);
+        s->sum[TERM_DISSIPATED] += sign * contact_stored_energy(&law, REGIME_COMPRESSION, gap);
+    }
+}
+
+/* Goes from touch to parting to touch where something turns or rubs. */
+static bool integrate_located(struct span *s)
+{
+    struct scene_state *q = s->c.q;
+    const int j = s->c.contact;
+    const double end = q->clock + s->length;
+    double clock = q->clock;
+    s->spring = spring_of(q, j);
+    while (clock < end) {
+        const bool touches = q->contact[j].regime != (int32_t)REGIME_APART;
+        double next;
+        if ((*s->panels)-- <= 0 || /* any number of changes ends */
+            !finds_change(s, clock, end, touches ? TUMBLING_PARTING : TUMBLING_TOUCH, &next) ||
+            (touches && integrate_between(s, clock, next) < next)) {
+            return false;
+        }
+        if (next < end && touches) {
+            book_stored(s, next, 1.0);
+            end_contact(s, next);
+        } else if (next < end) {
+            begin_contact(s, next);
+            book_stored(s, next, -1.0);
+        }
+        clock = next;
+    }
+    return true;
+}
+
+/* So many steps of turning_prescribed_steps in all of its evaluations take as long as a panel does else. */
+static const double STEPS_OF_PANEL = 5.0;
+
+#endif
+
+#if !SCENE_ANY_FREE
+
+/*
+ * A scene without a free body: regimes and forces of the present, and communication steps in which nothing turns or
+ * rubs. Places are parts of the step, from 0 to 1.
+ */
+
+static void book_mean(struct contact_state *state, struct vec3 force, struct vec3 torque)
+{
+    state->mean_force = force;
+#if SCENE_HAS_TORQUES
+    state->torques.destination_mean = torque;
+#else
+    (void)torque;
+#endif
+}
+
+void prescribed_settle(const struct scene_values *v, struct scene_state *q)
+{
+    struct scene_instant at;
+    scene_kinematics_now(v, q, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+#if SCENE_ANY_TURNING
+        if (scene_turns(v)) {
+            settle_regimes(v, q, j);
+            continue;
+        }
+#endif
+        q->contact[j].regime = (int32_t)onset_note(v, q, &at, j, scene_regime(v, q, &at, j));
+    }
+}
+
+void prescribed_begin(const struct scene_values *v, struct scene_state *q)
+{
+    struct scene_instant at;
+    prescribed_settle(v, q);
+    scene_kinematics_now(v, q, &at);
+    scene_forces(v, q, q->clock, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        struct contact_state *state = &q->contact[j];
+        state->peaks = (struct contact_peaks){0.0, 0.0};
+        book_mean(state, vec3_make(0.0, 0.0, 0.0), vec3_make(0.0, 0.0, 0.0));
+        if (state->regime != REGIME_APART) {
+            contact_peaks_note(&state->peaks, at.normal_force[j], -at.geometry[j].gap);
+        }
+    }
+}
+
+static double clock_of(const struct span *s, double place)
+{
+    return s->c.q->clock + place * s->length;
+}
+
+/* The regime of a contact half-way between two places. */
+static enum contact_regime regime_between(const struct span *s, double from, double to)
+{
+    struct scene_instant at;
+    kinematics_at(&s->c, clock_of(s, 0.5 * (from + to)), &at);
+    return scene_regime(s->c.v, s->c.q, &at, s->c.contact);
+}
+
+/* Between two places next to each other at which the law may change, or the gap has an extreme. */
+CONTACT_NOINLINE static bool integrate_regime(struct span *s, double from, double to)
+{
+    const enum contact_regime regime = regime_between(s, from, to);
+    s->c.q->contact[s->c.contact].regime = (int32_t)regime;
+    return regime == REGIME_APART ||
+           !(integrate_between(s, clock_of(s, from), clock_of(s, to)) < clock_of(s, to));
+}
+
+/* The first of ascending places after one, 1 where there is none. */
+static double first_after(const double *places, int count, double from)
+{
+    for (int i = 0; i < count; ++i) {
+        if (places[i] > from) {
+            return places[i];
+        }
+    }
+    return 1.0;
+}
+
+/* Whether the bodies begin to touch between two such places, which gives the law its damping. */
+static bool takes_damping(struct span *s, double from, double to)
+{
+    if (!scene_damps_by_onset(s->c.v, s->c.contact) || regime_of(&s->c) != REGIME_APART) {
+        return false;
+    }
+    struct scene_instant at;
+    const enum contact_regime next = regime_between(s, from, to);
+    instant_at(&s->c, clock_of(s, from), s->spring, &at);
+    s->c.q->contact[s->c.contact].regime = (int32_t)onset_note(s->c.v, s->c.q, &at, s->c.contact, next);
+    return next != REGIME_APART;
+}
+
+/* A part of the step, within which the shape is smooth and has this path. */
+static bool integrate_path(struct span *s, const struct contact_shape *shape,
+                           const struct relative_path *path, double from, double end)
+{
+    const struct extremes extremes = extremes_of(path);
+    double events[MAX_CANDIDATES];
+    int count = -1; /* the law's are not known */
+    while (from < end) {
+        if (count < 0) {
+            const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
+            count = candidates_of_all(path, &extremes, shape, &law, events);
+        }
+        const double next =
+            fmin(first_after(events, count, from), first_after(extremes.at, extremes.count, from));
+        const double to = fmin(next, end);
+        if (takes_damping(s, from, to)) {
+            count = -1;
+        } else if (!integrate_regime(s, from, to)) {
+            return false;
+        } else {
+            from = to;
+        }
+    }
+    return true;
+}
+
+#if SCENE_ANY_CAPS
+
+/* A path changes the regime at a rim a dozen times at most. What changes more often is rounding, and its law is then
+ * looked at in the middle of what is left. */
+enum { MOST_RIM_CHANGES = 100 };
+
+/* A part of the step at a rim, from change to change of the regime. */
+static bool integrate_at_rim(struct span *s, const struct contact_shape *shape,
+                             const struct separation_path *path, double from, double end)
+{
+    const double soon = 1e-9; /* of the part: a place right after its start */
+    for (int changes = 0; from < end; ++changes) {
+        const double after = from + soon * (end - from);
+        const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
+        const struct rim_change change = rim_first_change(
+            shape, &law, path, 0.0, regime_between(s, after, after), from * s->length, end * s->length);
+        const double to = changes < MOST_RIM_CHANGES ? fmin(change.time / s->length, end) : end;
+        if (!(to > from)) {
+            from = after;
+        } else if (!takes_damping(s, from, to)) {
+            if (!integrate_regime(s, from, to)) {
+                return false;
+            }
+            from = to;
+        }
+    }
+    return true;
+}
+
+/* From zone to zone of a capped cylinder. */
+static bool integrate_capped(struct span *s, const struct contact_shape *whole,
+                             const struct separation_path *path)
+{
+    double edges[ZONE_EDGES];
+    const int count = zone_path_edges(&whole->solid, path, s->length, edges);
+    bool done = true;
+    for (double from = 0.0; done && from < 1.0;) {
+        const double to = first_after(edges, count, from);
+        struct scene_instant at;
+        const double within = zone_path_between(&whole->solid, path, s->length, from, to);
+        kinematics_at(&s->c, clock_of(s, within), &at);
+        const struct contact_shape shape = scene_shape_met(s->c.v, s->c.q, &at, s->c.contact);
+        if (contact_is_rim(&shape)) {
+            done = integrate_at_rim(s, &shape, path, from, to);
+        } else {
+            const struct contact_geometry now =
+                contact_geometry_at(&shape, path->c[0], path->w[0], vec3_make(0.0, 0.0, 0.0));
+            const struct relative_path along = relative_path_make(&shape, path, now.gap, s->length);
+            done = integrate_path(s, &shape, &along, from, to);
+        }
+        from = to;
+    }
+    return done;
+}
+#endif
+
+/* A communication step of one contact, from root to root of the polynomials that tell when its law changes. */
+static bool integrate_polynomial(struct span *s)
+{
+    struct scene_instant at;
+    const int j = s->c.contact;
+    struct contact_state *state = &s->c.q->contact[j];
+    scene_kinematics_now(s->c.v, s->c.q, &at);
+    const struct separation_path separation = separation_path_of(s->c.v, s->c.q, &at, s->c.q->clock, j);
+    const struct contact_shape shape = scene_contact_shape(s->c.v, s->c.q, j);
+    if (path_is_steady(separation.c, SEPARATION_DEGREE + 1) &&
+        path_is_steady(separation.w, SEPARATION_DEGREE)) {
+        if (state->regime != (int32_t)REGIME_APART) {
+            scene_forces(s->c.v, s->c.q, s->c.q->clock, &at);
+            book_mean(state, at.source_force[j],
+                      SCENE_HAS_TORQUES ? scene_torque_of_force(&at, j) : vec3_make(0.0, 0.0, 0.0));
+        }
+        return true;
+    }
+    bool done = true;
+#if SCENE_ANY_CAPS
+    if (contact_is_capped(&shape)) {
+        state->peaks = (struct contact_peaks){0.0, 0.0};
+        done = integrate_capped(s, &shape, &separation);
+        book_span(s);
+        return done;
+    }
+#endif
+    const struct relative_path path = relative_path_make(&shape, &separation, at.geometry[j].gap, s->length);
+    if (candidates_least_gap(&path) < 0.0) {
+        state->peaks = (struct contact_peaks){0.0, 0.0};
+        done = integrate_path(s, &shape, &path, 0.0, 1.0);
+        book_span(s);
+    }
+    return done;
+}
+
+#endif
+
+bool prescribed_over(const struct scene_values *v, struct scene_state *q, double length, long panels)
+{
+#if SCENE_ANY_TURNING
+    long evaluations = SEARCH_BUDGET;
+    const double steps = turning_prescribed_steps(v, q, q->clock + length);
+#endif
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        struct span s = span_of(v, q, j, length, &panels);
+        if (!contact_is_driven(v, j)) {
+            continue;
+        }
+#if SCENE_ANY_TURNING
+        if (s.turns) {
+            s.evaluations = &evaluations;
+            s.panel_cost += (long)fmin(steps / STEPS_OF_PANEL, PRESCRIBED_PANELS);
+            if (!integrate_located(&s)) {
+                return false;
+            }
+            book_span(&s);
+            continue;
+        }
+#endif
+#if !SCENE_ANY_FREE
+        if (!integrate_polynomial(&s)) {
+            return false;
+        }
+#endif
+    }
+    return true;
+}
