@@ -255,8 +255,8 @@ static bool synchronized_step_make(struct synchronized_step *all, const struct s
 }
 
 #if SCENE_ANY_PRESCRIBED_CONTACT
-/* Integrates the prescribed contacts to a clock; returns the clock reached. How deep bodies come is looked up apart:
- * a force that is zero has no panels that would show it. */
+/* Integrates the prescribed contacts to a clock; returns the clock reached. How deep bodies come is looked
+ * up apart: a force that is zero has no panels that would show it. */
 static double integrate_prescribed(const struct scene_values *v, struct scene_state *q, double end,
                                    struct advance *step)
 {
@@ -270,7 +270,8 @@ static double integrate_prescribed(const struct scene_values *v, struct scene_st
 }
 #endif
 
-/* Integrates the prescribed contacts over the same time; false where the budget ends the synchronized step early. */
+/* Integrates the prescribed contacts over the same time; false where the budget ends the synchronized step
+ * early. */
 static bool synchronized_step_integrate(struct synchronized_step *all, const struct scene_values *v,
                                         struct scene_state *q, struct advance *step)
 {

@@ -12,18 +12,18 @@
 #include "scene/evaluate.h"
 #include "scene/present.h"
 
-/* One contact. A search evaluates it in regimes and with springs that q does not have yet, so q serves as working
- * memory. */
+/* One contact. A search evaluates it in regimes and with springs that q does not have yet, so q serves as
+ * working memory. */
 struct prescribed_contact {
     const struct scene_values *v;
     struct scene_state *q;
     int contact;
 };
 
-/* The places of the integrals: impulse of the force on the source [N s]; impulses of the torques on source and
- * destination [N m s]; energies that the normal law dissipates, that friction takes, and the work of whoever moves the
- * bodies [J]. The integral of the law's event function tells only whether a panel resolves that function, which may
- * change where no force acts. */
+/* The places of the integrals: impulse of the force on the source [N s]; impulses of the torques on source
+ * and destination [N m s]; energies that the normal law dissipates, that friction takes, and the work of
+ * whoever moves the bodies [J]. The integral of the law's event function tells only whether a panel
+ * resolves that function, which may change where no force acts. */
 enum {
     TERM_FORCE = 0,
     TERM_SOURCE_TORQUE = 3,
@@ -35,8 +35,8 @@ enum {
     TERMS = TERM_EVENT + SCENE_ANY_TURNING
 };
 
-/* The integrals over a stretch of time, and the spring of elastic friction by collocation at the same nodes, which has
- * order ten at the end. */
+/* The integrals over a stretch of time, and the spring of elastic friction by collocation at the same
+ * nodes, which has order ten at the end. */
 struct panel {
     double from, to;     /* clocks [s] */
     double sum[TERMS];   /* the integrals */
@@ -94,8 +94,8 @@ static void put_vector(double *out, struct vec3 a)
     out[2] = a.z;
 }
 
-/* The torques and what friction takes, with the length of both arms [m]. Returns the speeds that the bodies' rotations
- * give the arms [m/s]. */
+/* The torques and what friction takes, with the length of both arms [m]. Returns the speeds that the
+ * bodies' rotations give the arms [m/s]. */
 static double torque_rates(const struct prescribed_contact *c, const struct scene_instant *at,
                            double rate[TERMS], double *arm)
 {
@@ -122,8 +122,8 @@ static double torque_rates(const struct prescribed_contact *c, const struct scen
 #endif
 }
 
-/* The integrands. `scale`: how large the quantities are that they are made of. `lever`: what a unit of force makes
- * of each. */
+/* The integrands. `scale`: how large the quantities are that they are made of. `lever`: what a unit of
+ * force makes of each. */
 static void rates_at(const struct prescribed_contact *c, const struct scene_instant *at, double rate[TERMS],
                      double scale[TERMS], double lever[TERMS])
 {
@@ -131,7 +131,7 @@ static void rates_at(const struct prescribed_contact *c, const struct scene_inst
     const struct contact_law law = scene_contact_law(c->v, c->q, j);
     const struct contact_geometry *g = &at->geometry[j];
     const double force = vec3_norm(at->source_force[j]);
-    double arm;
+    double arm = 0.0;
     for (int k = 0; k < TERMS; ++k) {
         rate[k] = 0.0;
     }
@@ -173,7 +173,8 @@ static const double COLLOCATION[GAUSS_NODES][GAUSS_NODES] = {
     {0.11687532956022855, 0.24490812891049542, 0.27319004362580149, 0.25888469960875927,
      0.059231721264047272}};
 
-/* The unknowns are the components of the spring at all nodes. A column of the matrix has a zero behind them (lu.h). */
+/* The unknowns are the components of the spring at all nodes. A column of the matrix has a zero behind
+ * them (lu.h). */
 enum { UNKNOWNS = 3 * GAUSS_NODES, COLUMN = UNKNOWNS + 1 };
 
 /* What the rate of the spring depends on at a node, besides the spring. */
@@ -296,8 +297,9 @@ static bool put_springs(const struct prescribed_contact *c, bool graded, struct 
 
 #endif
 
-/* Near the touch Hertz's force goes with the power 3/2 of time. A panel at one end of which the depth is less than this
- * part of the depth in its middle is graded (nodes.h). Elsewhere equal steps converge faster. */
+/* Near the touch Hertz's force goes with the power 3/2 of time. A panel at one end of which the depth is
+ * less than this part of the depth in its middle is graded (nodes.h). Elsewhere equal steps converge
+ * faster. */
 static const double SHALLOW = 0.1;
 
 static bool wants_grading(const struct prescribed_contact *c, double from, double to)
@@ -350,20 +352,22 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
         panel->slipped += weight * vec3_norm(panel->node[i].slip);
 #endif
     }
-    counter_add(&c->q->counters.force_evaluations, GAUSS_NODES);
+    if (SCENE_ANY_FREE) {
+        counter_add(&c->q->counters.force_evaluations, GAUSS_NODES);
+    }
     return true;
 }
 
 #if SCENE_ANY_TURNING
 
 /*
- * The regimes of law and friction of a contact that turns or rubs: which they are as it begins, the event functions
- * that end them, and what follows each event. Between two events nothing changes them, so that all forces are smooth
- * there.
+ * The regimes of law and friction of a contact that turns or rubs: which they are as it begins, the event
+ * functions that end them, and what follows each event. Between two events nothing changes them, so that
+ * all forces are smooth there.
  */
 
-/* The law's event (contact/law.h); friction ends or begins under a dashpot that pulls, reaches its largest force or
- * leaves it, sticks or breaks away (contact/friction.h). */
+/* The law's event (contact/law.h); friction ends or begins under a dashpot that pulls, reaches its largest
+ * force or leaves it, sticks or breaks away (contact/friction.h). */
 enum regime_event { EVENT_LAW, EVENT_LIFT, EVENT_CAP, EVENT_STICK, REGIME_EVENTS };
 
 /* Event functions, positive within the regimes, and what rounding makes of them. */
@@ -385,11 +389,12 @@ static struct vec3 spring_of(const struct scene_state *q, int contact)
 static void margins_at(const struct prescribed_contact *c, double clock, struct vec3 spring,
                        struct margins *margins);
 
-/* The first event whose function is below zero by more than rounding, of friction below what it was at `start` too;
- * REGIME_EVENTS: none is. */
+/* The first event whose function is below zero by more than rounding, of friction below what it was at
+ * `start` too; REGIME_EVENTS: none is. */
 static enum regime_event event_passed(const struct margins *now, const struct margins *start);
 
-/* The regimes and the spring after an event at an instant. What sticks again keeps the spring that sliding had. */
+/* The regimes and the spring after an event at an instant. What sticks again keeps the spring that sliding
+ * had. */
 static void take_regime_event(const struct prescribed_contact *c, double clock, struct vec3 spring,
                               enum regime_event event);
 
@@ -671,18 +676,19 @@ static void settle_regimes(const struct scene_values *v, struct scene_state *q, 
 
 #endif
 
-/* A panel and its halves agree to this part of what they are summed up of. The halves are a thousand times better. */
+/* A panel and its halves agree to this part of what they are summed up of. The halves are a thousand times
+ * better. */
 static const double PANELS_AGREE = 1e-12;
-/* Where the normal reverses in the centre the force jumps. That is not located but ends in panels so short that they
- * make no more than this part of the whole span. */
+/* Where the normal reverses in the centre the force jumps. That is not located but ends in panels so short
+ * that they make no more than this part of the whole span. */
 static const double JUMPS_AGREE = 1e-14;
 #if SCENE_ANY_TURNING
 /* The integral of the law's event function agrees so closely that its changes of sign show at the nodes. */
 static const double EVENTS_AGREE = 1e-6;
 #endif
 
-/* The cosine of the largest rotation of n between an end of a panel and the node next to it, 0.5 rad. Where it turns
- * further it may reverse, in the centre. */
+/* The cosine of the largest rotation of n between an end of a panel and the node next to it, 0.5 rad.
+ * Where it turns further it may reverse, in the centre. */
 static const double LARGEST_TURN_COSINE = 0.88;
 
 #if SCENE_ANY_FRICTION
@@ -706,8 +712,8 @@ static bool sees_layer(const struct span *s, struct vec3 slip, struct vec3 next)
 }
 #endif
 
-/* Whether the nodes see what may happen on the way from an end of a panel to the node next to it. Where the bodies are
- * concentric, to rounding, n has no meaning. */
+/* Whether the nodes see what may happen on the way from an end of a panel to the node next to it. Where
+ * the bodies are concentric, to rounding, n has no meaning. */
 static bool sees_end(const struct span *s, const struct scene_instant *at, const struct panel *panel,
                      int node)
 {
@@ -725,17 +731,30 @@ static bool sees_end(const struct span *s, const struct scene_instant *at, const
 #endif
 }
 
-/* Near the centre n may be rounding at one end of both panels: the bound of the other end then holds for nearly all of
- * the time between. */
-static bool panels_agree(const struct span *s, const struct panel *whole, const struct panel *left,
-                         const struct panel *right)
+/* In a scene without a free body in which nothing turns no panel goes beyond an extreme of the gap, where the
+ * normal may reverse. `at`: the instants at both ends. */
+static bool sees_ends(const struct span *s, const struct panel *left, const struct panel *right,
+                      const struct scene_instant at[2])
 {
-    struct scene_instant at[3];
+    struct scene_instant middle;
+    if (!SCENE_ANY_FREE && !s->turns) {
+        return true;
+    }
+    instant_at(&s->c, left->to, left->spring, &middle);
+    return sees_end(s, &at[0], left, 0) && sees_end(s, &middle, left, GAUSS_NODES - 1) &&
+           sees_end(s, &middle, right, 0) && sees_end(s, &at[1], right, GAUSS_NODES - 1);
+}
+
+/* Near the centre n may be rounding at one end of both panels: the bound of the other end then holds for
+ * nearly all of the time between. */
+CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct panel *whole,
+                                          const struct panel *left, const struct panel *right)
+{
+    struct scene_instant at[2];
     instant_at(&s->c, left->from, left->spring, &at[0]);
-    instant_at(&s->c, left->to, left->spring, &at[1]);
-    instant_at(&s->c, right->to, right->spring, &at[2]);
+    instant_at(&s->c, right->to, right->spring, &at[1]);
     const double noise = fmin(rounding_of_force(s->c.v, s->c.q, &at[0], s->c.contact),
-                              rounding_of_force(s->c.v, s->c.q, &at[2], s->c.contact));
+                              rounding_of_force(s->c.v, s->c.q, &at[1], s->c.contact));
     for (int k = 0; k < TERMS; ++k) {
         const double size = left->size[k] + right->size[k];
         double allowed = PANELS_AGREE * size + noise * whole->lever[k] + JUMPS_AGREE * s->size[k] + DBL_MIN;
@@ -749,18 +768,19 @@ static bool panels_agree(const struct span *s, const struct panel *whole, const 
     const double way = vec3_norm(right->spring) + left->slipped + right->slipped;
     return (!s->elastic ||
             vec3_norm(vec3_sub(right->spring, whole->spring)) <= 4.0 * PANELS_AGREE * way + DBL_MIN) &&
-           sees_end(s, &at[0], left, 0) && sees_end(s, &at[1], left, GAUSS_NODES - 1) &&
-           sees_end(s, &at[1], right, 0) && sees_end(s, &at[2], right, GAUSS_NODES - 1);
+           sees_ends(s, left, right, at);
 }
 
 /* The quadrature resolves a panel by five nodes each half: no quantity has two extrema within a quarter. */
 enum { PANEL_PARTS = 4 };
 
-static void note_peaks_between(const struct span *s, double from, double to)
+CONTACT_NOINLINE static void note_peaks_between(const struct span *s, double from, double to)
 {
     struct scene_output output = {.values = s->c.v, .state = s->c.q, .contact = s->c.contact};
     scene_output_note_peaks(&output, from, to, PANEL_PARTS, &s->c.q->contact[s->c.contact].peaks);
-    counter_add(&s->c.q->counters.force_evaluations, PANEL_PARTS + 1);
+    if (SCENE_ANY_FREE) {
+        counter_add(&s->c.q->counters.force_evaluations, PANEL_PARTS + 1);
+    }
 }
 
 static void add_sums(struct span *s, const struct panel *panel)
@@ -912,9 +932,9 @@ static bool passes_event(struct span *s, const struct panel *left, const struct 
 
 #endif
 
-/* Adds the integrals from one clock to another, between which the bodies touch; returns the clock reached, before `end`
- * where no panels are left. */
-static double integrate_between(struct span *s, double from, double end)
+/* Adds the integrals from one clock to another, between which the bodies touch; returns the clock reached,
+ * before `end` where no panels are left. */
+CONTACT_NOINLINE static double integrate_between(struct span *s, double from, double end)
 {
     double clock = from;
     double width = end - from;
@@ -1013,12 +1033,12 @@ static bool is_prescribed_touch(const struct scene_values *v, const struct scene
     return contact_is_driven(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
 }
 
-/* Books the integrals of all prescribed contacts; of none where the panels run out before `end`. Returns the clock
- * reached. */
+/* Books the integrals of all prescribed contacts; of none where the panels run out before `end`. Returns
+ * the clock reached. */
 static double integrate_contacts(const struct scene_values *v, struct scene_state *q, double end,
                                  long *panels)
 {
-    struct span span[SCENE_CONTACTS];
+    struct span span[SCENE_CONTACTS] = {0};
     struct contact_peaks before[SCENE_CONTACTS];
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         before[j] = q->contact[j].peaks;
@@ -1138,7 +1158,8 @@ static void end_contact(struct span *s, double clock)
     counter_add(&s->c.q->counters.events, 1);
 }
 
-/* What a finite cylinder's end or a jump leaves of the stored energy is dissipated, and what it brings is gained. */
+/* What a finite cylinder's end or a jump leaves of the stored energy is dissipated, and what it brings is
+ * gained. */
 static void book_stored(struct span *s, double clock, double sign)
 {
     if (SCENE_ANY_FREE) {
@@ -1186,8 +1207,8 @@ static const double STEPS_OF_PANEL = 5.0;
 #if !SCENE_ANY_FREE
 
 /*
- * A scene without a free body: regimes and forces of the present, and communication steps in which nothing turns or
- * rubs. Places are parts of the step, from 0 to 1.
+ * A scene without a free body: regimes and forces of the present, and communication steps in which nothing
+ * turns or rubs. Places are parts of the step, from 0 to 1.
  */
 
 static void book_mean(struct contact_state *state, struct vec3 force, struct vec3 torque)
@@ -1245,7 +1266,7 @@ static enum contact_regime regime_between(const struct span *s, double from, dou
 }
 
 /* Between two places next to each other at which the law may change, or the gap has an extreme. */
-CONTACT_NOINLINE static bool integrate_regime(struct span *s, double from, double to)
+static bool integrate_regime(struct span *s, double from, double to)
 {
     const enum contact_regime regime = regime_between(s, from, to);
     s->c.q->contact[s->c.contact].regime = (int32_t)regime;
@@ -1305,8 +1326,8 @@ static bool integrate_path(struct span *s, const struct contact_shape *shape,
 
 #if SCENE_ANY_CAPS
 
-/* A path changes the regime at a rim a dozen times at most. What changes more often is rounding, and its law is then
- * looked at in the middle of what is left. */
+/* A path changes the regime at a rim a dozen times at most. What changes more often is rounding, and its
+ * law is then looked at in the middle of what is left. */
 enum { MOST_RIM_CHANGES = 100 };
 
 /* A part of the step at a rim, from change to change of the regime. */
@@ -1359,7 +1380,8 @@ static bool integrate_capped(struct span *s, const struct contact_shape *whole,
 }
 #endif
 
-/* A communication step of one contact, from root to root of the polynomials that tell when its law changes. */
+/* A communication step of one contact, from root to root of the polynomials that tell when its law
+ * changes. */
 static bool integrate_polynomial(struct span *s)
 {
     struct scene_instant at;
