@@ -1056,7 +1056,7 @@ static double integrate_contacts(const struct scene_values *v, struct scene_stat
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (is_prescribed_touch(v, q, j)) {
+        if (span[j].panels != NULL) {
             book_span(&span[j]);
         }
     }
