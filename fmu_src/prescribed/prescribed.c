@@ -1286,7 +1286,7 @@ static double first_after(const double *places, int count, double from)
 }
 
 /* Whether the bodies begin to touch between two such places, which gives the law its damping. */
-static bool takes_damping(struct span *s, double from, double to)
+CONTACT_COLD static bool takes_damping(struct span *s, double from, double to)
 {
     if (!scene_damps_by_onset(s->c.v, s->c.contact) || regime_of(&s->c) != REGIME_APART) {
         return false;
@@ -1331,8 +1331,8 @@ static bool integrate_path(struct span *s, const struct contact_shape *shape,
 enum { MOST_RIM_CHANGES = 100 };
 
 /* A part of the step at a rim, from change to change of the regime. */
-static bool integrate_at_rim(struct span *s, const struct contact_shape *shape,
-                             const struct separation_path *path, double from, double end)
+CONTACT_COLD static bool integrate_at_rim(struct span *s, const struct contact_shape *shape,
+                                          const struct separation_path *path, double from, double end)
 {
     const double soon = 1e-9; /* of the part: a place right after its start */
     for (int changes = 0; from < end; ++changes) {
@@ -1354,8 +1354,8 @@ static bool integrate_at_rim(struct span *s, const struct contact_shape *shape,
 }
 
 /* From zone to zone of a capped cylinder. */
-static bool integrate_capped(struct span *s, const struct contact_shape *whole,
-                             const struct separation_path *path)
+CONTACT_COLD static bool integrate_capped(struct span *s, const struct contact_shape *whole,
+                                          const struct separation_path *path)
 {
     double edges[ZONE_EDGES];
     const int count = zone_path_edges(&whole->solid, path, s->length, edges);
