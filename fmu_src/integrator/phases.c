@@ -145,6 +145,7 @@ static void note_depth_of_released(const struct scene_values *v, struct scene_st
     }
 }
 
+#if SCENE_HAS_GENERAL
 /* Up to which clock a step need not end for what is foreseen: the next change of a regime, and the horizon
  * unless nothing is foreseen. Steps go on beyond the end of a communication step only where the phase has
  * lasted before, so that inputs which change with each of them cost no steps in vain. */
@@ -157,6 +158,7 @@ static double unforeseen_until(const struct scene_values *v, const struct scene_
     }
     return until;
 }
+#endif
 
 /* The error allowed in a segment [m]: a thousandth of the tolerances, because impacts amplify errors. Near
  * the centre it is cut in proportion to d, because an error e across n turns n by e / d. It is never below

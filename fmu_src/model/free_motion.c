@@ -739,9 +739,13 @@ bool motion_follow(const struct scene_values *v, struct scene_state *q, const st
     scene_rebase(v, q);
     memcpy(q->path, next, sizeof q->path);
     turning_take_axes(v, q);
-    if (SCENE_ANY_FRICTION && jumps && scene_turns(v) && scene_is_force_element(v)) {
+#if SCENE_ANY_FRICTION
+    if (jumps && scene_turns(v) && scene_is_force_element(v)) {
         prescribed_lay_springs(v, q);
     }
+#else
+    (void)jumps;
+#endif
     transition_settle_regimes(v, q, stored, false);
     if (isfinite(q->external_work) || scene_is_force_element(v)) {
         return true;

@@ -1427,6 +1427,7 @@ bool prescribed_over(const struct scene_values *v, struct scene_state *q, double
 #endif
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct span s = span_of(v, q, j, length, &panels);
+        (void)s; /* used by scenes that turn or that have no free body */
         if (!contact_is_driven(v, j)) {
             continue;
         }
