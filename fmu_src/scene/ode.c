@@ -313,6 +313,9 @@ static bool breaks_away(const struct turning_laws *laws)
 static void friction_events(const struct scene_ode *ode, double clock, const struct turning_state *turning,
                             const struct scene_instant *at, int contact, double *out)
 {
+    if (!SCENE_ANY_FRICTION) {
+        return; /* `out` has no room for events of friction */
+    }
     const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
     const struct friction_state rubbing = turning_rubbing(turning, at, contact);
     const double force_rate = turning_normal_force_rate(ode->values, ode->state, clock, at, contact);
