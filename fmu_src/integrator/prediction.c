@@ -580,7 +580,7 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
     const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
-    if (contact_is_rim(&shape)) {
+    if (SCENE_ANY_CAPS && contact_is_rim(&shape)) {
         contact_peaks_note(&q->contact[contact].peaks, 0.0,
                            -rim_least_gap(&shape, &separation, 0.0, until - q->clock));
         return;

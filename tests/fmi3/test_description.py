@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import zipfile
 
 import numpy as np
+import pytest
 from fmpy.validation import validate_fmu
 
 from contact_fmus.fmu.files import fmu_file, unpack
@@ -19,6 +20,11 @@ SUMS_UP = {
     "effective_hunt_crossley_factor",
 }  # fmt: skip
 TYPES = {"Float64": "Real", "Int32": "Integer", "Boolean": "Boolean", "Enumeration": "Enumeration"}
+
+
+@pytest.fixture(params=raw.SCENES)
+def fmu(request):
+    return raw.load(request.param)
 
 
 def second(fmu):

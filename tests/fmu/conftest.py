@@ -1,12 +1,19 @@
-"""Fixtures of the FMU tests: one scene after the other, and nothing ever printed."""
+"""Fixtures of the FMU tests, and nothing is ever printed."""
 
 import pytest
 
 from support.fmi2 import raw
 
 
-@pytest.fixture(params=raw.SCENES)
+@pytest.fixture(params=raw.KINDS)
 def fmu(request) -> raw.Fmu:
+    """One FMU of each kind: what the adapter does is the same for all of a kind."""
+    return raw.load(request.param)
+
+
+@pytest.fixture(params=raw.SCENES)
+def every_fmu(request) -> raw.Fmu:
+    """For what a scene's own table of variables says"""
     return raw.load(request.param)
 
 

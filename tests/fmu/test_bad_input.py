@@ -206,10 +206,10 @@ def _outside(variable: raw.Variable) -> list[float | int]:
     ]
 
 
-def test_every_range_of_the_description_is_enforced(fmu):
+def test_every_range_of_the_description_is_enforced(every_fmu):
     """Just outside is refused, and the ends themselves are taken"""
-    with raw.Instance(fmu) as instance:
-        for variable in fmu.select("parameter", "input"):
+    with raw.Instance(every_fmu) as instance:
+        for variable in every_fmu.select("parameter", "input"):
             before = instance.bits("parameter", "input")
             for value in _outside(variable):
                 with instance.expect(DISCARD, variable.name) as got:

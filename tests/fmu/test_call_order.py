@@ -118,11 +118,11 @@ def test_initialization_needs_an_experiment(fmu):
         instance.initialize()
 
 
-def test_start_values_can_be_read_at_once_and_outputs_cannot(fmu):
-    with raw.Instance(fmu) as instance:
-        for variable in fmu.select("parameter", "input"):
+def test_start_values_can_be_read_at_once_and_outputs_cannot(every_fmu):
+    with raw.Instance(every_fmu) as instance:
+        for variable in every_fmu.select("parameter", "input"):
             assert instance.get_one(variable) == variable.start_value, variable.name
-        gap = fmu.variables["contact.gap"]
+        gap = every_fmu.variables["contact.gap"]
         with instance.expect(ERROR, "fmi2GetReal", "contact.gap", "before initialization mode") as got:
             got(instance.call("GetReal", array(c_uint, [gap.reference]), 1, array(c_double, [0])))
 
@@ -138,11 +138,11 @@ def test_outputs_are_there_in_initialization_mode(fmu):
         instance.ok("ExitInitializationMode")
 
 
-def test_parameters_are_fixed_after_initialization_unless_they_are_tunable(fmu):
-    with raw.Instance(fmu) as instance:
+def test_parameters_are_fixed_after_initialization_unless_they_are_tunable(every_fmu):
+    with raw.Instance(every_fmu) as instance:
         instance.initialize()
         before = instance.bits()
-        for variable in fmu.select("parameter"):
+        for variable in every_fmu.select("parameter"):
             if variable.variability == "tunable":
                 assert instance.set_one(variable, variable.start_value) == OK
                 continue
@@ -151,12 +151,12 @@ def test_parameters_are_fixed_after_initialization_unless_they_are_tunable(fmu):
         assert instance.bits() == before
 
 
-def test_what_is_calculated_cannot_be_set(fmu):
-    with raw.Instance(fmu) as instance:
-        for variable in fmu.select("output", "calculatedParameter"):
+def test_what_is_calculated_cannot_be_set(every_fmu):
+    with raw.Instance(every_fmu) as instance:
+        for variable in every_fmu.select("output", "calculatedParameter"):
             with instance.expect(ERROR, variable.name, "cannot be set") as got:
                 got(instance.set_one(variable, 0))
         instance.initialize()
-        for variable in fmu.select("output", "calculatedParameter"):
+        for variable in every_fmu.select("output", "calculatedParameter"):
             with instance.expect(ERROR, variable.name, "cannot be set") as got:
                 got(instance.set_one(variable, 0))

@@ -209,10 +209,10 @@ def test_a_duration_grows_with_the_time_while_bodies_touch():
         assert instance.get("contact.onsets") >= 1
 
 
-def test_what_sums_up_the_last_step_has_no_derivatives_and_the_rest_has(fmu):
-    with raw.Instance(fmu) as instance:
+def test_what_sums_up_the_last_step_has_no_derivatives_and_the_rest_has(every_fmu):
+    with raw.Instance(every_fmu) as instance:
         instance.initialize()
-        for variable in fmu.select("output", kind="Real"):
+        for variable in every_fmu.select("output", kind="Real"):
             for order in (1, 2):
                 reference, orders = array(c_uint, [variable.reference]), array(c_int, [order])
                 call = ("GetRealOutputDerivatives", reference, 1, orders, array(c_double, [0.0]))

@@ -4,6 +4,7 @@ import itertools
 import os
 import shlex
 import subprocess
+from collections.abc import Iterable
 from pathlib import Path
 
 from support.fmi2 import raw
@@ -38,7 +39,7 @@ def _plain(line: str) -> list[str]:
     return kept
 
 
-def build(scene: str, compiler: str, flags: list[str], folder: Path) -> raw.Fmu:
+def build(scene: str, compiler: str, flags: Iterable[str], folder: Path) -> raw.Fmu:
     """The FMU of the scene with its code from this compiler"""
     unit, library = folder / f"{scene}.o", folder / f"{scene}.so"
     compile_, link = _commands(scene)

@@ -34,7 +34,7 @@ from support.fmi2.prototypes import (
     EventInfo,
     array,
 )
-from support.fmi2.raw_fmu import SCENES, SOLVER_SCENES, WITHOUT_CVODE, Fmu, Variable, load
+from support.fmi2.raw_fmu import KINDS, SCENES, SOLVER_SCENES, WITHOUT_CVODE, Fmu, Variable, load
 
 __all__ = [
     "ALLOCATE",
@@ -45,6 +45,7 @@ __all__ = [
     "ERROR",
     "FATAL",
     "FREE",
+    "KINDS",
     "LAST_SUCCESSFUL_TIME",
     "LOGGER",
     "MODEL_EXCHANGE",

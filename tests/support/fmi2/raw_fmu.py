@@ -11,7 +11,10 @@ from contact_fmus.fmu.files import fmu_file, repository, unpack
 from support.fmi2.prototypes import bind
 
 SCENES = sorted(path.stem for path in (repository() / "modelDescription" / "scenes").glob("*.toml"))
-SOLVER_SCENES = [name for name in SCENES if not name.endswith("ForceElement")]  # a body may move freely
+# Every choice open; bodies that cannot move freely; everything pinned, and no CVODE.
+KINDS = ("SphereCylinder", "ForceElement", "PinnedEvent")
+# A body may move freely: every choice open, pinned, Hertz's law, friction, no CVODE.
+SOLVER_SCENES = ("SphereCylinder", "BallOffRoller", "HertzImpact", "GolfersDilemma", "PinnedEvent")
 WITHOUT_CVODE = ("BouncingBall", "PinnedEvent")  # pinned to event_driven, no body in two contacts
 
 

@@ -1,10 +1,11 @@
 """Runs that differ in everything a saved state has to hold, for the tests of states, threads and memory.
 
-As a program: `runs.py NAME STEP < blob` restores a saved state in a new process, goes on, prints the digest.
+As a program: restores the saved states that it is given in a new process, goes on, and tells the digests.
 """
 
 import hashlib
 import math
+import pickle
 import sys
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -288,10 +289,13 @@ def digest(rows: list[dict[str, bytes]]) -> str:
 
 
 def _main() -> None:
-    run = RUNS[sys.argv[1]]
-    with raw.Instance(raw.load(run.scene)) as instance:
-        instance.restore(sys.stdin.buffer.read())
-        print(digest(go_on(instance, run, int(sys.argv[2]))))
+    """{name: state} comes in, {name: digest of what follows} goes out."""
+    digests = {}
+    for name, blob in pickle.load(sys.stdin.buffer).items():
+        with raw.Instance(raw.load(RUNS[name].scene)) as instance:
+            instance.restore(blob)
+            digests[name] = digest(go_on(instance, RUNS[name], RUNS[name].saved_at))
+    pickle.dump(digests, sys.stdout.buffer)
 
 
 if __name__ == "__main__":

@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contact_fmus.fmu.files import repository, unpack
+from support.fmi2.raw_fmu import KINDS, SCENES
 from support.fmi3.prototypes import ERROR, INTERMEDIATE, LOGGER, OK, TYPES, WARNING, bind
 
 BUILD = Path(os.environ.get("CONTACT_BUILD", repository() / "build")).resolve()
 FMUS = BUILD / "fmus-fmi3"
-SCENES = sorted(path.stem for path in (repository() / "modelDescription" / "scenes").glob("*.toml"))
 
 
 class Variable(NamedTuple):
@@ -286,4 +286,4 @@ class Instance:
         return status
 
 
-__all__ = ["BUILD", "ERROR", "FMUS", "OK", "SCENES", "Fmu", "Instance", "Step", "Variable", "load"]
+__all__ = ["BUILD", "ERROR", "FMUS", "KINDS", "OK", "SCENES", "Fmu", "Instance", "Step", "Variable", "load"]
