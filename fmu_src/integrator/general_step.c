@@ -54,7 +54,7 @@ static double length_of_impact(const struct scene_values *v, const struct scene_
     const double k = factors.k * per_mass;
     const double chi = regime == REGIME_COMPRESSION ? factors.c : 0.0;
     const struct contact_geometry *g = &at->geometry[contact];
-    const double load = scene_pressing_acceleration(v, q, at, contact);
+    const double load = scene_pressing_acceleration(v, q, q->clock, at, contact);
     const double depth = depth_to_come(k, chi, fabs(g->gap_rate), load);
     if (!(-g->gap < DEEP * depth)) {
         return (double)INFINITY;

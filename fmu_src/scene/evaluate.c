@@ -469,20 +469,6 @@ double scene_inverse_mass(const struct scene_values *v, int contact)
     return body_inverse_mass(v, contact_source(contact)) + body_inverse_mass(v, contact_destination(contact));
 }
 
-double scene_pressing_acceleration(const struct scene_values *v, const struct scene_state *q,
-                                   const struct scene_instant *at, int contact)
-{
-    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
-    const struct contact_geometry *g = &at->geometry[contact];
-    const struct vec3 relative =
-        vec3_sub(at->acceleration[contact_destination(contact)], at->acceleration[contact_source(contact)]);
-    const struct vec3 w = at->rate[contact];
-    const double turning =
-        contact_turns(&shape, g) ? contact_turning_rate(&shape, g, w, w) / g->distance : 0.0;
-    const double parts = shape.side * (vec3_dot(g->normal, relative) + turning);
-    return fmax(scene_inverse_mass(v, contact) * at->normal_force[contact] - parts, 0.0);
-}
-
 struct vec3 scene_torque_of_force(const struct scene_instant *at, int contact)
 {
     return body_shape(contact_destination(contact)) == SHAPE_SPHERE
@@ -781,20 +767,47 @@ struct vec3 turning_spring_rate(const struct scene_values *v, const struct scene
     return vec3_axpy(own, -tilted, at->geometry[contact].normal);
 }
 
-/* g'' = side (n'.w_g + n.w_g'),   w_g' = a_dst - a_src - omega_d' x c - omega_d x w */
+/*
+ * g'' = side (n'.w_g + n.w_g') with the rate w_g of c as the destination sees it, which turns with omega:
+ *   w_g = w - omega x c,   w_g' = a_dst - a_src - omega' x c - omega x w,   n' = omega x n + T w_g / d
+ */
 static double gap_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
                                const struct scene_instant *at, int contact)
 {
     const int destination = contact_destination(contact);
-    const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
-    const struct vec3 omega = at->turning.body[destination].angular_velocity;
-    const struct vec3 turned = turning_acceleration(v, q, clock, at, destination);
-    const struct vec3 linear =
-        vec3_sub(at->acceleration[destination], at->acceleration[contact_source(contact)]);
-    const struct vec3 rotary =
-        vec3_add(vec3_cross(turned, at->separation[contact]), vec3_cross(omega, at->rate[contact]));
-    return shape.side * (vec3_dot(turning_normal_rate(v, q, at, contact), seen_rate(at, contact)) +
-                         vec3_dot(at->geometry[contact].normal, vec3_sub(linear, rotary)));
+    const struct contact_shape shape = scene_shape_met(v, q, at, contact);
+    const struct contact_geometry *g = &at->geometry[contact];
+    struct vec3 seen = at->rate[contact];
+    struct vec3 change = vec3_sub(at->acceleration[destination], at->acceleration[contact_source(contact)]);
+    double turned = 0.0;
+    if (scene_turns(v)) {
+        const struct vec3 c = at->separation[contact];
+        const struct vec3 omega = at->turning.body[destination].angular_velocity;
+        const struct vec3 faster = turning_acceleration(v, q, clock, at, destination);
+        seen = vec3_sub(seen, vec3_cross(omega, c));
+        change = vec3_sub(change, vec3_add(vec3_cross(faster, c), vec3_cross(omega, at->rate[contact])));
+        turned = vec3_dot(vec3_cross(omega, g->normal), seen);
+    }
+    turned += contact_turns(&shape, g) ? contact_turning_rate(&shape, g, seen, seen) / g->distance : 0.0;
+    return shape.side * (vec3_dot(g->normal, change) + turned);
+}
+
+double scene_pressing_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
+                                   const struct scene_instant *at, int contact)
+{
+    const int source = contact_source(contact);
+    const int destination = contact_destination(contact);
+    const struct vec3 own = vec3_scale(-scene_contact_side(v, q, contact) * at->normal_force[contact],
+                                       at->geometry[contact].normal);
+    struct scene_instant without = *at;
+    without.acceleration[source] = vec3_axpy(at->acceleration[source], -body_inverse_mass(v, source), own);
+    without.acceleration[destination] =
+        vec3_axpy(at->acceleration[destination], body_inverse_mass(v, destination), own);
+    if (scene_turns(v)) {
+        struct vec3 *torque = &without.turning.destination_torque[contact];
+        *torque = vec3_sub(*torque, vec3_cross(own, at->turning.destination_arm[contact]));
+    }
+    return fmax(-gap_acceleration(v, q, clock, &without, contact), 0.0);
 }
 
 double turning_normal_force_rate(const struct scene_values *v, const struct scene_state *q, double clock,

@@ -111,9 +111,9 @@ double body_inverse_mass(const struct scene_values *v, int body);
 /* Sum of the inverse masses of a contact's bodies: 1 / m_eff [1/kg]. */
 double scene_inverse_mass(const struct scene_values *v, int contact);
 
-/* How fast all but a contact's own normal force presses its bodies together: -g'' without that, no less than
- * zero [m/s^2]. What turns the bodies themselves is left out. */
-double scene_pressing_acceleration(const struct scene_values *v, const struct scene_state *q,
+/* How fast all but a contact's own normal force presses its bodies together: -g'' without that force, no less
+ * than zero [m/s^2]. The instant has its forces. */
+double scene_pressing_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
                                    const struct scene_instant *at, int contact);
 
 /* Where nothing turns or rubs: the torque on the destination about its centre, c x F, as the source's lever

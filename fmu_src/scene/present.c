@@ -187,7 +187,7 @@ static double onset_speed(const struct scene_values *v, const struct scene_state
     const struct contact_law law = scene_contact_law(v, q, contact);
     struct scene_instant apart = *at;
     scene_forces(v, q, q->clock, &apart); /* the contact has no force yet */
-    const double a = scene_pressing_acceleration(v, q, &apart, contact);
+    const double a = scene_pressing_acceleration(v, q, q->clock, &apart, contact);
     const double depth = cbrt(pow(a / (contact_factors_of(&law).k * per_mass), 2.0));
     return sqrt(fmax(speed_squared, 1.2 * a * depth));
 }

@@ -117,6 +117,79 @@ def test_a_ball_laid_on_another_comes_to_rest(opened):
     assert abs(fmu["source.velocity"][2]) < 1e-6
 
 
+def turned(rotation, axis):
+    """`axis` turned about the direction of `rotation` by its length."""
+    angle = np.sqrt(rotation @ rotation)
+    if angle == 0.0:
+        return axis
+    about = rotation / angle
+    across = axis - (about @ axis) * about
+    return axis + np.sin(angle) * np.cross(about, axis) + (np.cos(angle) - 1) * across
+
+
+def closing_acceleration(gap, time):
+    """-g'', by the central difference of eighth order."""
+    step = np.longdouble(1e-3)
+    weights = (-205 / np.longdouble(72), 8 / np.longdouble(5), -1 / np.longdouble(5))
+    weights += (8 / np.longdouble(315), -1 / np.longdouble(560))
+    terms = [w * (gap(time + k * step) + gap(time - k * step)) for k, w in enumerate(weights)]
+    terms[0] /= 2
+    return -sum(terms) / step**2
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_load_of_an_onset_knows_how_its_surface_turns(opened, seed):
+    """A ball sinks onto a plane or a cylinder that moves and turns ever faster: chi is that of the speed to
+    which -g'' would bring it, found here by differences of the gap.
+    """
+    random = np.random.default_rng(seed)
+    shape, name = (("plane", "SpherePlane"), ("cylinder", "SphereCylinder"))[seed % 2]
+    axis = random.normal(size=3)
+    axis /= np.linalg.norm(axis)
+    across = np.cross(axis, random.normal(size=3))
+    across /= np.linalg.norm(across)
+    normal, height = (axis, 0.1) if shape == "plane" else (across, 0.6)
+    along = np.cross(normal, random.normal(size=3)) if shape == "plane" else random.normal() * axis
+    start_at = height * normal + along
+    omega = random.normal(size=3)
+    faster = 3.0 * random.normal() * omega  # about one direction, so that the angle is its integral
+    moves, pulled = random.normal(size=3), random.normal(size=3)
+    slides = np.cross(normal, random.normal(size=3))
+    velocity = moves + np.cross(omega, start_at) + slides
+    load = random.normal(size=3) - 20.0 * normal
+    apart, stiffness, chi_v = 1e-8, 1e6, 0.3
+
+    def gap(t):
+        c = start_at + (velocity - moves) * t + (load - pulled) * t**2 / 2
+        e = turned(np.asarray(omega * t + faster * t**2 / 2, np.longdouble), np.longdouble(axis))
+        return c @ e if shape == "plane" else np.sqrt(c @ c - (c @ e) ** 2)
+
+    values = {
+        "source.center": (start_at + apart * normal).tolist(),
+        "source.initial_velocity": velocity.tolist(),
+        "gravity": load.tolist(),
+        "destination.motion": "prescribed",
+        "destination.rotation": "prescribed",
+        "destination.axis": axis.tolist(),
+        "destination.prescribed_axis": axis.tolist(),
+        "destination.prescribed_velocity": moves.tolist(),
+        "destination.prescribed_velocity.derivatives": [pulled.tolist()],
+        "destination.prescribed_angular_velocity": omega.tolist(),
+        "destination.prescribed_angular_velocity.derivatives": [faster.tolist()],
+        "contact.law": "hertz",
+        "contact.hertz_stiffness": stiffness,
+        "contact.viscous_control": "restitution",
+        "contact.restitution": restitution_of(chi_v, "unclamped"),
+        "contact.dashpot": "unclamped",
+    }
+    fmu = start(opened(name), values)
+    fmu.step(1e-3)
+    pressing = float(closing_acceleration(gap, np.longdouble(fmu["contact.last_onset_time"])))
+    assert pressing > 0.0
+    speed = math.sqrt(1.2 * pressing * (pressing / stiffness) ** (2 / 3))
+    check_relative("speed", chi_v / fmu["contact.effective_hunt_crossley_factor"], speed, 1e-7)
+
+
 # Prescribed motion: gap 0.01 - t + 20 t^2
 
 
