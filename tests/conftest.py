@@ -1,5 +1,6 @@
 """Shared by all Python tests: FMUs opened once a session and reset for each use."""
 
+import lark
 import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
@@ -24,3 +25,18 @@ def opened(fmu_path):
     yield get
     for instance in instances.values():
         instance.__exit__(None, None, None)
+
+
+@pytest.fixture(scope="session")
+def names_parsed_once():
+    """fmpy parses the names of variables slowly, and FMUs have the same ones."""
+    parse, known = lark.Lark.parse, {}
+
+    def parsed(self, text, *more, **options):
+        if text not in known:
+            known[text] = parse(self, text, *more, **options)
+        return known[text]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(lark.Lark, "parse", parsed)
+        yield

@@ -37,7 +37,7 @@ def of_array(description, name):
     return [one for one in description.modelVariables if one.name.partition("[")[0] == name]
 
 
-def test_fmpy_and_the_schema_find_nothing(fmu):
+def test_fmpy_and_the_schema_find_nothing(fmu, names_parsed_once):
     assert validate_fmu(str(raw.FMUS / f"{fmu.name}.fmu")) == []
 
 
