@@ -1,4 +1,5 @@
-"""A ball on a plane in closed form, to forty digits, where all that acts is constant.
+"""A ball on a plane in closed form, to forty digits, where all that acts is constant. A ball that is dropped
+straight on a body is the same.
 
 Only the gap couples to the contact: m g'' = F_n + m a with the relative mass m and the part a of the
 relative acceleration along the normal. In each regime that is linear, x = g - x_0 a sum of two
@@ -29,6 +30,7 @@ class PlaneMotion:
     time: mp.mpf = field(default_factory=lambda: mp.mpf(0))
     regime: str = FLIGHT
     onsets: list = field(default_factory=list)
+    ends: list = field(default_factory=list)  # of contacts; one fewer where the last one lasts
     impulse: mp.mpf = field(default_factory=lambda: mp.mpf(0))  # of the contact along the normal
 
     def run(self, end):
@@ -47,11 +49,11 @@ class PlaneMotion:
         return spring, self.viscous if self.regime == FULL else mp.mpf(0)
 
     def motion(self):
-        """Functions of the time since now: gap and rate in this regime."""
+        """Functions of the time since now: gap and rate in this regime, whether it lasts from there on"""
         spring, dashpot = self.law()
         g, v, a = self.gap, self.rate, self.acceleration
         if spring == 0:
-            return (lambda t: g + v * t + a * t * t / 2), (lambda t: v + a * t)
+            return (lambda t: g + v * t + a * t * t / 2), (lambda t: v + a * t), (lambda t: False)
         rest = self.mass * a / spring
         half = dashpot / (2 * self.mass)
         root = mp.sqrt(mp.mpc(half * half - spring / self.mass))
@@ -61,7 +63,16 @@ class PlaneMotion:
         return (
             lambda t: rest + mp.re(by_one * mp.exp(one * t) + by_two * mp.exp(two * t)),
             lambda t: mp.re(one * by_one * mp.exp(one * t) + two * by_two * mp.exp(two * t)),
+            lambda t: self.lasts(
+                rest, [(one, abs(by_one * mp.exp(one * t))), (two, abs(by_two * mp.exp(two * t)))]
+            ),
         )
+
+    def lasts(self, rest, swings):
+        """Whether swings of (exponent, size), which only shrink, are too small to end the pressure at rest"""
+        gap = sum(size for _, size in swings)
+        force = sum(size * abs(self.penalty + self.viscous * exponent) for exponent, size in swings)
+        return self.dashpot != "approach_only" and gap < -rest and force < -self.penalty * rest
 
     def events(self, gap, rate):
         """(function that falls through zero, the regime that follows)"""
@@ -79,12 +90,12 @@ class PlaneMotion:
         return found
 
     def one_regime(self, end):
-        gap, rate = self.motion()
+        gap, rate, lasts = self.motion()
         step = mp.sqrt(self.mass / self.penalty) * 2 * mp.pi / STEPS_OF_PERIOD
         if self.regime == FLIGHT:
             length, following = self.touch(), FULL
         else:
-            length, following = first_fall(self.events(gap, rate), step, end - self.time)
+            length, following = first_fall(self.events(gap, rate), step, end - self.time, lasts)
         if length is None or self.time + length >= end:
             length, following = end - self.time, self.regime
         before = self.rate
@@ -93,8 +104,7 @@ class PlaneMotion:
         self.time += length
         if following in (FULL, FLIGHT) and FLIGHT in (following, self.regime) and following != self.regime:
             self.gap = mp.mpf(0)
-            if following == FULL:
-                self.onsets.append(self.time)
+            (self.onsets if following == FULL else self.ends).append(self.time)
         self.regime = following
 
     def touch(self):
@@ -109,18 +119,19 @@ class PlaneMotion:
         return min(roots, default=None)
 
 
-def first_fall(events, step, longest):
+def first_fall(events, step, longest, lasts):
     """The first time at which one of the functions falls through zero, and what follows, or None, None."""
     time, soon = mp.mpf(0), step * mp.mpf(10) ** -12  # just after the last change
     values = [function(soon) for function, _ in events]
-    while time < longest:
+    while time < longest and not lasts(time):
         later = time + step
         found = []
         for i, (function, following) in enumerate(events):
             value = function(later)
             if values[i] > 0 >= value:
-                root = mp.findroot(function, (max(time, soon), later), solver="anderson")
-                found.append((root, following))
+                between = (max(time, soon) / step, later / step)
+                root = mp.findroot(lambda x, f=function: f(x * step), between, solver="anderson")
+                found.append((root * step, following))
             values[i] = value
         if found:
             return min(found)
