@@ -31,15 +31,7 @@ def make_bundle() -> bool:
     with tempfile.TemporaryDirectory() as folder:
         for file in MADE_FROM:
             shutil.copy(file, folder)
-        _npm(
-            "ci",
-            "--ignore-scripts",
-            "--prefer-offline",
-            "--no-audit",
-            "--no-fund",
-            "--loglevel=error",
-            folder=folder,
-        )
+        _npm("ci", "--ignore-scripts", "--prefer-offline", "--no-audit", "--no-fund", "--loglevel=error", folder=folder)
         _npm("run", "--silent", "bundle", folder=folder)
         licence = Path(folder, "node_modules", "three", "LICENSE").read_text(encoding="utf-8")
         script = Path(folder, "bundle.js").read_text(encoding="utf-8")

@@ -71,15 +71,7 @@ def _run(command: list[str]) -> None:
 
 def scene_files(_name: str, length: int) -> bool:
     """Hypothesis with scene files against the generator; True where it finds nothing"""
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "-p",
-        "no:cacheprovider",
-        "tests/fuzz/test_scene_files.py",
-    ]
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/fuzz/test_scene_files.py"]
     environment = os.environ | {"CONTACT_FUZZ_MINUTES": str(length)}
     run = subprocess.run(command, cwd=repository(), env=environment, stdin=subprocess.DEVNULL, check=False)
     return run.returncode == 0
@@ -96,9 +88,7 @@ def library(name: str, length: int) -> bool:
     command = ["nice", program, *OPTIONS.split(), f"-max_total_time={60 * length}", found, corpus]
     log = findings / "log"
     with log.open("w", encoding="utf-8") as output:
-        subprocess.run(
-            command, cwd=findings, stdin=subprocess.DEVNULL, stdout=output, stderr=output, check=False
-        )
+        subprocess.run(command, cwd=findings, stdin=subprocess.DEVNULL, stdout=output, stderr=output, check=False)
     lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
     print(*lines[-1:])
     count = sum(file.is_file() and file != log for file in findings.iterdir())

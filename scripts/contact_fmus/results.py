@@ -93,9 +93,7 @@ class Result:
         for number, row in enumerate(table, 1):
             if len(row) != len(names):
                 raise UserError(f"{path}: row {number} has {len(row)} values instead of {len(names)}")
-        columns = {
-            name: _column(path, name, [row[index] for row in table]) for index, name in enumerate(names)
-        }
+        columns = {name: _column(path, name, [row[index] for row in table]) for index, name in enumerate(names)}
         time = columns.pop("time")
         fmu = Path(about["fmu"]) if about.get("fmu") else None
         kept = (about.get("units", {}), fmu, about.get("parameters", {}), about.get("warnings", []))

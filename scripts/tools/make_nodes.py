@@ -70,9 +70,7 @@ def eigenvectors(inverse) -> tuple[list, list, list]:
     """Eigenvalues of positive imaginary part, by that; their rows of T^-1, and twice the columns of T."""
     values, columns = mpmath.eig(inverse)
     rows = columns**-1
-    upper = sorted(
-        (k for k in range(len(values)) if mpmath.im(values[k]) > 0), key=lambda k: mpmath.im(values[k])
-    )
+    upper = sorted((k for k in range(len(values)) if mpmath.im(values[k]) > 0), key=lambda k: mpmath.im(values[k]))
     size = range(len(values))
     into, back = [], []
     for k in upper:
@@ -133,8 +131,7 @@ def stage_tables(stages: int) -> str:
         "eigenvalue": [[mpmath.re(x), mpmath.im(x)] for x in values],
         "into": split(into),
         "back": zip(
-            *(row for x in back for row in ([mpmath.re(y) for y in x], [-mpmath.im(y) for y in x])),
-            strict=True,
+            *(row for x in back for row in ([mpmath.re(y) for y in x], [-mpmath.im(y) for y in x])), strict=True
         ),
         "chebyshev": zip(*(to_chebyshev(b) for b in through_zero[1:]), strict=True),
         "bernstein": [to_bernstein(b) for b in through_zero],

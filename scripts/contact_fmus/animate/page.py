@@ -214,9 +214,7 @@ def main(arguments: list[str] | None = None) -> int:
         prog="contact-fmus animate",
         description="Writes a page that plays a run in three dimensions. It needs no network.",
     )
-    parser.add_argument(
-        "source", metavar="FMU|SCENARIO|RESULT", help=f"{words(ANY)}; of shipped ones the name"
-    )
+    parser.add_argument("source", metavar="FMU|SCENARIO|RESULT", help=f"{words(ANY)}; of shipped ones the name")
     add_run_options(parser)
     parser.add_argument("--variant", metavar="LABEL", help="which run of a scenario; default the last")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="default NAME.html here")

@@ -70,9 +70,7 @@ def print_rows(title: str, rows: Sequence[Comparison], console: Console | None =
     table.add_column("verdict")
     for row in rows:
         sides = (side(row, 0), side(row, 1))
-        table.add_row(
-            row.what, *sides, number(row.ratio.median) if row.ratio else "–", spread(row), verdict(row)
-        )
+        table.add_row(row.what, *sides, number(row.ratio.median) if row.ratio else "–", spread(row), verdict(row))
     (console or own_console()).print(table)
 
 
@@ -81,9 +79,7 @@ def own_console() -> Console:
     return console if console.is_terminal else Console(width=WIDTH)
 
 
-def print_counts(
-    counts: Sequence[Count], against: Path | None = None, console: Console | None = None
-) -> None:
+def print_counts(counts: Sequence[Count], against: Path | None = None, console: Console | None = None) -> None:
     """A line for each case; with another build's counts, this build's share of them"""
     title = "Instructions in fmi2DoStep" + (f", beside the FMUs of {against}" if against else "")
     table = Table(title=title, title_justify="left", title_style="bold", header_style="bold")
@@ -94,9 +90,7 @@ def print_counts(
     for one in counts:
         other = [f"{one.other:,}", f"{one.instructions / one.other:.4f}"] if one.other else []
         bound = f"{one.bound:,}" if one.bound is not None else "–"
-        verdict = {True: "[green]holds[/]", False: "[red]does not hold[/]", None: "[red]no bound[/]"}[
-            one.good
-        ]
+        verdict = {True: "[green]holds[/]", False: "[red]does not hold[/]", None: "[red]no bound[/]"}[one.good]
         table.add_row(one.what, f"{one.instructions:,}", *other, bound, verdict)
     (console or own_console()).print(table)
 
@@ -110,9 +104,7 @@ def side(row: Comparison, which: int) -> str:
 
 
 def seconds(time: float) -> str:
-    unit, size = next(
-        ((unit, size) for unit, size in (("s", 1.0), ("ms", 1e-3)) if time >= size), ("µs", 1e-6)
-    )
+    unit, size = next(((unit, size) for unit, size in (("s", 1.0), ("ms", 1e-3)) if time >= size), ("µs", 1e-6))
     return f"{time / size:.3g} {unit}"
 
 
@@ -155,12 +147,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--against", type=Path, metavar="DIR", help="also count those of the FMUs in another build's folder"
     )
-    parser.add_argument(
-        "--check", action="store_true", help="the status is 1 where a count is above its bound"
-    )
-    parser.add_argument(
-        "--baseline", metavar="COMMIT", help="run times beside those of another commit's FMUs"
-    )
+    parser.add_argument("--check", action="store_true", help="the status is 1 where a count is above its bound")
+    parser.add_argument("--baseline", metavar="COMMIT", help="run times beside those of another commit's FMUs")
     return parser
 
 

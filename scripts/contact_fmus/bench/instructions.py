@@ -56,9 +56,7 @@ def cases() -> list[Case]:
     """Flight, the benchmark problems, some by Hertz's law, on a plane or over a rim, and both ends of the
     stiffness sweep, all by event_driven"""
     found = [
-        replace(
-            flight_case(fmu, FULL), name=f"{fmu}, {FULL.flight_steps} steps of {FLIGHT_STEP:g} s in flight"
-        )
+        replace(flight_case(fmu, FULL), name=f"{fmu}, {FULL.flight_steps} steps of {FLIGHT_STEP:g} s in flight")
         for fmu in ("SphereSphere", "SphereCylinder")
     ]
     for problem in benchmarks().values():

@@ -24,9 +24,7 @@ SCENARIOS = {
     "P3": "p3_sliding_in_cylinder",
     "P3b": "p3b_bouncing_in_cylinder",
 }
-REFERENCES = Path(__file__).with_name(
-    "stiff_references.json"
-)  # tests/support/reference/make_stiff_references.py
+REFERENCES = Path(__file__).with_name("stiff_references.json")  # tests/support/reference/make_stiff_references.py
 TURNING = Path(__file__).with_name("turning_references.json")  # make_turning_references.py, there too
 # tests/support/reference/make_law_references.py
 LAW_REFERENCES = Path(__file__).with_name("law_references.json")
@@ -91,10 +89,7 @@ def turning_problems() -> dict[str, Problem]:
     """F1 to F4, with friction and rotation"""
     rows = json.loads(TURNING.read_text(encoding="utf-8"))
     taken = ("name", "title", "fmu", "stop", "start", "uncertainty", "method")
-    return {
-        row["name"]: Problem(**{key: row[key] for key in taken}, position=tuple(row["position"]))
-        for row in rows
-    }
+    return {row["name"]: Problem(**{key: row[key] for key in taken}, position=tuple(row["position"])) for row in rows}
 
 
 def law_starts() -> dict[str, tuple[str, str, float, dict[str, Any]]]:
@@ -229,6 +224,4 @@ class Setting(NamedTuple):
             "solver.absolute_tolerance": ABSOLUTE * self.tolerance,
         }
         outputs = ("source.position", "contact.onsets")
-        return Case(
-            self.name, fmu_file(self.problem.fmu), self.problem.stop, self.steps, start, outputs=outputs
-        )
+        return Case(self.name, fmu_file(self.problem.fmu), self.problem.stop, self.steps, start, outputs=outputs)

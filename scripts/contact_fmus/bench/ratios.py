@@ -98,9 +98,7 @@ def ratio_of(first: Sequence[float], second: Sequence[float]) -> Ratio:
     return Ratio(median, low, high, bounds)
 
 
-def compare(
-    row: Comparison, first: Case, second: Case, effort: Effort, problems: Sequence[Problem] = ()
-) -> Comparison:
+def compare(row: Comparison, first: Case, second: Case, effort: Effort, problems: Sequence[Problem] = ()) -> Comparison:
     """`row` with times, ratio and errors of the two cases"""
     cases = [first, second, second, first]
     try:
@@ -111,8 +109,7 @@ def compare(
         return replace(row, note=str(error))
     ours, theirs = (results[i].times + results[3 - i].times for i in (0, 1))
     errors = [
-        problem.error(result.outputs["source.position"])
-        for problem, result in zip(problems, results, strict=False)
+        problem.error(result.outputs["source.position"]) for problem, result in zip(problems, results, strict=False)
     ]
     errors += [None] * (2 - len(errors))
     times = statistics.median(ours), statistics.median(theirs)
@@ -130,9 +127,7 @@ def _paired(results: Sequence[Result]) -> Ratio:
     """Of A B B A: the first two and the last two. A case whose budget is spent has fewer runs."""
     first, second, second_again, first_again = (result.times for result in results)
     counts = [min(map(len, pair)) for pair in ((first, second), (first_again, second_again))]
-    return ratio_of(
-        first[: counts[0]] + first_again[: counts[1]], second[: counts[0]] + second_again[: counts[1]]
-    )
+    return ratio_of(first[: counts[0]] + first_again[: counts[1]], second[: counts[0]] + second_again[: counts[1]])
 
 
 def idle_file() -> Path:
@@ -193,9 +188,7 @@ def _named(problem: Problem, method: str, steps: int) -> Case:
     return replace(Setting(problem, method, STIFF_TOLERANCE, steps).case(), name=name)
 
 
-def against_baseline(
-    folder: Path, name: str, effort: Effort, cases: Sequence[Case] | None = None
-) -> list[Comparison]:
+def against_baseline(folder: Path, name: str, effort: Effort, cases: Sequence[Case] | None = None) -> list[Comparison]:
     """Each case with this build's FMU and with the one of the same name in `folder`"""
     rows = []
     for case in baseline_cases(effort) if cases is None else cases:
@@ -214,11 +207,7 @@ Tried = tuple[Setting, float, float]
 
 def best(tried: Iterable[Tried], methods: Sequence[str]) -> Setting | None:
     """The setting of these methods with the least time among those that come as close as they have to"""
-    fit = [
-        (time, setting)
-        for setting, time, error in tried
-        if setting.method in methods and error <= SIDES[methods]
-    ]
+    fit = [(time, setting) for setting, time, error in tried if setting.method in methods and error <= SIDES[methods]]
     return min(fit, key=lambda one: one[0], default=(0.0, None))[1]
 
 
@@ -226,9 +215,7 @@ def try_all(problem: Problem, effort: Effort) -> list[Tried]:
     """Both sides with one communication step over the effort's tolerances; what is refused is left out"""
     found = []
     for methods in SIDES:
-        settings = [
-            Setting(problem, method, tolerance, 1) for method in methods for tolerance in effort.tolerances
-        ]
+        settings = [Setting(problem, method, tolerance, 1) for method in methods for tolerance in effort.tolerances]
         cases = [setting.case() for setting in settings]
         timeout = effort.limit + len(cases) * effort.budget
         results = run_host(cases, 3, budget=effort.budget, timeout=timeout, keep_going=True)

@@ -188,9 +188,7 @@ def _configuration(scenes: list[Scene], how: How, folder: Path) -> list[str]:
         "CONTACT_CHOICES": how.choices,
     }
     needs_sundials = any(scene.has_cvode for scene in scenes)
-    values["CONTACT_SUNDIALS"] = (
-        "none" if not needs_sundials else "fetch" if how.toolchain or how.sundials else "auto"
-    )
+    values["CONTACT_SUNDIALS"] = "none" if not needs_sundials else "fetch" if how.toolchain or how.sundials else "auto"
     values["FETCHCONTENT_SOURCE_DIR_SUNDIALS"] = str(how.sundials.resolve()) if how.sundials else ""
     if how.toolchain is not None:
         values["CMAKE_TOOLCHAIN_FILE"] = str(repository() / "cmake" / "platforms" / f"{how.toolchain}.cmake")
@@ -251,9 +249,7 @@ def _tree() -> str:
     return hashlib.sha256(about.encode()).hexdigest()
 
 
-def _run(
-    command: list[str], log: Path, how: How, hear: Callable[[str], None] = lambda _line: None
-) -> tuple[int, str]:
+def _run(command: list[str], log: Path, how: How, hear: Callable[[str], None] = lambda _line: None) -> tuple[int, str]:
     """The status and what was printed, which `log` keeps; `hear` gets each line of it at once"""
     environment = {name: value for name, value in os.environ.items() if name not in FLAGS_OF_OTHERS}
     environment["NINJA_STATUS"] = "[%f/%t] "

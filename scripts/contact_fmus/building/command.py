@@ -238,12 +238,7 @@ def _checked(files: list[Path]) -> list[Scene]:
 
 
 def _tell(fmu: Path, compiler: list[str], seconds: float, as_json: bool) -> None:
-    about = {
-        "fmu": str(fmu),
-        "bytes": fmu.stat().st_size,
-        "compiler": " ".join(compiler),
-        "seconds": round(seconds, 1),
-    }
+    about = {"fmu": str(fmu), "bytes": fmu.stat().st_size, "compiler": " ".join(compiler), "seconds": round(seconds, 1)}
     if as_json:
         print(json.dumps(about))
     else:

@@ -97,10 +97,7 @@ def _binary(platform: Path, identifier: str) -> Iterator[str]:
         yield f"{name} is missing: the description says modelIdentifier {identifier}"
         return
     head = library.read_bytes()[:20]
-    if ending == ".dylib":
-        fits = head.startswith(MACH_O)
-    else:
-        fits = head.startswith(begin) and head[18:20].startswith(machine)
+    fits = head.startswith(MACH_O) if ending == ".dylib" else head.startswith(begin) and head[18:20].startswith(machine)
     if not fits:
         yield f"{name} is no library for {platform.name}: it begins with {head[:4].hex(' ')}"
 
@@ -191,8 +188,7 @@ def main(arguments: list[str] | None = None) -> int:
     allowed = {check.name for checks in found.values() for check in checks}
     allowed = allowed if ALL in options.allow_missing else set(options.allow_missing)
     report = [
-        {"fmu": str(file), "checks": [dataclasses.asdict(one) for one in checks]}
-        for file, checks in found.items()
+        {"fmu": str(file), "checks": [dataclasses.asdict(one) for one in checks]} for file, checks in found.items()
     ]
     if options.json:
         for one in report:
@@ -243,9 +239,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--json", action="store_true", help="the results as JSON, a line for each FMU")
     parser.add_argument("--output", type=Path, metavar="FILE", help="also writes the results as JSON")
-    parser.add_argument(
-        "--github", action="store_true", help="also annotations and a summary for GitHub Actions"
-    )
+    parser.add_argument("--github", action="store_true", help="also annotations and a summary for GitHub Actions")
     return parser
 
 
@@ -305,13 +299,7 @@ def _trial(name: str, file: Path, patience: float) -> Check:
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
     try:
         trial = subprocess.run(
-            command,
-            capture_output=True,
-            text=True,
-            errors="replace",
-            timeout=patience,
-            check=False,
-            env=environment,
+            command, capture_output=True, text=True, errors="replace", timeout=patience, check=False, env=environment
         )
     except subprocess.TimeoutExpired:
         return result(name, [f"not done after {patience:g} s"])

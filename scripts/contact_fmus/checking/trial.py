@@ -127,9 +127,7 @@ def state(file: Path) -> Iterator[str]:
             yield from _differences(names, first, end(), LATER, f"at the end of a run whose state was {how}")
 
 
-def _differences(
-    names: list[str], expected: np.ndarray, found: np.ndarray, part: float, when: str
-) -> Iterator[str]:
+def _differences(names: list[str], expected: np.ndarray, found: np.ndarray, part: float, when: str) -> Iterator[str]:
     off = np.abs(found - expected) > part * np.maximum(np.abs(found), np.abs(expected))
     wrong = [f"{names[k]} ({found[k]!r} instead of {expected[k]!r})" for k in np.flatnonzero(off)[:3]]
     if wrong:

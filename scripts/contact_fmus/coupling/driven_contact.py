@@ -114,7 +114,5 @@ class DrivenContact:
         if rate is not STILL:
             rates = self._rates
             rates.values[:3], rates.values[3:6], rates.values[6:] = rate, curvature, acceleration
-            self._call(
-                "fmi2SetRealInputDerivatives", rates.references, rates.count, self._orders, rates.pointer
-            )
+            self._call("fmi2SetRealInputDerivatives", rates.references, rates.count, self._orders, rates.pointer)
         self.go_on(size)

@@ -113,10 +113,7 @@ def _errors(data: dict[str, Any], name: str) -> dict[str, Any]:
     problem = _problem(data, name)
     steps = [point["step"] for point in problem["curves"][0]["points"]]
     header = ["integrator", "force", *(f"h = {step * 1e3:g} ms" for step in steps)]
-    rows = [
-        [*_key(curve), *(_number(point["error"], 2) for point in curve["points"])]
-        for curve in problem["curves"]
-    ]
+    rows = [[*_key(curve), *(_number(point["error"], 2) for point in curve["points"])] for curve in problem["curves"]]
     caption = (
         f"{name}, {problem['title']}: error of the {problem['what']} in {problem['unit']}; "
         f"1/omega = {1e3 / problem['omega']:.3g} ms; –: the ball is lost"
@@ -173,7 +170,5 @@ def _panel(axes: Axes, problem: dict[str, Any], integrator: str) -> None:
         if points:
             coupling = curve["coupling"]
             line = LINES.get(coupling, "-")
-            axes.loglog(
-                *zip(*points, strict=True), line, marker="o", ms=3, color=COLORS[coupling], label=coupling
-            )
+            axes.loglog(*zip(*points, strict=True), line, marker="o", ms=3, color=COLORS[coupling], label=coupling)
     axes.axvline(2.0, color="#aaaaaa", lw=0.8)

@@ -119,10 +119,7 @@ def benchmark(name: str) -> CoupledProblem:
     moved = ("source.mass", "source.initial_velocity")
     values = {key: value for key, value in base.start.items() if key not in moved}
     outside = Outside(
-        base.start["source.mass"],
-        GRAVITY,
-        base.penalty_factor,
-        base.start.get("contact.viscous_penalty_factor", 0.0),
+        base.start["source.mass"], GRAVITY, base.penalty_factor, base.start.get("contact.viscous_penalty_factor", 0.0)
     )
     center = np.array(base.start["source.center"])
     velocity = np.array(base.start.get("source.initial_velocity", [0.0, 0.0, 0.0]))
@@ -132,6 +129,4 @@ def benchmark(name: str) -> CoupledProblem:
         start = Ball(np.zeros(3), velocity, np.zeros(3))
         yield Trial(start, base.stop / steps, steps, lambda ball: base.error(center + ball.displacement))
 
-    return CoupledProblem(
-        name, base.title, base.fmu, values, outside, "position at the end", "m", 1.0, trials
-    )
+    return CoupledProblem(name, base.title, base.fmu, values, outside, "position at the end", "m", 1.0, trials)

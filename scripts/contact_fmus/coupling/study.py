@@ -192,9 +192,7 @@ def study(quick: bool = False, say=lambda text: None) -> dict[str, Any]:
         with ContactFmu(fmu_file(problem.fmu)) as fmu:
             for scheme in SCHEMES:
                 points = [error_of(problem, scheme, fmu, step) for step in steps]
-                curves.append(
-                    {"integrator": scheme.integrator, "coupling": scheme.coupling, "points": points}
-                )
+                curves.append({"integrator": scheme.integrator, "coupling": scheme.coupling, "points": points})
                 curves[-1]["order"] = order_between(points)
                 if name == "bounce":
                     curves[-1]["steps_wanted"] = steps_wanted(points, problem.omega, WANTED)

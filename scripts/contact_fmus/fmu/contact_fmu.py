@@ -55,9 +55,7 @@ class SavedState:
     def handle(self) -> Any:
         """What fmi2SetFMUstate takes"""
         if not self._finalizer.alive:
-            raise ValueError(
-                f"the state of {self.time!r} s went with its instance: take bytes(state) before closing"
-            )
+            raise ValueError(f"the state of {self.time!r} s went with its instance: take bytes(state) before closing")
         return self._handle
 
     def __bytes__(self) -> bytes:

@@ -66,9 +66,7 @@ def fmu_file(name: str) -> Path:
     if not path.is_file():
         known = shipped_fmus()
         if known:
-            raise FileNotFoundError(
-                f"{path} does not exist{similar(name, known)}: there are {', '.join(known)}"
-            )
+            raise FileNotFoundError(f"{path} does not exist{similar(name, known)}: there are {', '.join(known)}")
         raise FileNotFoundError(
             f"{path} does not exist: build the FMUs first (cmake --preset default && "
             "cmake --build --preset default), or name their folder in CONTACT_FMUS"

@@ -160,9 +160,7 @@ class FMU3Scalars(fmi3.FMU3Slave):
             wholes[variable.valueReference][1][index] = value
         for kind in dict.fromkeys(kind for kind, _ in wholes.values()):
             chosen = {one: whole for one, (other, whole) in wholes.items() if other == kind}
-            getattr(super(), f"set{kind}")(
-                list(chosen), [value for whole in chosen.values() for value in whole]
-            )
+            getattr(super(), f"set{kind}")(list(chosen), [value for whole in chosen.values() for value in whole])
             self._given |= chosen
 
     setReal = setInteger = setBoolean = _set
@@ -198,10 +196,7 @@ class FMU3Scalars(fmi3.FMU3Slave):
         for (_, place), value in zip(given, seed, strict=True):
             whole[place] = value
         found = super().getDirectionalDerivative(
-            [one for one, _ in of_unknowns],
-            [one for one, _ in of_knowns],
-            whole,
-            sum(size for _, size in of_unknowns),
+            [one for one, _ in of_unknowns], [one for one, _ in of_knowns], whole, sum(size for _, size in of_unknowns)
         )
         return [found[place] for _, place in wanted]
 

@@ -24,11 +24,7 @@ WIDTHS = (1, 8, 64, 4096)  # of LEAST, how far beside the instant that the FMU n
 TRIALS = 12  # of such times, before halves take over
 MOST = 200  # onsets and releases of one step that get rows; bodies that chatter would fill a result with them
 SEEN = 1.01  # a peak that exceeds the force at the ends of a step by less than this part does not show
-NEAR = (
-    1 / 4,
-    1 / 16,
-    1 / 64,
-)  # points towards an onset or a release, as parts of the way from what is before
+NEAR = (1 / 4, 1 / 16, 1 / 64)  # points towards an onset or a release, as parts of the way from what is before
 
 
 class Instant(NamedTuple):

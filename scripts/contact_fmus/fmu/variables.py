@@ -92,9 +92,7 @@ def read_variables(description: Any) -> dict[str, Variable]:
             tuple(int(item.value) for item in items),
         )
         variables[scalar.name] = variable
-        vector = re.fullmatch(
-            r"(.+)\[\d+\]", scalar.name
-        )  # not an entry of a matrix, which other FMUs may have
+        vector = re.fullmatch(r"(.+)\[\d+\]", scalar.name)  # not an entry of a matrix, which other FMUs may have
         if vector:
             components.setdefault(vector[1], []).append(variable)
     for name, parts in components.items():
@@ -155,13 +153,7 @@ def _where_open(name: str, scene: Scene) -> str:
 def _written(value: Any) -> str:
     if isinstance(value, list):
         return ",".join(_written(one) for one in value)
-    return (
-        str(value).lower()
-        if isinstance(value, bool)
-        else f"{value:g}"
-        if isinstance(value, float)
-        else str(value)
-    )
+    return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _setting(text: str, variables: dict[str, Variable], fmu: Path) -> tuple[str, Any]:
@@ -170,9 +162,7 @@ def _setting(text: str, variables: dict[str, Variable], fmu: Path) -> tuple[str,
         raise UserError(f"--set takes NAME=VALUE, such as contact.dashpot=unclamped, not '{text}'")
     variable = known(name, variables, fmu)
     if variable.causality not in SETTABLE:
-        raise UserError(
-            f"{name} is a variable of kind {variable.causality}: only parameters and inputs are set"
-        )
+        raise UserError(f"{name} is a variable of kind {variable.causality}: only parameters and inputs are set")
     return name, _value(variable, value)
 
 
@@ -206,13 +196,10 @@ def _reals(variable: Variable, text: str) -> Any:
         if any(values):  # 10,20,30mm: metres and millimetres
             raise UserError(f"{variable.name} takes a unit with each number that is not 0, not '{text}'")
         values = [
-            _in_unit(variable, part) if value is None else value
-            for part, value in zip(parts, values, strict=True)
+            _in_unit(variable, part) if value is None else value for part, value in zip(parts, values, strict=True)
         ]
     if len(values) != count or not all(value is not None and math.isfinite(value) for value in values):
-        wanted = (
-            "a number" if count == 1 else f"{count} numbers, such as {','.join('0' * (count - 1) + '1')},"
-        )
+        wanted = "a number" if count == 1 else f"{count} numbers, such as {','.join('0' * (count - 1) + '1')},"
         raise UserError(f"{variable.name} takes {wanted}{unit}, not '{text}'")
     return values if variable.is_vector else values[0]
 

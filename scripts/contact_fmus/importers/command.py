@@ -199,17 +199,12 @@ def page(tables: dict[int, list[str]], step: float, count: int) -> str:
     return "\n".join([TOP.format(count=count, step=step, agree=AGREE), *parts, notes])
 
 
-def table(
-    trials: list[Trial], present: list[Importer], importers: Sequence[Importer] = IMPORTERS
-) -> list[str]:
+def table(trials: list[Trial], present: list[Importer], importers: Sequence[Importer] = IMPORTERS) -> list[str]:
     """Its lines: a row for each of the importers"""
     fmus = list(dict.fromkeys(trial.fmu for trial in trials))
     found = {(trial.importer.name, trial.fmu): trial for trial in trials}
     versions = {trial.importer.name: trial.version for trial in trials if trial.version}
-    lines = [
-        f"| importer | version | {' | '.join(fmus)} |",
-        f"| --- | --- | {' | '.join('---' for _ in fmus)} |",
-    ]
+    lines = [f"| importer | version | {' | '.join(fmus)} |", f"| --- | --- | {' | '.join('---' for _ in fmus)} |"]
     problems: dict[str, str] = {}
     for importer in importers:
         if importer not in present:

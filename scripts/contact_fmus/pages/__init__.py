@@ -49,8 +49,7 @@ def typeset(text: str) -> Markup:
     """The text for HTML, its formulas as MathML"""
     parts = FORMULA.split(text)
     return Markup("").join(
-        Markup("<math>{}</math>").format(_Row(part).all()) if k % 2 else escape(part)
-        for k, part in enumerate(parts)
+        Markup("<math>{}</math>").format(_Row(part).all()) if k % 2 else escape(part) for k, part in enumerate(parts)
     )
 
 

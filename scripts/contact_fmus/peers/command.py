@@ -158,9 +158,7 @@ def versions() -> dict[str, str]:
     return found
 
 
-def run(
-    problems: Iterable[str] | None = None, quick: bool = False, names: Iterable[str] = NAMES
-) -> Iterator[Row]:
+def run(problems: Iterable[str] | None = None, quick: bool = False, names: Iterable[str] = NAMES) -> Iterator[Row]:
     """Rows of each peer on each problem, as they come"""
     chosen = [problem_of(name) for name in (benchmarks() if problems is None else problems)]
     for name in names:
@@ -251,9 +249,7 @@ def section(rows: Iterable[Row], names: Iterable[str]) -> dict:
     """For the page: each peer's law, and what there is no measurement of"""
     peers = [[module_of(name).NAME, module_of(name).LAW] for name in names]
     gaps = dict.fromkeys(
-        (row.solver, row.problem, row.setting, f"{row.parameter or ''}", row.note)
-        for row in rows
-        if not row.measured
+        (row.solver, row.problem, row.setting, f"{row.parameter or ''}", row.note) for row in rows if not row.measured
     )
     tables = [{"caption": "What each peer computes", "header": ["peer", "law"], "rows": peers}]
     if gaps:
@@ -264,7 +260,7 @@ def section(rows: Iterable[Row], names: Iterable[str]) -> dict:
         "paragraphs": [
             "Each peer runs in a process of its own, on one thread; only its stepping is timed, and every"
             " repeat starts from a model made anew. scipy's right-hand side is Python, called for every"
-            " evaluation.",
+            " evaluation."
         ],
         "tables": tables,
     }

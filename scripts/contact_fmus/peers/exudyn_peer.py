@@ -45,19 +45,11 @@ def inertia(problem):
 
 
 def ball_and_built_in_contact(exudyn, system, problem):
-    from exudyn.utilities import (
-        MarkerBodyRigid,
-        Node1D,
-        NodeGenericData,
-        ObjectContactSphereSphere,
-        ObjectMass1D,
-    )
+    from exudyn.utilities import MarkerBodyRigid, Node1D, NodeGenericData, ObjectContactSphereSphere, ObjectMass1D
 
     gravity = [0, 0, -problem.gravity]
     start = {"referencePosition": list(problem.position), "initialVelocity": list(problem.velocity)}
-    upright = (
-        exudyn.NodeType.RotationRxyz
-    )  # the ball does not turn; Euler parameters exclude explicit methods
+    upright = exudyn.NodeType.RotationRxyz  # the ball does not turn; Euler parameters exclude explicit methods
     ball = system.CreateRigidBody(inertia=inertia(problem), gravity=gravity, nodeType=upright, **start)
     if problem.inside:
         y_axis = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]  # turns the x axis into it
@@ -99,11 +91,7 @@ def law(exudyn, problem):
 
 
 def ball_and_user_function(exudyn, system, problem):
-    from exudyn.utilities import (
-        CreateSymbolicUserFunction,
-        MarkerBodyPosition,
-        ObjectConnectorCartesianSpringDamper,
-    )
+    from exudyn.utilities import CreateSymbolicUserFunction, MarkerBodyPosition, ObjectConnectorCartesianSpringDamper
 
     start = {"referencePosition": list(problem.position), "initialVelocity": list(problem.velocity)}
     ball = system.CreateMassPoint(mass=problem.mass, gravity=[0, 0, -problem.gravity], **start)

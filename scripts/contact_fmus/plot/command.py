@@ -35,12 +35,9 @@ def _title(result: Result, output: Path) -> str:
 def main(arguments: list[str] | None = None) -> int:
     """0: drawn"""
     parser = argparse.ArgumentParser(
-        prog="contact-fmus plot",
-        description="Draws gaps, forces, positions and energies of any scene over time.",
+        prog="contact-fmus plot", description="Draws gaps, forces, positions and energies of any scene over time."
     )
-    parser.add_argument(
-        "source", metavar="FMU|SCENARIO|RESULT", help=f"{words(ANY)}; of shipped ones the name"
-    )
+    parser.add_argument("source", metavar="FMU|SCENARIO|RESULT", help=f"{words(ANY)}; of shipped ones the name")
     parser.add_argument(
         "--variables", nargs="+", default=[], metavar="NAME", help="drawn instead; * stands for anything"
     )

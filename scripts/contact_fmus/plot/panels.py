@@ -154,9 +154,7 @@ def _askable(result: Result) -> list[str]:
 def _matching(result: Result, pattern: str) -> list[str]:
     """fnmatch reads [1] as a set of letters: a bracket is meant as it stands here"""
     wanted = re.compile(fnmatch.translate(pattern.replace("[", "[[]")))
-    return [
-        name for name in result.columns if wanted.match(name) or wanted.match(re.sub(r"\[\d+\]$", "", name))
-    ]
+    return [name for name in result.columns if wanted.match(name) or wanted.match(re.sub(r"\[\d+\]$", "", name))]
 
 
 def _kind(name: str) -> str:
@@ -182,9 +180,7 @@ def _of_contacts(result: Result, contacts: list[str], field: str, title: str) ->
     names = [name for contact in contacts if (name := f"{contact}.{field}") in result.columns]
     if not names:
         return None
-    return Panel(
-        title, result.units.get(names[0], ""), tuple(Line(name, name[: -len(field) - 1]) for name in names)
-    )
+    return Panel(title, result.units.get(names[0], ""), tuple(Line(name, name[: -len(field) - 1]) for name in names))
 
 
 def _positions(result: Result) -> list[Panel]:

@@ -70,9 +70,7 @@ def _explain(axes: Axes, panel: Panel, runs: list[Run]) -> None:
     else:
         shown = [(Line2D([], [], color=COLORS[i % len(COLORS)]), run.label) for i, run in enumerate(runs)]
         kinds = enumerate(panel.lines if len(panel.lines) > 1 else ())
-        shown += [
-            (Line2D([], [], color=EDGE, linestyle=LINES[i % len(LINES)]), one.label) for i, one in kinds
-        ]
+        shown += [(Line2D([], [], color=EDGE, linestyle=LINES[i % len(LINES)]), one.label) for i, one in kinds]
     if shown:
         handles, labels = zip(*shown, strict=True)
         axes.legend(handles, labels, loc="center left", bbox_to_anchor=(1.0, 0.5))

@@ -72,9 +72,7 @@ def _measure(options: argparse.Namespace) -> int:
 
 def _describe(plan: solvers.Plan, quick: bool) -> str:
     text = "A quick run with few repetitions, for trying out. " if quick else ""
-    text += (
-        f"Settings of a problem take turns in one process, {plan.repeat} turns of {plan.burst} runs, fewer"
-    )
+    text += f"Settings of a problem take turns in one process, {plan.repeat} turns of {plan.burst} runs, fewer"
     return f"{text} once a setting has run {plan.budget:g} s; a run is ended after {plan.limit:g} s."
 
 

@@ -93,9 +93,7 @@ def _step_marks(steps: Sequence[int]) -> list[Line2D]:
         filled = count == steps[0]
         text = "one communication step" if count == 1 else f"{count} communication steps"
         face, line = ("#475569", "-") if filled else ("white", "--")
-        marks.append(
-            Line2D([], [], color="#475569", marker="o", markersize=5, mfc=face, linestyle=line, label=text)
-        )
+        marks.append(Line2D([], [], color="#475569", marker="o", markersize=5, mfc=face, linestyle=line, label=text))
     return marks
 
 

@@ -11,14 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_fmus.bench import ratios
-from contact_fmus.bench.problems import (
-    EVENT_DRIVEN,
-    METHODS,
-    STIFF_TOLERANCE,
-    Problem,
-    Setting,
-    stiff_families,
-)
+from contact_fmus.bench.problems import EVENT_DRIVEN, METHODS, STIFF_TOLERANCE, Problem, Setting, stiff_families
 from contact_fmus.bench.ratios import Effort
 from contact_fmus.fmu.host import HostError, HostTimeout, Result, run_host
 
@@ -97,10 +90,7 @@ def write_rows(file: Path, rows: list[Row]) -> None:
         for row in rows:
             cells = [(name, getattr(row, name)) for name in COLUMNS]
             writer.writerow(
-                [
-                    "" if cell is None else digits[name] % cell if name in digits else cell
-                    for name, cell in cells
-                ]
+                ["" if cell is None else digits[name] % cell if name in digits else cell for name, cell in cells]
             )
 
 
@@ -148,15 +138,7 @@ class Plan:
 
 
 FULL = Plan(
-    [10.0**-k for k in range(4, 14)],
-    (1, 997),
-    5,
-    3,
-    0.3,
-    3.0,
-    15,
-    (1e-6, 1e-9, 1e-12),
-    [10.0**k for k in range(5, 16)],
+    [10.0**-k for k in range(4, 14)], (1, 997), 5, 3, 0.3, 3.0, 15, (1e-6, 1e-9, 1e-12), [10.0**k for k in range(5, 16)]
 )
 QUICK = Plan((1e-6, 1e-10), (1, 7), 2, 1, 0.05, 30.0, 2, (1e-9,), (1e5, 1e6))
 
@@ -169,14 +151,10 @@ def run_ladders(ladders: Sequence[Sequence[Setting]], plan: Plan) -> dict[Settin
     for ladder in ladders:
         given_up = ""
         for setting in ladder:
-            results[setting] = (
-                Result(setting.name, [], [], {}, given_up) if given_up else _run_alone(setting, plan)
-            )
+            results[setting] = Result(setting.name, [], [], {}, given_up) if given_up else _run_alone(setting, plan)
             if results[setting].error.startswith(TOO_LONG):
                 given_up = f"not run: {results[setting].error}{setting.where}"
-    quick = [
-        setting for setting, result in results.items() if not result.error and result.least < plan.budget
-    ]
+    quick = [setting for setting, result in results.items() if not result.error and result.least < plan.budget]
     cases = [setting.case() for setting in quick]
     if cases:
         together = run_host(cases, plan.repeat, burst=plan.burst, budget=plan.budget)
@@ -218,8 +196,7 @@ def work_precision(problems: Iterable[Problem], plan: Plan, say: Say) -> list[Ro
         for steps in plan.communication_steps:
             say(f"{problem.name}, {steps} communication steps")
             ladders = [
-                [Setting(problem, method, tolerance, steps) for tolerance in plan.tolerances]
-                for method in METHODS
+                [Setting(problem, method, tolerance, steps) for tolerance in plan.tolerances] for method in METHODS
             ]
             rows += [row_of(*pair) for pair in run_ladders(ladders, plan).items()]
     return rows
@@ -241,10 +218,7 @@ def compare_best(problems: Iterable[Problem], rows: Sequence[Row], plan: Plan, s
             entry = {"problem": problem.name, "communication_steps": steps, "ratio": None}
             if row.ratio:
                 entry |= {"cvode": _side(theirs, row, 0), "event_driven": _side(ours, row, 1)}
-                entry |= {
-                    "ratio": row.first_time / row.second_time,
-                    "ratio_of_least": row.least[0] / row.least[1],
-                }
+                entry |= {"ratio": row.first_time / row.second_time, "ratio_of_least": row.least[0] / row.least[1]}
             found.append(entry)
     return found
 

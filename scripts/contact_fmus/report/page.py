@@ -63,9 +63,7 @@ def _summary(ratios: list[dict], others: list[Row]) -> Section:
     return Section("Summary", tables.paragraphs(ratios, others), listed)
 
 
-def _work_precision(
-    own: list[Row], others: list[Row], ratios: list[dict], given: bool, folder: Path
-) -> Section:
+def _work_precision(own: list[Row], others: list[Row], ratios: list[dict], given: bool, folder: Path) -> Section:
     """`given`: the peers tell by themselves what could not be measured"""
     rows = tables.own_work_precision(own)
     figures.work_precision(rows, benchmarks().values(), folder, "work_precision")
@@ -74,9 +72,7 @@ def _work_precision(
     if figures.has_peers(others):
         figures.peers(rows, others, folder)
         caption = "The event-driven solver with the fewest communication steps, and other simulators over"
-        caption += (
-            " their own step sizes or tolerances. A line joins the best settings of a solver; faint marks are"
-        )
+        caption += " their own step sizes or tolerances. A line joins the best settings of a solver; faint marks are"
         caption += f" the others; errors above {figures.WORST:g} m are left out."
         shown.append({"name": "peers", "caption": caption})
     every = [*rows, *others]
@@ -84,7 +80,7 @@ def _work_precision(
     paragraphs = [
         "The error is the distance of the ball's centre at the end from the reference. A time is the median "
         "of the runs, of stepping alone: fmi2DoStep called by a C program, without loading and "
-        "initialization. The absolute tolerance goes along at 1e-4 of the relative one.",
+        "initialization. The absolute tolerance goes along at 1e-4 of the relative one."
     ]
     unable = [f"{row.solver}, {row.problem}: {row.note}" for row in others if not row.measured]
     if unable and not given:
@@ -154,7 +150,7 @@ def _stiffness(own: list[Row], folder: Path) -> Section:
     paragraphs = [
         "Problem P3, the ball let go at the wall of a hollow cylinder, and the same in a hollow sphere, with "
         "the dashpot at 10 % of critical damping and without one. Runs that take too long are ended, and "
-        "stiffer contacts are then not tried with that solver.",
+        "stiffer contacts are then not tried with that solver."
     ]
     figure = {"name": "stiffness", "caption": caption}
     return Section("Stiffness", paragraphs, [tables.growth(families, own), *listed], [figure])

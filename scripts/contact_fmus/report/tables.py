@@ -40,13 +40,7 @@ def least_times(problem: str, rows: Sequence[Row]) -> Table:
         own = [row for row in measured if _solver_key(row) == key]
         best = [min((row.time_s for row in own if row.error_m <= error), default=None) for error in ERRORS]
         cells.append([*key, *map(seconds, best), metres(min(row.error_m for row in own))])
-    header = [
-        "solver",
-        "law",
-        "communication steps",
-        *(f"≤ {error:g} m" for error in ERRORS),
-        "least error, m",
-    ]
+    header = ["solver", "law", "communication steps", *(f"≤ {error:g} m" for error in ERRORS), "least error, m"]
     return Table(f"{problem}: least time to reach an error", header, cells, 3)
 
 
@@ -93,8 +87,7 @@ def stiffness(name: str, family: Sequence[Problem], rows: Sequence[Row]) -> Tabl
     by_key = {
         (row.solver, row.parameter): row
         for row in rows
-        if (row.problem, row.setting) == (name, stiff_setting(STIFF_TOLERANCE))
-        and row.communication_steps == 1
+        if (row.problem, row.setting) == (name, stiff_setting(STIFF_TOLERANCE)) and row.communication_steps == 1
     }
     cells = []
     for problem in family:
@@ -102,9 +95,7 @@ def stiffness(name: str, family: Sequence[Problem], rows: Sequence[Row]) -> Tabl
         if not any(found):
             continue
         pairs = [text for row in found for text in _time_and_error(row)]
-        cells.append(
-            [f"{problem.penalty_factor:.0e}", *pairs, f"{problem.method}, {problem.uncertainty:.0e} m"]
-        )
+        cells.append([f"{problem.penalty_factor:.0e}", *pairs, f"{problem.method}, {problem.uncertainty:.0e} m"])
     header = ["p_n, N/m", *(f"{method}: {what}" for method in METHODS for what in ("time", "error, m"))]
     caption = f"{name}: relative tolerance {STIFF_TOLERANCE:g}, one communication step"
     return Table(caption, [*header, "reference and how far it is good"], cells, 0)
@@ -188,7 +179,7 @@ def paragraphs(ratios: Sequence[dict], others: Sequence[Row]) -> list[str]:
         "In short: to place the ball to 1e-9 m, event_driven takes less time than the best CVODE setting "
         "of the same FMU takes to place it to 1e-7 m: " + "; ".join(side for side in sides if side) + ". "
         "Many communication steps make both sides stop at points that neither solver needs, and "
-        "event_driven has less to do between them.",
+        "event_driven has less to do between them."
     ]
     if any(row.measured for row in others):
         texts.append(
@@ -237,9 +228,7 @@ def comparison(ratios: Sequence[dict], others: Sequence[Row]) -> Table:
 
 
 def _quickest(problem: Problem, others: Sequence[Row]) -> str:
-    good = [
-        row for row in others if row.problem == problem.name and row.measured and row.error_m <= PEER_ERROR
-    ]
+    good = [row for row in others if row.problem == problem.name and row.measured and row.error_m <= PEER_ERROR]
     if not good:
         return MISSING
     best = min(good, key=lambda row: row.time_s)

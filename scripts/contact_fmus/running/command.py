@@ -55,21 +55,13 @@ def _parser() -> argparse.ArgumentParser:
         help="file.fmu, a shipped FMU (of FMI 3.0: fmi3/NAME), a scenario or its .toml",
     )
     parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="a start value; vectors as 0,0,1; repeatable",
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="a start value; vectors as 0,0,1; repeatable"
     )
     parser.add_argument("--stop", type=number, metavar="S", help="end of the run, s")
     parser.add_argument("--step", type=number, metavar="S", help="communication step, s")
     parser.add_argument("--tolerance", type=number, metavar="R", help="relative, given to the FMU or CVODE")
-    parser.add_argument(
-        "--output-interval", type=number, metavar="S", help="time between rows of the result, s"
-    )
-    parser.add_argument(
-        "--model-exchange", action="store_true", help="fmpy's CVODE integrates the FMU's states"
-    )
+    parser.add_argument("--output-interval", type=number, metavar="S", help="time between rows of the result, s")
+    parser.add_argument("--model-exchange", action="store_true", help="fmpy's CVODE integrates the FMU's states")
     parser.add_argument(
         "--csv",
         type=Path,
@@ -78,11 +70,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--json", action="store_true", help="the values at the end, as JSON")
     parser.add_argument(
-        "--plot",
-        nargs="?",
-        const="",
-        metavar="FILE",
-        help="draws gaps, forces and positions; NAME.png without FILE",
+        "--plot", nargs="?", const="", metavar="FILE", help="draws gaps, forces and positions; NAME.png without FILE"
     )
     return parser
 
@@ -105,9 +93,7 @@ def _experiment(options: argparse.Namespace) -> Experiment:
     if note:
         print(note, file=sys.stderr)
     return dataclasses.replace(
-        experiment,
-        step=options.step or experiment.step,
-        tolerance=options.tolerance or experiment.tolerance,
+        experiment, step=options.step or experiment.step, tolerance=options.tolerance or experiment.tolerance
     )
 
 
@@ -133,9 +119,7 @@ def _with_progress(runs: Callable[..., Result], experiment: Experiment, interval
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task(experiment.name, total=length)
-        return runs(
-            experiment, interval, lambda time: progress.update(task, completed=time - experiment.start_time)
-        )
+        return runs(experiment, interval, lambda time: progress.update(task, completed=time - experiment.start_time))
 
 
 def _write(result: Result, experiment: Experiment, options: argparse.Namespace) -> None:

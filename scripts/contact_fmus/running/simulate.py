@@ -32,9 +32,7 @@ class StoppedEarly(RunFailure):
 
 
 def simulate(
-    experiment: Experiment,
-    interval: float | None = None,
-    advance: Callable[[float], None] = lambda time: None,
+    experiment: Experiment, interval: float | None = None, advance: Callable[[float], None] = lambda time: None
 ) -> Result:
     """Rows at communication points and right before and after each onset and release. `interval`: time
     between the former, s; a row for every communication step without it
@@ -65,9 +63,7 @@ def communication_points(experiment: Experiment) -> list[float]:
     """Whole steps and, where they do not end there, a shorter one to stop_time"""
     length = experiment.stop_time - experiment.start_time
     if not length > 0.0:
-        raise UserError(
-            f"the end at {experiment.stop_time} s is not after the start at {experiment.start_time} s"
-        )
+        raise UserError(f"the end at {experiment.stop_time} s is not after the start at {experiment.start_time} s")
     if not experiment.step > 0.0:
         raise UserError(f"a communication step of {experiment.step} s is not greater than 0")
     _refuse_too_much(length / experiment.step)
@@ -86,8 +82,7 @@ def said(error: FmuError) -> str:
 def _refuse_too_much(values: float) -> None:
     if values > MOST_VALUES:
         raise UserError(
-            f"a result of {values:.3g} values is more than {MOST_VALUES:.0e}: give a longer --step"
-            " or --output-interval"
+            f"a result of {values:.3g} values is more than {MOST_VALUES:.0e}: give a longer --step or --output-interval"
         )
 
 
@@ -202,9 +197,7 @@ WARNING = 1  # fmi2Warning, fmi3Warning
 
 
 def exchange(
-    experiment: Experiment,
-    interval: float | None = None,
-    advance: Callable[[float], None] = lambda time: None,
+    experiment: Experiment, interval: float | None = None, advance: Callable[[float], None] = lambda time: None
 ) -> Result:
     """`interval`: time between rows of the result, s; events have rows too"""
     return by_fmpy(experiment, "modelExchange", interval, advance)
@@ -262,9 +255,7 @@ def _parameters(description: Any, variables: dict[str, Variable], experiment: Ex
     described = [one for one in scalars(description) if one.causality in PARAMETERS and one.start is not None]
     given = _by_scalar(variables, experiment.values)
     return {one.name: _described_start(variables[one.name], one.start) for one in described} | {
-        name: plain(variables[name], value)
-        for name, value in given.items()
-        if variables[name].causality in PARAMETERS
+        name: plain(variables[name], value) for name, value in given.items() if variables[name].causality in PARAMETERS
     }
 
 

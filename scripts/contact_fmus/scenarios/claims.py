@@ -97,9 +97,7 @@ class Outcome:
 
     @property
     def error(self) -> float:
-        return float(
-            np.max(np.abs(np.asarray(self.measured, dtype=float) - np.asarray(self.expected, dtype=float)))
-        )
+        return float(np.max(np.abs(np.asarray(self.measured, dtype=float) - np.asarray(self.expected, dtype=float))))
 
     def error_of(self, claim: Claim) -> float:
         if not claim.relative:
@@ -156,9 +154,7 @@ def _gravity(run: Recording) -> float:
     return float(np.linalg.norm(run.value("gravity")))
 
 
-def _worst_point(
-    run: Recording, name: str, expected: np.ndarray, unit: str, scale: float | None = None
-) -> Outcome:
+def _worst_point(run: Recording, name: str, expected: np.ndarray, unit: str, scale: float | None = None) -> Outcome:
     """The communication point where a recorded series is furthest from what is expected of it"""
     difference = np.abs(run.series[name] - expected).reshape(len(expected), -1)
     worst = int(np.argmax(np.max(difference, axis=1)))  # the first NaN, where there is one
@@ -237,11 +233,7 @@ def energy_balance(run: Recording) -> Outcome:
 def bounce_gap(run: Recording) -> Outcome:
     """Gap at every communication point of a body dropped head-on, undamped"""
     expected = closed_forms.elastic_bounce_gap(
-        run.time,
-        run.value("contact.gap"),
-        run.value("source.mass"),
-        _gravity(run),
-        run.value("contact.penalty_factor"),
+        run.time, run.value("contact.gap"), run.value("source.mass"), _gravity(run), run.value("contact.penalty_factor")
     )
     return _worst_point(run, "contact.gap", expected, "m")
 
@@ -262,9 +254,7 @@ def free_flight(run: Recording, after: float = 0.0) -> Outcome:
     leaving = closed_forms.free_flight(after, position, velocity, np.zeros(3))
     falling = float(run.time[-1] - run.time[0]) - after
     return Outcome(
-        run.final["source.position"],
-        closed_forms.free_flight(falling, leaving, velocity, run.value("gravity")),
-        "m",
+        run.final["source.position"], closed_forms.free_flight(falling, leaving, velocity, run.value("gravity")), "m"
     )
 
 
@@ -279,9 +269,7 @@ def force_law(run: Recording) -> Outcome:
 def opposite_forces(run: Recording) -> Outcome:
     """The forces on source and destination cancel"""
     both = run.series["contact.source_force"] + run.series["contact.destination_force"]
-    return Outcome(
-        float(np.max(np.abs(both))), 0.0, "N", float(np.max(np.abs(run.series["contact.source_force"])))
-    )
+    return Outcome(float(np.max(np.abs(both))), 0.0, "N", float(np.max(np.abs(run.series["contact.source_force"]))))
 
 
 @check

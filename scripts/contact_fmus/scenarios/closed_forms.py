@@ -111,9 +111,7 @@ def elastic_bounce_gap(time: np.ndarray, gap: float, mass: float, g: float, stif
     touching = since_apex - flight
     rising = since_apex - flight - contact
     falling_gap = gap - 0.5 * g * since_apex**2
-    contact_gap = -(g / omega**2) * (1.0 - np.cos(omega * touching)) - speed / omega * np.sin(
-        omega * touching
-    )
+    contact_gap = -(g / omega**2) * (1.0 - np.cos(omega * touching)) - speed / omega * np.sin(omega * touching)
     rising_gap = speed * rising - 0.5 * g * rising**2
     return np.where(touching < 0.0, falling_gap, np.where(rising < 0.0, contact_gap, rising_gap))
 
@@ -175,9 +173,7 @@ def vertical_tube(time: np.ndarray, rate: float, g: float) -> np.ndarray:
     return -2.5 * g / rate**2 * (1.0 - np.cos(math.sqrt(2.0 / 7.0) * rate * time))
 
 
-def turntable(
-    time: np.ndarray, start: np.ndarray, velocity: np.ndarray, rate: float
-) -> tuple[np.ndarray, np.ndarray]:
+def turntable(time: np.ndarray, start: np.ndarray, velocity: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
     """Place and velocity in the plane of a ball that rolls on a plane which turns about the origin: a
     circle, gone round at 2/7 of the rate, since v' = (2/7) rate e_z x v.
     """

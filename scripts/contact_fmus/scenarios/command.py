@@ -62,9 +62,7 @@ class ScenarioResult:
         return max(own, key=lambda result: (math.isnan(result.error), result.error), default=None)
 
 
-def run_scenario(
-    scenario: Scenario, plot_folder: Path | None, advance: Callable[[int], None]
-) -> ScenarioResult:
+def run_scenario(scenario: Scenario, plot_folder: Path | None, advance: Callable[[int], None]) -> ScenarioResult:
     result = ScenarioResult(scenario)
     for variant in scenario.variants:
         with _failures_kept(result):
@@ -88,9 +86,7 @@ def _failures_kept(result: ScenarioResult) -> Iterator[None]:
         result.failures.append(str(error))
 
 
-def run_scenarios(
-    scenarios: list[Scenario], plot_folder: Path | None, console: Console
-) -> list[ScenarioResult]:
+def run_scenarios(scenarios: list[Scenario], plot_folder: Path | None, console: Console) -> list[ScenarioResult]:
     """A progress bar counts communication steps; on something that is not a terminal it stays silent."""
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
@@ -128,9 +124,7 @@ class FmuSize:
 def measure_all() -> list[FmuSize]:
     """Universal FMUs first, each followed by those that pin its choices; none whose scene is gone"""
     names = [file.stem for file in fmus_folder().glob("*.fmu") if scene_file(file.stem)]
-    return [
-        measure(name) for name in sorted(names, key=lambda name: (_family(name), name != _family(name), name))
-    ]
+    return [measure(name) for name in sorted(names, key=lambda name: (_family(name), name != _family(name), name))]
 
 
 def _family(name: str) -> str:
@@ -173,9 +167,7 @@ def open_start(fmu: ContactFmu, name: str) -> dict[str, Any]:
 def _constants(pinned: dict[str, Any]) -> dict[str, Any]:
     """Without the choices that keep several of their items"""
     return {
-        name: value
-        for name, value in pinned.items()
-        if not (isinstance(value, list) and isinstance(value[0], str))
+        name: value for name, value in pinned.items() if not (isinstance(value, list) and isinstance(value[0], str))
     }
 
 
@@ -211,9 +203,7 @@ def _error_unit(result: ClaimResult) -> str:
 
 def claims_table(results: list[ScenarioResult]) -> Table:
     """A line for each claim, with the run that is furthest from it"""
-    table = Table(
-        title="Claims (of several runs of a scenario, the one with the largest error)", title_justify="left"
-    )
+    table = Table(title="Claims (of several runs of a scenario, the one with the largest error)", title_justify="left")
     for name in ("scenario", "claim"):
         table.add_column(name, overflow="fold")
     table.add_column("runs", justify="right")
@@ -300,10 +290,7 @@ def run(arguments: list[str] | None = None) -> int:
     text = "Runs scenarios, checks their claims, writes plots and index.html."
     parser = argparse.ArgumentParser(prog="contact-fmus scenarios", description=text)
     parser.add_argument(
-        "files",
-        nargs="*",
-        metavar="SCENARIO",
-        help=f"{words(SCENARIOS)} or a shipped one's name; default all",
+        "files", nargs="*", metavar="SCENARIO", help=f"{words(SCENARIOS)} or a shipped one's name; default all"
     )
     parser.add_argument("--output", type=Path, default=results_folder("build/scenarios"), metavar="FOLDER")
     parser.add_argument("--no-plots", action="store_true", help="check the claims only")
@@ -341,9 +328,7 @@ def _run(options: argparse.Namespace) -> int:
     count = sum(len(result.results) for result in results)
     broken = sum(not one.holds for result in results for one in result.results)
     failures = sum(len(result.failures) for result in results)
-    console.print(
-        f"{len(results)} scenarios, {count} claims checked, {broken} do not hold, {failures} runs failed"
-    )
+    console.print(f"{len(results)} scenarios, {count} claims checked, {broken} do not hold, {failures} runs failed")
     if plot_folder is not None:
         print(f"plots: {plot_folder}")
     print(f"page:  {write_report(results, options.output)}")

@@ -50,9 +50,7 @@ class InputSignal:
         )
 
 
-def _table(
-    times: list[float] | None = None, values: list | None = None
-) -> Callable[[float, int], np.ndarray]:
+def _table(times: list[float] | None = None, values: list | None = None) -> Callable[[float, int], np.ndarray]:
     if not times or not values or len(times) != len(values) or not np.all(np.diff(times) > 0.0):
         raise ValueError("times must rise, with one of values for each")
     points, nodes = np.array(times, dtype=float), np.array(values, dtype=float).reshape(len(times), -1)

@@ -154,9 +154,7 @@ def _path(axes: Axes, runs: list[Recording]) -> None:
     horizontal = plane[0]
     along = [name for name, component in zip("xyz", horizontal, strict=True) if abs(component) > 1.0 - 1e-9]
     axes.set_title("path, from above" if above else "path")
-    axes.set_xlabel(
-        f"{along[0]} [m]" if along else f"along ({horizontal[0]:.2g}, {horizontal[1]:.2g}, 0) [m]"
-    )
+    axes.set_xlabel(f"{along[0]} [m]" if along else f"along ({horizontal[0]:.2g}, {horizontal[1]:.2g}, 0) [m]")
     axes.set_ylabel("y [m]" if above else "z [m]")
     axes.set_aspect("equal", adjustable="box")
     axes.set_axisbelow(True)
@@ -211,9 +209,7 @@ def _outline(run: Recording, body: str, index: int, plane: np.ndarray, look: dic
     return Polygon(corners, **look)
 
 
-def _strip(
-    run: Recording, body: str, center: np.ndarray, normal: np.ndarray, plane: np.ndarray, look: dict
-) -> Patch:
+def _strip(run: Recording, body: str, center: np.ndarray, normal: np.ndarray, plane: np.ndarray, look: dict) -> Patch:
     """Of a plane: below all places of its sources, as deep as a ball"""
     normal = normal / np.linalg.norm(normal)
     level = np.array([-normal[1], normal[0]])
@@ -282,10 +278,7 @@ def _contacts(run: Recording) -> list[str]:
 def _energy(axes: Axes, runs: list[Recording]) -> None:
     axes.set_ylabel("energy [J]")
     if len(runs) > 1:
-        sizes = {
-            name: max(np.ptp(run.series[f"energy.{name}"]) for run in runs)
-            for name in ("dissipated", "kinetic")
-        }
+        sizes = {name: max(np.ptp(run.series[f"energy.{name}"]) for run in runs) for name in ("dissipated", "kinetic")}
         term = "dissipated" if sizes["dissipated"] > 1e-6 * sizes["kinetic"] else "kinetic"
         axes.set_title(f"{term} energy")
         _compare(axes, runs, [f"energy.{term}"], lambda run, name: run.series[name])

@@ -47,10 +47,7 @@ def recorded(fmu: ContactFmu) -> list[str]:
 
 
 def record(
-    scenario: Scenario,
-    variant: Variant,
-    advance: Callable[[int], None] = lambda steps: None,
-    inside: int = 0,
+    scenario: Scenario, variant: Variant, advance: Callable[[int], None] = lambda steps: None, inside: int = 0
 ) -> Recording:
     """Rows at the communication points. `advance` is told now and then how many steps were done. `inside`:
     for pictures, rows on both sides of each onset and release as well, and so many within each contact

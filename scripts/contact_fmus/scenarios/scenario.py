@@ -49,15 +49,7 @@ from pathlib import Path
 from typing import Any
 
 from contact_fmus.errors import UserError, similar
-from contact_fmus.fmu.files import (
-    fmu_file,
-    fmus_folder,
-    has_scene,
-    read_scene,
-    repository,
-    shipped_fmus,
-    unpack,
-)
+from contact_fmus.fmu.files import fmu_file, fmus_folder, has_scene, read_scene, repository, shipped_fmus, unpack
 from contact_fmus.fmu.variables import read_settings, read_variables
 
 from . import claims
@@ -111,9 +103,7 @@ def read_scenario(path: Path) -> Scenario:
     _check(f"{place}: [experiment]", experiment, EXPERIMENT, required=("stop_time", "steps"))
     start_time, stop_time = float(experiment.get("start_time", 0.0)), float(experiment["stop_time"])
     if not stop_time > start_time:
-        raise ScenarioError(
-            f"{place}: [experiment]: stop_time {stop_time} is not after start_time {start_time}"
-        )
+        raise ScenarioError(f"{place}: [experiment]: stop_time {stop_time} is not after start_time {start_time}")
     variants = _variants(place, experiment, table.get("start", {}), table.get("vary", {}))
     plot = table.get("plot", {})
     _check(f"{place}: [plot]", plot, PLOT)
@@ -161,14 +151,10 @@ def _inputs(place: str, entries: list) -> list[InputSignal]:
         options = {key: value for key, value in entry.items() if key not in ("variable", "derivatives")}
         if "derivative_of" in options:
             if options["derivative_of"] not in signals:
-                raise ScenarioError(
-                    f"{here}: derivative_of = '{options['derivative_of']}' is no input before it"
-                )
+                raise ScenarioError(f"{here}: derivative_of = '{options['derivative_of']}' is no input before it")
             options = {"derivative_of": signals[options["derivative_of"]]}
         try:
-            signals[entry["variable"]] = InputSignal.make(
-                entry["variable"], entry.get("derivatives", 0), options
-            )
+            signals[entry["variable"]] = InputSignal.make(entry["variable"], entry.get("derivatives", 0), options)
         except ValueError as error:
             raise ScenarioError(f"{here}: {error}") from None
     return list(signals.values())

@@ -44,10 +44,7 @@ def radii(random: np.random.Generator, inside: bool) -> tuple[float, float]:
 
 def stiffness(random: np.random.Generator, mass: float, speed: float, reach: float) -> float:
     """For a depth of 1e-8 to 1e8 times the reach, or any"""
-    if random.random() < 0.6:
-        chosen = mass * (speed / (reach * power(random, -8, 8))) ** 2
-    else:
-        chosen = power(random, -6, 20)
+    chosen = mass * (speed / (reach * power(random, -8, 8))) ** 2 if random.random() < 0.6 else power(random, -6, 20)
     return min(max(chosen, 1e-290), 1e290)
 
 
@@ -129,9 +126,7 @@ def beyond(arguments: list[str] | None = None) -> int:
 
 def _beyond_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="contact-fmus beyond",
-        description=BEYOND,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        prog="contact-fmus beyond", description=BEYOND, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("first", type=int, metavar="FIRST", help="seed")
     parser.add_argument("last", type=int, metavar="LAST", help="the seed after the last")
@@ -157,9 +152,7 @@ def main(arguments: list[str] | None = None) -> int:
     print(ending(rows))
     failed = not_right(rows, "event_driven")
     for row in failed if options.check else ():
-        print(
-            f"not right: {row.family}, {row.value:g}, {row.geometry}, {row.law}: {row.wrong or row.message}"
-        )
+        print(f"not right: {row.family}, {row.value:g}, {row.geometry}, {row.law}: {row.wrong or row.message}")
     return int(options.check and bool(failed))
 
 
@@ -190,9 +183,7 @@ def _measured(options: argparse.Namespace) -> list[SceneRun]:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="contact-fmus stability", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="few of the scenes")
-    parser.add_argument(
-        "--check", action="store_true", help="the status is 1 unless event_driven is right everywhere"
-    )
+    parser.add_argument("--check", action="store_true", help="the status is 1 unless event_driven is right everywhere")
     parser.add_argument(
         "--beyond",
         type=int,

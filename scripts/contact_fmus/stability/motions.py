@@ -233,11 +233,7 @@ class HeadOn:
         """The closed form, from the very numbers that the FMU is given"""
         with mp.workdps(DIGITS):
             source, free = mpf(self.source_mass), self.destination_mass is not None
-            mass = (
-                source * mpf(self.destination_mass) / (source + mpf(self.destination_mass))
-                if free
-                else source
-            )
+            mass = source * mpf(self.destination_mass) / (source + mpf(self.destination_mass)) if free else source
             radii = mpf(self.destination_radius), mpf(self.source_radius)
             if self.geometry == PLANE:
                 radii = mpf(0), radii[1]
@@ -400,10 +396,7 @@ class Impact(Unforced):
             return {"contact.method": "penalty"}
         values: dict[str, Any] = {"contact.dashpot": self.law}
         if self.restitution is not None:
-            return values | {
-                "contact.viscous_control": "restitution",
-                "contact.restitution": self.restitution,
-            }
+            return values | {"contact.viscous_control": "restitution", "contact.restitution": self.restitution}
         return values | {"contact.hunt_crossley_factor": self.damped / self.speed}
 
     # The closed form

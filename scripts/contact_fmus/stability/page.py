@@ -96,16 +96,7 @@ def _cell(value: object) -> object:
 
 
 def counts(rows: Sequence[SceneRun]) -> Table:
-    header = [
-        "method",
-        "scenes",
-        "right",
-        "refused with a message",
-        "wrong",
-        "largest error",
-        "energy",
-        "gain",
-    ]
+    header = ["method", "scenes", "right", "refused with a message", "wrong", "largest error", "energy", "gain"]
     header += ["momentum", "most internal steps", "longest run"]
     cells = []
     for method in METHODS:
@@ -149,14 +140,7 @@ def refusals(rows: Sequence[SceneRun]) -> Table:
         if row.status != "ok" and not row.wrong:
             found[row.method, row.family, reason(row)].append(row)
     cells = [
-        [
-            method,
-            family,
-            span(row.value for row in own),
-            laws(own),
-            kind,
-            f"{len(own)} of {runs[method, family]}",
-        ]
+        [method, family, span(row.value for row in own), laws(own), kind, f"{len(own)} of {runs[method, family]}"]
         for (method, family, kind), own in sorted(found.items(), key=lambda item: METHODS.index(item[0][0]))
     ]
     return Table("Refused, by the message", ["method", "axis", "values", "laws", "reason", "runs"], cells, 5)
@@ -246,9 +230,7 @@ REFUSED, NOTHING = "#94a3b8", "#f1f5f9"
 class Map:
     """What a figure shows of a run"""
 
-    def __init__(
-        self, name: str, caption: str, bounds: tuple[float, float], value: Callable[[SceneRun], float]
-    ):
+    def __init__(self, name: str, caption: str, bounds: tuple[float, float], value: Callable[[SceneRun], float]):
         self.name, self.caption, self.bounds, self.value = name, caption, bounds, value
 
 
@@ -268,8 +250,7 @@ MAPS = (
     ),
     Map(
         "steps",
-        "Internal steps of the solver for each communication step, event and radian of slow swinging in a "
-        "hollow body.",
+        "Internal steps of the solver for each communication step, event and radian of slow swinging in a hollow body.",
         (1.0, 1e4),
         lambda row: row.work,
     ),

@@ -56,9 +56,7 @@ class Sample:
 class Outcome:
     """What came of a run"""
 
-    samples: list[Sample] = field(
-        default_factory=list
-    )  # at the start and after every step, also a discarded one
+    samples: list[Sample] = field(default_factory=list)  # at the start and after every step, also a discarded one
     counts: dict[str, int] = field(default_factory=dict)
     status: str = "ok"  # ok, refused (at initialization), discarded (in a step)
     message: str = ""
@@ -401,9 +399,7 @@ def thinned(scenes: Sequence[Scene], stride: int) -> list[Scene]:
     families: dict[str, list[Scene]] = {}
     for scene in scenes:
         families.setdefault(scene.family, []).append(scene)
-    return [
-        scene for family in families.values() for scene in family[:: min(stride, _odd(len(family) // FEWEST))]
-    ]
+    return [scene for family in families.values() for scene in family[:: min(stride, _odd(len(family) // FEWEST))]]
 
 
 def _odd(number: int) -> int:

@@ -151,9 +151,7 @@ def exponent() -> Iterator[Scene]:
             for speed in decades(-6, 6, 3):
                 e = None if law == "undamped" else 0.7
                 penalty = (speed / 1e-3) ** 2
-                linear = HeadOn(
-                    geometry=geometry, law=law, restitution=e, gravity=0.0, speed=speed, penalty=penalty
-                )
+                linear = HeadOn(geometry=geometry, law=law, restitution=e, gravity=0.0, speed=speed, penalty=penalty)
                 yield Scene("exponent", 1.0, linear, note=f"{speed:g} m/s")
                 stiffness = 1.25 * speed**2 / 1e-3**2.5
                 hertz = Impact(geometry=geometry, law=law, restitution=e, speed=speed, stiffness=stiffness)
@@ -287,9 +285,7 @@ def radius_ratio() -> Iterator[Scene]:
     for value in decades(0, 9):
         for one in variants():
             ratio = 1.25 * value if one.inside else value
-            yield Scene(
-                "radius ratio", value, replace(one, destination_radius=0.125 * ratio), note="small ball"
-            )
+            yield Scene("radius ratio", value, replace(one, destination_radius=0.125 * ratio), note="small ball")
             if not one.inside and value > 1:
                 large = replace(one, source_radius=0.125 * value, destination_radius=0.125)
                 yield Scene("radius ratio", value, large, note="large ball")
@@ -362,17 +358,11 @@ def communication_step() -> Iterator[Scene]:
                 speed = 0.375 / end if end > 0.4 else 1.0
                 steps = (count,)
                 yield Scene(
-                    "communication step",
-                    value,
-                    replace(thrown, speed=speed),
-                    steps=steps,
-                    note=f"{count} steps",
+                    "communication step", value, replace(thrown, speed=speed), steps=steps, note=f"{count} steps"
                 )
                 if one.law in ("non_adhesive", "unclamped") and 0.4 < end <= 2e3:
                     falling = replace(one, ratio=0.4, end=end)
-                    yield Scene(
-                        "communication step", value, falling, steps=steps, note=f"falling, {count} steps"
-                    )
+                    yield Scene("communication step", value, falling, steps=steps, note=f"falling, {count} steps")
 
 
 def offset() -> Iterator[Scene]:
@@ -412,9 +402,7 @@ def rim() -> Iterator[Scene]:
                         for late in (0.0, away):
                             along = 0.5 - along_speed * (touch + late + side * value)
                             moved = replace(one, along=along, along_speed=along_speed, end=0.5)
-                            yield Scene(
-                                "rim", value, moved, note=f"{along_speed:g} m/s, {side:+d}, {late:.2g} s"
-                            )
+                            yield Scene("rim", value, moved, note=f"{along_speed:g} m/s, {side:+d}, {late:.2g} s")
 
 
 def force() -> Iterator[Scene]:

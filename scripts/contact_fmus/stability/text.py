@@ -7,19 +7,16 @@ AXES = {
     "mass ratio": "Both bodies are free; the destination weighs 1 kg",
     "size": "All lengths and the speed grow alike; gravity stays, so that it rules the small ones",
     "radius ratio": "A body of 0.125 m and one that is so much larger; the ball is either of them",
-    "clearance": "A ball that all but fills a hollow body: how much room it has. It crosses, or "
-    "settles on the wall",
+    "clearance": "A ball that all but fills a hollow body: how much room it has. It crosses, or settles on the wall",
     "speed": "How fast the ball is thrown at the body",
     "bullet": "A ball of 8 µm shot at a body of 1 mm, at up to 1000 km/s, in one step that "
     "ends far beyond: how deep the impact goes. From 1 on the ball comes out on the "
     "other side",
     "damping": "How strong the dashpot is; at 1, critical damping, an unloaded contact no longer swings",
     "viscous only": "Contacts that are a dashpot without a spring: its factor",
-    "communication step": "A flight, an impact and what follows within 1, 20 or 100 communication steps "
-    "of this size",
+    "communication step": "A flight, an impact and what follows within 1, 20 or 100 communication steps of this size",
     "offset": "Both bodies so far from the origin, where places have fewer digits to spare",
-    "start": "The bodies overlap already at the start: at 0 they touch, at 1 the centres of "
-    "solid ones coincide",
+    "start": "The bodies overlap already at the start: at 0 they touch, at 1 the centres of solid ones coincide",
     "rim": "The ball passes the end of a finite cylinder so long before or after it touches",
     "force": "A force presses the ball on the body",
     "jump": "The importer moves the destination by so many radii at once, into the ball or away, and back",
@@ -31,8 +28,7 @@ AXES = {
     "the cap: how fast, from a millionth to half of its radius deep",
     "modulus": "Impacts by Hertz's law with the stiffness of the material",
     "restitution": "Impacts by either law whose damping follows from the coefficient of restitution",
-    "exponent": "Impacts by the linear law (1) and by Hertz's (3/2), from 1e-6 to 1e6 m/s, all about a "
-    "millimetre deep",
+    "exponent": "Impacts by the linear law (1) and by Hertz's (3/2), from 1e-6 to 1e6 m/s, all about a millimetre deep",
     "slip velocity": "A ball slides on a plane until it rolls, under regularized friction: the slip velocity "
     "at which friction comes to most of its limit, from Coulomb's friction to one that creeps",
     "friction": "The same: how strong friction is",

@@ -110,11 +110,7 @@ def _run(store, options: argparse.Namespace) -> None:
     pool = ThreadPoolExecutor(1)
     preparing = pool.submit(samples.prepare)
     workers = options.workers or len(os.sched_getaffinity(0))
-    with (
-        interrupts.answered(),
-        connected(options.scheduler, workers, options.dashboard) as client,
-        _bar(store) as told,
-    ):
+    with interrupts.answered(), connected(options.scheduler, workers, options.dashboard) as client, _bar(store) as told:
         preparing.result()
         drive = Drive(client, store.study, samples, store, make_work(store.study))
         with interrupts.looked_for():
@@ -148,19 +144,11 @@ def _parser() -> argparse.ArgumentParser:
     {guide} describes the study file."""
     text = text.format(guide=_tree() / "docs" / "sweep.md")
     parser = argparse.ArgumentParser(prog="contact-fmus sweep", description=text)
-    parser.add_argument(
-        "study", type=Path, metavar="STUDY", help="a file STUDY.toml, or the name of a shipped study"
-    )
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="where results go, results/STUDY without it"
-    )
+    parser.add_argument("study", type=Path, metavar="STUDY", help="a file STUDY.toml, or the name of a shipped study")
+    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="where results go, results/STUDY without it")
     parser.add_argument("--resume", action="store_true", help="go on where an earlier sweep of DIR ended")
-    parser.add_argument(
-        "--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler that is already there"
-    )
-    parser.add_argument(
-        "--workers", type=int, metavar="N", help="processes of this machine, one each processor"
-    )
+    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler that is already there")
+    parser.add_argument("--workers", type=int, metavar="N", help="processes of this machine, one each processor")
     parser.add_argument("--dashboard", metavar="HOST:PORT", help="dask's own page about an embedded cluster")
     parser.add_argument("--csv", action="store_true", help="also write DIR/results.csv")
     parser.add_argument("--json", action="store_true", help="print what was done as one line of JSON")
@@ -168,9 +156,7 @@ def _parser() -> argparse.ArgumentParser:
         "--plot", nargs="?", const="", metavar="FILE", help="draw the results, DIR/plot.png without a name"
     )
     parser.add_argument("--x", metavar="COLUMN", help="across: the first parameter without it")
-    parser.add_argument(
-        "--y", metavar="COLUMN", help="up: the first output without it, or a second parameter"
-    )
+    parser.add_argument("--y", metavar="COLUMN", help="up: the first output without it, or a second parameter")
     parser.add_argument("--color", metavar="COLUMN", help="an output over x and y: a map")
     parser.add_argument(
         "--compare", action="store_true", help="time the study beside a bare loop in C over the same runs"

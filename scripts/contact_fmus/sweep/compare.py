@@ -70,9 +70,7 @@ def compare(study: Study, folder: Path, options: argparse.Namespace) -> int:
         return 0
     print(f"{samples.runs:,} runs on {workers} processors")
     print(f"bare loop: {bare.wall:.3g} s, {bare.processor:.3g} s of processors")
-    print(
-        f"sweep:     {sweep.wall:.3g} s, {sweep.processor:.3g} s of processors, {sweep.memory:.0f} MB at most"
-    )
+    print(f"sweep:     {sweep.wall:.3g} s, {sweep.processor:.3g} s of processors, {sweep.memory:.0f} MB at most")
     print(f"ratio:     {sweep.wall / bare.wall:.3g}, of processors {sweep.processor / bare.processor:.3g}")
     return 0
 
@@ -134,6 +132,4 @@ def _measured(commands: list[list[str]], inputs: list[bytes]) -> tuple[Spent, li
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     used = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     # Linux counts ru_maxrss in kB.
-    return Spent(time.perf_counter() - begin, used, after.ru_maxrss / 1000), [
-        one.decode() for one, _ in printed
-    ]
+    return Spent(time.perf_counter() - begin, used, after.ru_maxrss / 1000), [one.decode() for one, _ in printed]

@@ -257,9 +257,7 @@ def _elsewhere(address: str) -> Iterator[Client]:
         raise RunFailure(f"--scheduler {address}: no scheduler answers {said}") from None
     except (ValueError, TypeError) as error:
         reason = str(error).splitlines()[0]
-        raise UserError(
-            f"--scheduler {address}: an address like tcp://host:8786 is wanted ({reason})"
-        ) from None
+        raise UserError(f"--scheduler {address}: an address like tcp://host:8786 is wanted ({reason})") from None
     try:
         with contextlib.suppress(TimeoutError):
             client.wait_for_workers(1, timeout=ARRIVE)
@@ -401,15 +399,11 @@ class Drive:
             return 0
         values = np.full((len(self.study.outputs), 1), np.nan)
         said = {0: "the FMU ended the worker's process"}
-        return self._write(
-            flight, Rows(first, values, np.array([CRASH], np.uint8), said, 0.0, np.zeros(1, np.int32))
-        )
+        return self._write(flight, Rows(first, values, np.array([CRASH], np.uint8), said, 0.0, np.zeros(1, np.int32)))
 
     def _explained(self, error: BaseException) -> RunFailure:
         if isinstance(error, ModuleNotFoundError):
             said = f"the workers have no Python module {error.name}: install 'contact-fmus[sweep]' there"
         else:
-            said = (
-                f"a worker failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
-            )
+            said = f"a worker failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
         return RunFailure(f"{said}; {self._kept()}")

@@ -102,10 +102,7 @@ def _run_once(plan: Plan, batch: Batch, place: int, slave: Any) -> list[float]:
             _reduce(plan, reduced, read, before, point, size)
             before = read
     length = now - plan.start_time
-    return [
-        value / length if code == MEAN else value
-        for value, code in zip(reduced, plan.outputs[:, 1], strict=True)
-    ]
+    return [value / length if code == MEAN else value for value, code in zip(reduced, plan.outputs[:, 1], strict=True)]
 
 
 def _read(plan: Plan, slave: Any) -> list[float]:
@@ -117,9 +114,7 @@ def _read(plan: Plan, slave: Any) -> list[float]:
     return found
 
 
-def _reduce(
-    plan: Plan, reduced: list[float], read: list[float], before: list[float], point: int, size: float
-) -> None:
+def _reduce(plan: Plan, reduced: list[float], read: list[float], before: list[float], point: int, size: float) -> None:
     """What is not a number stays"""
     for index, (source, code, wanted) in enumerate(plan.outputs.tolist()):
         value, found = read[source], reduced[index]

@@ -62,9 +62,7 @@ def schema_of(study: Study) -> pa.Schema:
 
 
 def _field(name: str, kind: pa.DataType, about: dict[str, str], nullable: bool = True) -> pa.Field:
-    return pa.field(
-        name, kind, nullable=nullable, metadata={key: value for key, value in about.items() if value}
-    )
+    return pa.field(name, kind, nullable=nullable, metadata={key: value for key, value in about.items() if value})
 
 
 def _about(variable: Variable) -> dict[str, str]:
@@ -186,9 +184,7 @@ class Store:
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            raise UserError(
-                f"{self.folder} is in use by another sweep; give another folder with -o"
-            ) from None
+            raise UserError(f"{self.folder} is in use by another sweep; give another folder with -o") from None
         known = self._known()
         if known is None:
             if self.results.exists() or self.batches.exists():
@@ -294,11 +290,7 @@ class Store:
     def _writer(self, file: Path, compression: str) -> pq.ParquetWriter:
         words = [field.name for field in self.schema if WORDS(field.type)]
         return pq.ParquetWriter(
-            file,
-            self.schema,
-            compression=compression,
-            use_dictionary=[*words, "message"],
-            write_statistics=True,
+            file, self.schema, compression=compression, use_dictionary=[*words, "message"], write_statistics=True
         )
 
     # all runs

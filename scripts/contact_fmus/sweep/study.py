@@ -49,9 +49,7 @@ def text(value: Any, where: str) -> str:
 
 def one_of(value: Any, where: str, allowed: tuple[str, ...]) -> str:
     if value not in allowed:
-        raise UserError(
-            f"{where}: one of {', '.join(allowed)} is wanted, not {value!r}{similar(str(value), allowed)}"
-        )
+        raise UserError(f"{where}: one of {', '.join(allowed)} is wanted, not {value!r}{similar(str(value), allowed)}")
     return value
 
 
@@ -132,9 +130,7 @@ class Interface(NamedTuple):
         """One that may be set before the start"""
         variable = self.variable(name, where)
         if name not in self.settable:
-            said = (
-                f"{where}: '{name}' cannot be set, it is {article(variable.causality)} {variable.causality}"
-            )
+            said = f"{where}: '{name}' cannot be set, it is {article(variable.causality)} {variable.causality}"
             raise UserError(said)
         return variable
 
@@ -245,9 +241,7 @@ def find_fmu(name: str, folder: Path) -> Path:
         shipped = sorted(one.stem for one in fmus_folder().glob("*.fmu"))
         if not shipped:
             raise UserError(f"{where}: {error}") from None
-        said = (
-            f"{where}: '{name}' is no shipped FMU ({', '.join(shipped)}) and no file NAME.fmu or SCENE.toml"
-        )
+        said = f"{where}: '{name}' is no shipped FMU ({', '.join(shipped)}) and no file NAME.fmu or SCENE.toml"
         raise UserError(said + similar(name, shipped)) from None
 
 
@@ -383,9 +377,7 @@ def _belongs(table: Table, kind: str) -> None:
     for key in table.content:
         if key not in own | {"distribution"}:
             allowed = ", ".join(sorted(own))
-            raise UserError(
-                f"{table.place(key)} does not belong to the distribution {kind}; allowed: {allowed}"
-            )
+            raise UserError(f"{table.place(key)} does not belong to the distribution {kind}; allowed: {allowed}")
 
 
 def _logarithmic(low: float, high: float) -> Callable[[np.ndarray], np.ndarray]:
@@ -394,9 +386,7 @@ def _logarithmic(low: float, high: float) -> Callable[[np.ndarray], np.ndarray]:
     return lambda u: np.clip(np.exp(start + width * u), low, high)
 
 
-def _bounded(
-    interface: Interface, variable: Variable, kind: str, table: Table
-) -> Callable[[np.ndarray], np.ndarray]:
+def _bounded(interface: Interface, variable: Variable, kind: str, table: Table) -> Callable[[np.ndarray], np.ndarray]:
     """A distribution of scipy, cut off to what `range` or the FMU allows: values outside are not drawn"""
     from scipy import stats  # takes a second to import, which a uniform study need not wait for
 
@@ -405,9 +395,7 @@ def _bounded(
         _ends(interface, variable, low, high, table)
         mode = table.number("mode", (low + high) / 2)
         if not low <= mode <= high:
-            raise UserError(
-                f"{table.place('mode')}: a number from {low!r} to {high!r} is wanted, not {mode!r}"
-            )
+            raise UserError(f"{table.place('mode')}: a number from {low!r} to {high!r} is wanted, not {mode!r}")
         return stats.triang((mode - low) / (high - low), low, high - low).ppf
     deviation = table.positive("deviation")
     if kind == "normal":
@@ -492,9 +480,7 @@ class Samples:
         columns = [self._jitter(one.name, start, size) for one in self.sampled]
         if self.sampling.method == "latin_hypercube":
             strata = [self._stratum(one.name)[start : start + size] for one in self.sampled]
-            columns = [
-                (stratum + jitter) / self.samples for stratum, jitter in zip(strata, columns, strict=True)
-            ]
+            columns = [(stratum + jitter) / self.samples for stratum, jitter in zip(strata, columns, strict=True)]
             # Rounding must not lift the last stratum to 1.
             columns = [np.minimum(column, np.nextafter(1.0, 0.0)) for column in columns]
         return np.stack(columns, axis=1)
@@ -628,9 +614,7 @@ def _filled(content: dict[str, Any], key: str) -> bool:
     for name, entry in content[key].items():
         if isinstance(entry, dict) and name.isidentifier() and key == "vary" and not _is_entry(entry):
             part = next(iter(entry), "name")
-            raise UserError(
-                f'[{key}] {name}.{part}: names with a dot stand in quotation marks, "{name}.{part}"'
-            )
+            raise UserError(f'[{key}] {name}.{part}: names with a dot stand in quotation marks, "{name}.{part}"')
     return True
 
 
@@ -724,9 +708,7 @@ def _points(experiment: Table, start: float, outputs: tuple[Output, ...]) -> tup
     if "step" in experiment:
         ratio = length / experiment.positive("step")
         if ratio > MOST_STEPS:
-            raise UserError(
-                f"{experiment.place('step')}: {ratio:.3g} steps; at most {MOST_STEPS} are allowed"
-            )
+            raise UserError(f"{experiment.place('step')}: {ratio:.3g} steps; at most {MOST_STEPS} are allowed")
         count = max(1, math.ceil(ratio - SAME_POINT))
         points = [start + index * experiment.positive("step") for index in range(1, count)] + [stop]
     else:

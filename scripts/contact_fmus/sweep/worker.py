@@ -61,9 +61,7 @@ def unpacked(fmu: bytes) -> Path:
             folder = Path(tempfile.mkdtemp(prefix="contact-sweep-", dir=_scratch()))
             atexit.register(shutil.rmtree, folder, ignore_errors=True)
             with zipfile.ZipFile(io.BytesIO(fmu)) as archive:
-                names = [
-                    name for name in archive.namelist() if not name.startswith(("sources/", "documentation/"))
-                ]
+                names = [name for name in archive.namelist() if not name.startswith(("sources/", "documentation/"))]
                 archive.extractall(folder, names)
             _unpacked[digest] = folder
         return _unpacked[digest]

@@ -12,10 +12,7 @@ about = fmpy.read_model_description(asked.fmu)
 with tempfile.TemporaryDirectory() as folder:
     fmpy.extract(asked.fmu, folder)
     fmu = FMU3Slave(
-        guid=about.guid,
-        unzipDirectory=folder,
-        modelIdentifier=about.coSimulation.modelIdentifier,
-        instanceName="tried",
+        guid=about.guid, unzipDirectory=folder, modelIdentifier=about.coSimulation.modelIdentifier, instanceName="tried"
     )
     fmu.instantiate()
     for _, reference, value in asked.settings:
