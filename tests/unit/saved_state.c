@@ -170,6 +170,25 @@ static void what_may_be_without_end_is_taken(void)
     integrator_close(&m.integrator);
 }
 
+static void counters_stay_at_the_largest_integer_and_can_be_restored(void)
+{
+    struct heard heard = {MODEL_OK, 0};
+    struct model m = scene_model();
+    struct model_state saved;
+    m.host.context = &heard;
+    m.host.log = hear;
+    m.state.values.body[SOURCE].motion = MOTION_PRESCRIBED;
+    scene_put(m.state.values.body[SOURCE].center, -1.0, 0.1, 0.0);
+    scene_put(m.state.values.body[SOURCE].prescribed_velocity, 3.0, 0.0, 0.0);
+    CHECK(model_exit_initialization(&m) == MODEL_OK);
+    m.state.motion.counters.force_evaluations = INT32_MAX - 3;
+    CHECK(model_step(&m, 2.0) == MODEL_OK);
+    CHECK(m.state.motion.counters.force_evaluations == INT32_MAX);
+    model_save(&m, &saved);
+    CHECK(model_restore(&m, &saved, sizeof saved) == MODEL_OK);
+    integrator_close(&m.integrator);
+}
+
 static void a_model_that_is_not_there_can_be_destroyed(void)
 {
     model_destroy(NULL);
@@ -180,6 +199,7 @@ int main(void)
 {
     CHECK_TEST(a_state_with_one_wrong_value_is_refused_and_changes_nothing);
     CHECK_TEST(what_may_be_without_end_is_taken);
+    CHECK_TEST(counters_stay_at_the_largest_integer_and_can_be_restored);
     CHECK_TEST(a_model_that_is_not_there_can_be_destroyed);
     return check_summary("saved_state");
 }
