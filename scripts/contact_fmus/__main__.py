@@ -15,32 +15,10 @@ from types import ModuleType
 from typing import Any
 
 from .errors import BAD_REQUEST, INTERRUPTED, OUTPUT_CLOSED, RUN_FAILED, UserError, similar
+from .options import commands
 
 # name: (module and function, what it does). Modules are imported when asked for: some take a while.
-COMMANDS = {
-    "run": ("running.command:main", "run an FMU or a scenario: end values, CSV, a plot"),
-    "build": ("building.command:build", "make an FMU from a scene file"),
-    "new": ("building.command:new", "write a commented scene file to start from"),
-    "check": ("checking.command:main", "what is wrong with FMUs of any maker: files, exports, runs, states"),
-    "compatibility": ("checking.compatibility:main", "what FMI's cross check asks of an exported FMU"),
-    "importers": ("importers.command:main", "run FMUs in every importer that is installed, compare"),
-    "published": ("published:main", "run published benchmark impacts, compare"),
-    "scenarios": ("scenarios.command:run", "run scenarios, check their claims, write plots and index.html"),
-    "picture": ("scenarios.command:picture", "draw one scenario"),
-    "plot": ("plot.command:main", "draw a result, an FMU or a scenario over time, as picture or page"),
-    "animate": ("animate.page:main", "a page that plays a result, FMU or scenario in three dimensions"),
-    "leave-out": ("scenarios.command:leave_out", "compare the sizes and speeds of the FMUs"),
-    "report": ("whole_report:main", "error against run time, the whole report: docs/report"),
-    "sweep": ("sweep.command:main", "run a study of many runs, on this machine or on a cluster"),
-    "bench": ("bench.command:main", "ratios of run times for developers"),
-    "measure": ("report.command:measure", "error against run time: results.csv and summary.json"),
-    "force-element": ("coupling.study:main", "the FMU beside an outer integrator: force_element.json"),
-    "peers": ("peers.command:main", "other simulators: peers.csv and peers.json"),
-    "page": ("report.command:page", "draw the report's page from what is in the folder"),
-    "stability": ("stability.command:main", "the atlas of stiff and extreme scenes"),
-    "beyond": ("stability.command:beyond", "random scenes far beyond the atlas"),
-    "fuzz": ("fuzzing:main", "let fuzzers look for calls and files that break a claim"),
-}
+COMMANDS = {name: (about["main"], about["text"]) for name, about in commands().items()}
 
 # The extra of the Python package that brings a module
 EXTRAS = {

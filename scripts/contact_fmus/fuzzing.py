@@ -5,7 +5,6 @@ New inputs are kept in build-fuzz/found/NAME, what broke a claim in build-fuzz/f
 
 from __future__ import annotations
 
-import argparse
 import os
 import subprocess
 import sys
@@ -13,6 +12,7 @@ import sys
 from contact_fmus.errors import CLAIM_FAILED, DONE, RunFailure, UserError
 
 from .fmu.files import is_clone, repository
+from .options import parse
 
 # exchange: Model Exchange of FMI 2.0; calls3 and exchange3: Co-Simulation and Model Exchange of FMI 3.0;
 # these three also with other scenes than SphereCylinder
@@ -34,10 +34,9 @@ OPTIONS = """-fork=1 -ignore_crashes=1 -ignore_timeouts=1 -ignore_ooms=1 -timeou
 
 def main(arguments: list[str] | None = None) -> int:
     """0: nothing found; 1: a finding, or a fuzzer did not run; 2: this is no clone; 3: building failed"""
-    parser = argparse.ArgumentParser(prog="contact-fmus fuzz", description=__doc__)
-    parser.add_argument("--minutes", type=minutes, default=10, metavar="N", help="for each fuzzer (10)")
-    parser.add_argument("--only", choices=NAMES, metavar="NAME", help=f"one of {', '.join(NAMES)}")
-    options = parser.parse_args(arguments)
+    options = parse("fuzz", arguments, names=", ".join(NAMES))
+    if options.only not in (None, *NAMES):
+        raise UserError(f"--only: there is no fuzzer '{options.only}' (allowed: {', '.join(NAMES)})")
     if not is_clone():
         raise UserError("the fuzzers are tests, which only a clone of the sources has")
     names = [options.only] if options.only else list(NAMES)
@@ -48,13 +47,6 @@ def main(arguments: list[str] | None = None) -> int:
         search = scene_files if name == "scene_files" else library
         quiet &= search(name, options.minutes)
     return DONE if quiet else CLAIM_FAILED
-
-
-def minutes(text: str) -> int:
-    """A whole number greater than 0"""
-    if not text.isdecimal() or int(text) == 0:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number greater than 0")
-    return int(text)
 
 
 def _build(targets: list[str]) -> None:

@@ -4,15 +4,14 @@ particle impact level, Granular Matter 13 (2011) 643: tests 1 to 3, normal impac
 
 from __future__ import annotations
 
-import argparse
 import math
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from contact_fmus.errors import CLAIM_FAILED, DONE
 
 from .fmu.contact_fmu import ContactFmu, fmu_file
+from .options import parse
 
 RIGID = 1e150  # Pa, of what does not deform
 
@@ -139,11 +138,7 @@ Peaks are those of the whole motion, which is one communication step.
 
 def main(arguments: list[str] | None = None) -> int:
     """0: all figures are the published ones to their digits; 1: one is not"""
-    parser = argparse.ArgumentParser(
-        prog="contact-fmus published", description="Runs published benchmark impacts and compares."
-    )
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page, as docs/chung-ooi.md")
-    options = parser.parse_args(arguments)
+    options = parse("published", arguments)
     found = [(impact, _outcomes(impact)) for impact in IMPACTS]
     good = all(_is_published(impact, one) for impact, outcomes in found for one in outcomes.values())
     text = _page(found)

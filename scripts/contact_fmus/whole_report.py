@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-import argparse
-from pathlib import Path
-
 from .coupling import study
-from .fmu.files import results_folder
+from .options import parse
 from .peers import command
 from .report import command as report
 
 
 def main(arguments: list[str] | None = None) -> int:
     """0: the page is drawn; 3: an FMU refused"""
-    parser = argparse.ArgumentParser(
-        prog="contact-fmus report",
-        description="Measures error against run time and writes CSV, figures, index.html and README.md.",
-    )
-    parser.add_argument("--peers", action="store_true", help="measure other simulators too (extra: peers)")
-    parser.add_argument("--quick", action="store_true", help="few runs, to see that it works")
-    parser.add_argument("--output", type=Path, default=results_folder("docs/report"), metavar="DIR")
-    options = parser.parse_args(arguments)
+    options = parse("report", arguments)
     folder, quick = ["--output", str(options.output)], ["--quick"] if options.quick else []
     parts = [
         ("The FMU's solvers", report.measure, [*quick, *folder]),

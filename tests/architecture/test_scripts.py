@@ -16,6 +16,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 # A package, or a module that stands alone, imports those before it.
 PACKAGES = (
     "errors",
+    "options",
     "fmu",
     "results",
     "pages",

@@ -5,8 +5,8 @@ import re
 import subprocess
 import sys
 
+from contact_fmus.options import commands
 from contact_fmus.sweep import store, study
-from contact_fmus.sweep.command import _parser
 from support.sources import ROOT
 from support.sweeps import read, run_here, write_study
 
@@ -36,7 +36,9 @@ def test_every_word_of_a_study_is_explained():
 
 
 def test_every_option_is_explained():
-    options = {one for action in _parser()._actions for one in action.option_strings if one.startswith("--")}
+    options = {
+        one for names in commands()["sweep"]["options"] for one in names.split() if one.startswith("--")
+    }
     assert sorted(options - {"--help", "--output", "--json"} - set(re.findall(r"--[a-z]+", PAGE))) == []
 
 

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from contact_fmus.errors import UserError, similar
+from contact_fmus.options import parse
 from contact_fmus.plot import page
-from contact_fmus.plot.command import add_run_options, output_file
+from contact_fmus.plot.command import output_file
 from contact_fmus.plot.page import environment, numbers
 from contact_fmus.plot.panels import touches, usual
 from contact_fmus.plot.source import Run, motion_of, open_runs
 from contact_fmus.results import Result
 from contact_fmus.scenarios.experiment import Motion
-from contact_fmus.scenarios.scenario import ANY, find, words
+from contact_fmus.scenarios.scenario import ANY, find
 
 # three.js, in one file that scripts/build_backend.py makes of its npm package when the project is set up or
 # the wheel is built; it is no part of the repository.
@@ -210,15 +210,7 @@ def write_page(run: Run, file: Path) -> None:
 
 def main(arguments: list[str] | None = None) -> int:
     """0: written"""
-    parser = argparse.ArgumentParser(
-        prog="contact-fmus animate",
-        description="Writes a page that plays a run in three dimensions. It needs no network.",
-    )
-    parser.add_argument("source", metavar="FMU|SCENARIO|RESULT", help=f"{words(ANY)}; of shipped ones the name")
-    add_run_options(parser)
-    parser.add_argument("--variant", metavar="LABEL", help="which run of a scenario; default the last")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="default NAME.html here")
-    options = parser.parse_args(arguments)
+    options = parse("animate", arguments)
     output = output_file(options.output, find(options.source, ANY).stem + ".html", (".html",))
     runs = open_runs(options.source, options.set, options.stop, options.fmu)
     write_page(_chosen(runs, options.variant), output)

@@ -15,6 +15,7 @@ from rich.table import Table
 
 from contact_fmus.errors import UserError
 from contact_fmus.fmu.files import repository
+from contact_fmus.options import parse
 
 from . import instructions, ratios
 from .instructions import Count
@@ -129,7 +130,7 @@ def verdict(row: Comparison) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """0: done; 1: with --check, a count is above its bound; 2: something is not built; 3: a run failed"""
-    options = _parser().parse_args(arguments)
+    options = parse("bench", arguments)
     if options.baseline and options.instructions:
         raise UserError("--baseline is about run times: leave out --instructions, or use --against DIR")
     counts = instructions.measure(options.against)
@@ -137,19 +138,6 @@ def main(arguments: list[str] | None = None) -> int:
     if not options.instructions:
         _print_ratios(options)
     return 1 if options.check and any(count.good is not True for count in counts) else 0
-
-
-def _parser() -> argparse.ArgumentParser:
-    text = "How many instructions the FMUs execute, and ratios of run times."
-    parser = argparse.ArgumentParser(prog="contact-fmus bench", description=text)
-    parser.add_argument("--quick", action="store_true", help="few runs, to see that it works")
-    parser.add_argument("--instructions", action="store_true", help="the instruction counts only")
-    parser.add_argument(
-        "--against", type=Path, metavar="DIR", help="also count those of the FMUs in another build's folder"
-    )
-    parser.add_argument("--check", action="store_true", help="the status is 1 where a count is above its bound")
-    parser.add_argument("--baseline", metavar="COMMIT", help="run times beside those of another commit's FMUs")
-    return parser
 
 
 def _print_ratios(options: argparse.Namespace) -> None:

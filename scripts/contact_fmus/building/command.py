@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import platform
 import re
@@ -17,13 +16,13 @@ from pathlib import Path
 from rich.console import Console
 
 from contact_fmus.errors import UserError
+from contact_fmus.options import parse
 
 from .cmake_build import How, Scene, build_fmus, check_scene, find_compiler
-from .platforms import PLATFORMS, join, toolchains
+from .platforms import join, toolchains
 
 # The scene files that `contact-fmus new` writes: a free ball that bounces
 
-SHAPES = ("sphere", "cylinder", "plane")
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 # What the ball meets, by shape and side. No name is also a key of the file, as "source" is: replacing a name
@@ -142,7 +141,7 @@ def _lines(values: dict[str, object]) -> str:
 
 def build(arguments: list[str] | None = None) -> int:
     """0: the FMUs are there; 2: a scene or the compiler will not do; 3: building failed"""
-    options = _asked(arguments)
+    options = parse("build", arguments)
     for file in options.scenes:
         if not file.is_file():
             raise UserError(f"{file}: there is no such file")
@@ -196,35 +195,6 @@ def _expect_to_initialize(scene: Scene, fmu: Path) -> None:
             raise UserError(f"{scene.file}: this scene cannot run: {' '.join(told) or error}") from None
 
 
-def _asked(arguments: list[str] | None) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog="contact-fmus build", description="Makes FMUs from scene files.")
-    parser.add_argument("scenes", type=Path, nargs="+", metavar="SCENE.toml")
-    parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="DIR", help="default: here")
-    parser.add_argument(
-        "--compiler", metavar="CC", help="gcc, clang, zig or a path; default: CC, or the first that works"
-    )
-    parser.add_argument(
-        "--platforms",
-        metavar="LIST",
-        help=f"all or some of {','.join(PLATFORMS)}, in one FMU, by zig; default: this machine's",
-    )
-    parser.add_argument("--fmi", type=int, choices=(2, 3), default=2, help="version of the standard (2)")
-    parser.add_argument(
-        "--sundials-source",
-        type=Path,
-        metavar="DIR",
-        help="sources of SUNDIALS for --platforms and scenes with CVODE; default: fetched",
-    )
-    parser.add_argument(
-        "--choices",
-        choices=("enumeration", "integer"),
-        default="",
-        help="integer: for importers that know no enumerations; default: as the scene file says",
-    )
-    parser.add_argument("--json", action="store_true", help="what was built, as JSON, a line for each FMU")
-    return parser.parse_args(arguments)
-
-
 def _checked(files: list[Path]) -> list[Scene]:
     """UserError where the generator has a complaint, or two scenes would make the same file"""
     scenes: dict[str, Scene] = {}
@@ -247,23 +217,7 @@ def _tell(fmu: Path, compiler: list[str], seconds: float, as_json: bool) -> None
 
 def new(arguments: list[str] | None = None) -> int:
     """0: written; 2: the name or a pinned choice makes no sense"""
-    parser = argparse.ArgumentParser(
-        prog="contact-fmus new",
-        description="Writes a commented scene file to start from: NAME.toml, a ball that bounces.",
-    )
-    parser.add_argument("name", metavar="NAME", help="of the scene and its FMU: letters, digits and _")
-    parser.add_argument("--shape", choices=SHAPES, default="sphere", help="what the ball meets (sphere)")
-    parser.add_argument("--inside", action="store_true", help="the ball is in a hollow sphere or cylinder")
-    parser.add_argument(
-        "--pinned",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="a choice fixed at build time, such as contact.dashpot=unclamped; may be repeated",
-    )
-    parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="DIR", help="default: here")
-    parser.add_argument("--force", action="store_true", help="overwrite a file that is there")
-    options = parser.parse_args(arguments)
+    options = parse("new", arguments)
     file = options.output / f"{options.name}.toml"
     if file.exists() and not options.force:
         raise UserError(f"{file} exists: another name, or --force to overwrite it")

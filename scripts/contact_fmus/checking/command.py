@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import json
 import os
@@ -21,6 +20,7 @@ from fmpy.validation import validate_fmu
 
 from contact_fmus.errors import CLAIM_FAILED, DONE, UserError, similar
 from contact_fmus.fmu.files import fmu_file, shipped_fmus
+from contact_fmus.options import parse
 
 from .trial import platform_folder
 
@@ -177,7 +177,8 @@ ALL = "all"
 
 def main(arguments: list[str] | None = None) -> int:
     """0: nothing found; 1: something is, or a check could not be done; 2: a file is no FMU"""
-    options = _parser().parse_args(arguments)
+    checks = "\n".join(f"  {name:12} {text}" for name, text in WHAT.items())
+    options = parse("check", arguments, checks=checks)
     unknown = set(options.allow_missing) - {*WHAT, *VALIDATORS, ALL}
     if unknown:
         name = min(unknown)
@@ -214,33 +215,6 @@ def told(checks: list[Check]) -> list[str]:
         lines.append(f"{check.outcome:8}  {check.name:12} {check.what}")
         lines += [f"{'':10}- {finding}" for finding in check.findings]
     return lines
-
-
-def _parser() -> argparse.ArgumentParser:
-    what = "".join(f"\n  {name:12} {text}" for name, text in WHAT.items())
-    parser = argparse.ArgumentParser(
-        prog="contact-fmus check",
-        description="Checks FMU files of FMI 2.0 and 3.0, of any maker:\n"
-        f"{what}\n\nand by {' and '.join(VALIDATORS)} where they are installed.",
-        epilog="status: 0 nothing found; 1 something found, or a check could not be done; 2 a file is no FMU",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument("files", nargs="+", metavar="FILE.fmu", help="or the name of a shipped FMU")
-    parser.add_argument(
-        "--allow-missing",
-        action="extend",
-        nargs="+",
-        default=[],
-        metavar="CHECK",
-        help=f"checks that may be left undone, such as run where there is no binary for this machine; {ALL}",
-    )
-    parser.add_argument(
-        "--patience", type=float, default=PATIENCE, metavar="S", help=f"for each check, s ({PATIENCE:g})"
-    )
-    parser.add_argument("--json", action="store_true", help="the results as JSON, a line for each FMU")
-    parser.add_argument("--output", type=Path, metavar="FILE", help="also writes the results as JSON")
-    parser.add_argument("--github", action="store_true", help="also annotations and a summary for GitHub Actions")
-    return parser
 
 
 def _file(name: str) -> Path:

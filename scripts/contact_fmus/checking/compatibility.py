@@ -9,7 +9,6 @@ ReadMe.txt     what made these files
 
 from __future__ import annotations
 
-import argparse
 import csv
 import shutil
 from pathlib import Path
@@ -18,6 +17,7 @@ import fmpy
 
 from contact_fmus.fmu.files import unpack
 from contact_fmus.fmu.variables import read_variables
+from contact_fmus.options import parse
 from contact_fmus.results import Result
 from contact_fmus.running.simulate import by_fmpy, simulate
 from contact_fmus.scenarios.scenario import Experiment, find, first_run
@@ -40,16 +40,7 @@ compare them with a run of the same steps only.
 
 def main(arguments: list[str] | None = None) -> int:
     """0: written"""
-    parser = argparse.ArgumentParser(
-        prog="contact-fmus compatibility",
-        description="Writes what FMI's cross check asks of an exported FMU: a folder for each, with the FMU,"
-        " reference and input signals, options, fmpy's results and a ReadMe.",
-    )
-    parser.add_argument(
-        "targets", nargs="+", metavar="FMU|SCENARIO", help="a scenario has inputs and start values of its own"
-    )
-    parser.add_argument("-o", "--output", type=Path, default=Path("compatibility"), metavar="DIR")
-    options = parser.parse_args(arguments)
+    options = parse("compatibility", arguments)
     experiments = {target: first_run(find(target))[0] for target in options.targets}
     for target, experiment in experiments.items():
         folder = options.output / unpack(experiment.fmu)[1].fmiVersion / experiment.fmu.stem

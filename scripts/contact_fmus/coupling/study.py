@@ -9,16 +9,15 @@ report page's (measure.py).
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import time
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
+from contact_fmus.options import parse
 
 from .driven_contact import DrivenContact
 from .outer_integrators import SCHEMES, Ball, Outside, Scheme, run
@@ -219,10 +218,7 @@ def _plain(value: float | None) -> float | str | None:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="contact-fmus force-element", description=__doc__)
-    parser.add_argument("--output", type=Path, required=True, help="folder of JSON and figure")
-    parser.add_argument("--quick", action="store_true", help="few steps, to see that it works")
-    options = parser.parse_args(arguments)
+    options = parse("force-element", arguments)
     data = study(options.quick, say=print)
     data["sections"] = sections(data)
     options.output.mkdir(parents=True, exist_ok=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 import os
@@ -19,6 +18,7 @@ import platformdirs
 from rich.console import Console
 
 from contact_fmus.errors import UserError
+from contact_fmus.options import parse
 
 # Runs an FMU in each importer, in a process of its own, and compares end values with fmpy's
 #
@@ -231,37 +231,18 @@ def _cell(trial: Trial, reference: Trial, problems: dict[str, str]) -> str:
 # The command importers
 
 
-def setting(text: str) -> tuple[str, int]:
-    name, _, value = text.partition("=")
-    try:
-        return name, int(value)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} (allowed: NAME=N, N a whole number)") from None
-
-
 def main(arguments: list[str] | None = None) -> int:
     """0: every importer that ran an FMU agrees with fmpy; 1: one does not, or refuses one; 2: no such FMU"""
-    parser = argparse.ArgumentParser(
-        prog="contact-fmus importers",
-        description="Runs FMUs in every importer that is installed and compares end values with fmpy's.",
-    )
-    parser.add_argument("fmus", type=Path, nargs="+", metavar="FMU")
-    parser.add_argument("--steps", type=int, default=1000, metavar="N", help="communication steps (1000)")
-    parser.add_argument("--step", type=float, default=1e-3, metavar="S", help="of so many seconds (0.001)")
-    parser.add_argument(
-        "--set", type=setting, action="append", default=[], metavar="NAME=N", help="a choice, by its number"
-    )
-    parser.add_argument("--python", type=Path, default=Path(sys.executable), help="that has the importers")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="the page, as docs/importers.md")
-    options = parser.parse_args(arguments)
+    options = parse("importers", arguments)
+    python = options.python or Path(sys.executable)
     for fmu in options.fmus:
         if not fmu.is_file():
             raise UserError(f"{fmu}: there is no such file")
     if not (options.steps > 0 and 0.0 < options.step < 1e6):
         raise UserError("--steps and --step: (allowed: at least 1 step of more than 0 and less than 1e6 s)")
     java = prepared_java(Path(platformdirs.user_cache_path("contact-fmus")) / "importers")
-    present = [importer for importer in IMPORTERS if installed(importer, options.python, java)]
-    given = Given(options.step, options.steps, options.python, java, dict(options.set))
+    present = [importer for importer in IMPORTERS if installed(importer, python, java)]
+    given = Given(options.step, options.steps, python, java, dict(options.set))
     console, good, tables = Console(stderr=True), True, {}
     for version in (2, 3):
         fmus = [fmu for fmu in options.fmus if version_of(fmu) == version]

@@ -5,7 +5,6 @@ Writes peers.csv and peers.json for the report's page. FOLDER may also be the na
 
 from __future__ import annotations
 
-import argparse
 import importlib
 import importlib.metadata
 import importlib.util
@@ -16,11 +15,11 @@ import os
 import statistics
 import time
 from collections.abc import Iterable, Iterator
-from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
 from contact_fmus.bench.problems import benchmarks
+from contact_fmus.options import parse
 from contact_fmus.report.measure import PEER, Row, write_rows
 
 from .problems import BallAndWall, CannotExpress, Case, error_of, problem_of
@@ -220,11 +219,7 @@ def unmeasured(module: ModuleType, problem: BallAndWall, note: str) -> Row:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(prog="contact-fmus peers", description=__doc__)
-    parser.add_argument("--output", type=Path, required=True, metavar="FOLDER")
-    parser.add_argument("--quick", action="store_true", help="few runs, to see that it works")
-    parser.add_argument("--only", action="append", choices=NAMES, metavar="NAME", help=", ".join(NAMES))
-    options = parser.parse_args(arguments)
+    options = parse("peers", arguments)
     file = options.output if options.output.suffix == ".csv" else options.output / "peers.csv"
     file.parent.mkdir(parents=True, exist_ok=True)
     rows, begin = [], time.monotonic()

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
 from contact_fmus.errors import UserError, similar
 from contact_fmus.fmu.files import has_scene, read_scene
+from contact_fmus.options import parse
 from contact_fmus.results import Result
-from contact_fmus.scenarios.scenario import ANY, find, words
+from contact_fmus.scenarios.scenario import ANY, find
 
 from . import page, panels, picture
 from .panels import usual
@@ -34,18 +34,7 @@ def _title(result: Result, output: Path) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """0: drawn"""
-    parser = argparse.ArgumentParser(
-        prog="contact-fmus plot", description="Draws gaps, forces, positions and energies of any scene over time."
-    )
-    parser.add_argument("source", metavar="FMU|SCENARIO|RESULT", help=f"{words(ANY)}; of shipped ones the name")
-    parser.add_argument(
-        "--variables", nargs="+", default=[], metavar="NAME", help="drawn instead; * stands for anything"
-    )
-    add_run_options(parser)
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help=f"{', '.join(SUFFIXES)}; default NAME.png here"
-    )
-    options = parser.parse_args(arguments)
+    options = parse("plot", arguments)
     output = output_file(options.output, find(options.source, ANY).stem + ".png", SUFFIXES)
     runs = open_runs(options.source, options.set, options.stop, options.fmu)
     first = runs[0].result
@@ -56,14 +45,6 @@ def main(arguments: list[str] | None = None) -> int:
     write(runs[0].title, runs, drawn, output)
     print(output)
     return 0
-
-
-def add_run_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="of an FMU or scenario; repeatable"
-    )
-    parser.add_argument("--stop", type=float, metavar="S", help="end of the run in s")
-    parser.add_argument("--fmu", type=Path, help="the FMU that made a result, where its file does not say")
 
 
 def output_file(asked: Path | None, usual: str, suffixes: tuple[str, ...]) -> Path:

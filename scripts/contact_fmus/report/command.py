@@ -6,15 +6,13 @@ what the optional parts left in the same folder (measure.py).
 
 from __future__ import annotations
 
-import argparse
 import datetime
 import json
 import time
-from pathlib import Path
 
 from contact_fmus import pages
 from contact_fmus.bench.problems import benchmarks, hertz_problems, shape_problems, turning_problems
-from contact_fmus.fmu.files import results_folder
+from contact_fmus.options import parse
 
 from . import measure as solvers
 from .measure import write_rows
@@ -23,23 +21,7 @@ from .page import draw_page
 
 def measure(arguments: list[str] | None = None) -> int:
     """0: done; 2: something is not built; 3: an FMU refused"""
-    parser = _parser("measure", "Runs the FMU's solvers and writes results.csv and summary.json.")
-    parser.add_argument("--quick", action="store_true", help="few runs, to see that it works")
-    return _measure(parser.parse_args(arguments))
-
-
-def page(arguments: list[str] | None = None) -> int:
-    """0: drawn; 2: something is missing"""
-    return _page(_parser("page", "Draws the page from what is in the folder.").parse_args(arguments))
-
-
-def _parser(name: str, text: str) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog=f"contact-fmus {name}", description=text)
-    parser.add_argument("--output", type=Path, default=results_folder("docs/report"), metavar="FOLDER")
-    return parser
-
-
-def _measure(options: argparse.Namespace) -> int:
+    options = parse("measure", arguments)
     options.output.mkdir(parents=True, exist_ok=True)
     plan = solvers.QUICK if options.quick else solvers.FULL
     begin = time.monotonic()
@@ -76,7 +58,8 @@ def _describe(plan: solvers.Plan, quick: bool) -> str:
     return f"{text} once a setting has run {plan.budget:g} s; a run is ended after {plan.limit:g} s."
 
 
-def _page(options: argparse.Namespace) -> int:
-    for file in draw_page(options.output):
+def page(arguments: list[str] | None = None) -> int:
+    """0: drawn; 2: something is missing"""
+    for file in draw_page(parse("page", arguments).output):
         print(file)
     return 0

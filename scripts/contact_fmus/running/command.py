@@ -15,21 +15,16 @@ from rich.console import Console
 from rich.progress import Progress
 
 from contact_fmus.errors import UserError
+from contact_fmus.options import parse
 from contact_fmus.results import Result
 from contact_fmus.scenarios.scenario import Experiment, changed, find, first_run
 
 from .simulate import StoppedEarly, exchange, simulate
 
-EPILOG = """examples:
-  contact-fmus run SphereSphere --set contact.dashpot=unclamped --stop 1 --csv bounce.csv
-  contact-fmus run My.fmu --set source.center=0,0,1.2 --plot
-  contact-fmus run fmi3/SphereSphere --model-exchange
-  contact-fmus run p1_head_on_bounces --json"""
-
 
 def main(arguments: list[str] | None = None) -> int:
     """0: run to its end; 2: the request makes no sense; 3: the FMU refused on the way"""
-    options = _parser().parse_args(arguments)
+    options = parse("run", arguments)
     experiment = _experiment(options)
     _check_files(experiment, options)
     try:
@@ -40,50 +35,6 @@ def main(arguments: list[str] | None = None) -> int:
         raise
     _write(result, experiment, options)
     return 0
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="contact-fmus run",
-        description="Runs an FMU or a scenario and shows the values at the end.",
-        epilog=EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument(
-        "target",
-        metavar="FMU|SCENARIO",
-        help="file.fmu, a shipped FMU (of FMI 3.0: fmi3/NAME), a scenario or its .toml",
-    )
-    parser.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="a start value; vectors as 0,0,1; repeatable"
-    )
-    parser.add_argument("--stop", type=number, metavar="S", help="end of the run, s")
-    parser.add_argument("--step", type=number, metavar="S", help="communication step, s")
-    parser.add_argument("--tolerance", type=number, metavar="R", help="relative, given to the FMU or CVODE")
-    parser.add_argument("--output-interval", type=number, metavar="S", help="time between rows of the result, s")
-    parser.add_argument("--model-exchange", action="store_true", help="fmpy's CVODE integrates the FMU's states")
-    parser.add_argument(
-        "--csv",
-        type=Path,
-        metavar="FILE",
-        help="writes all inputs and outputs over time; units and parameters into FILE.json beside it",
-    )
-    parser.add_argument("--json", action="store_true", help="the values at the end, as JSON")
-    parser.add_argument(
-        "--plot", nargs="?", const="", metavar="FILE", help="draws gaps, forces and positions; NAME.png without FILE"
-    )
-    return parser
-
-
-def number(text: str) -> float:
-    """A finite number greater than 0"""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0.0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a finite number greater than 0")
-    return value
 
 
 def _experiment(options: argparse.Namespace) -> Experiment:

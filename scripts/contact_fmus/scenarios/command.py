@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import datetime
 import math
@@ -18,14 +17,15 @@ from rich.table import Table
 
 from contact_fmus.errors import UserError
 from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
-from contact_fmus.fmu.files import fmus_folder, repository, results_folder
+from contact_fmus.fmu.files import fmus_folder, repository
 from contact_fmus.fmu.host import Case, run_host
+from contact_fmus.options import parse
 from contact_fmus.pages import plain, write_pages
 
 from . import claims, plots
 from .experiment import Claim, RunError, Scenario, Variant, scene_file
 from .recording import DRAWN, record
-from .scenario import SCENARIOS, find, read_scenario, words
+from .scenario import SCENARIOS, find, read_scenario
 
 # Runs scenarios: every variant with its claims, then the runs that are drawn
 
@@ -287,32 +287,7 @@ PICTURES = (".png", ".svg", ".pdf")
 
 def run(arguments: list[str] | None = None) -> int:
     """0: all claims hold; 1: one does not, or an FMU refused in one; 2: the request makes no sense"""
-    text = "Runs scenarios, checks their claims, writes plots and index.html."
-    parser = argparse.ArgumentParser(prog="contact-fmus scenarios", description=text)
-    parser.add_argument(
-        "files", nargs="*", metavar="SCENARIO", help=f"{words(SCENARIOS)} or a shipped one's name; default all"
-    )
-    parser.add_argument("--output", type=Path, default=results_folder("build/scenarios"), metavar="FOLDER")
-    parser.add_argument("--no-plots", action="store_true", help="check the claims only")
-    return _run(parser.parse_args(arguments))
-
-
-def picture(arguments: list[str] | None = None) -> int:
-    """0: drawn; 2: the request makes no sense; 3: an FMU refused"""
-    parser = argparse.ArgumentParser(prog="contact-fmus picture", description="Draws one scenario.")
-    parser.add_argument("file", metavar="SCENARIO", help=f"{words(SCENARIOS)} or a shipped one's name")
-    parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="default NAME.png here")
-    return _picture(parser.parse_args(arguments))
-
-
-def leave_out(arguments: list[str] | None = None) -> int:
-    """0: compared; 2: none is built; 3: an FMU refused"""
-    text = "Compares the sizes and speeds of the FMUs."
-    parser = argparse.ArgumentParser(prog="contact-fmus leave-out", description=text)
-    return _leave_out(parser.parse_args(arguments))
-
-
-def _run(options: argparse.Namespace) -> int:
+    options = parse("scenarios", arguments)
     files = [find(one, SCENARIOS) for one in options.files] or sorted(
         (repository() / "scripts" / "scenarios").glob("*.toml")
     )
@@ -335,7 +310,9 @@ def _run(options: argparse.Namespace) -> int:
     return 0 if all(result.holds for result in results) else 1
 
 
-def _picture(options: argparse.Namespace) -> int:
+def picture(arguments: list[str] | None = None) -> int:
+    """0: drawn; 2: the request makes no sense; 3: an FMU refused"""
+    options = parse("picture", arguments)
     file = find(options.file, SCENARIOS)
     output = options.output or Path(f"{file.stem}.png")
     if output.suffix not in PICTURES:
@@ -347,7 +324,9 @@ def _picture(options: argparse.Namespace) -> int:
     return 0
 
 
-def _leave_out(_options: argparse.Namespace) -> int:
+def leave_out(arguments: list[str] | None = None) -> int:
+    """0: compared; 2: none is built; 3: an FMU refused"""
+    parse("leave-out", arguments)
     sizes = measure_all()
     if not sizes:
         raise FileNotFoundError(f"no FMU in {fmus_folder()}: build first")

@@ -11,22 +11,15 @@ import time
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
-from contact_fmus.fmu.files import results_folder
+from contact_fmus.options import parse
 
 from .motions import GEOMETRIES, LAWS, HeadOn
 from .page import draw_page, groups, write_csv
 from .run import SceneRun, not_right, run_all, run_scene, thinned
 from .scenes import Scene, all_scenes
-
-BEYOND = """Random head-on scenes far beyond the atlas's axes, one for each seed from FIRST up to LAST, by
-event_driven, against the closed form: all that is wrong or refused is named. There is no claim that all are
-right: where bodies go so far together, or swing so far beyond the clearance between them, that positions of
-16 digits do not tell the gap any more, impacts are lost or without end (README, Limits).
-"""
 
 
 def power(random: np.random.Generator, low: float, high: float) -> float:
@@ -104,7 +97,7 @@ def line_of(row: SceneRun) -> str:
 
 
 def beyond(arguments: list[str] | None = None) -> int:
-    options = _beyond_parser().parse_args(arguments)
+    options = parse("beyond", arguments)
     count: Counter[str] = Counter()
     seeds = range(options.first, options.last)
     with multiprocessing.get_context("spawn").Pool(options.workers) as pool:
@@ -124,22 +117,12 @@ def beyond(arguments: list[str] | None = None) -> int:
     return 0
 
 
-def _beyond_parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="contact-fmus beyond", description=BEYOND, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("first", type=int, metavar="FIRST", help="seed")
-    parser.add_argument("last", type=int, metavar="LAST", help="the seed after the last")
-    parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes (2)")
-    return parser
-
-
 QUICK = 37  # every so many-th scene
 
 
 def main(arguments: list[str] | None = None) -> int:
     """0: done; 1: with --check, a run of event_driven is wrong or did not end; 2: something is not built"""
-    options = _parser().parse_args(arguments)
+    options = parse("stability", arguments)
     if options.beyond:
         return beyond([*map(str, options.beyond), "--workers", str(options.workers)])
     options.output.mkdir(parents=True, exist_ok=True)
@@ -178,19 +161,3 @@ def _measured(options: argparse.Namespace) -> list[SceneRun]:
         rows += found
     print(f"{time.monotonic() - begin:6.1f} s  done", flush=True)
     return rows
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="contact-fmus stability", description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="few of the scenes")
-    parser.add_argument("--check", action="store_true", help="the status is 1 unless event_driven is right everywhere")
-    parser.add_argument(
-        "--beyond",
-        type=int,
-        nargs=2,
-        metavar=("FIRST", "LAST"),
-        help="nothing of that: random scenes far beyond the atlas's axes; seeds",
-    )
-    parser.add_argument("--workers", type=int, default=2, metavar="N", help="processes (2)")
-    parser.add_argument("--output", type=Path, default=results_folder("docs/stability"), metavar="FOLDER")
-    return parser

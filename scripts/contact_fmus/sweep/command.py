@@ -13,6 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from contact_fmus.errors import DONE, INTERRUPTED, UserError, similar
+from contact_fmus.options import parse
 
 from .processes import start_early
 
@@ -20,7 +21,7 @@ FOLDER = Path("results")
 
 
 def main(arguments: list[str] | None = None) -> int:
-    options = _parser().parse_args(arguments)
+    options = parse("sweep", arguments, guide=str(_tree() / "docs" / "sweep.md"))
     options.study = _study(options.study)
     if options.workers is not None and options.workers < 1:
         raise UserError(f"--workers: a whole number from 1 is wanted, not {options.workers}")
@@ -136,29 +137,3 @@ def _bar(store) -> Iterator[Callable[[int], None]]:
     with progress.Progress(*columns, console=console, disable=not console.is_terminal) as bar:
         task = bar.add_task("sweep", total=store.runs, completed=store.done())
         yield lambda runs: bar.advance(task, runs)
-
-
-def _parser() -> argparse.ArgumentParser:
-    text = """Runs a study: an FMU many times, with parameters over grids, lists or samples, on all processors
-    of this machine or on a cluster. Every run is a row of DIR/results.parquet, those that failed too.
-    {guide} describes the study file."""
-    text = text.format(guide=_tree() / "docs" / "sweep.md")
-    parser = argparse.ArgumentParser(prog="contact-fmus sweep", description=text)
-    parser.add_argument("study", type=Path, metavar="STUDY", help="a file STUDY.toml, or the name of a shipped study")
-    parser.add_argument("-o", "--output", type=Path, metavar="DIR", help="where results go, results/STUDY without it")
-    parser.add_argument("--resume", action="store_true", help="go on where an earlier sweep of DIR ended")
-    parser.add_argument("--scheduler", metavar="tcp://HOST:PORT", help="a dask scheduler that is already there")
-    parser.add_argument("--workers", type=int, metavar="N", help="processes of this machine, one each processor")
-    parser.add_argument("--dashboard", metavar="HOST:PORT", help="dask's own page about an embedded cluster")
-    parser.add_argument("--csv", action="store_true", help="also write DIR/results.csv")
-    parser.add_argument("--json", action="store_true", help="print what was done as one line of JSON")
-    parser.add_argument(
-        "--plot", nargs="?", const="", metavar="FILE", help="draw the results, DIR/plot.png without a name"
-    )
-    parser.add_argument("--x", metavar="COLUMN", help="across: the first parameter without it")
-    parser.add_argument("--y", metavar="COLUMN", help="up: the first output without it, or a second parameter")
-    parser.add_argument("--color", metavar="COLUMN", help="an output over x and y: a map")
-    parser.add_argument(
-        "--compare", action="store_true", help="time the study beside a bare loop in C over the same runs"
-    )
-    return parser

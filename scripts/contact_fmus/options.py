@@ -1,0 +1,74 @@
+"""The commands and their options, which commands.toml lists"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import math
+import tomllib
+from pathlib import Path
+from typing import Any
+
+
+def number(text: str) -> float:
+    """A finite number greater than 0"""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a finite number greater than 0")
+    return value
+
+
+def count(text: str) -> int:
+    """A whole number greater than 0"""
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number greater than 0")
+    return int(text)
+
+
+def choice(text: str) -> tuple[str, int]:
+    """NAME=N"""
+    name, _, value = text.partition("=")
+    try:
+        return name, int(value)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} (allowed: NAME=N, N a whole number)") from None
+
+
+TYPES = {"path": Path, "int": int, "float": float, "number": number, "count": count, "choice": choice}
+
+
+@functools.cache
+def commands() -> dict[str, dict[str, Any]]:
+    return tomllib.loads(Path(__file__).with_name("commands.toml").read_text(encoding="utf-8"))
+
+
+def parser(command: str, **words: str) -> argparse.ArgumentParser:
+    """`words` replace their names in braces."""
+    about = commands()[command]
+    made = argparse.ArgumentParser(
+        prog=f"contact-fmus {command}",
+        description=about["description"].format(**words),
+        epilog=about.get("epilog"),
+        formatter_class=argparse.RawDescriptionHelpFormatter
+        if "\n" in about["description"] + about.get("epilog", "")
+        else argparse.HelpFormatter,
+    )
+    for names, given in about.get("options", {}).items():
+        option = dict(given)
+        if "type" in option:
+            option["type"] = TYPES[option["type"]]
+        if "help" in option:
+            option["help"] = option["help"].format(**words)
+        if "folder" in option:
+            from .fmu.files import results_folder  # brings fmpy
+
+            option |= {"type": Path, "default": results_folder(option.pop("folder"))}
+        made.add_argument(*names.split(), **option)
+    return made
+
+
+def parse(command: str, arguments: list[str] | None, **words: str) -> argparse.Namespace:
+    return parser(command, **words).parse_args(arguments)
