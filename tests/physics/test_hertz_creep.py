@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from support.checks import check_close, check_relative, run, start
-from support.scenes.hertz_scenes import law
+from support.scenes.law_scenes import by_hertz
 
 RADIUS, OTHER = 0.1, 0.5
 
@@ -21,7 +21,7 @@ def values_of(stiffness, chi, depth, speed, load, dashpot):
         "contact.dashpot": dashpot,
         "gravity": [0.0, 0.0, -load],
         "solver.max_internal_steps": 20_000,
-        **law(stiffness, chi),
+        **by_hertz(stiffness, chi),
     }
 
 

@@ -1,29 +1,20 @@
-"""event_driven under Hertz's law: closed forms at every speed and modulus, the benchmarks and random scenes
-against the independent reference, the work of lasting contact whatever the modulus. CVODE takes no part."""
+"""event_driven under Hertz's law: closed forms at every speed and modulus, and the work of lasting contact
+whatever the modulus. Benchmarks and random scenes are test_law_scenes.py's."""
 
-import json
-from functools import cache
 from math import gamma, log1p, pi, sqrt
 
-import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from contact_fmus.bench.problems import law_benchmarks
 from support.checks import check_close, check_relative, run
-from support.reference import make_hertz_references
-from support.scenes.hertz_scenes import FACTORS, SEEDS, benchmark, law, random_hertz_scene
+from support.scenes.law_scenes import by_hertz
 
 METHOD = "event_driven"
-EXACT = 1e-9  # m, m/s
 MODULI = (1e5, 1e7, 1e9, 1e11, 1e13)
 SPEEDS = (1e-6, 1e-3, 1.0, 1e3)
 RADIUS, OTHER, MASS = 0.1, 0.5, 1.0
 EFFECTIVE_RADIUS = RADIUS * OTHER / (RADIUS + OTHER)
-
-
-@cache
-def references():
-    return json.loads(make_hertz_references.FILE.read_text())
 
 
 def stiffness_of(modulus):
@@ -42,7 +33,7 @@ def ball(modulus, speed, chi=0.0, dashpot="unclamped"):
         "destination.motion": "fixed",
         "contact.dashpot": dashpot,
         "gravity": [0.0, 0.0, 0.0],
-        **law(stiffness_of(modulus), chi),
+        **by_hertz(stiffness_of(modulus), chi),
     }
 
 
@@ -126,7 +117,7 @@ def pushed_out(stiffness, chi, pull, deepest, end):
 def test_a_light_load_adds_to_the_speed_at_which_a_deep_overlap_is_left(opened, pull):
     """The load is down to 1e-10 of the spring's force, which the dashpot holds back to a speed of 1/chi."""
     stiffness, chi, deepest, end = 1e6, 20.0, 0.01, 0.1
-    values = ball(1.0, 0.0) | law(stiffness, chi)
+    values = ball(1.0, 0.0) | by_hertz(stiffness, chi)
     values |= {"contact.dashpot": "non_adhesive", "gravity": [0.0, 0.0, pull]}
     values["source.center"] = [0.0, 0.0, RADIUS + OTHER - deepest]
     gap, rate = pushed_out(stiffness, chi, pull, deepest, end)
@@ -136,29 +127,11 @@ def test_a_light_load_adds_to_the_speed_at_which_a_deep_overlap_is_left(opened, 
     assert fmu["solver.events"] == 1
 
 
-def check_end(fmu, expected, values):
-    found = [fmu[f"{body}.{what}"] for what in ("position", "velocity") for body in ("source", "destination")]
-    check_close("positions, velocities", np.concatenate(found), expected["state"], EXACT)
-    assert fmu["solver.events"] == expected["events"]
-    assert fmu["solver.fallbacks"] == 0
-    if values["destination.motion"] == "fixed":
-        check_close("energy.dissipated", fmu["energy.dissipated"], expected["dissipated"], EXACT)
-
-
-@pytest.mark.parametrize("steps", [1, 997])
-@pytest.mark.parametrize("name", FACTORS)
-def test_benchmarks(opened, name, steps):
-    fmu, values, end = benchmark(name)
-    totals = []
-    made = run(opened(fmu), values, end, steps, 1e-10, METHOD, lambda f: totals.append(f["energy.total"]))
-    check_end(made, references()[name], values)
-    check_close("energy", totals, [totals[0]] * len(totals), 1e-10)
-
-
 def test_an_oscillation_is_followed_as_long_as_the_tolerance_asks(opened):
     """P3 slides on after its oscillation has died away: a coarser tolerance sees that sooner, and force and
     position are as good as it asks."""
-    fmu, values, end = benchmark("P3")
+    problem = law_benchmarks()["P3 Hertz"]
+    fmu, values, end = problem.fmu, problem.start, problem.stop
     steps = []
     for time in (0.25 * end, end):  # while it dies away, and long after
         fine = run(opened(fmu), values, time, 1, 1e-12, METHOD)["contact.normal_force"]
@@ -166,26 +139,8 @@ def test_an_oscillation_is_followed_as_long_as_the_tolerance_asks(opened):
             made = run(opened(fmu), values, time, 1, tolerance, METHOD)
             check_relative("force", made["contact.normal_force"], fine, 3 * tolerance)
             steps.append(made["solver.steps"])
-    check_close("position", made["source.position"], references()["P3"]["state"][:3], 1e-12)
+    check_close("position", made["source.position"], problem.position, 1e-12)
     assert steps[3] < 0.9 * steps[5]
-
-
-@pytest.mark.parametrize("seed", SEEDS)
-def test_random_scenes(opened, seed):
-    fmu, values, end = random_hertz_scene(seed)
-    for steps in (1, 53):
-        totals = []
-        made = run(opened(fmu), values, end, steps, 1e-10, METHOD, lambda f: totals.append(f["energy.total"]))  # noqa: B023
-        check_end(made, references()[str(seed)], values)
-        check_close("energy", totals, [totals[0]] * len(totals), 1e-10 * max(1, abs(totals[0])))
-
-
-def test_the_random_scenes_have_contact():
-    """Two changes of the regime and more; all dashpots, shapes and sides among them"""
-    touching = [seed for seed in SEEDS if references()[str(seed)]["events"] >= 1]
-    kinds = {(random_hertz_scene(s)[0], random_hertz_scene(s)[1]["contact.location"]) for s in touching}
-    assert len(touching) > 0.7 * len(SEEDS)
-    assert len(kinds) == 4
 
 
 def resting(modulus, share):
@@ -207,7 +162,7 @@ def resting(modulus, share):
         "destination.axis": [0.0, 1.0, 0.0],
         "contact.location": "inside",
         "contact.dashpot": "unclamped",
-        **law(stiffness, share * critical / (stiffness * depth**1.5)),
+        **by_hertz(stiffness, share * critical / (stiffness * depth**1.5)),
     }
 
 

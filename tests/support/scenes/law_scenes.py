@@ -17,6 +17,17 @@ LEAST = {"linear": 1e-6, "hertz": 1e-3}  # smaller coefficients of restitution c
 TURNS = (15.0, 60.0, 200.0)  # radians of the contact's oscillation in a scene, about
 
 
+def by_hertz(stiffness, chi):
+    """Factors of a scene with Hertz's law"""
+    return {
+        "contact.law": "hertz",
+        "contact.method": "penalty_dynamic",
+        "contact.hertz_stiffness": stiffness,
+        "contact.viscous_control": "user_defined",
+        "contact.hunt_crossley_factor": chi,
+    }
+
+
 def law(draw, seed, mass, speed):
     """The law's choices; the factors such that an impact is some millimetres to a micrometre deep."""
     deepest = 10.0 ** draw.uniform(-5.5, -2.5)
