@@ -305,7 +305,7 @@ static void book_counters(struct cvode *c, struct scene_state *q, struct advance
     CVodeGetNumErrTestFails(c->memory, &failures);
     CVodeGetNumNonlinSolvConvFails(c->memory, &convergence_failures);
     failures += convergence_failures;
-    step->budget -= steps - c->steps;
+    advance_spend(step, steps - c->steps, CVODE_STEP_WORK * (steps - c->steps));
     counter_add(&q->counters.steps, steps - c->steps);
     counter_add(&q->counters.force_evaluations, evaluations - c->evaluations);
     counter_add(&q->counters.rejected_steps, failures - c->rejected);
@@ -395,7 +395,7 @@ static void note_peaks(struct cvode *c, struct scene_state *q, double to)
 /* One internal step of CVODE, less where a root or `stop` comes before its end. */
 static enum advance_result one_internal_step(struct cvode *c, struct scene_state *q, struct advance *step)
 {
-    if (step->budget <= 0) {
+    if (advance_is_spent(step)) {
         return ADVANCE_STEP_LIMIT;
     }
     const double aim = first_aim(c, q->clock, step->clock_end);

@@ -878,7 +878,7 @@ static enum advance_result make_steps(struct general *g, const struct scene_valu
 {
     enum advance_result result = ADVANCE_REACHED;
     while (result == ADVANCE_REACHED && q->clock < step->clock_end) {
-        step->budget = g->step.evaluations < step->evaluations ? step->budget : 0;
+        step->budget = g->step.evaluations < step->work / EVALUATION_WORK ? step->budget : 0;
         result = make_step(g, q, step);
         if (result != ADVANCE_REACHED) {
             return result;
@@ -922,7 +922,7 @@ CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const st
         result = make_steps(g, v, q, step);
     }
     q->general_length = isfinite(g->longest) ? g->longest : 0.0;
-    step->evaluations -= g->step.evaluations;
+    advance_spend(step, 0, EVALUATION_WORK * (long)g->step.evaluations);
     counter_add(&q->counters.force_evaluations, g->step.evaluations);
     counter_add(&q->counters.rejected_steps, g->rejected);
     return result;

@@ -102,7 +102,7 @@ static inline void look_ahead(const struct scene_values *v, struct scene_state *
             const struct outlook outlook = outlook_of(v, q, at, j, horizon, step->budget);
             next = outlook.next;
             horizon = outlook.searched;
-            step->budget -= outlook.evaluations;
+            advance_spend(step, outlook.evaluations, outlook.evaluations);
         } else {
             next = next_regime_change(v, q, at, q->clock, j, horizon);
         }
@@ -262,7 +262,9 @@ static bool synchronized_step_make(struct synchronized_step *all, const struct s
 static double integrate_prescribed(const struct scene_values *v, struct scene_state *q, double end,
                                    struct advance *step)
 {
+    const long before = step->budget;
     const double reached = prescribed_integrate(v, q, end, &step->budget);
+    advance_spend(step, 0, PANEL_WORK * (before - step->budget));
     for (int j = 0; reached > q->clock && j < SCENE_CONTACTS; ++j) {
         if (contact_is_driven(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
             regime_change_note_depth(v, q, advance_now(step, v, q), j, reached);
@@ -340,6 +342,16 @@ static double stored_in_separating(const struct scene_values *v, const struct sc
     return sum;
 }
 
+static long work_of_pairs(const struct synchronized_step *all, const struct scene_values *v,
+                          const struct scene_state *q)
+{
+    long sum = 0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        sum += has_segment(v, q, j) ? all->segment[j].work : 0;
+    }
+    return sum;
+}
+
 /* Advances the contact pairs segment by segment (touch/segment.h), and the prescribed contacts with them. */
 static enum advance_result advance_pairs(struct integrator *s, const struct scene_values *v,
                                          struct scene_state *q, struct advance *step)
@@ -348,14 +360,14 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
     while (q->clock < step->clock_end) {
         struct synchronized_step all;
         const double left = step->clock_end - q->clock;
-        if (step->budget <= 0) {
+        if (advance_is_spent(step)) {
             return ADVANCE_STEP_LIMIT;
         }
         if (!synchronized_step_make(&all, v, q, advance_now(step, v, q), left)) {
             /* with the budget it came with: CVODE takes a budget of 0 as its default */
             return ADVANCE_FAILED;
         }
-        step->budget -= 1;
+        advance_spend(step, 1, work_of_pairs(&all, v, q));
         const bool whole = synchronized_step_integrate(&all, v, q, step);
         const double stored = stored_in_separating(v, q, step);
         step->is_now = false;
@@ -551,7 +563,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
             begins_or_ends = take_event(v, q, step);
             break;
         case ADVANCE_STEP_LIMIT: /* a quadrature (prescribed.c) has a limit of its own */
-            return step->budget > 0 ? INTEGRATOR_STALLED : INTEGRATOR_STEP_LIMIT;
+            return advance_is_spent(step) ? INTEGRATOR_STEP_LIMIT : INTEGRATOR_STALLED;
         case ADVANCE_FAILED:
         default:
             return INTEGRATOR_FAILED;
@@ -565,17 +577,17 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
         }
         latest = scene_time(q);
         /* An event counts as a step, so that the limit of steps ends any number of events. */
-        if (--step->budget <= 0) {
+        advance_spend(step, 1, 1);
+        if (advance_is_spent(step)) {
             return INTEGRATOR_STEP_LIMIT;
         }
     }
 }
 
-/* A step of the general segment takes some hundred evaluations of forces, each of which takes as long as some
- * steps in closed form. There may be as many evaluations as steps, so that the limit of steps bounds the
- * time of both; but no fewer than this, some ten seconds of them: a thousand impacts of bodies that turn take
- * half as many, and a small limit is to count steps alone. */
-static const long LEAST_EVALUATIONS = 3000000;
+/* There may be as much work as the limit of steps allows in closed form, so that it bounds the time of
+ * whatever is integrated; but no less than this, the limit's start value, which takes about a second: a
+ * smaller limit is to count steps alone. */
+static const long LEAST_WORK = 2000000;
 
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
                                       struct scene_state *q, const struct step_request *request)
@@ -583,7 +595,7 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
     const double start = scene_time(q);
     struct advance step;
     step.budget = solver_max_internal_steps(v);
-    step.evaluations = step.budget > LEAST_EVALUATIONS ? step.budget : LEAST_EVALUATIONS;
+    step.work = step.budget > LEAST_WORK ? step.budget : LEAST_WORK;
     transition_begin_step(v, q, &step.now);
     step.is_now = true;
     if (solver_method(v) == SOLVER_METHOD_EVENT_DRIVEN && !scene_turns(v)) {

@@ -786,8 +786,9 @@ static enum model_status report_step_limit(const struct model *m, const struct s
 {
     return model_report(
         m, MODEL_DISCARD,
-        "The step to %s s %s at %s s: solver.max_internal_steps = %d are used up "
-        "(allowed: 1 .. 2147483647). Go on from %s, if need be in smaller steps, or set a larger limit.",
+        "The step to %s s %s at %s s: solver.max_internal_steps = %d are used up, by number or "
+        "by work (allowed: 1 .. 2147483647). Go on from %s, if need be in smaller steps, or set a larger "
+        "limit.",
         shortest_digits(request->end_time).text, request->whole ? "is undone, it got stuck" : "stopped",
         shortest_digits(scene_time(&m->state.motion)).text, (int)solver_max_internal_steps(&m->state.values),
         request->whole ? "where it began" : "there");

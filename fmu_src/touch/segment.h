@@ -43,6 +43,7 @@ struct segment {
     struct terminal_event terminal;
     bool leaves_zone; /* the terminal event: the zone of a capped cylinder ends, and the regime goes on */
     bool may_be_slow; /* under Hertz's law, and to be looked at */
+    int work;         /* that it took to make it, in steps in closed form (integrator/phases.h) */
     /* Below: for the kinds and the search for peaks. */
     enum segment_kind kind;
     union {

@@ -213,7 +213,8 @@ def test_an_impact_is_right_or_refused_however_short_it_is(opened, stiffness, be
     check_close("last_duration", fmu["contact.last_duration"], float(lasts), 1e-3 * float(lasts) + 1e-15)
 
 
-LEAST_EVALUATIONS = 3_000_000  # integrator/phases.c
+LEAST_WORK = 2_000_000  # integrator/phases.c
+EVALUATION_WORK = 4  # integrator/phases.h
 HOPS = {"source.rotation": "free", "contact.friction": "regularized", **DROP, "source.center": [0, 0, 0.65]}
 
 
@@ -221,12 +222,56 @@ def test_evaluations_of_the_general_segment_end_a_step_as_internal_steps_do(open
     """A ball that turns and bounces without damping: a hundred evaluations an internal step"""
     fmu = limited(opened("SpherePlane"), HOPS, limit=1_000_000)
     said = " ".join(message.text for message in discarded(fmu, 1e9))
-    assert "solver.max_internal_steps = 1000000 are used up" in said
+    assert "solver.max_internal_steps = 1000000 are used up, by number or by work" in said
     assert fmu["solver.steps"] + fmu["solver.events"] < 1_000_000
-    assert LEAST_EVALUATIONS <= fmu["solver.force_evaluations"] <= LEAST_EVALUATIONS + 100_000
+    most = LEAST_WORK // EVALUATION_WORK
+    assert 0.9 * most <= fmu["solver.force_evaluations"] <= most + 10_000
     time = fmu.time
     fmu.step(1.0)  # from there it goes on
     assert fmu.time > time
+
+
+def test_a_larger_limit_allows_more_evaluations(opened):
+    limit = 2 * LEAST_WORK
+    fmu = limited(opened("SpherePlane"), HOPS, limit)
+    discarded(fmu, 1e9)
+    assert fmu["solver.force_evaluations"] > LEAST_WORK // EVALUATION_WORK + 100_000
+    assert fmu["solver.force_evaluations"] <= limit // EVALUATION_WORK + 10_000
+
+
+def test_the_limit_that_a_run_starts_with_is_the_least_work(opened):
+    fmu = opened("SpherePlane")
+    fmu.reset()
+    fmu.start({})
+    assert fmu["solver.max_internal_steps"] == LEAST_WORK
+
+
+BOWL = {**SHELL, "gravity": [0.0, 0.0, -9.81], "source.center": [0.2, 0.0, -0.34]}
+ENDLESS = {  # one step of 1e9 s; how many internal steps and events each may take at most
+    "a ball that bounces on a plane": ("SpherePlane", DROP, METHOD, LEAST_WORK),
+    "a ball that bounces on a hollow": (
+        "SphereSphere",
+        {**BOWL, "contact.penalty_factor": 1e6, "source.initial_velocity": [1.0, 0.3, 0.2]},
+        METHOD,
+        LEAST_WORK // 3,
+    ),
+    "a ball that swings in a bowl": (
+        "SphereSphere",
+        {**BOWL, "contact.penalty_factor": 1e6, "contact.method": "penalty_dynamic"},
+        METHOD,
+        LEAST_WORK // 40,
+    ),
+    "a ball that bounces by CVODE": ("SpherePlane", DROP, "cvode_bdf", LEAST_WORK // 20),
+}
+
+
+@pytest.mark.parametrize("case", ENDLESS)
+def test_an_endless_step_is_ended_by_its_work(opened, case):
+    """What takes more instructions a step is ended after fewer steps, each case within about a second."""
+    name, configuration, method, most = ENDLESS[case]
+    fmu = start(opened(name), {**configuration, "solver.max_internal_steps": LEAST_WORK}, TOLERANCE, method)
+    discarded(fmu, 1e9)
+    assert most / 2 <= fmu["solver.steps"] + fmu["solver.events"] <= most + 1
 
 
 def test_a_small_limit_counts_internal_steps_alone(opened):
