@@ -217,6 +217,11 @@ def _piece(lines, at):
         return Piece(_until(lines, at, ";"), constant[1])
     if not re.match(r"[A-Za-z_]", line) or line.startswith(("typedef ", "_Static_assert")):
         return Piece([line])
+    if re.match(r"[A-Z][A-Z0-9_]*\(", line):  # a macro that makes a function
+        end = at
+        while (text := "\n".join(lines[at : end + 1])).count("(") > text.count(")"):
+            end += 1
+        return Piece(lines[at : end + 1])
     head = _until(lines, at, (";", "{", "}"))  # a long type has a line of its own
     if not re.match(r"[A-Za-z_][^=]*\(", " ".join(head)):
         return Piece([line])

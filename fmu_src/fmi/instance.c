@@ -1,45 +1,143 @@
+#include "fmi/instance.h"
+
 #include <float.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "fmi/instance.h"
-#include "fmi/log.h"
 #include "model/report.h"
 #include "scene.h"
 
-/*
- * The saved states an instance has handed out and the importer has not freed: a list through the blocks
- * themselves. What the importer holds is the address of such a block. What the importer brings is looked up
- * by comparing addresses and never read before it is found: it may be uninitialised, freed, or another
- * instance's.
- */
+/* Messages to the importer's logger. */
 
-struct state_block {
-    struct state_block *next;
-    _Alignas(double) unsigned char bytes[]; /* a header and the model's state, see instance.c */
+/* Longest message; an instance name or a message beyond it is cut. */
+#define MESSAGE_SIZE 1024
+#define NAME_SHOWN 200
+
+static const struct log_category_name {
+    const char *name;
+    unsigned bits;
+} known_categories[] = {
+    {"logEvents", LOG_EVENTS},
+    {"logStatusWarning", LOG_STATUS_WARNING},
+    {"logStatusDiscard", LOG_STATUS_DISCARD},
+    {"logStatusError", LOG_STATUS_ERROR},
+    {"logStatusFatal", LOG_STATUS_FATAL},
+    {"logAll", LOG_ALL},
 };
 
-/* The block at an address, or NULL when this instance has none there. */
-static struct state_block *state_list_find(const struct instance *instance, const void *address);
+static const char ALL_CATEGORIES[] =
+    "logEvents, logStatusWarning, logStatusDiscard, logStatusError, logStatusFatal, logAll";
 
-/* A new block with room for that many bytes, or NULL when the importer's memory is exhausted. */
-static struct state_block *state_list_add(struct instance *instance, size_t size);
+unsigned log_default_categories(bool logging_on)
+{
+    return logging_on ? LOG_ALL : LOG_STATUS_ALL;
+}
 
-/* Gives a block of the list back to the importer's memory. */
-static void state_list_remove(struct instance *instance, struct state_block *block);
+/* The bits of a category's name; 0 where there is no such category. */
+static unsigned category_bits(const char *name)
+{
+    for (size_t i = 0; i < sizeof known_categories / sizeof known_categories[0]; ++i) {
+        if (strcmp(known_categories[i].name, name) == 0) {
+            return known_categories[i].bits;
+        }
+    }
+    return 0;
+}
 
-/* Gives all blocks back. */
-static void state_list_clear(struct instance *instance);
+/* Bytes of the UTF-8 character that a text begins with; 0 where it begins with something else or only a
+ * part. */
+static size_t character_length(const char *text)
+{
+    const unsigned char first = (unsigned char)text[0];
+    const size_t length = first < 0x80u ? 1 : first < 0xC2u ? 0 : first < 0xE0u ? 2 : first < 0xF0u ? 3 : 4;
+    for (size_t i = 1; i < length; ++i) {
+        if (((unsigned char)text[i] & 0xC0u) != 0x80u) {
+            return 0;
+        }
+    }
+    return first < 0xF5u ? length : 0;
+}
 
-struct phase_name {
+/* What is no UTF-8, a character cut in two among it, becomes question marks; the characters of `doubled` are
+ * written twice. */
+static void escape_message(const char *text, const char *doubled, char *escaped)
+{
+    while (*text != '\0') {
+        const size_t length = character_length(text);
+        if (strchr(doubled, *text) != NULL) {
+            *escaped++ = *text;
+        }
+        *escaped++ = *text++;
+        if (length == 0) {
+            escaped[-1] = '?';
+        }
+        for (size_t i = 1; i < length; ++i) {
+            *escaped++ = *text++;
+        }
+    }
+    *escaped = '\0';
+}
+
+/* Sends "ball at 0.25 s: " followed by the message. */
+static void send_message(struct instance *instance, enum model_status status, const char *category,
+                         const char *message)
+{
+    char text[MESSAGE_SIZE];
+    char escaped[2 * MESSAGE_SIZE];
+    if (instance->model != NULL) {
+        (void)snprintf(text, sizeof text, "%.*s at %.12g s: %s", NAME_SHOWN, instance->name,
+                       model_time(instance->model), message);
+    } else {
+        (void)snprintf(text, sizeof text, "%.*s: %s", NAME_SHOWN, instance->name, message);
+    }
+    escape_message(text, instance->adapter->doubled, escaped);
+    const enum phase phase = instance->phase;
+    instance->phase = (enum phase)(phase | PHASE_TELLING);
+    instance->adapter->send(instance, status, category, escaped);
+    instance->phase = phase;
+}
+
+/* Whether the importer hears messages of a category. Nothing is sent from inside its logger: a logger that
+ * calls wrongly each time could recurse for ever. `context` is the instance (struct model_host). */
+static bool is_heard(void *context, const char *category)
+{
+    const struct instance *instance = context;
+    return instance->logger_given && (instance->phase & PHASE_TELLING) == 0 &&
+           (instance->log_categories & category_bits(category)) != 0;
+}
+
+enum model_status log_report(struct instance *instance, enum model_status status, const char *format, ...)
+{
+    const char *category = model_category(status);
+    if (is_heard(instance, category)) {
+        char message[MESSAGE_SIZE];
+        va_list arguments;
+        va_start(arguments, format);
+        (void)vsnprintf(message, sizeof message, format, arguments);
+        va_end(arguments);
+        send_message(instance, status, category, message);
+    }
+    return status;
+}
+
+/* struct model_host.log */
+static void log_from_model(void *context, enum model_status status, const char *category, const char *message)
+{
+    if (is_heard(context, category)) {
+        send_message(context, status, category, message);
+    }
+}
+
+/* Checks of a call: the kind of instance, the phase, the arrays. */
+
+static const struct phase_name {
     unsigned phase;
     const char *name;
-};
-
-static const struct phase_name phase_names[] = {
+} phase_names[] = {
     {PHASE_INSTANTIATED, "instantiated"},
     {PHASE_INITIALIZATION, "initialization mode"},
     {PHASE_STEP, "step mode"},
@@ -51,80 +149,54 @@ static const struct phase_name phase_names[] = {
     {PHASE_CONTINUOUS, "continuous-time mode"},
 };
 
-#define PHASE_NAME_COUNT (sizeof phase_names / sizeof phase_names[0])
+/* Room for the names of all phases, with what separates them. */
+enum { PHASE_NAMES_SIZE = 160 };
 
-/* Names of all phases of a mask, separated by commas. The buffer holds all of them at once. */
-static const char *name_phases(unsigned phases, char *text, size_t size)
+/* Names of all phases of a mask, separated by commas. */
+static const char *name_phases(unsigned phases, char text[PHASE_NAMES_SIZE])
 {
     size_t length = 0;
     text[0] = '\0';
-    for (size_t i = 0; i < PHASE_NAME_COUNT; ++i) {
-        if ((phases & phase_names[i].phase) != 0 && length < size) {
-            const char *separator = length > 0 ? ", " : "";
-            length += (size_t)snprintf(text + length, size - length, "%s%s", separator, phase_names[i].name);
+    for (size_t i = 0; i < sizeof phase_names / sizeof phase_names[0]; ++i) {
+        if ((phases & phase_names[i].phase) != 0 && length < PHASE_NAMES_SIZE) {
+            length += (size_t)snprintf(text + length, PHASE_NAMES_SIZE - length, "%s%s",
+                                       length > 0 ? ", " : "", phase_names[i].name);
         }
     }
     return text;
 }
 
-/* Room for the names of all phases, with what separates them. */
-enum { PHASE_NAMES_SIZE = 160 };
+static const char *const kind_names[] = {[CALL_STEPS] = "Co-Simulation", [CALL_EXCHANGE] = "Model Exchange"};
 
-static void report_call_order(struct instance *instance, const struct call *call)
+CONTACT_NOINLINE static bool report_call(struct instance *instance, const struct call *call)
 {
+    const enum call_kind kind = instance->host.exchange ? CALL_EXCHANGE : CALL_STEPS;
     char now[PHASE_NAMES_SIZE];
     char allowed[PHASE_NAMES_SIZE];
-    log_report(instance, MODEL_ERROR, "%s called in phase %s, allowed in: %s", call->name,
-               name_phases(instance->phase, now, sizeof now),
-               name_phases(call->phases, allowed, sizeof allowed));
-}
-
-bool call_allowed(struct instance *instance, const struct call *call)
-{
-    if (instance == NULL) {
-        return false;
-    }
-    if (((unsigned)instance->phase & ~call->phases) != 0) {
-        report_call_order(instance, call);
-        return false;
-    }
-    return true;
-}
-
-enum model_status call_refuse(struct instance *instance, const struct call *call, const char *reason)
-{
-    char now[PHASE_NAMES_SIZE];
-    return instance == NULL ? MODEL_ERROR
-                            : log_report(instance, MODEL_ERROR, "%s called in phase %s: %s", call->name,
-                                         name_phases(instance->phase, now, sizeof now), reason);
-}
-
-static bool is_of_kind(struct instance *instance, const struct call *call, bool exchange)
-{
-    static const char *const interfaces[] = {"Co-Simulation", "Model Exchange"};
-    if (instance == NULL) {
-        return false;
-    }
-    if (instance->host.exchange != exchange) {
+    if (call->kind != CALL_ANY && call->kind != kind) {
         log_report(instance, MODEL_ERROR, "%s called on an instance of %s, allowed: of %s", call->name,
-                   interfaces[!exchange], interfaces[exchange]);
+                   kind_names[kind], kind_names[call->kind]);
+    } else if (call->absent != NULL) {
+        log_report(instance, MODEL_ERROR, "%s called in phase %s: %s", call->name,
+                   name_phases(instance->phase, now), call->absent);
+    } else {
+        log_report(instance, MODEL_ERROR, "%s called in phase %s, allowed in: %s", call->name,
+                   name_phases(instance->phase, now), name_phases(call->phases, allowed));
+    }
+    return false;
+}
+
+static inline bool call_allowed(struct instance *instance, const struct call *call)
+{
+    if (instance == NULL) {
         return false;
     }
-    return true;
+    const bool of_kind = call->kind == CALL_ANY || (call->kind == CALL_EXCHANGE) == instance->host.exchange;
+    return of_kind && ((unsigned)instance->phase & ~call->phases) == 0 ? true : report_call(instance, call);
 }
 
-bool call_allowed_in_exchange(struct instance *instance, const struct call *call)
-{
-    return is_of_kind(instance, call, true) && call_allowed(instance, call);
-}
-
-bool call_allowed_in_steps(struct instance *instance, const struct call *call)
-{
-    return is_of_kind(instance, call, false) && call_allowed(instance, call);
-}
-
-bool call_array_given(struct instance *instance, const struct call *call, const char *argument,
-                      const void *array, size_t count)
+static inline bool array_given(struct instance *instance, const struct call *call, const char *argument,
+                               const void *array, size_t count)
 {
     if (array == NULL && count > 0) {
         log_report(instance, MODEL_ERROR, "%s: %s is a null pointer, expected %lu elements", call->name,
@@ -134,51 +206,322 @@ bool call_array_given(struct instance *instance, const struct call *call, const 
     return true;
 }
 
-const struct variable *report_wrong_reference(struct instance *instance, const struct call *call,
-                                              const struct variable *variable, uint32_t reference)
+bool call_ready(struct instance *instance, const struct call *call, const struct argument *arguments)
 {
+    bool ready = call_allowed(instance, call);
+    for (; ready && arguments->name != NULL; ++arguments) {
+        ready = array_given(instance, call, arguments->name, arguments->array, arguments->count);
+    }
+    return ready;
+}
+
+/*
+ * Variables by value reference. FMI 2.0 knows scalars alone. In FMI 3.0 a vector is one variable, its reference
+ * is that of its first component, and time is a variable too.
+ */
+
+enum { TIME_REFERENCE = 0 }; /* in FMI 3.0; no variable of the model has it */
+
+static bool has_vectors(const struct instance *instance)
+{
+    return instance->adapter->version >= 3;
+}
+
+static bool is_time(const struct instance *instance, uint32_t reference, unsigned types)
+{
+    return reference == TIME_REFERENCE && has_vectors(instance) && (types & TYPES_REAL) != 0;
+}
+
+/* The variable of a reference, of a vector its first component; NULL where there is none. */
+static inline const struct variable *variable_of(const struct instance *instance, uint32_t reference)
+{
+    return has_vectors(instance) ? vector_variable(reference) : scene_variable(reference);
+}
+
+static inline size_t length_of(const struct instance *instance, const struct variable *first)
+{
+    return has_vectors(instance) ? vector_length(first) : 1;
+}
+
+static struct variable_list list_of(const struct instance *instance, const uint32_t *references, size_t count)
+{
+    return (struct variable_list){references, count, has_vectors(instance)};
+}
+
+static const char *real_name(const struct instance *instance)
+{
+    return instance->adapter->type_names[VARIABLE_REAL];
+}
+
+/* The variable of a reference if it has one of the types, else NULL after a message. */
+static inline const struct variable *find_variable(struct instance *instance, const struct call *call,
+                                                   uint32_t reference, unsigned types)
+{
+    const struct variable *variable = variable_of(instance, reference);
     if (variable == NULL) {
         log_report(instance, MODEL_ERROR, "%s: unknown value reference %u", call->name, (unsigned)reference);
-    } else {
+    } else if ((types & (1u << variable->type)) == 0) {
         log_report(instance, MODEL_ERROR, "%s: value reference %u is %s, which is of type %s", call->name,
                    (unsigned)reference, variable->name, instance->adapter->type_names[variable->type]);
+        return NULL;
     }
-    return NULL;
+    return variable;
 }
 
-const struct variable *report_no_value(struct instance *instance, const struct call *call,
-                                       const struct variable *variable)
+/* The variable if it may be read: one without a start value is not computed before initialization mode. */
+static inline const struct variable *find_readable(struct instance *instance, const struct call *call,
+                                                   uint32_t reference, unsigned types)
 {
-    log_report(instance, MODEL_ERROR, "%s: %s has no value before initialization mode", call->name,
-               variable->name);
-    return NULL;
+    const struct variable *variable = find_variable(instance, call, reference, types);
+    if (variable != NULL && (instance->phase & PHASE_INSTANTIATED) != 0 &&
+        variable->causality != VARIABLE_PARAMETER && variable->causality != VARIABLE_INPUT) {
+        log_report(instance, MODEL_ERROR, "%s: %s has no value before initialization mode", call->name,
+                   variable->name);
+        return NULL;
+    }
+    return variable;
 }
 
-const struct variable *report_not_settable(struct instance *instance, const struct call *call,
-                                           const struct variable *variable)
+/* FMI 3.0.2, sections 2.3.5 and 3.2.1: Model Exchange may set states one by one, in event mode only those that
+ * events do not make jump. */
+static bool is_settable_state(const struct instance *instance, const struct variable *variable)
 {
-    const char *reason = variable->causality != VARIABLE_PARAMETER ? "is calculated and cannot be set"
-                         : !variable->tunable ? "is a parameter, fixed after initialization"
-                                              : "is a tunable parameter, to be set in event mode";
-    log_report(instance, MODEL_ERROR, "%s: %s %s", call->name, variable->name, reason);
+    return variable->causality == VARIABLE_STATE && instance->host.exchange && has_vectors(instance) &&
+           (instance->phase == PHASE_CONTINUOUS || (instance->phase == PHASE_EVENT && !variable->reinit));
+}
+
+/* The variable if it may be set: parameters until the end of initialization, tunable ones at communication
+ * points or events too, inputs always. */
+static inline const struct variable *find_settable(struct instance *instance, const struct call *call,
+                                                   uint32_t reference, unsigned types)
+{
+    const struct variable *variable = find_variable(instance, call, reference, types);
+    if (variable == NULL || variable->causality == VARIABLE_INPUT) {
+        return variable;
+    }
+    const unsigned before = PHASE_INSTANTIATED | PHASE_INITIALIZATION;
+    const unsigned phases = variable->tunable ? before | instance->tuning_phases : before;
+    if ((variable->causality == VARIABLE_PARAMETER && (instance->phase & phases) != 0) ||
+        is_settable_state(instance, variable)) {
+        return variable;
+    }
+    log_report(instance, MODEL_ERROR, "%s: %s %s", call->name, variable->name,
+               variable->causality != VARIABLE_PARAMETER ? "is calculated and cannot be set"
+               : !variable->tunable                      ? "is a parameter, fixed after initialization"
+                                                         : "is a tunable parameter, to be set in event mode");
     return NULL;
 }
 
 const struct variable *find_real(struct instance *instance, const struct call *call, uint32_t reference,
                                  enum variable_causality causality)
 {
-    const struct variable *variable = scene_variable(reference);
+    const struct variable *variable = variable_of(instance, reference);
     if (variable == NULL) {
         log_report(instance, MODEL_ERROR, "%s: unknown value reference %u", call->name, (unsigned)reference);
     } else if (variable->type != VARIABLE_REAL || variable->causality != causality) {
         log_report(instance, MODEL_ERROR, "%s: value reference %u is %s, which is no %s %s", call->name,
-                   (unsigned)reference, variable->name, instance->adapter->type_names[VARIABLE_REAL],
+                   (unsigned)reference, variable->name, real_name(instance),
                    causality == VARIABLE_INPUT ? "input" : "output");
-    } else {
-        return variable;
+        return NULL;
     }
-    return NULL;
+    return variable;
 }
+
+static enum model_status check_count(struct instance *instance, const struct call *call, const char *name,
+                                     size_t given, size_t expected)
+{
+    return given == expected
+               ? MODEL_OK
+               : log_report(instance, MODEL_ERROR, "%s: %s = %lu, expected %lu for the value references",
+                            call->name, name, (unsigned long)given, (unsigned long)expected);
+}
+
+/* Checks that all references are known and have as many components as the importer counts. */
+static enum model_status check_components(struct instance *instance, const struct call *call,
+                                          const uint32_t *references, size_t count, const char *name,
+                                          size_t given)
+{
+    const unsigned any = TYPES_REAL | TYPES_INTEGER | TYPES_BOOLEAN | TYPES_ENUMERATION;
+    size_t components = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const struct variable *first = find_variable(instance, call, references[i], any);
+        if (first == NULL) {
+            return MODEL_ERROR;
+        }
+        components += length_of(instance, first);
+    }
+    return check_count(instance, call, name, given, components);
+}
+
+/*
+ * Values. The importer's arrays have elements of adapter.value_sizes bytes, by the type of the variable: 1 is
+ * a bool, 8 of an enumeration is an int64_t; every other element is as the model has it.
+ */
+
+static inline size_t value_size(const struct instance *instance, const struct variable *variable)
+{
+    return instance->adapter->value_sizes[variable->type];
+}
+
+static inline enum model_status read_value(struct instance *instance, const struct variable *variable,
+                                           void *to)
+{
+    const size_t size = value_size(instance, variable);
+    if (size == variable_size(variable)) {
+        return model_read(instance->model, variable, to);
+    }
+    int32_t whole = 0;
+    const enum model_status status = model_read(instance->model, variable, &whole);
+    if (status == MODEL_OK && size == sizeof(bool)) {
+        *(bool *)to = whole != 0;
+    } else if (status == MODEL_OK) {
+        *(int64_t *)to = whole;
+    }
+    return status;
+}
+
+/* The importer's value as the model takes it: where it stands, or in `whole`. */
+static inline const void *value_for_model(const struct instance *instance, const struct variable *variable,
+                                          const void *from, int32_t *whole)
+{
+    const size_t size = value_size(instance, variable);
+    if (size == variable_size(variable)) {
+        return from;
+    }
+    *whole = size == sizeof(bool) ? *(const bool *)from : (int32_t) * (const int64_t *)from;
+    return whole;
+}
+
+static inline enum model_status check_value(struct instance *instance, const struct variable *variable,
+                                            const void *from)
+{
+    if (value_size(instance, variable) == sizeof(int64_t) && variable->type == VARIABLE_ENUMERATION) {
+        const int64_t given = *(const int64_t *)from;
+        if (given < INT32_MIN || given > INT32_MAX) {
+            return log_report(instance, MODEL_DISCARD,
+                              "%s = %lld refused (allowed: %.10g .. %.10g); it stays as it was.",
+                              variable->name, (long long)given, variable->min, variable->max);
+        }
+    }
+    int32_t whole;
+    return model_check(instance->model, variable, value_for_model(instance, variable, from, &whole));
+}
+
+static enum model_status check_readable(struct instance *instance, const struct call *call, unsigned types,
+                                        const uint32_t *references, size_t reference_count, size_t count)
+{
+    size_t components = 0;
+    for (size_t i = 0; i < reference_count; ++i) {
+        if (is_time(instance, references[i], types)) {
+            components += 1;
+            continue;
+        }
+        const struct variable *first = find_readable(instance, call, references[i], types);
+        if (first == NULL) {
+            return MODEL_ERROR;
+        }
+        components += length_of(instance, first);
+    }
+    return check_count(instance, call, "nValues", count, components);
+}
+
+static inline bool values_ready(struct instance *instance, const struct call *call,
+                                const uint32_t *references, size_t reference_count, const void *values,
+                                size_t count)
+{
+    const char *const *names = call_allowed(instance, call) ? instance->adapter->arguments : NULL;
+    return names != NULL &&
+           array_given(instance, call, names[ARGUMENT_REFERENCES], references, reference_count) &&
+           array_given(instance, call, names[ARGUMENT_VALUES], values, count);
+}
+
+CONTACT_NOINLINE enum model_status instance_get_values(struct instance *instance, const struct call *call,
+                                                       unsigned types, const uint32_t *references,
+                                                       size_t reference_count, void *values, size_t count)
+{
+    if (!values_ready(instance, call, references, reference_count, values, count)) {
+        return MODEL_ERROR;
+    }
+    if (types == TYPES_REAL && instance->phase == PHASE_STEP && !has_vectors(instance) &&
+        model_get_reals(instance->model, references, count, values) == count) {
+        return MODEL_OK;
+    }
+    enum model_status status = check_readable(instance, call, types, references, reference_count, count);
+    char *to = values;
+    for (size_t i = 0; values != NULL && i < reference_count && status == MODEL_OK; ++i) {
+        if (is_time(instance, references[i], types)) {
+            *(double *)(void *)to = model_time(instance->model);
+            to += sizeof(double);
+            continue;
+        }
+        const struct variable *first = variable_of(instance, references[i]);
+        const size_t length = length_of(instance, first);
+        for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
+            status = read_value(instance, first + k, to);
+            to += value_size(instance, first);
+        }
+    }
+    return status;
+}
+
+static enum model_status check_settable(struct instance *instance, const struct call *call, unsigned types,
+                                        const uint32_t *references, size_t reference_count,
+                                        const void *values, size_t count)
+{
+    const char *from = values;
+    size_t components = 0;
+    for (size_t i = 0; i < reference_count; ++i) {
+        if (is_time(instance, references[i], types)) {
+            return log_report(instance, MODEL_ERROR, "%s: time is the independent variable and cannot be set",
+                              call->name);
+        }
+        const struct variable *first = find_settable(instance, call, references[i], types);
+        if (first == NULL) {
+            return MODEL_ERROR;
+        }
+        const size_t length = length_of(instance, first);
+        for (size_t k = 0; k < length && components + k < count; ++k) {
+            const enum model_status status = check_value(instance, first + k, from);
+            if (status > MODEL_WARNING) {
+                return status;
+            }
+            from += value_size(instance, first);
+        }
+        components += length;
+    }
+    return check_count(instance, call, "nValues", count, components);
+}
+
+enum model_status instance_set_values(struct instance *instance, const struct call *call, unsigned types,
+                                      const uint32_t *references, size_t reference_count, const void *values,
+                                      size_t count)
+{
+    if (!values_ready(instance, call, references, reference_count, values, count)) {
+        return MODEL_ERROR;
+    }
+    const enum model_status status =
+        check_settable(instance, call, types, references, reference_count, values, count);
+    const char *from = values;
+    for (size_t i = 0; values != NULL && i < reference_count && status == MODEL_OK; ++i) {
+        const struct variable *first = variable_of(instance, references[i]);
+        const size_t length = length_of(instance, first);
+        for (size_t k = 0; k < length; ++k) {
+            int32_t whole;
+            const void *value = value_for_model(instance, first, from, &whole);
+            if (first->causality == VARIABLE_STATE) {
+                model_exchange_set_state(instance->model, first + k, *(const double *)value);
+            } else {
+                model_set(instance->model, first + k, value);
+            }
+            from += value_size(instance, first);
+        }
+    }
+    return status;
+}
+
+/* Derivatives of outputs with respect to time. */
+
+enum { LOWEST_ORDER = 1, HIGHEST_ORDER = 2 }; /* maxOutputDerivativeOrder of the model description */
 
 enum model_status check_order(struct instance *instance, const struct call *call,
                               const struct variable *variable, int order)
@@ -202,60 +545,58 @@ static enum model_status check_output_derivative(struct instance *instance, cons
         return log_report(instance, MODEL_DISCARD,
                           "%s: %s sums up the last step; its derivatives are not provided, allowed: those of "
                           "the other %s outputs",
-                          call->name, variable->name, instance->adapter->type_names[VARIABLE_REAL]);
+                          call->name, variable->name, real_name(instance));
     }
     return check_order(instance, call, variable, order);
 }
 
-enum model_status output_derivatives(struct instance *instance, const struct call *call,
-                                     const uint32_t *references, const int *orders, size_t count,
-                                     double *values)
+enum model_status instance_output_derivatives(struct instance *instance, const struct call *call,
+                                              const uint32_t *references, const int *orders,
+                                              size_t reference_count, double *values, size_t count)
 {
-    for (size_t i = 0; i < count; ++i) {
-        const enum model_status status = check_output_derivative(instance, call, references[i], orders[i]);
-        if (status != MODEL_OK) {
-            return status;
-        }
+    const char *const *names = instance == NULL ? NULL : instance->adapter->arguments;
+    if (names == NULL || !call_ready(instance, call,
+                                     ARGUMENTS({names[ARGUMENT_REFERENCES], references, reference_count},
+                                               {names[ARGUMENT_ORDERS], orders, reference_count},
+                                               {names[ARGUMENT_VALUES], values, count}))) {
+        return MODEL_ERROR;
     }
-    return model_get_output_derivatives(instance->model, references, orders, count, values);
+    enum model_status status =
+        check_components(instance, call, references, reference_count, "nValues", count);
+    for (size_t i = 0; i < reference_count && status == MODEL_OK; ++i) {
+        status = check_output_derivative(instance, call, references[i], orders[i]);
+    }
+    const struct variable_list list = list_of(instance, references, reference_count);
+    return status == MODEL_OK ? model_get_output_derivatives(instance->model, &list, orders, values) : status;
 }
+
+/* Derivatives of outputs with respect to inputs, along a direction of inputs and, adjoint, of outputs. */
 
 /* Whether the states and their rates are unknowns and knowns of the importer. */
 static bool knows_states(const struct instance *instance)
 {
-    return instance->host.exchange || instance->adapter->knows_states_in_steps;
+    return instance->host.exchange || instance->adapter->version >= 3;
 }
 
-/* Unknowns are the outputs and the rates of the states; in initialization mode the calculated parameters and
- * the states too (ModelStructure: initial unknowns). */
-static bool is_unknown(struct instance *instance, const struct call *call, uint32_t reference)
+/* Unknowns are the outputs and the rates of the states. In initialization mode the calculated parameters and
+ * the states are unknowns too (ModelStructure: initial unknowns). */
+static enum model_status check_unknown(struct instance *instance, const struct call *call, uint32_t reference)
 {
-    const struct variable *variable = scene_variable(reference);
+    const struct variable *variable = variable_of(instance, reference);
     const bool starting = (instance->phase & PHASE_INITIALIZATION) != 0;
     if (variable != NULL && starting && variable->causality == VARIABLE_CALCULATED_PARAMETER) {
-        return true;
+        return MODEL_OK;
     }
     if (variable != NULL && knows_states(instance) &&
         (variable->causality == VARIABLE_RATE || (starting && variable->causality == VARIABLE_STATE))) {
-        return true;
+        return MODEL_OK;
     }
-    return find_real(instance, call, reference, VARIABLE_OUTPUT) != NULL;
+    return find_real(instance, call, reference, VARIABLE_OUTPUT) != NULL ? MODEL_OK : MODEL_ERROR;
 }
 
-enum model_status check_unknowns(struct instance *instance, const struct call *call, const uint32_t *unknowns,
-                                 size_t count)
+static enum model_status check_known(struct instance *instance, const struct call *call, uint32_t reference)
 {
-    for (size_t i = 0; i < count; ++i) {
-        if (!is_unknown(instance, call, unknowns[i])) {
-            return MODEL_ERROR;
-        }
-    }
-    return MODEL_OK;
-}
-
-enum model_status check_known(struct instance *instance, const struct call *call, uint32_t reference)
-{
-    const struct variable *variable = scene_variable(reference);
+    const struct variable *variable = variable_of(instance, reference);
     const bool starting = (instance->phase & PHASE_INITIALIZATION) != 0;
     if (variable != NULL && knows_states(instance) && !starting && variable->causality == VARIABLE_STATE) {
         return MODEL_OK;
@@ -265,28 +606,84 @@ enum model_status check_known(struct instance *instance, const struct call *call
         return log_report(instance, MODEL_DISCARD,
                           "%s: derivatives with respect to the parameter %s are not provided, allowed: with "
                           "respect to %s inputs",
-                          call->name, variable->name, instance->adapter->type_names[VARIABLE_REAL]);
+                          call->name, variable->name, real_name(instance));
     }
     return find_real(instance, call, reference, VARIABLE_INPUT) != NULL ? MODEL_OK : MODEL_ERROR;
 }
 
-enum model_status check_seed(struct instance *instance, const struct call *call, uint32_t reference,
-                             double seed)
+/* Checks that the seeds of the references are finite. */
+static enum model_status check_seeds(struct instance *instance, const struct call *call,
+                                     const uint32_t *references, size_t count, const double *seed)
 {
-    return isfinite(seed)
-               ? MODEL_OK
-               : log_report(instance, MODEL_DISCARD, "%s: %s of %s = %g refused, allowed: finite", call->name,
-                            instance->adapter->seed_name, scene_variable(reference)->name, seed);
+    for (size_t i = 0; i < count; ++i) {
+        const struct variable *first = variable_of(instance, references[i]);
+        const size_t length = length_of(instance, first);
+        for (size_t k = 0; k < length; ++k, ++seed) {
+            if (!isfinite(*seed)) {
+                return log_report(instance, MODEL_DISCARD, "%s: %s of %s = %g refused, allowed: finite",
+                                  call->name, instance->adapter->arguments[ARGUMENT_SEED], first[k].name,
+                                  *seed);
+            }
+        }
+    }
+    return MODEL_OK;
 }
 
+static enum model_status check_product(struct instance *instance, const struct call *call,
+                                       const struct product *p)
+{
+    enum model_status status = check_components(instance, call, p->unknowns, p->unknown_count,
+                                                p->adjoint ? "nSeed" : "nSensitivity", p->unknown_components);
+    if (status == MODEL_OK) {
+        status = check_components(instance, call, p->knowns, p->known_count,
+                                  p->adjoint ? "nSensitivity" : "nSeed", p->known_components);
+    }
+    for (size_t i = 0; i < p->unknown_count && status == MODEL_OK; ++i) {
+        status = check_unknown(instance, call, p->unknowns[i]);
+    }
+    for (size_t i = 0; i < p->known_count && status == MODEL_OK; ++i) {
+        status = check_known(instance, call, p->knowns[i]);
+    }
+    if (status != MODEL_OK) {
+        return status;
+    }
+    return p->adjoint ? check_seeds(instance, call, p->unknowns, p->unknown_count, p->seed)
+                      : check_seeds(instance, call, p->knowns, p->known_count, p->seed);
+}
+
+enum model_status instance_product(struct instance *instance, const struct call *call,
+                                   const struct product *p)
+{
+    const size_t seeds = p->adjoint ? p->unknown_components : p->known_components;
+    const size_t sensitivities = p->adjoint ? p->known_components : p->unknown_components;
+    const char *const *names = instance == NULL ? NULL : instance->adapter->arguments;
+    if (names == NULL ||
+        !call_ready(instance, call,
+                    ARGUMENTS({names[ARGUMENT_UNKNOWNS], p->unknowns, p->unknown_count},
+                              {names[ARGUMENT_KNOWNS], p->knowns, p->known_count},
+                              {names[ARGUMENT_SEED], p->seed, seeds},
+                              {names[ARGUMENT_SENSITIVITY], p->sensitivity, sensitivities}))) {
+        return MODEL_ERROR;
+    }
+    const enum model_status status = check_product(instance, call, p);
+    if (status != MODEL_OK) {
+        return status;
+    }
+    const struct variable_list unknowns = list_of(instance, p->unknowns, p->unknown_count);
+    const struct variable_list knowns = list_of(instance, p->knowns, p->known_count);
+    return (p->adjoint ? model_get_adjoint_derivative : model_get_directional_derivative)(
+        instance->model, &unknowns, &knowns, p->seed, p->sensitivity);
+}
+
+/* Communication steps. */
+
 /*
- * How far two times that should agree may differ: importers add up step sizes, which rounds. Part of a step
- * of size h, or a few units in the last place of the time t where steps are that small.
+ * How far two times that should agree may differ [s]: importers add up step sizes, which rounds. It is a part
+ * of the step size h [s], or a few units in the last place of the time t [s] where steps are that small.
  */
 static double time_slack(double t, double h)
 {
-    const double relative = 4.0 * DBL_EPSILON * fabs(t);
-    return STEP_SLACK * h > relative ? STEP_SLACK * h : relative;
+    return fmax(STEP_SLACK * h, 4.0 * DBL_EPSILON * fabs(t));
 }
 
 static enum model_status refuse_step_size(struct instance *instance, const struct call *call, double time,
@@ -299,13 +696,14 @@ static enum model_status refuse_step_size(struct instance *instance, const struc
                       DBL_EPSILON * fabs(time));
 }
 
-enum model_status step_check(struct instance *instance, const struct call *call, double point, double size)
+static enum model_status check_step(struct instance *instance, const struct call *call, double point,
+                                    double size)
 {
     const double time = model_time(instance->model);
     if (!(size > 0.0)) {
         return refuse_step_size(instance, call, time, size);
     }
-    /* written so that a NaN is refused */
+    /* A NaN is refused too. */
     if (!(fabs(point - time) <= time_slack(time, size))) {
         return log_report(instance, MODEL_ERROR,
                           "%s: currentCommunicationPoint = %s s, expected the time reached, %s s", call->name,
@@ -323,19 +721,34 @@ enum model_status step_check(struct instance *instance, const struct call *call,
     return MODEL_OK;
 }
 
-enum model_status step_end(struct instance *instance, enum model_status status)
+enum model_status instance_step(struct instance *instance, const struct call *call, double point, double size,
+                                const struct step_request *request)
 {
-    if (status == MODEL_ERROR) {
-        instance->phase = PHASE_ERROR;
-    } else if (status == MODEL_FATAL) {
-        instance->phase = PHASE_FATAL;
+    enum model_status status = check_step(instance, call, point, size);
+    instance->asked_end = point + size;
+    if (status == MODEL_OK) {
+        struct step_request whole = *request;
+        whole.end_time = point + size;
+        status = model_step_requested(instance->model, &whole);
+        if (status >= MODEL_ERROR) {
+            instance->phase = status == MODEL_ERROR ? PHASE_ERROR : PHASE_FATAL;
+        }
     }
+    instance->step_status = status;
     return status;
 }
 
+double instance_time_reached(const struct instance *instance)
+{
+    const double time = model_time(instance->model);
+    return fabs(instance->asked_end - time) <= 4.0 * DBL_EPSILON * fabs(time) ? instance->asked_end : time;
+}
+
+/* Model Exchange. */
+
 enum model_status exchange_enter(struct instance *instance, const struct call *call, enum phase next)
 {
-    if (!call_allowed_in_exchange(instance, call)) {
+    if (!call_allowed(instance, call)) {
         return MODEL_ERROR;
     }
     instance->phase = next;
@@ -343,12 +756,8 @@ enum model_status exchange_enter(struct instance *instance, const struct call *c
     return MODEL_OK;
 }
 
-enum model_status exchange_update(struct instance *instance, const struct call *call,
-                                  struct exchange_news *news)
+enum model_status exchange_update(struct instance *instance, struct exchange_news *news)
 {
-    if (!call_allowed_in_exchange(instance, call)) {
-        return MODEL_ERROR;
-    }
     const enum model_status status = model_exchange_update(instance->model, &news->again, &news->jumped);
     if (status <= MODEL_WARNING && !news->again) {
         const double touch = model_exchange_next_touch(instance->model);
@@ -358,16 +767,12 @@ enum model_status exchange_update(struct instance *instance, const struct call *
     return status;
 }
 
-/* Integrators of variable step look past the stop time and come back; a step that is accepted there is an
- * error. */
+/* Integrators of variable step look past the stop time and come back; a step accepted there is an error. */
 enum model_status exchange_accept_step(struct instance *instance, const struct call *call)
 {
-    if (!call_allowed_in_exchange(instance, call)) {
-        return MODEL_ERROR;
-    }
     const double time = model_time(instance->model);
     const double stop = instance->experiment.stop_time;
-    if (time > stop + 4.0 * DBL_EPSILON * fabs(stop)) { /* importers add up step sizes, which rounds */
+    if (time > stop + time_slack(stop, 0.0)) {
         return log_report(instance, MODEL_ERROR, "%s: step to %.17g s goes past stopTime = %.17g s",
                           call->name, time, stop);
     }
@@ -376,15 +781,14 @@ enum model_status exchange_accept_step(struct instance *instance, const struct c
 
 enum model_status exchange_set_time(struct instance *instance, const struct call *call, double time)
 {
-    return call_allowed_in_exchange(instance, call) ? model_exchange_set_time(instance->model, time)
-                                                    : MODEL_ERROR;
+    return call_allowed(instance, call) ? model_exchange_set_time(instance->model, time) : MODEL_ERROR;
 }
 
-/* Whether the call is in order and an array of as many numbers as there are was given. */
-static bool in_order(struct instance *instance, const struct call *call, const double *values, size_t count,
-                     size_t expected)
+/* Whether the call is in order and has an array of as many numbers as there are. */
+static bool numbers_ready(struct instance *instance, const struct call *call, const double *values,
+                          size_t count, size_t expected)
 {
-    if (!call_allowed_in_exchange(instance, call)) {
+    if (!call_allowed(instance, call)) {
         return false;
     }
     if (count != expected) {
@@ -392,13 +796,13 @@ static bool in_order(struct instance *instance, const struct call *call, const d
                    (unsigned long)expected);
         return false;
     }
-    return call_array_given(instance, call, "the array of values", values, count);
+    return array_given(instance, call, "the array of values", values, count);
 }
 
 enum model_status exchange_set_states(struct instance *instance, const struct call *call,
                                       const double *states, size_t count)
 {
-    return in_order(instance, call, states, count, model_exchange_states())
+    return numbers_ready(instance, call, states, count, model_exchange_states())
                ? model_exchange_set_states(instance->model, states)
                : MODEL_ERROR;
 }
@@ -408,149 +812,21 @@ enum model_status exchange_get(struct instance *instance, const struct call *cal
 {
     const size_t expected =
         which == EXCHANGE_INDICATORS ? model_exchange_indicators() : model_exchange_states();
-    return in_order(instance, call, values, count, expected)
+    return numbers_ready(instance, call, values, count, expected)
                ? model_exchange_get(instance->model, which, values)
                : MODEL_ERROR;
 }
 
-enum model_status exchange_get_nominals(struct instance *instance, const struct call *call, double *values,
-                                        size_t count)
-{
-    if (!in_order(instance, call, values, count, model_exchange_states())) {
-        return MODEL_ERROR;
-    }
-    model_exchange_get_nominals(values);
-    return MODEL_OK;
-}
+/*
+ * Saved states. Those handed out and not freed are a list through the blocks themselves; the importer holds the
+ * address of a block. An address that the importer brings is compared with those of the list and never read
+ * before it is found: it may be uninitialised, freed, or another instance's.
+ */
 
-static void forget_experiment(struct instance *instance)
-{
-    instance->experiment =
-        (struct experiment){.start_time = 0.0, .stop_time = (double)INFINITY, .set_up = false};
-    instance->phase = PHASE_INSTANTIATED;
-    instance->step_status = MODEL_OK;
-    instance->log_categories = log_default_categories(instance->logging_on);
-}
-
-bool instance_expects(struct instance *nobody, const char *function, bool holds, const char *argument,
-                      const char *given, const char *expected)
-{
-    if (!holds) {
-        log_report(nobody, MODEL_ERROR, "%s: %s is \"%.300s\", expected \"%.300s\"", function, argument,
-                   given == NULL ? "(null)" : given, expected);
-    }
-    return holds;
-}
-
-struct instance *instance_create(const struct adapter *adapter, const struct model_host *host, size_t size,
-                                 const char *name, bool logging_on)
-{
-    const size_t name_size = strlen(name) + 1;
-    struct instance *instance = host->allocate(1, size + name_size);
-    if (instance == NULL) {
-        return NULL;
-    }
-    memset(instance, 0, size);
-    instance->name = memcpy((char *)instance + size, name, name_size);
-    instance->adapter = adapter;
-    instance->host = *host;
-    instance->host.context = instance;
-    instance->host.log = log_from_model;
-    instance->host.wants = log_wanted_by_importer;
-    instance->logging_on = logging_on;
-    instance->tuning_phases = PHASE_STEP | PHASE_EVENT;
-    forget_experiment(instance);
-    instance->model = model_create(&instance->host);
-    if (instance->model == NULL) {
-        host->release(instance);
-        return NULL;
-    }
-    return instance;
-}
-
-void instance_free(struct instance *instance)
-{
-    if (instance != NULL && (instance->phase & (PHASE_TELLING | PHASE_INTERMEDIATE)) == 0) {
-        void (*release)(void *) = instance->host.release;
-        state_list_clear(instance); /* what the importer forgot */
-        model_destroy(instance->model);
-        release(instance);
-    }
-}
-
-enum model_status instance_categories(struct instance *instance, const struct call *call, size_t count,
-                                      const char *const *categories, unsigned *chosen)
-{
-    if (!call_allowed(instance, call) ||
-        !call_array_given(instance, call, "categories", (const void *)categories, count)) {
-        return MODEL_ERROR;
-    }
-    for (size_t i = 0; i < count; ++i) {
-        if (categories[i] == NULL || !log_category_bits(categories[i], chosen)) {
-            return log_report(instance, MODEL_ERROR, "%s: unknown category \"%.100s\" (allowed: %s)",
-                              call->name, categories[i] == NULL ? "(null)" : categories[i],
-                              log_category_names());
-        }
-    }
-    return MODEL_OK;
-}
-
-enum model_status instance_set_up(struct instance *instance, const struct call *call, bool tolerance_defined,
-                                  double tolerance, double start_time, bool stop_time_defined,
-                                  double stop_time)
-{
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
-    if (!isfinite(start_time)) {
-        return log_report(instance, MODEL_ERROR, "%s: startTime = %s s, allowed: finite", call->name,
-                          shortest_digits(start_time).text);
-    }
-    if (stop_time_defined && !(stop_time >= start_time && isfinite(stop_time))) {
-        return log_report(instance, MODEL_ERROR,
-                          "%s: stopTime = %s s, allowed: finite, from startTime = %s s on", call->name,
-                          shortest_digits(stop_time).text, shortest_digits(start_time).text);
-    }
-    const enum model_status status = model_setup(instance->model, tolerance_defined, tolerance, start_time);
-    if (status <= MODEL_WARNING) {
-        instance->experiment.start_time = start_time;
-        instance->experiment.stop_time = stop_time_defined ? stop_time : (double)INFINITY;
-        instance->experiment.set_up = true;
-    }
-    return status;
-}
-
-enum model_status instance_exit_initialization(struct instance *instance, const struct call *call,
-                                               enum phase next)
-{
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
-    const enum model_status status = model_exit_initialization(instance->model);
-    if (status <= MODEL_WARNING) {
-        instance->phase = next;
-    }
-    return status;
-}
-
-enum model_status instance_enter(struct instance *instance, const struct call *call, enum phase next)
-{
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
-    instance->phase = next;
-    return MODEL_OK;
-}
-
-enum model_status instance_reset(struct instance *instance, const struct call *call)
-{
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
-    model_reset(instance->model);
-    forget_experiment(instance);
-    return MODEL_OK;
-}
+struct state_block {
+    struct state_block *next;
+    _Alignas(double) unsigned char bytes[]; /* struct block_header and the model's state */
+};
 
 static struct state_block *state_list_find(const struct instance *instance, const void *address)
 {
@@ -587,13 +863,6 @@ static void state_list_clear(struct instance *instance)
         state_list_remove(instance, instance->states);
     }
 }
-
-/*
- * Saved states: one flat row of bytes without pointers, a header of the adapter followed by the model's part.
- * What the importer serializes are these bytes as they stand; what it brings back is checked as a whole
- * before it is used. In memory they follow a link, by which the importer's pointers are
- * recognised.
- */
 
 /* Raised whenever the header's or the model's layout or meaning changes. */
 #define BLOCK_VERSION 1u
@@ -661,10 +930,12 @@ static bool one_phase(uint32_t phase, unsigned allowed)
 
 static bool plausible_header(const struct instance *instance, const struct block_header *header)
 {
-    const unsigned phases =
-        instance->host.exchange ? instance->adapter->exchange_phases : instance->adapter->state_phases;
-    return one_phase(header->phase, phases) && header->set_up <= 1 && isfinite(header->start_time) &&
-           header->stop_time >= header->start_time;
+    /* Only FMI 3.0 has an event mode in Co-Simulation. */
+    const unsigned others = instance->host.exchange           ? PHASE_STEP
+                            : instance->adapter->version >= 3 ? PHASE_CONTINUOUS
+                                                              : PHASES_EXCHANGED;
+    return one_phase(header->phase, (PHASES_ALL | PHASE_FATAL) & ~others) && header->set_up <= 1 &&
+           isfinite(header->start_time) && header->stop_time >= header->start_time;
 }
 
 static enum model_status refuse_number(struct instance *instance, const struct call *call, const char *what,
@@ -705,17 +976,22 @@ static enum model_status check_block(struct instance *instance, const struct cal
     return MODEL_OK;
 }
 
+static const char *state_name(const struct instance *instance)
+{
+    return instance->adapter->arguments[ARGUMENT_STATE];
+}
+
 /* The block of an importer's state, or NULL after a message. */
 static struct state_block *given_block(struct instance *instance, const struct call *call, void *state)
 {
-    if (!call_array_given(instance, call, instance->adapter->state_name, state, 1)) {
+    if (!array_given(instance, call, state_name(instance), state, 1)) {
         return NULL;
     }
     struct state_block *block = state_list_find(instance, state);
     if (block == NULL) {
         log_report(instance, MODEL_ERROR,
                    "%s: %s is unknown, expected a state that this instance gave and that is not freed",
-                   call->name, instance->adapter->state_name);
+                   call->name, state_name(instance));
     }
     return block;
 }
@@ -741,8 +1017,7 @@ static struct state_block *block_to_write(struct instance *instance, const struc
 
 enum model_status state_block_get(struct instance *instance, const struct call *call, void **state)
 {
-    if (!call_allowed(instance, call) ||
-        !call_array_given(instance, call, instance->adapter->state_name, state, 1)) {
+    if (!call_allowed(instance, call) || !array_given(instance, call, state_name(instance), state, 1)) {
         return MODEL_ERROR;
     }
     struct state_block *block = block_to_write(instance, call, state);
@@ -796,7 +1071,7 @@ enum model_status state_block_size(struct instance *instance, const struct call 
                                    size_t *size)
 {
     if (!call_allowed(instance, call) || given_block(instance, call, state) == NULL ||
-        !call_array_given(instance, call, "size", size, 1)) {
+        !array_given(instance, call, "size", size, 1)) {
         return MODEL_ERROR;
     }
     *size = block_size();
@@ -810,7 +1085,7 @@ enum model_status state_block_serialize(struct instance *instance, const struct 
         return MODEL_ERROR;
     }
     struct state_block *block = given_block(instance, call, state);
-    if (block == NULL || !call_array_given(instance, call, "serializedState", bytes, block_size())) {
+    if (block == NULL || !array_given(instance, call, "serializedState", bytes, block_size())) {
         return MODEL_ERROR;
     }
     if (size < block_size()) {
@@ -824,8 +1099,8 @@ enum model_status state_block_serialize(struct instance *instance, const struct 
 enum model_status state_block_deserialize(struct instance *instance, const struct call *call,
                                           const void *bytes, size_t size, void **state)
 {
-    if (!call_allowed(instance, call) || !call_array_given(instance, call, "serializedState", bytes, size) ||
-        !call_array_given(instance, call, instance->adapter->state_name, state, 1) ||
+    if (!call_allowed(instance, call) || !array_given(instance, call, "serializedState", bytes, size) ||
+        !array_given(instance, call, state_name(instance), state, 1) ||
         check_block(instance, call, bytes, size) != MODEL_OK) {
         return MODEL_ERROR;
     }
@@ -834,5 +1109,141 @@ enum model_status state_block_deserialize(struct instance *instance, const struc
         return MODEL_ERROR;
     }
     memcpy(block->bytes, bytes, size);
+    return MODEL_OK;
+}
+
+/* Creating, setting up, starting, ending and resetting an instance. */
+
+static void forget_experiment(struct instance *instance)
+{
+    instance->experiment = (struct experiment){.stop_time = (double)INFINITY};
+    instance->phase = PHASE_INSTANTIATED;
+    instance->step_status = MODEL_OK;
+    instance->log_categories = log_default_categories(instance->logging_on);
+}
+
+bool instance_expects(struct instance *nobody, const char *function, bool holds, const char *argument,
+                      const char *given, const char *expected)
+{
+    if (!holds) {
+        log_report(nobody, MODEL_ERROR, "%s: %s is \"%.300s\", expected \"%.300s\"", function, argument,
+                   given == NULL ? "(null)" : given, expected);
+    }
+    return holds;
+}
+
+bool instance_identified(struct instance *nobody, const char *function, const char *name,
+                         const char *token_name, const char *token, const char *expected)
+{
+    const bool named = name != NULL && name[0] != '\0';
+    return instance_expects(nobody, function, named, "instanceName", name, "any name") &&
+           instance_expects(nobody, function, token != NULL && strcmp(token, expected) == 0, token_name,
+                            token, expected);
+}
+
+struct instance *instance_create(struct instance *nobody, const char *function, size_t size, bool logging_on)
+{
+    const size_t name_size = strlen(nobody->name) + 1;
+    struct instance *instance = nobody->host.allocate(1, size + name_size);
+    if (instance != NULL) {
+        memcpy(instance, nobody, size);
+        instance->name = memcpy((char *)instance + size, nobody->name, name_size);
+        instance->host.context = instance;
+        instance->host.log = log_from_model;
+        instance->host.wants = is_heard;
+        instance->logging_on = logging_on;
+        instance->tuning_phases = PHASE_STEP | PHASE_EVENT;
+        forget_experiment(instance);
+        instance->model = model_create(&instance->host);
+        if (instance->model != NULL) {
+            return instance;
+        }
+        nobody->host.release(instance);
+    }
+    instance_expects(nobody, function, false, "memory", "exhausted", "room for an instance");
+    return NULL;
+}
+
+void instance_free(struct instance *instance)
+{
+    if (instance != NULL && (instance->phase & (PHASE_TELLING | PHASE_INTERMEDIATE)) == 0) {
+        void (*release)(void *) = instance->host.release;
+        state_list_clear(instance); /* the importer may have forgotten some */
+        model_destroy(instance->model);
+        release(instance);
+    }
+}
+
+enum model_status instance_categories(struct instance *instance, const struct call *call, size_t count,
+                                      const char *const *categories, unsigned *chosen)
+{
+    if (!call_ready(instance, call, ARGUMENTS({"categories", (const void *)categories, count}))) {
+        return MODEL_ERROR;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        const char *name = categories[i] == NULL ? "(null)" : categories[i];
+        if (category_bits(name) == 0) {
+            return log_report(instance, MODEL_ERROR, "%s: unknown category \"%.100s\" (allowed: %s)",
+                              call->name, name, ALL_CATEGORIES);
+        }
+        *chosen |= category_bits(name);
+    }
+    return MODEL_OK;
+}
+
+enum model_status instance_set_up(struct instance *instance, const struct call *call, bool tolerance_defined,
+                                  double tolerance, double start_time, bool stop_time_defined,
+                                  double stop_time)
+{
+    if (!call_allowed(instance, call)) {
+        return MODEL_ERROR;
+    }
+    if (!isfinite(start_time)) {
+        return log_report(instance, MODEL_ERROR, "%s: startTime = %s s, allowed: finite", call->name,
+                          shortest_digits(start_time).text);
+    }
+    if (stop_time_defined && !(stop_time >= start_time && isfinite(stop_time))) {
+        return log_report(instance, MODEL_ERROR,
+                          "%s: stopTime = %s s, allowed: finite, from startTime = %s s on", call->name,
+                          shortest_digits(stop_time).text, shortest_digits(start_time).text);
+    }
+    const enum model_status status = model_setup(instance->model, tolerance_defined, tolerance, start_time);
+    if (status <= MODEL_WARNING) {
+        instance->experiment.start_time = start_time;
+        instance->experiment.stop_time = stop_time_defined ? stop_time : (double)INFINITY;
+        instance->experiment.set_up = true;
+    }
+    return status;
+}
+
+enum model_status instance_exit_initialization(struct instance *instance, const struct call *call,
+                                               bool events)
+{
+    if (!call_allowed(instance, call)) {
+        return MODEL_ERROR;
+    }
+    const enum model_status status = model_exit_initialization(instance->model);
+    if (status <= MODEL_WARNING) {
+        instance->phase = events || instance->host.exchange ? PHASE_EVENT : PHASE_STEP;
+    }
+    return status;
+}
+
+enum model_status instance_enter(struct instance *instance, const struct call *call, enum phase next)
+{
+    if (!call_allowed(instance, call)) {
+        return MODEL_ERROR;
+    }
+    instance->phase = next;
+    return MODEL_OK;
+}
+
+enum model_status instance_reset(struct instance *instance, const struct call *call)
+{
+    if (!call_allowed(instance, call)) {
+        return MODEL_ERROR;
+    }
+    model_reset(instance->model);
+    forget_experiment(instance);
     return MODEL_OK;
 }

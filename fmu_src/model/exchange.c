@@ -77,6 +77,10 @@ static enum model_status follow(struct model *m)
 
 enum model_status model_exchange_get(struct model *m, enum exchange_values which, double *values)
 {
+    if (which == EXCHANGE_NOMINALS) {
+        memcpy(values, scene_state_nominals, SCENE_STATES * sizeof *values);
+        return MODEL_OK;
+    }
     enum model_status status = follow(m);
     const uint16_t *places = which == EXCHANGE_STATES  ? scene_states
                              : which == EXCHANGE_RATES ? scene_rates
@@ -99,11 +103,6 @@ enum model_status model_exchange_get(struct model *m, enum exchange_values which
         m->state.booked = motion_booked(&m->state.motion);
     }
     return status;
-}
-
-void model_exchange_get_nominals(double *values)
-{
-    memcpy(values, scene_state_nominals, SCENE_STATES * sizeof *values);
 }
 
 /* Energies and springs of friction are what events make jump. */

@@ -41,13 +41,10 @@ enum model_status model_exchange_set_states(struct model *m, const double *state
 void model_exchange_set_state(struct model *m, const struct variable *state, double value);
 
 /* What of all that is to be read. */
-enum exchange_values { EXCHANGE_STATES, EXCHANGE_RATES, EXCHANGE_INDICATORS };
+enum exchange_values { EXCHANGE_STATES, EXCHANGE_RATES, EXCHANGE_INDICATORS, EXCHANGE_NOMINALS };
 
 /* MODEL_DISCARD: beyond the range of numbers. */
 enum model_status model_exchange_get(struct model *m, enum exchange_values which, double *values);
-
-/* Nominal values of the states. */
-void model_exchange_get_nominals(double *values);
 
 /* In event mode: takes over inputs and changes the regimes of the contacts whose indicators ask for it.
  * *changed: some regime did, and another one may have to; *jumped: a state did. */

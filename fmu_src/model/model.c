@@ -292,3 +292,22 @@ size_t model_get_reals(const struct model *m, const uint32_t *references, size_t
     }
     return i;
 }
+
+/* Variables that are vectors. */
+
+const struct variable *vector_variable(uint32_t reference)
+{
+    const struct variable *variable = scene_variable(reference);
+    return variable != NULL && variable->component == 0 ? variable : NULL;
+}
+
+size_t vector_length(const struct variable *first)
+{
+    const struct variable *end = scene_variables + scene_variable_count;
+    size_t length = 1;
+    while (first + length < end && first[length].row == first->row &&
+           first[length].element == first->element && first[length].component == length) {
+        ++length;
+    }
+    return length;
+}

@@ -19,10 +19,14 @@
 /* In the order of fmi2Status. */
 enum model_status { MODEL_OK, MODEL_WARNING, MODEL_DISCARD, MODEL_ERROR, MODEL_FATAL };
 
+/* The category of messages of a status: logEvents, logStatusWarning, logStatusDiscard, logStatusError or
+ * logStatusFatal. */
+const char *model_category(enum model_status status);
+
 /* What the model may ask of its owner. */
 struct model_host {
     void *context;
-    /* category: logEvents, logStatusWarning, logStatusDiscard, logStatusError or logStatusFatal */
+    /* category: see model_category */
     void (*log)(void *context, enum model_status status, const char *category, const char *message);
     /* messages nobody wants are not formatted */
     bool (*wants)(void *context, const char *category);
@@ -86,26 +90,25 @@ enum model_status model_set_input_derivative(struct model *m, const struct varia
  * peaks). */
 bool model_has_derivatives(const struct variable *variable);
 
-/* d^order/dt^order of such outputs at the present time, orders 1 and 2, in the regimes in force.
- * MODEL_DISCARD: beyond the range of numbers. */
-CONTACT_COLD enum model_status model_get_output_derivatives(struct model *m, const uint32_t *references,
-                                                            const int *orders, size_t count, double *values);
+/* d^order/dt^order of such outputs at the present time, orders 1 and 2, in the regimes in force. There is one
+ * order for each reference and one value for each component. MODEL_DISCARD: beyond the range of numbers. */
+CONTACT_COLD enum model_status model_get_output_derivatives(struct model *m,
+                                                            const struct variable_list *outputs,
+                                                            const int *orders, double *values);
 
-/* What the real variables `unknowns` change by, to first order and in the regimes in force, when the real
- * inputs `knowns` change by `direction`: J direction. Until the end of initialization the inputs move the
- * start, with the automatic factors. MODEL_DISCARD: beyond the range of numbers. */
-CONTACT_COLD enum model_status model_get_directional_derivative(struct model *m, const uint32_t *unknowns,
-                                                                size_t unknown_count, const uint32_t *knowns,
-                                                                size_t known_count, const double *direction,
-                                                                double *values);
+/* J direction: the changes of the real variables `unknowns`, to first order and in the regimes in force, when
+ * the real inputs `knowns` change by `direction`. Until the end of initialization the inputs move the start,
+ * with the automatic factors. MODEL_DISCARD: beyond the range of numbers. */
+CONTACT_COLD enum model_status model_get_directional_derivative(struct model *m,
+                                                                const struct variable_list *unknowns,
+                                                                const struct variable_list *knowns,
+                                                                const double *direction, double *values);
 
-/* The other way round, seed J: what the sum of the unknowns, each times its seed, changes by for each known.
- * At most MODEL_ADJOINT_MOST unknowns. */
-enum { MODEL_ADJOINT_MOST = 64 };
-CONTACT_COLD enum model_status model_get_adjoint_derivative(struct model *m, const uint32_t *unknowns,
-                                                            size_t unknown_count, const uint32_t *knowns,
-                                                            size_t known_count, const double *seed,
-                                                            double *values);
+/* seed J: for each known the change of the sum of the unknowns, each times its seed. */
+CONTACT_COLD enum model_status model_get_adjoint_derivative(struct model *m,
+                                                            const struct variable_list *unknowns,
+                                                            const struct variable_list *knowns,
+                                                            const double *seed, double *values);
 
 size_t model_state_size(void);
 

@@ -21,7 +21,7 @@ struct shortest shortest_digits(double value)
 
 /* Messages to the owner of a model. */
 
-static const char *category_of(enum model_status status)
+const char *model_category(enum model_status status)
 {
     switch (status) {
     case MODEL_WARNING:
@@ -40,7 +40,7 @@ static const char *category_of(enum model_status status)
 
 bool model_reports(const struct model *m, enum model_status status)
 {
-    return m->host.log && (!m->host.wants || m->host.wants(m->host.context, category_of(status)));
+    return m->host.log && (!m->host.wants || m->host.wants(m->host.context, model_category(status)));
 }
 
 enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)
@@ -51,7 +51,7 @@ enum model_status model_report(const struct model *m, enum model_status status, 
         va_start(arguments, format);
         vsnprintf(message, sizeof message, format, arguments);
         va_end(arguments);
-        m->host.log(m->host.context, status, category_of(status), message);
+        m->host.log(m->host.context, status, model_category(status), message);
     }
     return status;
 }

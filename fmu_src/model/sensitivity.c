@@ -9,12 +9,27 @@
 #include "scene/present.h"
 #include "scene/scene_jet.h"
 
-/* Torques and slip where nothing turns or rubs. */
-static void complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
+/* The point about which outputs are differentiated, and a path through it. */
+struct linear_model {
+    const struct scene_state *q; /* the state that outputs show */
+    struct scene_state settled;  /* memory for it */
+    struct scene_instant at;
+    struct scene_jet along;
+};
+
+/* False where the inputs cannot be taken over. */
+static bool open_linear_model(struct model *m, struct linear_model *l)
 {
-    if (SCENE_ANY_TURNING && !scene_turns(v)) {
-        turning_complete(v, q, at);
+    const struct scene_values *v = &m->state.values;
+    if (!model_update_outputs(m, OUTPUTS_ALL)) {
+        return false;
     }
+    l->q = motion_shown(v, &m->state.motion, &l->settled);
+    scene_now(v, l->q, &l->at);
+    if (SCENE_ANY_TURNING && !scene_turns(v)) {
+        turning_complete(v, l->q, &l->at);
+    }
+    return true;
 }
 
 static enum model_status check_finite(const struct model *m, const struct variable *variable, double value)
@@ -26,25 +41,28 @@ static enum model_status check_finite(const struct model *m, const struct variab
                               variable->name);
 }
 
-enum model_status model_get_output_derivatives(struct model *m, const uint32_t *references, const int *orders,
-                                               size_t count, double *values)
+/* Variables of the list's reference number i. */
+static size_t list_length(const struct variable_list *list, size_t i)
+{
+    return list->vectors ? vector_length(scene_variable(list->references[i])) : 1;
+}
+
+enum model_status model_get_output_derivatives(struct model *m, const struct variable_list *outputs,
+                                               const int *orders, double *values)
 {
     enum model_status status = MODEL_OK;
-    const struct scene_values *v = &m->state.values;
-    struct scene_state settled;
-    struct scene_instant at;
-    struct scene_jet along;
-    if (!model_update_outputs(m, OUTPUTS_ALL)) {
+    struct linear_model l;
+    if (!open_linear_model(m, &l)) {
         return model_refuse_inputs(m);
     }
-    const struct scene_state *q = motion_shown(v, &m->state.motion, &settled);
-    scene_now(v, q, &at);
-    complete(v, q, &at);
-    jet_in_time(v, q, &at, &along);
-    for (size_t i = 0; i < count && status == MODEL_OK; ++i) {
-        const struct variable *variable = scene_variable(references[i]);
-        values[i] = orders[i] * output_term(m, q, &at, &along, variable, orders[i]); /* 1! and 2! */
-        status = check_finite(m, variable, values[i]);
+    jet_in_time(&m->state.values, l.q, &l.at, &l.along);
+    for (size_t i = 0; i < outputs->count; ++i) {
+        const struct variable *first = scene_variable(outputs->references[i]);
+        const size_t length = list_length(outputs, i);
+        for (size_t k = 0; k < length && status == MODEL_OK; ++k, ++values) {
+            *values = orders[i] * output_term(m, l.q, &l.at, &l.along, first + k, orders[i]); /* 1! and 2! */
+            status = check_finite(m, first + k, *values);
+        }
     }
     return status;
 }
@@ -159,91 +177,111 @@ static double input_derivative(const struct model *m, const struct scene_state *
     }
 }
 
-/* Springs as the state has them, which a reading does not lay onto the tangent planes. */
-static void note_lifts(const struct model *m, const struct scene_instant *at, struct scene_jet *along)
+/* Begins a path along which nothing changes yet. */
+static void begin_path(const struct model *m, struct linear_model *l)
 {
-    if (SCENE_ANY_FRICTION) {
-        for (int j = 0; scene_turns(&m->state.values) && j < SCENE_CONTACTS; ++j) {
-            along->spring_lift[j] = vec3_dot(m->state.motion.turning.spring[j], at->geometry[j].normal);
-        }
-    }
-}
-
-enum model_status model_get_directional_derivative(struct model *m, const uint32_t *unknowns,
-                                                   size_t unknown_count, const uint32_t *knowns,
-                                                   size_t known_count, const double *direction,
-                                                   double *values)
-{
-    enum model_status status = MODEL_OK;
-    const struct scene_values *v = &m->state.values;
-    struct scene_state settled;
-    struct scene_instant at;
-    struct scene_jet along;
-    if (!model_update_outputs(m, OUTPUTS_ALL)) {
-        return model_refuse_inputs(m);
-    }
-    const struct scene_state *q = motion_shown(v, &m->state.motion, &settled);
-    scene_now(v, q, &at);
-    memset(&along, 0, sizeof along);
-    complete(v, q, &at);
+    memset(&l->along, 0, sizeof l->along);
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        along.velocity[i][0] = at.velocity[i];
+        l->along.velocity[i][0] = l->at.velocity[i];
         if (SCENE_ANY_TURNING) {
-            along.angular_velocity[i][0] = at.turning.body[i].angular_velocity;
-            along.axis[i][0] = quaternion_third_axis(at.turning.body[i].orientation);
+            l->along.angular_velocity[i][0] = l->at.turning.body[i].angular_velocity;
+            l->along.axis[i][0] = quaternion_third_axis(l->at.turning.body[i].orientation);
         }
     }
     if (SCENE_ANY_TURNING) {
-        along.jumps = !m->host.exchange && scene_is_force_element(v);
+        l->along.jumps = !m->host.exchange && scene_is_force_element(&m->state.values);
     }
-    note_lifts(m, &at, &along);
-    for (size_t i = 0; i < known_count; ++i) {
-        move_inputs(v, q, &at, scene_variable(knowns[i]), direction[i], &along);
+    for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS && scene_turns(&m->state.values); ++j) {
+        /* The spring of the state, which a reading does not lay onto the tangent plane. */
+        l->along.spring_lift[j] = vec3_dot(m->state.motion.turning.spring[j], l->at.geometry[j].normal);
     }
-    vary_factors(m, &along);
-    vary_onsets(m, q, &at, &along);
-    jet_of_contacts(v, q, &at, &along);
-    if (m->state.initialized && !m->host.exchange) { /* there the work is a state */
-        motion_jet_of_work(v, q, &along);
+}
+
+/* Follows the changes of the inputs to the contacts. */
+static void finish_path(const struct model *m, struct linear_model *l)
+{
+    const struct scene_values *v = &m->state.values;
+    vary_factors(m, &l->along);
+    vary_onsets(m, l->q, &l->at, &l->along);
+    jet_of_contacts(v, l->q, &l->at, &l->along);
+    if (m->state.initialized && !m->host.exchange) { /* in Model Exchange the work is a state */
+        motion_jet_of_work(v, l->q, &l->along);
     }
-    for (size_t i = 0; i < unknown_count && status == MODEL_OK; ++i) {
-        const struct variable *variable = scene_variable(unknowns[i]);
-        values[i] = input_derivative(m, q, &at, &along, variable);
-        status = check_finite(m, variable, values[i]);
+}
+
+enum model_status model_get_directional_derivative(struct model *m, const struct variable_list *unknowns,
+                                                   const struct variable_list *knowns,
+                                                   const double *direction, double *values)
+{
+    enum model_status status = MODEL_OK;
+    struct linear_model l;
+    if (!open_linear_model(m, &l)) {
+        return model_refuse_inputs(m);
+    }
+    begin_path(m, &l);
+    for (size_t i = 0; i < knowns->count; ++i) {
+        const struct variable *first = scene_variable(knowns->references[i]);
+        const size_t length = list_length(knowns, i);
+        for (size_t k = 0; k < length; ++k) {
+            move_inputs(&m->state.values, l.q, &l.at, first + k, *direction++, &l.along);
+        }
+    }
+    finish_path(m, &l);
+    for (size_t i = 0; i < unknowns->count; ++i) {
+        const struct variable *first = scene_variable(unknowns->references[i]);
+        const size_t length = list_length(unknowns, i);
+        for (size_t k = 0; k < length && status == MODEL_OK; ++k, ++values) {
+            *values = input_derivative(m, l.q, &l.at, &l.along, first + k);
+            status = check_finite(m, first + k, *values);
+        }
     }
     return status;
 }
 
-/* Adjoint derivatives, column by column of the directional ones: there are few inputs, and each column costs
- * as much as reading all outputs. */
-
-/* J's column of one known, multiplied by the seed. */
-static enum model_status add_column(struct model *m, const uint32_t *unknowns, size_t unknown_count,
-                                    const uint32_t *known, const double *seed, double *value)
-{
-    const double one = 1.0;
-    double column[MODEL_ADJOINT_MOST] = {0.0};
-    const enum model_status status =
-        model_get_directional_derivative(m, unknowns, unknown_count, known, 1, &one, column);
-    *value = 0.0;
-    for (size_t i = 0; i < unknown_count && status == MODEL_OK; ++i) {
-        *value += seed[i] * column[i];
-    }
-    return status == MODEL_OK && !isfinite(*value)
-               ? model_report(m, MODEL_DISCARD,
-                              "An adjoint derivative with respect to %s is beyond the range of numbers "
-                              "(allowed: finite).",
-                              scene_variable(*known)->name)
-               : status;
-}
-
-enum model_status model_get_adjoint_derivative(struct model *m, const uint32_t *unknowns,
-                                               size_t unknown_count, const uint32_t *knowns,
-                                               size_t known_count, const double *seed, double *values)
+/* The sum of the unknowns' changes along the path, each times its seed. */
+static enum model_status weighted_change(const struct model *m, const struct linear_model *l,
+                                         const struct variable_list *unknowns, const double *seed,
+                                         double *sum)
 {
     enum model_status status = MODEL_OK;
-    for (size_t i = 0; i < known_count && status == MODEL_OK; ++i) {
-        status = add_column(m, unknowns, unknown_count, knowns + i, seed, values + i);
+    *sum = 0.0;
+    for (size_t i = 0; i < unknowns->count; ++i) {
+        const struct variable *first = scene_variable(unknowns->references[i]);
+        const size_t length = list_length(unknowns, i);
+        for (size_t k = 0; k < length && status == MODEL_OK; ++k) {
+            const double change = input_derivative(m, l->q, &l->at, &l->along, first + k);
+            *sum += *seed++ * change;
+            status = check_finite(m, first + k, change);
+        }
+    }
+    return status;
+}
+
+/* Each known is moved by itself: there are few inputs, and each costs as much as reading all outputs. */
+enum model_status model_get_adjoint_derivative(struct model *m, const struct variable_list *unknowns,
+                                               const struct variable_list *knowns, const double *seed,
+                                               double *values)
+{
+    enum model_status status = MODEL_OK;
+    struct linear_model l;
+    if (!open_linear_model(m, &l)) {
+        return model_refuse_inputs(m);
+    }
+    for (size_t i = 0; i < knowns->count; ++i) {
+        const struct variable *first = scene_variable(knowns->references[i]);
+        const size_t length = list_length(knowns, i);
+        for (size_t k = 0; k < length && status == MODEL_OK; ++k, ++values) {
+            begin_path(m, &l);
+            move_inputs(&m->state.values, l.q, &l.at, first + k, 1.0, &l.along);
+            finish_path(m, &l);
+            status = weighted_change(m, &l, unknowns, seed, values);
+            if (status == MODEL_OK && !isfinite(*values)) {
+                status = model_report(m, MODEL_DISCARD,
+                                      "An adjoint derivative with respect to %s is beyond the range of "
+                                      "numbers (allowed: finite).",
+                                      first[k].name);
+            }
+        }
     }
     return status;
 }

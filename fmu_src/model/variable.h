@@ -110,4 +110,17 @@ extern const double scene_state_nominals[];
  * reference. */
 const struct variable *scene_variable(uint32_t reference);
 
+/* The vector of a value reference, which is that of its first component, or a scalar; NULL for others. */
+const struct variable *vector_variable(uint32_t reference);
+
+/* The number of its components, 1 of a scalar; they follow each other in scene_variables. */
+size_t vector_length(const struct variable *first);
+
+/* Variables that a caller names by their value references. */
+struct variable_list {
+    const uint32_t *references;
+    size_t count;
+    bool vectors; /* each reference stands for a whole vector or a scalar; else for a scalar or a component */
+};
+
 #endif

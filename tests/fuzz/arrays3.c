@@ -2,8 +2,8 @@
  * lengths or missing ones. */
 #include <stdlib.h>
 
-#include "fmi3/fmi3.h"
 #include "host3.h"
+#include "model/variable.h"
 #include "players3.h"
 #include "scene.h"
 

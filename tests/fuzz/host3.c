@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "fmi3/fmi3.h"
+#include "model/variable.h"
 
 struct host3 host3;
 
