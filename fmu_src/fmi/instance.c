@@ -216,8 +216,8 @@ bool call_ready(struct instance *instance, const struct call *call, const struct
 }
 
 /*
- * Variables by value reference. FMI 2.0 knows scalars alone. In FMI 3.0 a vector is one variable, its reference
- * is that of its first component, and time is a variable too.
+ * Variables by value reference. FMI 2.0 knows scalars alone. In FMI 3.0 a vector is one variable, its
+ * reference is that of its first component, and time is a variable too.
  */
 
 enum { TIME_REFERENCE = 0 }; /* in FMI 3.0; no variable of the model has it */
@@ -282,8 +282,8 @@ static inline const struct variable *find_readable(struct instance *instance, co
     return variable;
 }
 
-/* FMI 3.0.2, sections 2.3.5 and 3.2.1: Model Exchange may set states one by one, in event mode only those that
- * events do not make jump. */
+/* FMI 3.0.2, sections 2.3.5 and 3.2.1: Model Exchange may set states one by one, in event mode only those
+ * that events do not make jump. */
 static bool is_settable_state(const struct instance *instance, const struct variable *variable)
 {
     return variable->causality == VARIABLE_STATE && instance->host.exchange && has_vectors(instance) &&
@@ -818,9 +818,9 @@ enum model_status exchange_get(struct instance *instance, const struct call *cal
 }
 
 /*
- * Saved states. Those handed out and not freed are a list through the blocks themselves; the importer holds the
- * address of a block. An address that the importer brings is compared with those of the list and never read
- * before it is found: it may be uninitialised, freed, or another instance's.
+ * Saved states. Those handed out and not freed are a list through the blocks themselves; the importer holds
+ * the address of a block. An address that the importer brings is compared with those of the list and never
+ * read before it is found: it may be uninitialised, freed, or another instance's.
  */
 
 struct state_block {

@@ -199,9 +199,9 @@ enum model_status instance_product(struct instance *instance, const struct call 
 #define STEP_SLACK 1e-6
 
 /*
- * Whether a step is in order at first sight. What passes here passes in instance_step, whose limits are wider.
- * A size of zero, below zero or NaN never passes. An infinite one passes where there is no stop time, but
- * model_step_deferred refuses it.
+ * Whether a step is in order at first sight. What passes here passes in instance_step, whose limits are
+ * wider. A size of zero, below zero or NaN never passes. An infinite one passes where there is no stop time,
+ * but model_step_deferred refuses it.
  */
 static inline bool step_plainly_in_order(const struct instance *instance, double point, double size)
 {
@@ -211,13 +211,13 @@ static inline bool step_plainly_in_order(const struct instance *instance, double
            fabs(point - time) <= STEP_SLACK * size && end > time && end <= instance->experiment.stop_time;
 }
 
-/* Takes a communication step from `point` to `point + size`, or refuses one of no length or from or to a wrong
- * time. `request` says how, all but end_time. */
+/* Takes a communication step from `point` to `point + size`, or refuses one of no length or from or to a
+ * wrong time. `request` says how, all but end_time. */
 enum model_status instance_step(struct instance *instance, const struct call *call, double point, double size,
                                 const struct step_request *request);
 
-/* The time reached [s]. The model's time is a sum and may differ from the end of a step by a rounding: then this
- * is the end that the importer asked for, as importers compare it with their own stop time. */
+/* The time reached [s]. The model's time is a sum and may differ from the end of a step by a rounding:
+ * then this is the end that the importer asked for, as importers compare it with their own stop time. */
 double instance_time_reached(const struct instance *instance);
 
 /* Model Exchange goes over to event mode or to continuous-time mode. */
@@ -252,8 +252,8 @@ bool instance_expects(struct instance *nobody, const char *function, bool holds,
 bool instance_identified(struct instance *nobody, const char *function, const char *name,
                          const char *token_name, const char *token, const char *expected);
 
-/* A new instance like `nobody`, which begins a struct of `size` bytes, with a model inside and nothing set up;
- * NULL after a message where memory is exhausted. */
+/* A new instance like `nobody`, which begins a struct of `size` bytes, with a model inside and nothing set
+ * up; NULL after a message where memory is exhausted. */
 struct instance *instance_create(struct instance *nobody, const char *function, size_t size, bool logging_on);
 
 /* Does nothing while the instance's logger or another callback is at work. */

@@ -22,8 +22,8 @@ _Static_assert((int)MODEL_DISCARD == (int)fmi2Discard && (int)MODEL_ERROR == (in
 _Static_assert((int)MODEL_FATAL == (int)fmi2Fatal, "status order");
 
 /*
- * All functions of the standard that have an instance: which instances have them, and in which phases they may
- * be called, after the tables "calling sequence" of FMI 2.0.5, sections 3.2.3 and 4.2.4. Two harmless
+ * All functions of the standard that have an instance: which instances have them, and in which phases they
+ * may be called, after the tables "calling sequence" of FMI 2.0.5, sections 3.2.3 and 4.2.4. Two harmless
  * extensions: variables that have a start value may be read while instantiated, and the status functions
  * answer after a failed step too. Model Exchange is never in step mode, Co-Simulation never in event mode or
  * continuous-time mode.
@@ -308,7 +308,8 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReferenc
 
 /* Communication steps and what can be asked about the last one. */
 
-/* Any step, with messages. Apart from fmi2DoStep, so that a deferred flight does not save registers for it. */
+/* Any step, with messages. Apart from fmi2DoStep, so that a deferred flight does not save registers for
+ * it. */
 CONTACT_NOINLINE static fmi2Status fmi2_do_step(struct instance *instance, double point, double size)
 {
     const struct step_request request = {0};

@@ -46,8 +46,8 @@ _Static_assert((int)MODEL_FATAL == (int)fmi3Fatal, "status order");
     ROW(Verb##Binary, ANY, phases)
 
 /*
- * All functions of the standard that have an instance: which instances have them, and in which phases they may
- * be called, after the state machines of FMI 3.0.2, sections 2.3, 3.2 and 4.2. Three harmless extensions:
+ * All functions of the standard that have an instance: which instances have them, and in which phases they
+ * may be called, after the state machines of FMI 3.0.2, sections 2.3, 3.2 and 4.2. Three harmless extensions:
  * variables that have a start value may be read while instantiated, outputs may be read between setting an
  * input and the next step, and the numbers of states and event indicators are always told. Model Exchange is
  * never in step mode, Co-Simulation never in continuous-time mode.
