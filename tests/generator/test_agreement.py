@@ -6,24 +6,12 @@ import pytest
 
 from support.generator.agreement import disagreements
 from support.generator.freeze_references import current, read_frozen
-from support.generator.generated import CATALOGUE, SCENES, generate, parse_c, parse_xml, scene_file
-
-
-@pytest.fixture(scope="module")
-def files(tmp_path_factory):
-    cache = {}
-
-    def get(scene):
-        if scene not in cache:
-            cache[scene] = generate(scene, tmp_path_factory.mktemp(scene))
-        return cache[scene]
-
-    return get
+from support.generator.generated import CATALOGUE, SCENES, files_of, parse_c, parse_xml, scene_file
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_all_generated_files_agree_with_variables_toml(files, scene):
-    assert disagreements(files(scene), scene_file(scene)) == []
+def test_all_generated_files_agree_with_variables_toml(scene):
+    assert disagreements(files_of(scene), scene_file(scene)) == []
 
 
 # file, what to change, into what: each a slip of one hand edit that must not pass.
@@ -56,8 +44,8 @@ ALTERATIONS = [
 
 
 @pytest.mark.parametrize(("file", "pattern", "replacement"), ALTERATIONS)
-def test_an_altered_file_is_noticed(files, file, pattern, replacement):
-    original = files("SphereCylinder")
+def test_an_altered_file_is_noticed(file, pattern, replacement):
+    original = files_of("SphereCylinder")
     altered, count = re.subn(pattern, replacement, original[file], count=1)
     assert count == 1
     try:
@@ -67,13 +55,13 @@ def test_an_altered_file_is_noticed(files, file, pattern, replacement):
     assert found
 
 
-def test_a_changed_row_of_variables_toml_is_noticed(files, monkeypatch):
+def test_a_changed_row_of_variables_toml_is_noticed(monkeypatch):
     """Files made before a row changed are stale: all three are caught."""
     monkeypatch.setitem(CATALOGUE["variable"]["contact.penalty_factor"], "start", 2e6)
-    found = disagreements(files("SphereSphere"), scene_file("SphereSphere"))
+    found = disagreements(files_of("SphereSphere"), scene_file("SphereSphere"))
     assert sorted(line.split()[0] for line in found) == ["XML", "page"]
     monkeypatch.setitem(CATALOGUE["variable"]["contact.penalty_factor"], "vr", 99)
-    found = disagreements(files("SphereSphere"), scene_file("SphereSphere"))
+    found = disagreements(files_of("SphereSphere"), scene_file("SphereSphere"))
     assert {line.split()[0] for line in found} == {"XML", "C", "page"}
 
 
@@ -85,8 +73,8 @@ def test_value_references_never_change():
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_value_references_are_unique_and_found_in_the_index(files, scene):
-    text = files(scene)["scene_variables.c"]
+def test_value_references_are_unique_and_found_in_the_index(scene):
+    text = files_of(scene)["scene_variables.c"]
     variables = parse_c(text)
     index = {int(r): int(p) for r, p in re.findall(r"\[(\d+)\] = (\d+),", text)}
     assert index == {entry["reference"]: i for i, entry in enumerate(variables.values(), 1)}
@@ -94,10 +82,10 @@ def test_value_references_are_unique_and_found_in_the_index(files, scene):
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_the_c_table_names_the_member_of_its_variable(files, scene):
+def test_the_c_table_names_the_member_of_its_variable(scene):
     data = scene_file(scene)
     bodies = [body["name"] for body in data["body"]]
-    for name, entry in parse_c(files(scene)["scene_variables.c"]).items():
+    for name, entry in parse_c(files_of(scene)["scene_variables.c"]).items():
         if entry["causality"] == "local":
             assert entry["member"] is None, name  # computed when it is asked for
             continue
@@ -113,8 +101,8 @@ def test_the_c_table_names_the_member_of_its_variable(files, scene):
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_every_number_has_a_symbol_and_every_real_a_unit_quantity_range_and_nominal(files, scene):
-    for name, entry in parse_xml(files(scene)["modelDescription.xml"]).items():
+def test_every_number_has_a_symbol_and_every_real_a_unit_quantity_range_and_nominal(scene):
+    for name, entry in parse_xml(files_of(scene)["modelDescription.xml"]).items():
         assert entry["description"], name
         if entry["base"] in ("Real", "Integer"):
             assert entry["description"].endswith(")"), name

@@ -1,13 +1,14 @@
 """scene.h and scene_variables.c: compiled by both compilers, and the compiled table read back."""
 
 import ctypes
+import functools
 import re
 import shutil
 import subprocess
 
 import pytest
 
-from support.generator.generated import ROOT, SCENES, describe, generate, scene_file
+from support.generator.generated import ROOT, SCENES, describe, folder_of, generate, scene_file
 from support.programs import PATIENCE
 
 WARNINGS = [
@@ -75,11 +76,12 @@ def scene_folder(tmp_path_factory):
     root = tmp_path_factory.mktemp("c")
     (root / "Chain.toml").write_text(CHAIN)
 
+    @functools.cache
     def get(scene):
-        folder = root / scene
-        if not folder.exists():
-            generate(root / "Chain.toml" if scene == "Chain" else scene, folder)
-        return folder
+        if scene != "Chain":
+            return folder_of(scene)
+        generate(root / "Chain.toml", root / scene)
+        return root / scene
 
     return get
 

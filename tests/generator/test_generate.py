@@ -5,7 +5,7 @@ from support.generator.generated import FOLDER, generate, run
 
 def test_unchanged_files_are_not_written_again(tmp_path):
     icon = ("--icon", tmp_path / "model.png")
-    generate("ForceElement", tmp_path)
+    generate(FOLDER / "scenes" / "ForceElement.toml", tmp_path)
     run("--scene", FOLDER / "scenes" / "ForceElement.toml", "--output", tmp_path, *icon)
     before = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*")}
     run("--scene", FOLDER / "scenes" / "ForceElement.toml", "--output", tmp_path, *icon)

@@ -7,7 +7,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 
-from support.generator.generated import FOLDER, SCENES, run
+from support.generator.generated import FOLDER, SCENES, folder_of, run
 
 SOURCE, DESTINATION, FORCE = (243, 217, 184), (216, 226, 236), (187, 0, 0)
 
@@ -15,6 +15,10 @@ SOURCE, DESTINATION, FORCE = (243, 217, 184), (216, 226, 236), (187, 0, 0)
 def icon(scene: Path, folder: Path) -> np.ndarray:
     done = run("--scene", scene, "--output", folder / "out", "--icon", folder / "model.png")
     assert done.returncode == 0, done.stderr
+    return pixels_of(folder)
+
+
+def pixels_of(folder: Path) -> np.ndarray:
     return np.round(255 * matplotlib.image.imread(folder / "model.png")).astype(int)
 
 
@@ -25,8 +29,8 @@ def where(pixels: np.ndarray, color: tuple) -> np.ndarray:
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_every_scene_has_an_icon_with_its_bodies_and_a_force(scene, tmp_path):
-    pixels = icon(FOLDER / "scenes" / f"{scene}.toml", tmp_path)
+def test_every_scene_has_an_icon_with_its_bodies_and_a_force(scene):
+    pixels = pixels_of(folder_of(scene))
     assert pixels.shape == (200, 200, 4)
     assert where(pixels, SOURCE).size > 100
     assert where(pixels, FORCE).size > 100

@@ -5,7 +5,7 @@ import tomllib
 
 import pytest
 
-from support.generator.generated import ROOT, SCENES, generate
+from support.generator.generated import ROOT, SCENES, files_of, generate
 
 EXTRA = ROOT / "tests" / "physics" / "scenes" / "ThreeBalls.toml"
 FILES = [*(ROOT / "modelDescription" / "scenes" / f"{scene}.toml" for scene in SCENES), EXTRA]
@@ -13,8 +13,8 @@ FILES = [*(ROOT / "modelDescription" / "scenes" / f"{scene}.toml" for scene in S
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_a_viewer_is_told_what_the_scene_file_says(file, tmp_path):
-    generate(file, tmp_path)
-    told = json.loads((tmp_path / "resources" / "scene.json").read_text(encoding="utf-8"))
+    files = generate(file, tmp_path) if file == EXTRA else files_of(file.stem)
+    told = json.loads(files["resources/scene.json"])
     scene = tomllib.loads(file.read_text(encoding="utf-8"))
     assert told["bodies"] == scene["body"]
     assert told["contacts"] == scene["contact"]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from support.generator.generated import FOLDER, SCENES, run, scene_file
+from support.generator.generated import FOLDER, SCENES, folder_of, run, scene_file
 
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
 KIND = "contact-fmus.body"
@@ -19,18 +19,6 @@ MOTION = ["displacement", "position", "velocity", "angular_velocity", "orientati
 VERSIONS = [("terminals2", "modelDescription.xml"), ("terminals3", "modelDescription3.xml")]
 
 
-@pytest.fixture(scope="module")
-def folders(tmp_path_factory):
-    root = tmp_path_factory.mktemp("terminals")
-    for scene in SCENES:
-        icon = root / scene / "model.png"
-        done = run(
-            "--scene", FOLDER / "scenes" / f"{scene}.toml", "--output", root / scene, "--icon", icon
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr
-    return root
-
-
 def terminals(folder, which):
     document = etree.parse(folder / which / "terminalsAndIcons.xml")
     etree.XMLSchema(etree.parse(SCHEMA)).assertValid(document)
@@ -39,12 +27,12 @@ def terminals(folder, which):
 
 @pytest.mark.parametrize("which,description", VERSIONS)
 @pytest.mark.parametrize("scene", SCENES)
-def test_every_body_has_a_terminal_whose_members_are_variables(folders, scene, which, description):
+def test_every_body_has_a_terminal_whose_members_are_variables(scene, which, description):
     variables = {
         entry.get("name"): entry.get("causality")
-        for entry in etree.parse(folders / scene / description).find("ModelVariables")
+        for entry in etree.parse(folder_of(scene) / description).find("ModelVariables")
     }
-    found = terminals(folders / scene, which)
+    found = terminals(folder_of(scene), which)
     assert [entry.get("name") for entry in found] == [body["name"] for body in scene_file(scene)["body"]]
     for terminal in found:
         assert (terminal.get("matchingRule"), terminal.get("terminalKind")) == ("plug", KIND)
@@ -55,8 +43,8 @@ def test_every_body_has_a_terminal_whose_members_are_variables(folders, scene, w
         assert len(force) == (3 if which == "terminals2" else 1)
 
 
-def test_inputs_and_motion_of_a_body_are_together(folders):
-    [source, _] = terminals(folders / "SphereCylinder", "terminals3")
+def test_inputs_and_motion_of_a_body_are_together():
+    [source, _] = terminals(folder_of("SphereCylinder"), "terminals3")
     assert {member.get("memberName"): member.get("variableName") for member in source} == {
         **{row: f"source.{row}" for row in [*GIVEN, *MOTION]},
         "force": "contact.source_force",
@@ -83,10 +71,10 @@ def test_a_body_in_two_contacts_has_its_forces_numbered(tmp_path):
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_the_svg_shows_the_bodies_where_the_png_does(folders, scene):
+def test_the_svg_shows_the_bodies_where_the_png_does(scene):
     """The middle of each circle has the colour of its filling on the PNG, unless something is drawn above."""
-    picture = etree.parse(folders / scene / "icon.svg")
-    pixels = np.round(255 * matplotlib.image.imread(folders / scene / "model.png")).astype(int)
+    picture = etree.parse(folder_of(scene) / "icon.svg")
+    pixels = np.round(255 * matplotlib.image.imread(folder_of(scene) / "model.png")).astype(int)
     space = "{http://www.w3.org/2000/svg}"
     circles = [entry for entry in picture.iter(f"{space}circle") if entry.get("fill") != "none"]
     last = circles[-1]  # the source, which is above all

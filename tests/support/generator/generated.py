@@ -1,5 +1,7 @@
 """The generated files of every scene, and readers of each that share no code with the generator."""
 
+import contextlib
+import io
 import json
 import re
 import subprocess
@@ -11,7 +13,7 @@ from pathlib import Path
 
 from lxml import etree, html
 
-from support.programs import PATIENCE
+import generate as program
 
 ROOT = Path(__file__).resolve().parents[3]
 FOLDER = ROOT / "modelDescription"
@@ -21,18 +23,49 @@ LARGEST = sys.float_info.max
 
 
 def run(*arguments) -> subprocess.CompletedProcess:
-    """generate.py as users call it."""
-    command = [sys.executable, "-B", str(FOLDER / "generate.py"), *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
+    """What generate.py says to these arguments and the status that it ends with, in this process"""
+    out, errors = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(errors):
+        try:
+            status = program.main(list(map(str, arguments)))
+        except SystemExit as ended:  # of argparse
+            status = ended.code
+    return subprocess.CompletedProcess(arguments, status, out.getvalue(), errors.getvalue())
 
 
-def generate(scene: str | Path, output: Path) -> dict[str, str]:
+def generate(scene: Path, output: Path) -> dict[str, str]:
     """Text of each file that generate.py writes for a scene, by its path in the output folder."""
-    path = scene if isinstance(scene, Path) else FOLDER / "scenes" / f"{scene}.toml"
-    done = run("--scene", path, "--output", output)
+    done = run("--scene", scene, "--output", output)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    files = (path for path in output.rglob("*") if path.is_file())
-    return {path.relative_to(output).as_posix(): path.read_text(encoding="utf-8") for path in files}
+    return texts_in(output)
+
+
+def texts_in(folder: Path) -> dict[str, str]:
+    files = (
+        path
+        for path in folder.rglob("*")
+        if path.is_file() and not path.name.startswith(("model.png", "icon"))
+    )
+    return {path.relative_to(folder).as_posix(): path.read_text(encoding="utf-8") for path in files}
+
+
+program.read_catalogue = cache(program.read_catalogue)  # it does not change while tests run
+_kept = tempfile.TemporaryDirectory()
+
+
+@cache
+def folder_of(scene: str) -> Path:
+    """The files of a scene of the repository, its icons among them, made once"""
+    folder = Path(_kept.name) / scene
+    file = FOLDER / "scenes" / f"{scene}.toml"
+    done = run("--scene", file, "--output", folder, "--icon", folder / "model.png")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    return folder
+
+
+@cache
+def files_of(scene: str) -> dict[str, str]:
+    return texts_in(folder_of(scene))
 
 
 @cache
@@ -43,8 +76,7 @@ def table() -> dict:
 @cache
 def describe(scene: str) -> dict:
     """parse_xml of a scene of the repository."""
-    with tempfile.TemporaryDirectory() as folder:
-        return parse_xml(generate(scene, Path(folder))["modelDescription.xml"])
+    return parse_xml(files_of(scene)["modelDescription.xml"])
 
 
 def parse_xml(text: str) -> dict[str, dict]:
