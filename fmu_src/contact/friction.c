@@ -3,7 +3,8 @@
 #include "math/compiler.h"
 #include "math/vec3.h"
 
-/* A vector's length and direction; zero has none. */
+/* A vector's length and direction; zero has none. One that has decayed to 1e-309 has a direction too, but the
+ * inverse of its length is beyond the largest number. */
 struct direction {
     double length;
     struct vec3 unit;
@@ -13,7 +14,8 @@ static struct direction direction_of(struct vec3 a)
 {
     const double length = vec3_norm(a);
     const struct vec3 zero = {0.0, 0.0, 0.0};
-    return (struct direction){length, length > 0.0 ? vec3_scale(1.0 / length, a) : zero};
+    return (struct direction){length,
+                              length > 0.0 ? vec3_make(a.x / length, a.y / length, a.z / length) : zero};
 }
 
 /* m = along u u^T + across (I - u u^T) */

@@ -257,7 +257,7 @@ static void put_direction(const struct vec3 a[JET_TERMS], struct vec3 unit[JET_T
             for (int k = 1; k <= i; ++k) {
                 rest = vec3_axpy(rest, -length[k], unit[i - k]);
             }
-            unit[i] = vec3_scale(1.0 / length[0], rest);
+            unit[i] = vec3_make(rest.x / length[0], rest.y / length[0], rest.z / length[0]);
         }
     }
 }
