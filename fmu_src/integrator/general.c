@@ -311,8 +311,8 @@ static double missing_to(struct general *g, int event, double rate, double clock
 }
 
 /* Solves the step again for another length, from the polynomial as guess. False: it has no solution, or one
- * that is less accurate than the tolerances allow; where it is stiff, anywhere, as what it has not seen of the
- * slip before its end is then the error of its end. */
+ * that is less accurate than the tolerances allow. A stiff step is judged at all its nodes: the error of its
+ * end is then the slip that it has not seen before. */
 static bool solve_again(struct general *g, double length)
 {
     struct radau_step *p = &g->step;

@@ -128,7 +128,8 @@ static bool is_set(const uint8_t *marks)
 /* Until it is set, a prescribed axis is the parameter's. */
 static void start_axis(struct model *m, int body)
 {
-    if (body_shape(body) != SHAPE_SPHERE && !is_set(&m->state.marks[body][12])) {
+    const bool given = SCENE_ANY_ROTATION && is_set(&m->state.marks[body][12]);
+    if (body_shape(body) != SHAPE_SPHERE && !given) {
         m->state.motion.path[body].axis[0] = body_axis(&m->state.values, body);
     }
 }

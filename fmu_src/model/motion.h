@@ -95,8 +95,8 @@ double motion_touch_after(const struct scene_values *v, const struct scene_state
 /* Whoever moves a body by a jump of an input does the work on the contact. */
 void motion_jet_of_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along);
 
-/* Along a path (scene_jet.h): coefficient `order` of a variable; zero where nothing along the path changes
- * it. */
+/* Along a path (scene_jet.h): coefficient `order` of a variable. It is zero where nothing along the path
+ * changes the variable. */
 double output_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
                    const struct scene_jet *along, const struct variable *variable, int order);
 

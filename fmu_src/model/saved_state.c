@@ -128,8 +128,8 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
     if (!known_zone(contact->zone)) {
         return false;
     }
-    if (initialized && !is_direction(contact->parameters.axis) &&
-        !vec3_is_zero(contact->parameters.axis)) { /* zero: of a sphere */
+    if ((SCENE_ANY_CYLINDER || SCENE_ANY_PLANE) && initialized && !is_direction(contact->parameters.axis) &&
+        !vec3_is_zero(contact->parameters.axis)) { /* spheres have the axis zero */
         return false;
     }
     /* Times up to which something was looked for may be infinite. */

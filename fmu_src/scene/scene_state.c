@@ -178,12 +178,15 @@ bool body_is_loaded(const struct scene_state *q, int body, int except)
 
 bool contact_is_coupled(const struct scene_values *v, const struct scene_state *q, int contact)
 {
+    if (SCENE_CONTACTS == 1) {
+        return false;
+    }
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
     const bool source_moves = body_is_free(v, source) || body_turns_freely(v, source);
     const bool destination_moves = body_is_free(v, destination) || body_turns_freely(v, destination);
-    return SCENE_CONTACTS > 1 && ((source_moves && body_is_loaded(q, source, contact)) ||
-                                  (destination_moves && body_is_loaded(q, destination, contact)));
+    return (source_moves && body_is_loaded(q, source, contact)) ||
+           (destination_moves && body_is_loaded(q, destination, contact));
 }
 
 bool contact_is_foreseen(const struct scene_values *v, const struct scene_state *q, int contact)

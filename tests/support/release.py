@@ -3,8 +3,9 @@
 import os
 from pathlib import Path
 
+from support.fmi2.raw_fmu import SCENES
 from support.scenes.benchmarks import BENCHMARKS
-from support.sources import BUILD, SCENES
+from support.sources import BUILD
 
 RELEASE = Path(os.environ.get("CONTACT_RELEASE", BUILD / "release"))
 # The scenes whose FMUs are looked at: all, or those of the files named in CONTACT_CHECKED
