@@ -657,8 +657,8 @@ static double energy_term(const struct model *m, const struct scene_jet *along, 
     }
 }
 
-bool motion_jet(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
-                const struct scene_jet *along, const struct variable *variable, int order, double *term)
+bool motion_jet(const struct model *m, const struct scene_state *q, const struct scene_jet *along,
+                const struct variable *variable, int order, double *term)
 {
     const struct contact_state *contact = q->contact;
     const int j = variable->element;
@@ -681,7 +681,7 @@ bool motion_jet(const struct model *m, const struct scene_state *q, const struct
         *term = 0.0;
         return true;
     default:
-        return motion_jet_of_step(m, q, at, along, variable, order, term);
+        return false;
     }
 }
 
@@ -855,7 +855,7 @@ CONTACT_NOINLINE static void show_prescribed(struct scene_values *v, const struc
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_prescribed(v, i)) {
-            model_show_body_now(v, q, i);
+            present_body_now(v, q, i);
         }
     }
 }
@@ -873,7 +873,7 @@ static void foresee_reading(struct model *m, double clock)
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
             const struct body_state at = flight_unforced_at(v, q, i, clock);
-            model_show_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
+            present_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
         } else {
             others |= body_motion(v, i);
         }

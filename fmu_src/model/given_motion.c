@@ -155,10 +155,11 @@ const char *motion_unknown(const struct model *m, const struct variable *variabl
     return NULL;
 }
 
-bool motion_jet(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
-                const struct scene_jet *along, const struct variable *variable, int order, double *term)
+bool motion_jet(const struct model *m, const struct scene_state *q, const struct scene_jet *along,
+                const struct variable *variable, int order, double *term)
 {
-    return motion_jet_of_step(m, q, at, along, variable, order, term);
+    (void)m, (void)q, (void)along, (void)variable, (void)order, (void)term;
+    return false;
 }
 
 void motion_begin_exchange(struct scene_state *q)

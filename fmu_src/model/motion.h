@@ -66,13 +66,8 @@ const char *motion_unknown(const struct model *m, const struct variable *variabl
 
 /* Coefficient `order` of an output of these along a path, in the state that is shown; false where the
  * variable is none of them. */
-bool motion_jet(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
-                const struct scene_jet *along, const struct variable *variable, int order, double *term);
-
-/* The same of mean force and peaks, which scenes of both kinds have. */
-bool motion_jet_of_step(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
-                        const struct scene_jet *along, const struct variable *variable, int order,
-                        double *term);
+bool motion_jet(const struct model *m, const struct scene_state *q, const struct scene_jet *along,
+                const struct variable *variable, int order, double *term);
 
 /* For an integrator outside (exchange.h). At the start; a state is set; a local variable is computed; regimes
  * change where their margins ask for it, and whether one did; a sum that tells whether events have changed

@@ -8,21 +8,6 @@
 #include "scene/present.h"
 #include "scene/scene_jet.h"
 
-/* The outputs of the bodies. */
-
-void model_show_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity)
-{
-    put_body_displacement(v, body, displacement);
-    put_body_position(v, body, vec3_add(body_center(v, body), displacement));
-    put_body_velocity(v, body, velocity);
-}
-
-void model_show_body_now(struct scene_values *v, const struct scene_state *q, int body)
-{
-    const struct body_instant at = scene_body_now(v, q, body);
-    model_show_body(v, body, at.displacement, at.velocity);
-}
-
 /* Derivatives of the outputs that sum up a communication step. */
 
 bool model_has_derivatives(const struct variable *variable)
@@ -32,9 +17,9 @@ bool model_has_derivatives(const struct variable *variable)
            variable->row != ROW_contact_peak_penetration;
 }
 
-bool motion_jet_of_step(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
-                        const struct scene_jet *along, const struct variable *variable, int order,
-                        double *term)
+/* Coefficient `order` of an output of the whole step. False: the variable is none. */
+static bool step_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
+                      const struct scene_jet *along, const struct variable *variable, int order, double *term)
 {
     const int j = variable->element;
     const bool touches = q->contact[j].regime != REGIME_APART;
@@ -242,7 +227,8 @@ double output_term(const struct model *m, const struct scene_state *q, const str
         break;
     }
     double term = 0.0;
-    return motion_jet(m, q, at, along, variable, order, &term)
+    return motion_jet(m, q, along, variable, order, &term) ||
+                   step_term(m, q, at, along, variable, order, &term)
                ? term
                : contact_term(m, q, at, along, variable, order);
 }
@@ -347,7 +333,7 @@ static void update_bodies(struct model *m)
     for (int i = 0; i < SCENE_BODIES; ++i) {
         const bool moves = body_is_free(v, i) || body_is_prescribed(v, i);
         if (m->outputs == OUTPUTS_NONE || moves) {
-            model_show_body_now(v, &m->state.motion, i);
+            present_body_now(v, &m->state.motion, i);
         }
     }
     m->outputs = OUTPUTS_BODIES;

@@ -140,8 +140,4 @@ bool model_update_outputs(struct model *m, enum outputs wanted);
 /* "The inputs ... beyond the range of numbers ...", for who cannot take them over. */
 enum model_status model_refuse_inputs(const struct model *m);
 
-/* Shows where a body is: its displacement, position and velocity; as given, or those of the present. */
-void model_show_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity);
-void model_show_body_now(struct scene_values *v, const struct scene_state *q, int body);
-
 #endif

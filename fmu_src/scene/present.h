@@ -142,4 +142,8 @@ double jet_of_potential(const struct scene_values *v, const struct scene_jet *al
 double jet_of_stored(const struct scene_values *v, const struct scene_state *q, const struct scene_jet *along,
                      int order);
 
+/* Shows a body's displacement, position and velocity: those given, or those of the present. */
+void present_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity);
+void present_body_now(struct scene_values *v, const struct scene_state *q, int body);
+
 #endif
