@@ -1,10 +1,10 @@
 """What the C code does not do: print, end the process, keep global mutable state, allocate unasked."""
 
 import re
-import subprocess
 
 import pytest
 
+from support.graph import symbols
 from support.sources import (
     ADAPTERS,
     HEADERS,
@@ -50,13 +50,12 @@ def test_nothing_uses_the_hidden_state_of_the_c_library(file):
 
 
 @pytest.mark.parametrize("scene", ["SphereCylinder", "ForceElement"])
-def test_there_is_no_global_mutable_state(tmp_path, scene):
-    """No symbol in .data or .bss; without -fPIC, so that constant tables of pointers are in .rodata."""
-    compiled = tmp_path / "unit.o"
-    for unit in units_of(scene):
-        assert compile_c("gcc", unit, scene, "-O0", "-fno-pic", "-c", "-o", str(compiled)) == ""
-        symbols = subprocess.run(["nm", compiled], capture_output=True, text=True, check=True).stdout
-        assert [line for line in symbols.splitlines() if re.search(r" [dDbBgGsSC] ", line)] == [], unit
+def test_there_is_no_global_mutable_state(scene):
+    """No symbol in .data or .bss"""
+    found = {
+        unit: [row for row in symbols(unit, scene) if row[-2] in "dDbBgGsSC"] for unit in units_of(scene)
+    }
+    assert {unit: rows for unit, rows in found.items() if rows} == {}
 
 
 @pytest.mark.parametrize("scene", SCENES)

@@ -7,17 +7,15 @@ prototype may be declared where no include shows it.
 import pytest
 
 from support.graph import circle, file_graph, object_symbols, upward
-from support.sources import LAYERS, SCENES, SOURCE, units_of
+from support.sources import LAYERS, SOURCE, units_of
 
 
-@pytest.fixture(
-    scope="module", params=[*((scene, "fmi2") for scene in SCENES), ("PinnedEvent", "fmi3")], ids=str
-)
-def edges(request, tmp_path_factory):
+# The scene that has all files but the one in which a scene's motion is given, and each adapter
+@pytest.fixture(scope="module", params=[("SphereCylinder", "fmi2"), ("ForceElement", "fmi3")], ids=str)
+def edges(request):
     scene, adapter = request.param
-    folder = tmp_path_factory.mktemp(scene)
     units = {
-        unit.relative_to(SOURCE).as_posix(): object_symbols(unit, scene, folder)
+        unit.relative_to(SOURCE).as_posix(): object_symbols(unit, scene)
         for unit in units_of(scene, adapter)
         if unit.is_relative_to(SOURCE)
     }

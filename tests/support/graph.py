@@ -1,20 +1,35 @@
 """Which file of fmu_src needs which, by the symbols of its object files; circles in such graphs."""
 
+import functools
 import subprocess
+import tempfile
 from pathlib import Path
 
 from support.sources import SOURCE, compile_c
 
+_kept = tempfile.TemporaryDirectory()
 
-def object_symbols(unit: Path, scene: str, folder: Path) -> tuple[set[str], set[str]]:
-    """External symbols that the unit defines, and those it asks for"""
+
+@functools.cache
+def compiled(unit: Path, scene: str) -> Path:
+    """The unit's object file as the scene's code; constant tables of pointers are read-only without -fPIC."""
     # Named by its place below fmu_src: files of two folders may have one name.
     name = "_".join(unit.relative_to(SOURCE).parts) if unit.is_relative_to(SOURCE) else unit.name
-    compiled = folder / f"{name}.o"
-    said = compile_c("gcc", unit, scene, "-O0", "-c", "-o", str(compiled))
+    made = Path(_kept.name) / f"{scene}_{name}.o"
+    said = compile_c("gcc", unit, scene, "-O0", "-fno-pic", "-c", "-o", str(made))
     assert said == "", said
-    told = subprocess.run(["nm", str(compiled)], capture_output=True, text=True, check=True).stdout
-    rows = [line.split() for line in told.splitlines()]
+    return made
+
+
+def symbols(unit: Path, scene: str) -> list[list[str]]:
+    """What nm says of the unit, in words"""
+    told = subprocess.run(["nm", compiled(unit, scene)], capture_output=True, text=True, check=True).stdout
+    return [line.split() for line in told.splitlines()]
+
+
+def object_symbols(unit: Path, scene: str) -> tuple[set[str], set[str]]:
+    """External symbols that the unit defines, and those it asks for"""
+    rows = symbols(unit, scene)
     defined = {row[-1] for row in rows if row[-2] in "TDRBC"}
     return defined, {row[-1] for row in rows if row[-2] == "U"}
 
