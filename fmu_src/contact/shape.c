@@ -78,8 +78,8 @@ static struct contact_geometry geometry_of_rim(const struct contact_shape *shape
     if (!at.degenerate) {
         at.normal = vec3_scale(1.0 / at.distance, at.offset);
     }
-    at.hoop = vec3_cross(shape->axis, vec3_scale(1.0 / rho, across));
-    at.hoop_part = shape->solid.radius / rho;
+    at.circumferential = vec3_cross(shape->axis, vec3_scale(1.0 / rho, across));
+    at.circumferential_part = shape->solid.radius / rho;
     at.gap = gap_at(shape, at.distance);
     at.gap_terms = shape->source_radius + shape->solid.radius + shape->solid.half_height;
     at.gap_rate = vec3_dot(at.normal, w);
@@ -144,7 +144,8 @@ struct vec3 contact_turning_part(const struct contact_shape *shape, const struct
 {
     if (contact_is_rim(shape)) {
         const struct vec3 across = vec3_axpy(w, -vec3_dot(at->normal, w), at->normal);
-        return vec3_axpy(across, -at->hoop_part * vec3_dot(at->hoop, w), at->hoop);
+        return vec3_axpy(across, -at->circumferential_part * vec3_dot(at->circumferential, w),
+                         at->circumferential);
     }
     return contact_tangential(shape, at->normal, w);
 }

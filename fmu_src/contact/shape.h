@@ -50,12 +50,12 @@ struct contact_geometry {
     double gap;         /* g, radial, whether or not the source is within a cylinder's extents [m] */
     /* what rounds in g besides d: r_s + r_d, or r_d - r_s where that is exact [m] */
     double gap_terms;
-    double gap_rate;  /* g' [m/s] */
-    double axial;     /* c.e_d of a cylinder [m]; 0 for the other shapes */
-    bool degenerate;  /* d = 0: n is the fallback; never with a plane */
-    int zone;         /* of a capped cylinder, as in struct contact_solid; 0 of any other shape */
-    struct vec3 hoop; /* of a rim: the direction along the circle, and r_d / rho, see contact_turning_part */
-    double hoop_part;
+    double gap_rate;             /* g' [m/s] */
+    double axial;                /* c.e_d of a cylinder [m]; 0 for the other shapes */
+    bool degenerate;             /* d = 0: n is the fallback; never with a plane */
+    int zone;                    /* of a capped cylinder, as in struct contact_solid; 0 of any other shape */
+    struct vec3 circumferential; /* direction along a rim's circle, see contact_turning_part */
+    double circumferential_part; /* r_d / rho at a rim */
 };
 
 /* Whether the destination is a cylinder, a plane; never, at compile time, where the build has none
@@ -167,7 +167,7 @@ struct vec3 contact_tangential(const struct contact_shape *shape, struct vec3 no
  * d times the change of n as the source moves across it by w: T w with the projection T of
  * contact_tangential, but for a rim, which is curved in two ways: by 1/d across the circle and by
  * (rho - r_d)/(rho d) along it, with rho the distance from the axis: T = I - n n^T - (r_d / rho) b b^T with
- * the hoop b.
+ * the circumferential b.
  */
 struct vec3 contact_turning_part(const struct contact_shape *shape, const struct contact_geometry *at,
                                  struct vec3 w);

@@ -14,7 +14,7 @@ static void add_projector(double m[3][3], double factor, const struct contact_sh
         matrix3_add_outer(m, -factor, shape->axis, shape->axis);
     }
     if (contact_is_rim(shape)) {
-        matrix3_add_outer(m, -factor * at->hoop_part, at->hoop, at->hoop);
+        matrix3_add_outer(m, -factor * at->circumferential_part, at->circumferential, at->circumferential);
     }
 }
 
@@ -91,7 +91,7 @@ static double jet_of_quotient(const double *a, const double *b, const double *qu
 static void jet_of_rim(const struct contact_shape *shape, const struct contact_geometry *at,
                        const struct vec3 *c, struct contact_jet *result)
 {
-    const struct vec3 outward = vec3_cross(at->hoop, shape->axis);
+    const struct vec3 outward = vec3_cross(at->circumferential, shape->axis);
     const struct vec3 nowhere = {0.0, 0.0, 0.0};
     struct vec3 a[JET_TERMS] = {outward};
     double radial[JET_TERMS] = {vec3_dot(outward, at->offset)};
@@ -343,9 +343,9 @@ struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const
 struct geometry_change {
     struct vec3 normal, seen_rate, tangential;
     double distance, along;
-    struct vec3 axis; /* of the shape */
-    struct vec3 hoop; /* of a rim: b, and r_d / rho */
-    double hoop_part;
+    struct vec3 axis;            /* of the shape */
+    struct vec3 circumferential; /* of a rim: b, and r_d / rho */
+    double circumferential_part;
 };
 
 /* d offset of a rim and d b, with offset = (rho - r_d) a + (c.e + h) e, b = e x a, rho a = c - (c.e) e. */
@@ -354,15 +354,15 @@ static struct vec3 rim_offset_along(const struct turning_slopes *s, const struct
 {
     const struct vec3 e = s->shape.axis;
     const struct vec3 c = s->motion.separation;
-    const struct vec3 a = vec3_cross(s->geometry.hoop, e);
+    const struct vec3 a = vec3_cross(s->geometry.circumferential, e);
     const double axial = vec3_dot(c, e);
     const double rho = vec3_dot(c, a);
     const double more_axial = vec3_dot(change->separation, e) + vec3_dot(c, d->axis);
     const struct vec3 across = vec3_axpy(vec3_axpy(change->separation, -more_axial, e), -axial, d->axis);
     const double more_rho = vec3_dot(a, across);
     const struct vec3 turned = vec3_scale(1.0 / rho, vec3_axpy(across, -more_rho, a));
-    d->hoop = vec3_add(vec3_cross(d->axis, a), vec3_cross(e, turned));
-    d->hoop_part = -s->geometry.hoop_part * more_rho / rho;
+    d->circumferential = vec3_add(vec3_cross(d->axis, a), vec3_cross(e, turned));
+    d->circumferential_part = -s->geometry.circumferential_part * more_rho / rho;
     const struct vec3 radial = vec3_axpy(vec3_scale(more_rho, a), rho - s->shape.solid.radius, turned);
     return vec3_axpy(vec3_axpy(radial, more_axial, e), axial + s->shape.solid.half_height, d->axis);
 }
@@ -370,12 +370,12 @@ static struct vec3 rim_offset_along(const struct turning_slopes *s, const struct
 /* What the part along the circle takes from n': d of (r_d / rho) b (b.w_g) */
 static struct vec3 hoop_along(const struct turning_slopes *s, const struct geometry_change *d)
 {
-    const struct vec3 b = s->geometry.hoop;
-    const double part = s->geometry.hoop_part;
+    const struct vec3 b = s->geometry.circumferential;
+    const double part = s->geometry.circumferential_part;
     const double rate = vec3_dot(b, s->seen_rate);
-    const double more =
-        d->hoop_part * rate + part * (vec3_dot(d->hoop, s->seen_rate) + vec3_dot(b, d->seen_rate));
-    return vec3_axpy(vec3_scale(more, b), part * rate, d->hoop);
+    const double more = d->circumferential_part * rate +
+                        part * (vec3_dot(d->circumferential, s->seen_rate) + vec3_dot(b, d->seen_rate));
+    return vec3_axpy(vec3_scale(more, b), part * rate, d->circumferential);
 }
 
 /* d offset, of a shape whose normal turns with it. */

@@ -5,18 +5,16 @@
 #include "math/compiler.h"
 #include "touch/collocation.h"
 
-/* How n and H turn in a collocated step, and the load on x that comes of it. */
-
-/* What a place says of a step whose normal turns there. */
+/* How n and H turn about a centre or at a rim, and the load on x that follows. */
 struct collocation_place {
-    void (*begin)(struct collocation *p);                 /* the frame, and what acts in it */
+    void (*begin)(struct collocation *p);                 /* sets the frame and the problem in it */
     double (*load_at_start)(const struct collocation *p); /* f [m/s^2] */
-    void (*guess)(struct collocation *p, double half);    /* of n and H, for a step of such a half */
+    void (*guess)(struct collocation *p, double half);    /* first guess of n and H, with half the step */
     void (*load)(const struct collocation *p, double *values, double *softening);
-    double (*turn)(struct collocation *p); /* n and H by one sweep; returns the largest change [m] */
+    double (*turn)(struct collocation *p); /* one sweep of n and H; returns the largest change [m] */
     void (*mismatch)(const struct collocation *p, double *values); /* half n.E at the nodes [m] */
-    void (*finish)(struct collocation *p); /* of a step whose sweeps have converged; NULL: nothing */
-    /* c - c(0) and n at a node, in the world, the oscillation left out */
+    void (*finish)(struct collocation *p); /* called once sweeps have converged; may be NULL */
+    /* c - c(0) and n at a node, in the world, without the oscillation */
     void (*at_node)(const struct collocation *p, int node, struct vec3 *moved, struct vec3 *normal);
     struct collocation_change (*change_at)(const struct collocation *p, double s);
 };
@@ -34,9 +32,36 @@ static inline struct vec3 collocation_in_world(const struct collocation *p, stru
                      p->local.frame[2]);
 }
 
+/* A at a time from the start, in the frame. */
+static struct vec3 acceleration_then(const struct collocation *p, double t)
+{
+    return vec3_axpy(vec3_axpy(p->local.acceleration[0], t, p->local.acceleration[1]), t * t,
+                     p->local.acceleration[2]);
+}
+
+/* The integral of y over time, by y and y' [m s]. */
+static double collocation_oscillation_integral(const struct collocation *p, double y, double y_rate)
+{
+    /* a single decay has y' = -faster y, which also holds without a spring */
+    const double integral =
+        p->kind == COLLOCATION_OVERDAMPED
+            ? -y / oscillator_rates_of(&p->result.oscillator).faster
+            : -(y_rate + p->result.oscillator.damping_rate * y) / p->result.oscillator.omega2;
+    return p->half * integral;
+}
+
+static struct collocation_correction collocation_correction_of(const struct collocation *p, double y,
+                                                               double y_rate, struct vec3 n, struct vec3 h,
+                                                               struct vec3 acceleration, double d)
+{
+    const double correction = collocation_oscillation_integral(p, y, y_rate);
+    return (struct collocation_correction){vec3_scale(-2.0 * correction / (d * d * d), vec3_cross(h, n)),
+                                           vec3_scale(correction, vec3_cross(n, acceleration))};
+}
+
 /* How n and H turn about a centre or an axis. */
 
-/* half^2 f [m] at the nodes, and half of its softening, -half^2 df/dx of the centrifugal terms. */
+/* half^2 f [m] at the nodes, and its softening, half of -half^2 df/dx by the centrifugal terms. */
 static void centre_load(const struct collocation *p, double *values, double *softening)
 {
     const int points = p->nodes->points;
@@ -142,11 +167,12 @@ static void centre_mismatch(const struct collocation *p, double *values)
     }
 }
 
-/* Sweep k multiplies the error by about 1/k of the radians of tangential motion in the step, some two. Where
- * more sweeps than this are needed, a shorter step costs less. */
+/* Sweep k multiplies the error by about 1/k of the radians of tangential motion in the step, some two. A
+ * shorter step costs less than more sweeps. */
 enum { MAX_SWEEPS = 30 };
 
-/* Rounding of coefficients relative to the values: sums with factors up to 611 (lobatto_monomial). */
+/* Rounding of coefficients relative to the values: they are sums with factors up to 611
+ * (lobatto.monomial). */
 static const double COEFFICIENT_ROUNDING = 1e-12;
 
 /* x = s + y: s is the particular solution for the load, y the free oscillation from the start values. */
@@ -166,7 +192,7 @@ static void oscillator_response(struct collocation *p, double softening)
 }
 
 /* (D + slower)(D + faster) x = load with D = d/ds. u = (D + slower) x is the particular solution of (D +
- * faster) u = load, plus a fast decay, which is y. X is then the integral of X' = u - slower X. */
+ * faster) u = load plus a fast decay, which is y. X is the integral of X' = u - slower X. */
 static void overdamped_response(struct collocation *p)
 {
     const int points = p->nodes->points;
@@ -189,7 +215,7 @@ static void overdamped_response(struct collocation *p)
     nodal_coefficients(p->nodes, p->result.x, p->result.slow);
 }
 
-/* The largest that x comes to in the step, roughly [m]. */
+/* Rough bound of |x| in the step [m]. */
 static double size_of_deviation(const struct collocation *p)
 {
     double largest = fabs(p->result.y) + fabs(p->result.y_rate);
@@ -199,8 +225,8 @@ static double size_of_deviation(const struct collocation *p)
     return largest;
 }
 
-/* Solves for x under the load; returns the largest change of a coefficient [m], scaled as if x were as large
- * as d: the force follows from x and is to be as accurate relative to itself as the position is. */
+/* Solves for x under the load. Returns the largest change of a coefficient [m], scaled as if x were as large
+ * as d: the force, which follows from x, gets the relative accuracy of the position. */
 static double apply_load(struct collocation *p, const double *values, double softening)
 {
     nodal_values before;
@@ -259,15 +285,15 @@ static double tail_of(const struct collocation *p, const struct nodal_vec3 *valu
     return across || !p->local.planar ? larger(nodal_tail(p->nodes, values->z), tail) : tail;
 }
 
-/* The last coefficients of what is integrated; integrals of Chebyshev polynomials are smaller by the
+/* Error by the last coefficients of the integrands; integrals of Chebyshev polynomials are smaller by the
  * degree. */
 static double tail_of_all(const struct collocation *p)
 {
     const int points = p->nodes->points;
     const double of_deviation = larger(fabs(p->result.slow[points - 1]), fabs(p->result.slow[points - 2]));
     const double size = size_of_deviation(p);
-    /* Ratio of the first omitted coefficient to the last: half the step's radians, two at most, over its
-     * index, less than a quarter. */
+    /* the first omitted coefficient is less than a quarter of the last: half the step's radians, two at most,
+     * over its index */
     const double left_out = 0.25 * ldexp(of_deviation, 2 - points);
     const bool is_overdamped = p->kind == COLLOCATION_OVERDAMPED;
     const double by_deviation =
@@ -295,7 +321,7 @@ static bool is_sound(const struct collocation *p)
 
 static void sum_up(struct collocation *p)
 {
-    /* without the rate: of a stiff contact it has many digits more than x */
+    /* without the rate, which is far larger than x in a stiff contact */
     double largest = fabs(p->result.y);
     for (int k = 0; k < p->nodes->points; ++k) {
         largest = larger(fabs(p->result.slow[k]), largest);
@@ -321,8 +347,9 @@ bool collocation_finish(struct collocation *p, double before, double tolerance)
     double gain = 1.0;
     for (int i = p->work.sweeps; i < MAX_SWEEPS; ++i) {
         const double change = collocation_sweep(p);
-        /* The error left is about change * gain, the factor by which the last sweep converged. H and n
-         * converge in turn: the larger of two factors counts. None where overdamped: X converges last. */
+        /* The error left is about change * gain, where gain is the factor by which the last sweep converged.
+         * H and n converge in turn, so the larger of two factors counts. An overdamped X converges last: no
+         * gain. */
         const double gain_before = gain;
         gain = before > 0.0 && p->kind != COLLOCATION_OVERDAMPED ? fmin(1.0, change / before) : 1.0;
         if (change * fmax(gain, gain_before) <= tolerance) {
@@ -343,12 +370,11 @@ bool collocation_make(struct collocation *p, const struct collocation_problem *f
 }
 
 /*
- * Collocation at the rim of a capped cylinder, in the coordinates of rim.h. The rows of the result are
- * those of n and H elsewhere: n.x and n.y are the changes of azimuth and tilt, h.x and h.y those of their
- * momenta; n.z and h.z are zero.
+ * Collocation at the rim of a capped cylinder, in the coordinates of rim.h. n.x and n.y are the changes of
+ * azimuth and tilt, h.x and h.y those of their momenta; n.z and h.z are zero.
  */
 
-/* The state from rows of n and H, the oscillation left out. */
+/* The state from rows of n and H. */
 static struct rim_state collocation_rim_state(const struct collocation *p, struct vec3 n, struct vec3 h,
                                               double x)
 {
@@ -383,7 +409,8 @@ static struct rim_state collocation_rim_state_at_node(const struct collocation *
                                  p->result.x[i]);
 }
 
-/* As collocation_correction_of: the slopes of the rates with d, times the integral of y. */
+/* collocation_correction_of at a rim: the derivatives of the rates with respect to d, times the integral of
+ * y. */
 static struct collocation_correction collocation_rim_correction(const struct collocation *p,
                                                                 const struct rim_state *at,
                                                                 struct vec3 acceleration, double y,
@@ -425,8 +452,8 @@ static void collocation_rim_guess(struct collocation *p, double half)
     for (int i = 0; i < p->nodes->points; ++i) {
         const double t = half * (1.0 + p->nodes->node[i]);
         struct rim_slopes slopes = first;
-        slopes.azimuth += 0.5 * t * first.round / (at.rho * at.rho);
-        slopes.tilt += 0.5 * t * first.over / (at.d * at.d);
+        slopes.azimuth += 0.5 * t * first.azimuth_momentum / (at.rho * at.rho);
+        slopes.tilt += 0.5 * t * first.tilt_momentum / (at.d * at.d);
         put_rim_rates(p, i, t, &slopes, &p->result.n, &p->result.h);
     }
 }
@@ -443,7 +470,7 @@ static void collocation_rim_load(const struct collocation *p, double *values, do
     }
 }
 
-/* Two rows from their rates; returns the largest change. */
+/* Integrates two rows from their rates; returns the largest change. */
 static double rim_integrate(const struct collocation *p, const struct nodal_vec3 *rate,
                             struct nodal_vec3 *sum)
 {
@@ -473,8 +500,9 @@ static double collocation_rim_turn(struct collocation *p)
     for (int i = 0; i < p->nodes->points; ++i) {
         const struct vec3 h = vec3_sub(rim_row(&p->result.h, i), p->result.momentum_correction);
         const double scale = p->from.rim.rho / distance;
-        p->result.n_rate.x[i] = p->half * scale * (p->from.rim.round + scale * h.x) * per_rho_squared[i];
-        p->result.n_rate.y[i] = p->half * (p->from.rim.over + h.y) * per_d_squared[i];
+        p->result.n_rate.x[i] =
+            p->half * scale * (p->from.rim.azimuth_momentum + scale * h.x) * per_rho_squared[i];
+        p->result.n_rate.y[i] = p->half * (p->from.rim.tilt_momentum + h.y) * per_d_squared[i];
     }
     return fmax(by_momentum, distance * rim_integrate(p, &p->result.n_rate, &p->result.n));
 }
@@ -500,13 +528,7 @@ static void collocation_rim_at_node(const struct collocation *p, int node, struc
     *normal = collocation_in_world(p, rim_normal(&at));
 }
 
-static struct vec3 acceleration_at_rim(const struct collocation *p, double t)
-{
-    const struct vec3 *a = p->local.acceleration;
-    return vec3_axpy(vec3_axpy(a[0], t, a[1]), t * t, a[2]);
-}
-
-/* The state at s; x as collocation_deviation says, or the averaged one. */
+/* The state at s; x of collocation_deviation, or averaged. */
 static struct rim_state rim_state_then(const struct collocation *p, double s, const double x[4])
 {
     const struct lobatto *nodes = p->nodes;
@@ -523,7 +545,7 @@ static struct rim_state rim_state_then(const struct collocation *p, double s, co
     h = vec3_sub(h, p->result.momentum_correction);
     const struct rim_state then = collocation_rim_state(p, n, h, x[0]);
     const struct collocation_correction correction = collocation_rim_correction(
-        p, &then, acceleration_at_rim(p, p->half * s), x[0] - slow[0], x[1] - slow[1]);
+        p, &then, acceleration_then(p, p->half * s), x[0] - slow[0], x[1] - slow[1]);
     return collocation_rim_state(p, vec3_add(n, correction.normal), vec3_add(h, correction.momentum), x[0]);
 }
 
@@ -549,7 +571,7 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
         tilt[0] += nodal_integral(p->result.tilt_rate, points, s) - p->result.normal_correction.y;
         tilt[1] = nodal_polynomial_at(p->result.tilt_rate, points, s);
         tilt[2] = nodal_slope(p->result.tilt_rate, points, s);
-        if (p->kind != COLLOCATION_RESOLVED) { /* what y adds, as collocation_rim_correction says */
+        if (p->kind != COLLOCATION_RESOLVED) { /* the part by y, as in collocation_rim_correction */
             double slow[4];
             collocation_averaged_deviation(p, s, slow);
             const double by = -2.0 * tilt[1] / (p->from.reach + x[0]);
@@ -563,11 +585,11 @@ void collocation_edges(const struct collocation *p, double s, const double x[4],
     rim_edges(tilt, p->from.reach, radial, axial);
 }
 
-/* Dense output of a collocated step: x at any s, and what y adds to n and H. */
+/* Dense output of a collocated step. */
 
-/* Parts of the interior error that remain at the end of a step of four radians with eight nodes: of the
- * quadrature, and of products of an oscillation as large as d. Measured in tests/unit/collocation.c, with a
- * margin of three or more. */
+/* Parts of the interior error at the end of a step of four radians with eight nodes: LEFT_AT_END by the
+ * quadrature, and LEFT_OF_PRODUCTS by products of an oscillation as large as d. Measured on
+ * random steps, with a margin of three or more. */
 static const double LEFT_AT_END = 1e-4;
 static const double LEFT_OF_PRODUCTS = 2e-2;
 
@@ -575,8 +597,8 @@ double collocation_error_near_end(const struct collocation *p, double s)
 {
     const int points = p->nodes->points;
     const double swing = (fabs(p->result.y) + fabs(p->result.y_rate)) / p->local.distance;
-    /* A polynomial that is zero at the nodes has a slope at the last one below the square of their number,
-     * relative to its size. */
+    /* a polynomial that is zero at the nodes has a slope at the last node below points^2, relative to its
+     * size */
     const double off_node = points * points * fabs(2.0 - s);
     return p->result.interior_error * fmin(1.0, LEFT_AT_END + LEFT_OF_PRODUCTS * swing + off_node);
 }
@@ -586,7 +608,7 @@ void collocation_averaged_deviation(const struct collocation *p, double s, doubl
     nodal_derivatives(p->result.slow, p->result.terms, s, x);
 }
 
-/* y and its derivatives, added to x. */
+/* Adds y and its derivatives to x. */
 static void add_oscillation(const struct collocation *p, double y, double y_rate, double x[4])
 {
     const double bend = -p->result.oscillator.damping_rate * y_rate - p->result.oscillator.omega2 * y;
@@ -648,28 +670,7 @@ void collocation_overdamped_push(const struct collocation *p, double s, double p
     }
 }
 
-double collocation_oscillation_integral(const struct collocation *p, double y, double y_rate)
-{
-    /* A single decay has y' = -faster y: the same, but also good without a spring. */
-    const double integral =
-        p->kind == COLLOCATION_OVERDAMPED
-            ? -y / oscillator_rates_of(&p->result.oscillator).faster
-            : -(y_rate + p->result.oscillator.damping_rate * y) / p->result.oscillator.omega2;
-    return p->half * integral;
-}
-
-struct collocation_correction collocation_correction_of(const struct collocation *p, double y, double y_rate,
-                                                        struct vec3 n, struct vec3 h,
-                                                        struct vec3 acceleration, double d)
-{
-    const double correction = collocation_oscillation_integral(p, y, y_rate);
-    return (struct collocation_correction){vec3_scale(-2.0 * correction / (d * d * d), vec3_cross(h, n)),
-                                           vec3_scale(correction, vec3_cross(n, acceleration))};
-}
-
-/* Dense output of a collocated step: dissipated energy and moments at any s. */
-
-/* The integral from 0 to s of the polynomial `a` times the rate of x without y. */
+/* The integral from 0 to s of the polynomial `a` times (x - y)'. */
 static double along_slow(const struct collocation *p, const double *a, double s)
 {
     const int points = p->nodes->points;
@@ -689,9 +690,9 @@ static double along_slow(const struct collocation *p, const double *a, double s)
     return nodal_integral(product, points, s);
 }
 
-/* The integral from 0 to s of the polynomial `a` times y', in closed form. With a spring: (Q y + Q' y' /
- * omega2)' = a y' where Q + Q'' / omega2 - damping_rate Q' / omega2 = a. A single decay: (Q y)' = a y' where
- * Q - Q' / faster = a. */
+/* The integral from 0 to s of the polynomial `a` times y', in closed form. With a spring (Q y + Q' y' /
+ * omega2)' = a y' where Q + Q'' / omega2 - damping_rate Q' / omega2 = a. A single decay has (Q y)' = a y'
+ * where Q - Q' / faster = a. */
 static double along_oscillation(const struct collocation *p, const double *a, double s, double y,
                                 double y_rate)
 {
@@ -714,8 +715,8 @@ static double along_oscillation(const struct collocation *p, const double *a, do
             nodal_slope(q, points, 0.0) * p->result.y_rate / mirrored.omega2);
 }
 
-/* From the oscillator's own balance of energy, exact at any frequency:
- * damping_rate x'^2 = -(x'^2 / 2 + omega2 x^2 / 2)' + f x', and (x' + e)^2 = x'^2 + 2 e x' + e^2. */
+/* By the oscillator's balance of energy, exact at any frequency: damping_rate x'^2 = -(x'^2 / 2 + omega2 x^2
+ * / 2)' + f x', and (x' + e)^2 = x'^2 + 2 e x' + e^2. */
 double collocation_dissipated(const struct collocation *p, double s)
 {
     const double damping_rate = p->from.damping_rate * p->half;
@@ -749,8 +750,8 @@ double collocation_dissipated(const struct collocation *p, double s)
     return sum / (p->half * p->half);
 }
 
-/* The integral from 0 to s of b y, b given by `values` at the nodes, by parts: with B' = b, (B y)' - B y' = b
- * y. */
+/* The integral from 0 to s of b y with b given by `values` at the nodes, by parts: with B' = b, (B y)' - B y'
+ * = b y. */
 static double moment_of_oscillation(const struct collocation *p, const double *values, double s)
 {
     const int points = p->nodes->points;
@@ -766,7 +767,6 @@ static double moment_of_oscillation(const struct collocation *p, const double *v
     return nodal_polynomial_at(b, points, s) * y - along_oscillation(p, b, s, y, x[1] - slow[1]);
 }
 
-/* c - c(0) and n at a node, in the world, the oscillation left out. */
 static void centre_at_node(const struct collocation *p, int i, struct vec3 *moved, struct vec3 *normal)
 {
     const struct vec3 start = {1.0, 0.0, 0.0};
@@ -796,14 +796,6 @@ double collocation_moment(const struct collocation *p, const struct vec3 weight[
     const double slow = nodal_integral(a, p->nodes->points, s);
     const double rest = p->kind == COLLOCATION_RESOLVED ? 0.0 : moment_of_oscillation(p, along, s);
     return p->half * (slow + rest);
-}
-
-/* Dense output of a collocated step: motion at any s. */
-
-static struct vec3 acceleration_then(const struct collocation *p, double t)
-{
-    return vec3_axpy(vec3_axpy(p->local.acceleration[0], t, p->local.acceleration[1]), t * t,
-                     p->local.acceleration[2]);
 }
 
 /* Change of n and H since the start, y included. */
@@ -849,11 +841,11 @@ static struct collocation_change centre_change_at(const struct collocation *p, d
     const double root = sqrt(1.0 + longer);
     normal_change =
         vec3_axpy(normal_change, -longer / (root * (1.0 + root)), vec3_add(normal, normal_change));
-    /* Differences of c = d n and c' = x' n + H x n / d, so that a short step keeps its digits. */
+    /* differences of c = d n and c' = x' n + H x n / d, by which a short step keeps its digits */
     const double grown = x[0] - p->from.deviation;
     const double radial = x[1] / p->half;
     struct vec3 gained = vec3_axpy(vec3_scale(radial, normal_change), radial - p->local.rate.x, normal);
-    if (!p->local.head_on) { /* which may be at the centre, where d = 0 */
+    if (!p->local.head_on) { /* a head-on motion may be at d = 0 */
         const struct vec3 swing = vec3_add(vec3_cross(momentum_change, vec3_add(normal, normal_change)),
                                            vec3_cross(p->local.momentum, normal_change));
         gained = vec3_axpy(gained, 1.0 / d, swing);
@@ -864,13 +856,13 @@ static struct collocation_change centre_change_at(const struct collocation *p, d
         collocation_in_world(p, gained), x[0]};
 }
 
-/* How a collocated step begins: its frame, what acts at the nodes, the first guess. */
+/* The start of a collocated step: its frame, the problem at the nodes, the first guess. */
 
 /* Rounding of a product with the frame's vectors, relative to its factors. */
 static const double FRAME_ROUNDING = 4.0 * DBL_EPSILON;
 
-/* The direction of the part of `a` perpendicular to n, if there is one. Projected twice, because the first
- * projection of a long `a` leaves rounding. */
+/* The direction of the part of `a` perpendicular to n, if there is one. The second projection takes away the
+ * rounding that the first one leaves of a long `a`. */
 static bool direction_across(struct vec3 n, struct vec3 a, struct vec3 *direction)
 {
     struct vec3 across = vec3_axpy(a, -vec3_dot(n, a), n);
@@ -897,7 +889,7 @@ static void set_frame(struct collocation *p)
     p->local.frame[2] = vec3_cross(n, along);
 }
 
-/* Whether a vector lies to rounding in the plane of the frame's first two; then a->z becomes zero. */
+/* Whether a vector lies in the plane of the frame's first two, to rounding; a->z then becomes zero. */
 static bool flatten(struct vec3 *a)
 {
     if (fabs(a->z) > FRAME_ROUNDING * (fabs(a->x) + fabs(a->y))) {
@@ -941,7 +933,7 @@ static double centre_load_at_start(const struct collocation *p)
            p->local.acceleration[0].x - mismatch;
 }
 
-/* The first guess of n and H, to second and first order. */
+/* The first guess: n to second and H to first order. */
 static void centre_guess(struct collocation *p, double half)
 {
     const struct vec3 n = {1.0, 0.0, 0.0};
@@ -958,7 +950,7 @@ static void centre_guess(struct collocation *p, double half)
     }
 }
 
-/* Of a head-on motion too, wherever that is. */
+/* Head-on motion takes this table at a rim too. */
 static const struct collocation_place about_centre = {centre_begin, centre_load_at_start, centre_guess,
                                                       centre_load,  centre_turn,          centre_mismatch,
                                                       NULL,         centre_at_node,       centre_change_at};
@@ -967,6 +959,7 @@ static const struct collocation_place about_rim = {
     collocation_rim_begin,     collocation_rim_load_at_start, collocation_rim_guess,
     collocation_rim_load,      collocation_rim_turn,          collocation_rim_mismatch,
     collocation_rim_keep_tilt, collocation_rim_at_node,       collocation_rim_change_at};
+
 struct collocation_change collocation_change_at(const struct collocation *p, double s)
 {
     return p->place->change_at(p, s);
@@ -1005,7 +998,7 @@ static struct vec3 polynomial_of_time(const struct vec3 *a, int terms, double t)
     return sum;
 }
 
-/* Adds y at the nodes to x (sign 1) or takes it out (sign -1). */
+/* Adds y at the nodes to x (sign 1) or subtracts it (sign -1). */
 static void add_oscillation_at_nodes(struct collocation *p, double sign)
 {
     for (int i = 0; i < p->nodes->points; ++i) {
@@ -1014,7 +1007,7 @@ static void add_oscillation_at_nodes(struct collocation *p, double sign)
     }
 }
 
-/* Extrapolates to the nodes of a step that is longer by `part`; takes y out of x. */
+/* Extrapolates to the nodes of a step that is longer by `part`, and subtracts y from x. */
 static void extrapolate(struct collocation *p, double part)
 {
     add_oscillation_at_nodes(p, -1.0);
@@ -1061,7 +1054,7 @@ void collocation_size(struct collocation *p, double step)
     if (p->work.sweeps == 0) {
         p->place->guess(p, 0.5 * step);
         for (int i = 0; i < p->nodes->points; ++i) {
-            p->result.x[i] = p->result.slow[0]; /* under the load as it begins */
+            p->result.x[i] = p->result.slow[0]; /* the equilibrium under the load at the start */
         }
     } else if (resolved) {
         extrapolate(p, longer - 1.0);

@@ -6,11 +6,11 @@
  *   x'' + damping_rate x' + omega2 x = f = |H|^2 / d^3 + n.A(t) - damping_rate n.E(t)
  *
  * x is the radial deviation from `reach`, the distance at which the bodies touch. A is the relative
- * acceleration without the contact force. E is the velocity mismatch: what the law's rate differs by from c',
- * where a prescribed velocity is not the derivative of its displacement. omega2 = p_n / m_red, damping_rate =
- * p_nv / m_red. The left side is solved exactly (oscillator.h), whatever its stiffness. f, n and H are
- * polynomials collocated at the Lobatto nodes (exponential collocation: Hochbruck and Ostermann, Acta
- * Numerica 19 (2010) 209; Lobatto IIIA: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5).
+ * acceleration without the contact force. E is the velocity mismatch, the law's rate less c': not zero where
+ * a prescribed velocity is not the derivative of its displacement. omega2 = p_n / m_red, damping_rate = p_nv
+ * / m_red. The left side is solved exactly (oscillator.h), whatever its stiffness. f, n and H are polynomials
+ * collocated at the Lobatto nodes (exponential collocation: Hochbruck and Ostermann, Acta Numerica 19 (2010)
+ * 209; Lobatto IIIA: Hairer and Wanner, Solving Ordinary Differential Equations II, IV.5).
  *
  * x = s + y: s is the particular solution for f, y the free oscillation from the start values. Three kinds of
  * step:
@@ -40,7 +40,7 @@ enum { COLLOCATION_ACCELERATION_TERMS = 3, COLLOCATION_MISMATCH_TERMS = 4 };
 struct collocation_problem {
     struct vec3 normal;                                       /* n, unit */
     struct vec3 rate;                                         /* c' [m/s] */
-    double radial;                                            /* x' [m/s]: n.c', or more accurate than that */
+    double radial;                                            /* x' = n.c', with more digits [m/s] */
     double reach;                                             /* [m] */
     double deviation;                                         /* x [m] */
     double omega2;                                            /* > 0 [1/s^2] */
@@ -48,43 +48,43 @@ struct collocation_problem {
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A [m/s^2, ...] */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E [m/s, ...] */
     bool has_mismatch;                                        /* whether E is other than zero */
-    bool at_rim;          /* of a capped cylinder: n, H and f are as in rim.h, and the rest */
-    struct rim_start rim; /* is as it is elsewhere */
+    bool at_rim; /* at the rim of a capped cylinder n, H and f are those of rim.h */
+    struct rim_start rim;
 };
 
 /* The problem in the frame of the start: n, the direction of the tangential motion, and their cross product.
- * In a plane motion, as most are, n has the first two components and H the third. */
+ * Most motions are plane: n has the first two components and H the third. */
 struct collocation_local {
     double distance;                                          /* d at the start [m] */
-    struct vec3 frame[3];                                     /* in the world; of a head-on motion n alone */
+    struct vec3 frame[3];                                     /* in the world; head-on n alone */
     struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS]; /* A */
     struct vec3 mismatch[COLLOCATION_MISMATCH_TERMS];         /* E */
     struct vec3 rate, momentum;                               /* c' [m/s] and H at the start [m^2/s] */
-    bool planar;                                              /* but for rounding */
-    bool head_on;                                             /* n is constant: c', A and n are parallel */
+    bool planar;                                              /* plane motion, to rounding */
+    bool head_on;                                             /* c' and A are along n, which is constant */
 };
 
-/* What the iteration works with. */
+/* Data of the iteration. */
 struct collocation_work {
-    struct nodal_vec3 acceleration_at, drive_at; /* at the nodes: A, A - damping_rate E */
-    struct nodal_vec3 mismatch_at;               /* half E, if there is any */
-    int sweeps;                                  /* so far */
+    struct nodal_vec3 acceleration_at, drive_at; /* A and A - damping_rate E at the nodes */
+    struct nodal_vec3 mismatch_at;               /* half E at the nodes, if E is not zero */
+    int sweeps;                                  /* number of sweeps so far */
 };
 
-/* What it finds; vectors in the frame of the start. */
+/* Result of the iteration; vectors are in the frame of the start. */
 struct collocation_result {
-    /* the part of n and H at the start due to y; zero if resolved */
+    /* part of n and H at the start that is due to y; zero if resolved */
     struct vec3 normal_correction, momentum_correction;
-    struct nodal_vec3 n, h;           /* at the nodes: change of n and H since the start, y left out */
-    struct nodal_vec3 n_rate, h_rate; /* d/ds of these */
-    nodal_values x;                   /* at the nodes; with y only if resolved */
+    struct nodal_vec3 n, h;           /* change of n and H since the start at the nodes, without y */
+    struct nodal_vec3 n_rate, h_rate; /* d/ds of n and h */
+    nodal_values x;                   /* x at the nodes; includes y only if resolved [m] */
     nodal_values load;                /* half^2 f, coefficients of s - 1 [m] */
-    nodal_values slow;                /* x without y, likewise [m] */
-    nodal_values normal_mismatch;     /* half n.E, likewise [m] */
-    nodal_values tilt_rate;         /* at a rim, once the iteration has converged: n_rate.y, likewise [rad] */
-    nodal_values y_of_y, y_of_rate; /* the free oscillation's basis at the nodes, if resolved */
-    int terms;                      /* coefficients of `slow` that matter */
-    /* of y, per s; averaged: omega2 corrected by the mean of -df/dx */
+    nodal_values slow;                /* x without y, coefficients of s - 1 [m] */
+    nodal_values normal_mismatch;     /* half n.E, coefficients of s - 1 [m] */
+    nodal_values tilt_rate;           /* n_rate.y at a rim, coefficients of s - 1 [rad] */
+    nodal_values y_of_y, y_of_rate;   /* basis of the free oscillation at the nodes, if resolved */
+    int terms;                        /* number of coefficients of `slow` above rounding */
+    /* the oscillator of y, per s; an averaged step corrects omega2 by the mean of -df/dx */
     struct oscillator oscillator;
     double y, y_rate;      /* at the start [m] */
     double interior_error; /* estimated truncation error between the ends [m] */
@@ -103,7 +103,7 @@ struct collocation {
     struct collocation_result result;
 };
 
-/* Whether the iteration converged to `tolerance` [m]. Of the step > 0 [s] times the oscillator's rates
+/* Whether the iteration converged to `tolerance` [m]. The step [s] times the oscillator's rates
  * (oscillator_rates_of) must be
  *   resolved   3 or more (oscillator_particular), not much more than 4 (the nodes), below critical damping
  *   averaged   the slower 3 or more
@@ -111,47 +111,39 @@ struct collocation {
 bool collocation_make(struct collocation *p, const struct collocation_problem *from, double step,
                       enum collocation_kind kind, const struct lobatto *nodes, double tolerance);
 
-/* The same in parts, for a step that is to end at an event.
- *   begin    constant load: x alone, for collocation_deviation and collocation_mismatch
- *   size     sets the length of the step; after a sweep only a small change is allowed
- *   sweep    one iteration; returns the largest change [m]
- *   finish   iterates to convergence; `before` is the change of an earlier sweep, 0 without one */
+/* collocation_make in parts, for a step that is to end at an event.
+ *   begin    x under a constant load, for collocation_deviation and collocation_mismatch
+ *   size     sets the length of the step; after a sweep it may change the length only a little
+ *   sweep    makes one iteration and returns the largest change [m]
+ *   finish   iterates to convergence; `before` is the change by an earlier sweep, 0 without one */
 void collocation_begin(struct collocation *p, const struct collocation_problem *from, double step,
                        enum collocation_kind kind, const struct lobatto *nodes);
 void collocation_size(struct collocation *p, double step);
 double collocation_sweep(struct collocation *p);
 bool collocation_finish(struct collocation *p, double before, double tolerance);
 
-/* Of a resolved step: its error at s close to its end, where the order of the nodes' quadrature counts
- * [m]. */
+/* Error of a resolved step at s close to its end, where the order of the nodes' quadrature counts [m]. */
 double collocation_error_near_end(const struct collocation *p, double s);
 
-/* x and its first three derivatives; n.E half and its first two. */
+/* x and its first three derivatives; half n.E and its first two. */
 void collocation_deviation(const struct collocation *p, double s, double x[4]);
 void collocation_deviation_at_node(const struct collocation *p, int node, double x[4]);
 void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[3]);
 
-/* The contact force over m_red, half^2 (x'' - n.A - |H|^2 / d^3) = -(omega2 x + damping_rate (x' + n.E)), and
- * its first two derivatives, from x'' and f, because in overdamped contact spring and dashpot nearly cancel.
- * Overdamped steps only. */
+/* The contact force over m_red of an overdamped step, half^2 (x'' - n.A - |H|^2 / d^3) = -(omega2 x +
+ * damping_rate (x' + n.E)), and its first two derivatives. They come from x'' and f, because spring and
+ * dashpot nearly cancel. */
 void collocation_overdamped_push(const struct collocation *p, double s, double push[3]);
 
-/* x without y (the averaged deviation), and its derivatives. */
+/* x without y, the averaged deviation, and its first three derivatives. */
 void collocation_averaged_deviation(const struct collocation *p, double s, double x[4]);
 
-/* Change of n and H, in the frame, by an oscillation (y, y') while load, acceleration and d stay constant:
- * their rates are P y with a slowly varying P, and the integral of P y is -P (y' + damping_rate y) / omega2,
- * up to terms smaller by the ratio of the slow rate to the oscillation's. */
+/* Change of n and H, in the frame, by an oscillation (y, y') while load, acceleration and d stay constant.
+ * Their rates are P y with a slowly varying P. The integral of P y is -P (y' + damping_rate y) / omega2, up
+ * to terms smaller by the ratio of the slow rate to the oscillation's. */
 struct collocation_correction {
     struct vec3 normal, momentum;
 };
-
-struct collocation_correction collocation_correction_of(const struct collocation *p, double y, double y_rate,
-                                                        struct vec3 n, struct vec3 h,
-                                                        struct vec3 acceleration, double d);
-
-/* The integral of y over time, as y and y' are then [m s]. */
-double collocation_oscillation_integral(const struct collocation *p, double y, double y_rate);
 
 struct collocation_change {
     struct vec3 moved;  /* c(s) - c(0) [m] */
@@ -159,15 +151,15 @@ struct collocation_change {
     double deviation;   /* x(s) [m] */
 };
 
-/* In the world. Exact at s = 2 to the collocation's order at its ends, before that to its interior error. */
+/* The change at s, in the world. Its error at s = 2 is of the collocation's order at its ends, before that
+ * the interior error. */
 struct collocation_change collocation_change_at(const struct collocation *p, double s);
 
-/* Energy dissipated by the dashpot per unit of mass, the integral from 0 to s of damping_rate (x' + n.E)^2 dt
- * [m^2/s^2]. */
+/* Energy that the dashpot dissipates per unit of mass, the integral from 0 to s of damping_rate (x' + n.E)^2
+ * dt [m^2/s^2]. */
 double collocation_dissipated(const struct collocation *p, double s);
 
-/* At a rim: reach cos(tilt) and reach sin(tilt), which are zero where its zone ends, and two derivatives; x
- * with or without y. */
+/* rim_edges at s of a step at a rim; x with or without y. */
 void collocation_edges(const struct collocation *p, double s, const double x[4], double radial[3],
                        double axial[3]);
 

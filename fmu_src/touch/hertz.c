@@ -1,11 +1,20 @@
 #include <float.h>
+#include <string.h>
 
+#include "math/compiler.h"
+#include "math/lu.h"
+#include "math/node_tables.h"
 #include "math/polynomial.h"
-#include "touch/hertz.h"
 #include "touch/segment.h"
-#include "touch/terminal_event.h"
 
-double hertz_depth_under(const struct contact_pair *from, double acceleration)
+/*
+ * Segments under Hertz's law alone, F_n = k_h delta^(3/2) (1 + chi delta'): the closed form of an undamped
+ * head-on impact, lasting contact without its oscillation, and how long bodies at the touch hardly feel each
+ * other.
+ */
+
+/* Penetration at which the force balances an acceleration [m/s^2] of the reduced mass [m]. */
+static double hertz_depth_under(const struct contact_pair *from, double acceleration)
 {
     const double ratio = acceleration * from->reduced_mass / from->hertz_stiffness;
     return cbrt(ratio * ratio);
@@ -23,10 +32,24 @@ double hertz_depth_to_come(const struct contact_pair *from, double opening)
     return fmax(fmax(by_speed, by_load), -from->gap);
 }
 
+/*
+ * A head-on impact by Hertz's law without damping, under a constant relative acceleration L that presses the
+ * bodies together (negative: pulls them apart), in closed form up to one quadrature.
+ *
+ *   v^2 = e + 2 L delta - (4/5) k delta^(5/2),   k = k_h / m_red,   e: the square of the speed at the touch
+ *
+ * With delta = delta_max u^2 and u = 1 - w^2 the right side is w^2 P(u), P of degree four, and
+ *
+ *   delta' = -w sqrt(P),   dt = 4 delta_max u / sqrt(P) dw:
+ *
+ * the touch is at w = -1, the deepest place at 0, the release at 1, and nothing is singular in between.
+ * Variable s = w less w at the start.
+ */
+
 /* Gauss-Legendre rule on [-1, 1], 26 points, the positive half. The nearest singularities of dt/dw are the
- * roots of P: of an impact without load at w = +-0.966 +- 0.492 i, on the ellipse about -1 and 1 whose half
- * axes add up to 2.03. Over a whole impact the rule is off by 2.03^-52 = 1e-16; with the largest load allowed
- * the ellipse is of 1.93, and that is 1e-15. */
+ * roots of P. For an impact without load they are at w = +-0.966 +- 0.492 i, on the ellipse about -1 and 1
+ * whose half axes add up to 2.03, and the error over a whole impact is 2.03^-52 = 1e-16. The largest load
+ * allowed makes it 1.93 and 1e-15. */
 static const struct {
     double node, weight;
 } gauss[] = {
@@ -41,16 +64,17 @@ static const struct {
 
 enum { GAUSS_HALF = sizeof gauss / sizeof gauss[0] };
 
-/* Newton's method for delta_max from a place near it. */
+/* Most steps of Newton's method for delta_max. */
 enum { DEEPEST_STEPS = 50 };
 
-/* P and its first two derivatives: e (1 + u + u^2 + u^3 + u^4) + 2 L delta_max u^2 (1 + u + u^2). */
+/* P = e (1 + u + u^2 + u^3 + u^4) + 2 L delta_max u^2 (1 + u + u^2). */
 static inline double elastic_polynomial(const struct hertz_elastic *p, double u)
 {
     const double high = p->touch + p->pressed;
     return p->touch + u * (p->touch + u * high * (1.0 + u * (1.0 + u)));
 }
 
+/* P' and P''. */
 static void elastic_polynomial_slopes(const struct hertz_elastic *p, double u, double out[2])
 {
     const double high = p->touch + p->pressed;
@@ -58,6 +82,7 @@ static void elastic_polynomial_slopes(const struct hertz_elastic *p, double u, d
     out[1] = high * (2.0 + u * (6.0 + u * 12.0));
 }
 
+/* u by w. */
 static inline double elastic_root(double w)
 {
     return (1.0 - w) * (1.0 + w);
@@ -83,14 +108,14 @@ static double elastic_time_between(const struct hertz_elastic *p, double w, doub
     return 4.0 * p->deepest * half * sum;
 }
 
-/* (4/5) k delta^(5/2) */
+/* Twice the stored energy by mass, (4/5) k delta^(5/2) [m^2/s^2]. */
 static double elastic_stored(double k, double depth)
 {
     return 0.8 * k * depth * depth * sqrt(depth);
 }
 
-/* The root of (4/5) k delta^(5/2) = e + 2 L delta, convex: from the first step on Newton's method comes down
- * to it. */
+/* delta_max, the root of (4/5) k delta^(5/2) = e + 2 L delta. The function is convex: Newton's method comes
+ * down to the root from the first step on. */
 static double elastic_deepest(double k, double load, double touch)
 {
     double depth = pow(1.25 * touch / k, 0.4);
@@ -106,7 +131,9 @@ static double elastic_deepest(double k, double load, double touch)
     return depth;
 }
 
-bool hertz_elastic_make(struct hertz_elastic *p, const struct contact_pair *from)
+/* Whether the motion is of this kind and the impact is fast: e >= 4 L delta_max. A contact that hardly parts
+ * is not. */
+static bool elastic_solve(struct hertz_elastic *p, const struct contact_pair *from)
 {
     const double k = from->hertz_stiffness / from->reduced_mass;
     const double depth = fmax(-from->gap, 0.0);
@@ -131,7 +158,7 @@ bool hertz_elastic_make(struct hertz_elastic *p, const struct contact_pair *from
     return p->end > 0.0 && isfinite(p->end_time);
 }
 
-double hertz_elastic_time(const struct hertz_elastic *p, double s)
+static double elastic_time(const struct hertz_elastic *p, double s)
 {
     return s == p->end ? p->end_time : s == 0.0 ? 0.0 : elastic_time_between(p, p->start, s);
 }
@@ -144,14 +171,20 @@ struct elastic_time_left {
 static void elastic_time_left_at(const void *elastic_time_left, double s, double *value, double *slope)
 {
     const struct elastic_time_left *left = elastic_time_left;
-    *value = hertz_elastic_time(left->of, s) - left->time;
+    *value = elastic_time(left->of, s) - left->time;
     *slope = 4.0 * left->of->deepest * elastic_pace(left->of, left->of->start + s);
 }
 
-double hertz_elastic_place(const struct hertz_elastic *p, double time)
+double hertz_elastic_time(const struct segment *p, double s)
 {
-    const struct elastic_time_left left = {p, time};
-    return time < p->end_time ? root_in_bracket(elastic_time_left_at, &left, 0.0, p->end) : p->end;
+    return elastic_time(&p->as.hertz_elastic, s);
+}
+
+double hertz_elastic_place(const struct segment *p, double time)
+{
+    const struct hertz_elastic *made = &p->as.hertz_elastic;
+    const struct elastic_time_left left = {made, time};
+    return time < made->end_time ? root_in_bracket(elastic_time_left_at, &left, 0.0, made->end) : made->end;
 }
 
 void hertz_elastic_sample(const void *hertz_elastic, double s, struct pair_sample *sample)
@@ -176,36 +209,25 @@ void hertz_elastic_sample(const void *hertz_elastic, double s, struct pair_sampl
     sample->of[PAIR_FORCE][2] = by_root * u * (24.0 * w * w - 6.0 * u);
 }
 
-/* The work of paths that are constant, as in pair.c. */
-struct pair_change hertz_elastic_change(const void *hertz_elastic, double s)
+struct pair_change hertz_elastic_advance(const void *hertz_elastic, double s)
 {
     const struct hertz_elastic *p = hertz_elastic;
     const struct contact_pair *from = p->from;
     struct pair_sample at;
     hertz_elastic_sample(p, s, &at);
-    const double time = hertz_elastic_time(p, s);
+    const double time = elastic_time(p, s);
     const double rate = pair_gap_derivative(from);
     const double r = at.of[PAIR_GAP][0] - from->gap - (rate - 0.5 * p->load * time) * time;
     const double r_rate = at.of[PAIR_GAP_RATE][0] - rate + p->load * time;
-    struct pair_change change = {.time = time,
-                                 .r = vec3_scale(from->shape.side * r, from->normal),
-                                 .r_rate = vec3_scale(from->shape.side * r_rate, from->normal),
-                                 .gap = at.of[PAIR_GAP][0],
-                                 .dissipated = 0.0};
-    for (int end = 0; end < PAIR_BODIES; ++end) {
-        const struct pair_work *work = &from->work[end];
-        const struct vec3 by = work->order == 1 ? change.r : change.r_rate;
-        change.work[end] = work->order == 0 ? 0.0 : vec3_dot(work->path[0], by);
-    }
-    return change;
+    return pair_change_along_normal(from, time, r, r_rate, at.of[PAIR_GAP][0]);
 }
 
-/* Under Hertz's law: how long bodies at the touch hardly feel each other, and how contact ends. */
+/* How long bodies at the touch hardly feel each other, and how contact ends. */
 
-/* A contact force of this part of the load is none. */
+/* A contact force below this part of the load is negligible. */
 static const double NO_FORCE = 0.5 * DBL_EPSILON;
 
-/* Halvings of a step at most: from the longest to the shortest that double precision tells apart. */
+/* Most halvings of a step: from the longest to the shortest in double precision. */
 enum { HALVINGS = 1100 };
 
 /* Bounds of penetration [m] and relative acceleration [m/s^2] after a time without contact force. */
@@ -224,25 +246,16 @@ static struct coasting coasting_to(const struct contact_pair *from, double time)
                              load + 6.0 * cubic + 12.0 * quartic};
 }
 
-double hertz_pressing_load(const struct contact_pair *from)
-{
-    return -from->shape.side *
-           (pair_turning(from, from->distance) + 2.0 * vec3_dot(from->normal, from->flight.c[2]));
-}
-
-/* Whether bodies that part at this speed come back before it has brought them apart by the depth at which the
- * force is nothing beside the load. An oscillation that touches zero is to have no events on rounding. */
+/* Whether bodies that part at this speed come back before the gap grows to the depth at which the force is
+ * negligible beside the load, so that an oscillation that touches zero has no events by rounding. */
 static bool hardly_parts(const struct contact_pair *from, double speed)
 {
-    const double load = hertz_pressing_load(from);
+    const double load = pair_pressing_load(from);
     return load > 0.0 && speed * speed <= 2.0 * load * hertz_depth_under(from, NO_FORCE * load);
 }
 
-/*
- * At rest at the touch, or nearly so, u = sqrt(delta) is no variable to begin with. For how long the
- * contact's force stays nothing beside the load [s]; 0 where it is not, or where the bodies move on their
- * own.
- */
+/* A series by u = sqrt(delta) cannot begin at rest at the touch, or nearly so: the bodies then coast until
+ * the force is no longer negligible. */
 double hertz_coasting_time(const struct segment *p)
 {
     const struct contact_pair *from = &p->pair;
@@ -255,8 +268,8 @@ double hertz_coasting_time(const struct segment *p)
     double time = p->longest;
     for (int i = 0; i < HALVINGS && time > 0.0; ++i) {
         const struct coasting then = coasting_to(from, time);
-        /* four: penetration, speed and load bring one depth each, and the force is a little more than
-         * proportional */
+        /* four: penetration, speed and load bring one depth each, and the force grows a little faster than
+         * the depth */
         if (then.depth <= 4.0 * hertz_depth_under(from, NO_FORCE * then.acceleration)) {
             return time;
         }
@@ -288,21 +301,808 @@ bool hertz_elastic_applies(const struct segment *p)
     return contact_is_hertz(&p->pair.law) && p->pair.chi == 0.0 && !contact_is_rim(&p->pair.shape);
 }
 
-bool hertz_elastic_segment_make(struct segment *p)
+bool hertz_elastic_make(struct segment *p)
 {
     struct hertz_elastic *made = &p->as.hertz_elastic;
-    if (!hertz_elastic_make(made, &p->pair)) {
+    if (!elastic_solve(made, &p->pair)) {
         return false;
     }
     const bool parts = made->end_time <= p->longest;
     p->clear_of_centre = true;
-    p->end = parts ? made->end : hertz_elastic_place(made, p->longest);
-    p->unit = hertz_elastic_time(made, p->end) / p->end;
+    p->end = parts ? made->end : hertz_elastic_place(p, p->longest);
+    p->unit = elastic_time(made, p->end) / p->end;
     dense_output_add(&p->output, 0.0);
-    if (made->start < 0.0 && -made->start < p->end) { /* the deepest place, where each has one extremum */
+    if (made->start < 0.0 &&
+        -made->start < p->end) { /* every quantity has its extremum at the deepest place */
         dense_output_add(&p->output, -made->start);
     }
     dense_output_add(&p->output, p->end);
     hertz_find_terminal_event(p, parts ? p->end : (double)INFINITY);
     return p->end > 0.0;
+}
+
+/*
+ * Quasi-static motion: a lasting contact whose oscillation has died away, in steps as long as the tangential
+ * motion allows, whatever the stiffness.
+ *
+ *   n' = H x n / d^2,   H' = d n x A,   d = reach - side delta,
+ *   delta'' = L - (k_h / m_red) delta^(3/2) (1 + chi delta'),   L = -side (|H|^2 / d^3 + n.A)
+ *
+ * by Radau IIA collocation with twelve stages (Hairer and Wanner, Solving Ordinary Differential Equations II,
+ * IV.5). Only the last equation is stiff and takes Newton's method; n and H follow by sweeps. The method
+ * damps away what oscillates or decays faster than the step, so the step is only taken where that is within
+ * tolerance.
+ *
+ * Variable s in [0, 2] over the step: time = half s. Vectors are in the frame of the start (frame_flight).
+ */
+
+/* n, H, delta and d delta/ds at s. */
+struct slow_place {
+    double turned[QUASI_STATIC_TURNING];
+    double depth, rate;
+};
+
+/* slow_factor a x b */
+static inline void slow_cross(const double *a, const double *b, double slow_factor, double out[FRAME])
+{
+    out[0] = slow_factor * (a[1] * b[2] - a[2] * b[1]);
+    out[1] = slow_factor * (a[2] * b[0] - a[0] * b[2]);
+    out[2] = slow_factor * (a[0] * b[1] - a[1] * b[0]);
+}
+
+static inline double slow_distance(const struct quasi_static *p, double depth)
+{
+    return p->from->distance - p->from->shape.side * (depth - p->depth_start);
+}
+
+/* Whether a component of n or H changes. */
+static inline bool is_turning(const struct quasi_static *p, int row)
+{
+    if (contact_is_rim(&p->from->shape)) { /* the third rows of n and H are zero */
+        return p->flight.dimensions > 1 && row % FRAME < 2;
+    }
+    const bool in_plane = row == 0 || row == 1 || row == QUASI_STATIC_TURNING - 1;
+    return p->flight.dimensions == 3 || (p->flight.dimensions == 2 && in_plane);
+}
+
+/* d2 delta/ds2 by the contact force [m], and its derivatives with respect to delta and d delta/ds. */
+static inline void slow_law(const struct quasi_static *p, double depth, double rate, double out[3])
+{
+    const double root = sqrt(depth);
+    const double scale = p->half * p->half * p->k;
+    const double damping = 1.0 + p->from->chi * rate / p->half;
+    out[0] = scale * depth * root * damping;
+    out[1] = 1.5 * scale * root * damping;
+    out[2] = scale * depth * root * p->from->chi / p->half;
+}
+
+/* How n and H turn about a centre or at a rim. About a centre their rows are along the frame's vectors. */
+struct quasi_static_turning {
+    /* One sweep at fixed delta: H by n, then n by that H, so that the error falls by two powers of the
+     * radians in the step. Returns the largest change of n. */
+    double (*sweep)(struct quasi_static *p);
+    void (*load)(const struct quasi_static *p, double load[QUASI_STATIC_N]); /* half^2 L [m] at the nodes */
+    void (*normal)(const struct quasi_static *p, const struct slow_place *at,
+                   double n[FRAME]); /* in the frame */
+    /* r and r' at a place, in the frame */
+    void (*deviation)(const struct quasi_static *p, const struct slow_place *at, double s, double r[FRAME],
+                      double r_rate[FRAME]);
+};
+
+/* The relative acceleration of flight at a time, in the frame [m/s^2]. */
+static void slow_acceleration(const struct frame_flight *flight, double time, double out[FRAME])
+{
+    for (int j = 0; j < FRAME; ++j) {
+        out[j] = 0.0;
+        for (int k = flight->degree; k >= 2; --k) {
+            out[j] = out[j] * time + k * (k - 1) * flight->c[k][j];
+        }
+    }
+}
+
+/* A at the nodes. */
+static void slow_note_pull(struct quasi_static *p)
+{
+    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+        slow_acceleration(&p->flight, p->half * (1.0 + radau.node[i]), p->pull[i]);
+    }
+}
+
+static double slow_dot(const double *a, const double *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* n and H at a node. */
+static void turned_at(const struct quasi_static *p, int node, double at[QUASI_STATIC_TURNING])
+{
+    for (int j = 0; j < QUASI_STATIC_TURNING; ++j) {
+        at[j] = p->start[j] + p->turned[j][node];
+    }
+}
+
+/* Integrates n (first = 0) or H (first = FRAME) from their rates; returns the largest change by this
+ * sweep. */
+static double integrate_turning(struct quasi_static *p, int first)
+{
+    double change = 0.0;
+    for (int j = first; j < first + FRAME; ++j) {
+        if (is_turning(p, j)) {
+            change = fmax(change, nodal_integrate(&radau, p->turning[j], p->turned[j]));
+        }
+    }
+    return change;
+}
+
+static double slow_centre_sweep(struct quasi_static *p)
+{
+    if (p->flight.dimensions == 1) {
+        return 0.0;
+    }
+    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+        double at[QUASI_STATIC_TURNING];
+        double rate[FRAME];
+        turned_at(p, i, at);
+        slow_cross(at, p->pull[i], p->half * slow_distance(p, p->depth[i]), rate);
+        for (int j = 0; j < FRAME; ++j) {
+            p->turning[FRAME + j][i] = rate[j];
+        }
+    }
+    (void)integrate_turning(p, FRAME);
+    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+        const double d = slow_distance(p, p->depth[i]);
+        double at[QUASI_STATIC_TURNING];
+        double rate[FRAME];
+        turned_at(p, i, at);
+        slow_cross(at + FRAME, at, p->half / (d * d), rate);
+        for (int j = 0; j < FRAME; ++j) {
+            p->turning[j][i] = rate[j];
+        }
+    }
+    return integrate_turning(p, 0);
+}
+
+static void slow_centre_load(const struct quasi_static *p, double load[QUASI_STATIC_N])
+{
+    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+        double at[QUASI_STATIC_TURNING];
+        turned_at(p, i, at);
+        double push = slow_dot(at, p->pull[i]);
+        if (p->flight.dimensions > 1) {
+            const double *h = at + FRAME;
+            const double d = slow_distance(p, p->depth[i]);
+            push += slow_dot(h, h) / (d * d * d);
+        }
+        load[i] = -p->from->shape.side * p->half * p->half * push;
+    }
+}
+
+static void slow_centre_deviation(const struct quasi_static *p, const struct slow_place *at, double s,
+                                  double r[FRAME], double r_rate[FRAME])
+{
+    const double time = p->half * s;
+    const double d = slow_distance(p, at->depth);
+    const double radial = -p->from->shape.side * at->rate / p->half;
+    double along[FRAME] = {0.0, 0.0, 0.0};
+    slow_cross(at->turned + FRAME, at->turned, 1.0 / d, along);
+    for (int j = 0; j < FRAME; ++j) {
+        double c = 0.0;
+        double w = 0.0;
+        for (int k = p->flight.degree; k >= 1; --k) {
+            c = (c + p->flight.c[k][j]) * time;
+            w = w * time + k * p->flight.c[k][j];
+        }
+        const double start = j == 0 ? p->from->distance : 0.0;
+        const bool counts = j < p->flight.dimensions;
+        r[j] = counts ? (d * at->turned[j] - start) - c : 0.0;
+        r_rate[j] = counts ? radial * at->turned[j] + along[j] - w : 0.0;
+    }
+}
+
+static void slow_centre_normal(const struct quasi_static *p, const struct slow_place *at, double n[FRAME])
+{
+    (void)p;
+    memcpy(n, at->turned, FRAME * sizeof *n);
+}
+
+static const struct quasi_static_turning about_a_centre = {slow_centre_sweep, slow_centre_load,
+                                                           slow_centre_normal, slow_centre_deviation};
+
+/*
+ * At the rim of a capped cylinder, in the coordinates of rim.h. The rows of n hold the changes of azimuth and
+ * tilt, the rows of H the changes of their momenta; the third rows are zero.
+ */
+
+/* Rows of azimuth and tilt, then of their momenta. */
+enum { RIM_ROWS = 4 };
+static const int rim_rows[RIM_ROWS] = {0, 1, FRAME, FRAME + 1};
+
+static struct rim_state slow_rim_state(const struct quasi_static *p,
+                                       const double turned[QUASI_STATIC_TURNING], double depth)
+{
+    double change[RIM_ROWS];
+    for (int k = 0; k < RIM_ROWS; ++k) {
+        change[k] = turned[rim_rows[k]];
+    }
+    return rim_state_of(&p->rim, change, p->depth_start - depth);
+}
+
+static struct rim_slopes slow_rim_slopes(const struct quasi_static *p, int node, struct rim_state *at)
+{
+    const double *pull = p->pull[node];
+    double turned[QUASI_STATIC_TURNING];
+    turned_at(p, node, turned); /* they start at zero */
+    *at = slow_rim_state(p, turned, p->depth[node]);
+    return rim_slopes_at(at, vec3_make(pull[0], pull[1], pull[2]));
+}
+
+/* The frame, and the flight in it. */
+static void slow_rim_begin(struct quasi_static *p)
+{
+    p->rim = pair_rim_start(p->from);
+    p->flight = frame_flight_at_rim(p->from);
+    memset(p->start, 0, sizeof p->start);
+}
+
+/* Two rows, from `first` of rim_rows on, and their rates; returns the largest change by this sweep. */
+static double slow_rim_integrate(struct quasi_static *p, int first)
+{
+    double change = 0.0;
+    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+        struct rim_state at;
+        const struct rim_slopes slopes = slow_rim_slopes(p, i, &at);
+        double rates[RIM_ROWS];
+        rim_change_rates(&p->rim, &slopes, rates);
+        for (int k = first; k < first + 2; ++k) {
+            p->turning[rim_rows[k]][i] = p->half * rates[k];
+        }
+    }
+    for (int k = first; k < first + 2; ++k) {
+        const int row = rim_rows[k];
+        change = fmax(change, nodal_integrate(&radau, p->turning[row], p->turned[row]));
+    }
+    return change;
+}
+
+static double slow_rim_sweep(struct quasi_static *p)
+{
+    (void)slow_rim_integrate(p, 2);
+    return slow_rim_integrate(p, 0);
+}
+
+static void slow_rim_load(const struct quasi_static *p, double load[QUASI_STATIC_N])
+{
+    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+        struct rim_state at;
+        load[i] = -p->half * p->half * slow_rim_slopes(p, i, &at).load;
+    }
+}
+
+static void put_components(struct vec3 a, double out[FRAME])
+{
+    out[0] = a.x;
+    out[1] = a.y;
+    out[2] = a.z;
+}
+
+static void slow_rim_normal(const struct quasi_static *p, const struct slow_place *at, double n[FRAME])
+{
+    const struct rim_state state = slow_rim_state(p, at->turned, at->depth);
+    put_components(rim_normal(&state), n);
+}
+
+static void slow_rim_deviation(const struct quasi_static *p, const struct slow_place *at, double s,
+                               double r[FRAME], double r_rate[FRAME])
+{
+    const double none[RIM_ROWS] = {0.0, 0.0, 0.0, 0.0};
+    const double time = p->half * s;
+    const struct rim_state start = rim_state_of(&p->rim, none, 0.0);
+    const struct rim_state then = slow_rim_state(p, at->turned, at->depth);
+    put_components(rim_moved(&p->rim, &then), r);
+    put_components(
+        vec3_sub(rim_velocity(&then, -at->rate / p->half), rim_velocity(&start, -p->rate_start / p->half)),
+        r_rate);
+    for (int j = 0; j < FRAME; ++j) {
+        double c = 0.0;
+        double w = 0.0;
+        for (int k = p->flight.degree; k >= 1; --k) {
+            c = (c + p->flight.c[k][j]) * time;
+            w = k > 1 ? (w + k * p->flight.c[k][j]) * time : w;
+        }
+        r[j] -= c;
+        r_rate[j] -= w;
+    }
+}
+
+static const struct quasi_static_turning about_a_rim = {slow_rim_sweep, slow_rim_load, slow_rim_normal,
+                                                        slow_rim_deviation};
+
+/* PAIR_RADIAL and PAIR_AXIAL at a place, also in a head-on motion. */
+static void slow_rim_edges(const struct quasi_static *p, const struct slow_place *at, double s,
+                           struct pair_sample *sample)
+{
+    double tilt[3] = {0.0, 0.0, 0.0};
+    if (p->turns == &about_a_rim) {
+        const struct rim_state state = slow_rim_state(p, at->turned, at->depth);
+        double pull[FRAME];
+        slow_acceleration(&p->flight, p->half * s, pull);
+        const struct rim_slopes slopes = rim_slopes_at(&state, vec3_make(pull[0], pull[1], pull[2]));
+        const double bend = p->half * p->half * slopes.tilt_momentum / (state.d * state.d);
+        tilt[0] = state.tilt;
+        tilt[1] = p->half * slopes.tilt;
+        tilt[2] = bend + 2.0 * tilt[1] * at->rate / state.d;
+    } else {
+        tilt[0] = pair_rim_start(p->from).tilt;
+    }
+    if (SCENE_ANY_CAPS) { /* samples have no room for the edges elsewhere */
+        rim_edges(tilt, contact_reach(&p->from->shape), sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
+    }
+}
+
+enum { SLOW_SWEEPS = 30 };
+
+/* Sweeps have converged once the changes still to come of delta and n are less than this part of them, which
+ * is above their rounding. */
+static const double SLOW_SWEPT = 4.0 * DBL_EPSILON;
+
+/* Newton's matrix is made once n changes by less than this, and again while delta changes by more than this
+ * part. */
+static const double NEW_MATRIX = 1e-3;
+
+/* Columns of Newton's matrix have room for the zeros behind them (lu.h). */
+enum { SLOW_STRIDE = QUASI_STATIC_N + LANES };
+
+/* Derivative of the defect with respect to the rate at the nodes, factored: D + spring I + dashpot, where I
+ * integrates values at the nodes and D is the inverse of I. */
+struct slow_newton {
+    double at[QUASI_STATIC_N * SLOW_STRIDE];
+    int pivot[QUASI_STATIC_N];
+};
+
+static struct dense_matrix slow_system(struct slow_newton *newton)
+{
+    return (struct dense_matrix){QUASI_STATIC_N, SLOW_STRIDE, newton->at, newton->pivot};
+}
+
+/* d/ds at node i of the polynomial that is 1 at node j and 0 at the start and the other nodes.
+ * radau_stages_12 is for a step of length 1, half as long. */
+static double slow_derivative(int i, int j)
+{
+    return 0.5 * radau_stages_12.inverse[i * QUASI_STATIC_N + j];
+}
+
+/* False where it is singular. */
+static bool slow_matrix(const struct quasi_static *p, struct slow_newton *newton)
+{
+    memset(newton->at, 0, sizeof newton->at);
+    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+        double law[3];
+        slow_law(p, p->depth[i], p->rate[i], law);
+        for (int j = 0; j < QUASI_STATIC_N; ++j) {
+            newton->at[j * SLOW_STRIDE + i] = slow_derivative(i, j) +
+                                              law[1] * radau.integral[j * QUASI_STATIC_N + i] +
+                                              (i == j ? law[2] : 0.0);
+        }
+    }
+    return dense_lu_factor(slow_system(newton));
+}
+
+/* delta and its rate from d2 delta/ds2; false where the bodies would part. */
+static bool take_bend(struct quasi_static *p, double *change)
+{
+    nodal_values moved = {0.0};
+    nodal_values deeper = {0.0};
+    (void)nodal_integrate(&radau, p->bend, moved);
+    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+        p->rate[i] = p->rate_start + moved[i];
+    }
+    (void)nodal_integrate(&radau, p->rate, deeper);
+    *change = 0.0;
+    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+        const double depth = p->depth_start + deeper[i];
+        const double part = fabs(depth - p->depth[i]) / depth;
+        *change = larger(part, *change);
+        if (!(depth > 0.0)) {
+            return false;
+        }
+        p->depth[i] = depth;
+    }
+    return true;
+}
+
+/* First guess of delta: at rest under the load at each node, or as at the start if the damping is beyond
+ * critical. The guess of d2 delta/ds2 is zero and leads to another delta; `apart` is the difference, for
+ * Newton's first step. */
+static bool guess_depth(struct quasi_static *p, const double *load, double apart[QUASI_STATIC_N])
+{
+    double law[3];
+    slow_law(p, p->depth_start, p->rate_start, law);
+    const bool creeps = law[2] * law[2] > 4.0 * law[1];
+    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+        if (!creeps && !(load[i] > 0.0)) {
+            return false;
+        }
+        const double rest = load[i] / (p->half * p->half * p->k);
+        p->depth[i] = creeps ? p->depth_start : cbrt(rest * rest);
+        p->rate[i] = p->rate_start;
+        p->bend[i] = 0.0;
+        apart[i] = p->depth_start + p->rate_start * (1.0 + radau.node[i]) - p->depth[i];
+    }
+    return true;
+}
+
+/* By how much the polynomial through the nodes misses the value at the start: the truncation error, and any
+ * part that is too fast for the step. */
+static double misses_start(const double *values, double start)
+{
+    nodal_values a;
+    nodal_coefficients(&radau, values, a);
+    return fabs(nodal_polynomial_at(a, QUASI_STATIC_N, 0.0) - start);
+}
+
+/* After LOOK_AFTER sweeps delta shows whether anything fast is left: a step is given up if that is TOO_FAST
+ * times the tolerance. */
+enum { LOOK_AFTER = 2 };
+static const double TOO_FAST = 1e3;
+
+/* Whether the changes still to come add up to less than SLOW_SWEPT, falling by the ratio of the last two. */
+static bool sweeps_have_converged(double last, double before)
+{
+    return last <= SLOW_SWEPT || (last < before && last * last <= SLOW_SWEPT * (before - last));
+}
+
+static bool slow_iterate(struct quasi_static *p, double depth_tolerance)
+{
+    struct slow_newton newton;
+    nodal_values load;
+    double apart[QUASI_STATIC_N];
+    for (int i = 0; i < SLOW_SWEEPS && p->turns->sweep(p) > NEW_MATRIX; ++i) {
+        /* Newton's matrix lasts once the load changes little */
+    }
+    p->turns->load(p, load);
+    if (!guess_depth(p, load, apart)) {
+        return false;
+    }
+    double change = 1.0;
+    double largest = 0.0; /* of the changes of delta and n; none yet */
+    for (int i = 0; i < SLOW_SWEEPS; ++i) {
+        double error[SLOW_STRIDE] = {0.0};
+        const double before = largest;
+        const double turned = p->turns->sweep(p);
+        p->turns->load(p, load);
+        if (change > NEW_MATRIX && !slow_matrix(p, &newton)) {
+            return false;
+        }
+        for (int j = 0; j < QUASI_STATIC_N; ++j) {
+            double law[3];
+            slow_law(p, p->depth[j], p->rate[j], law);
+            error[j] = load[j] - law[0] - p->bend[j] - (i == 0 ? law[1] * apart[j] : 0.0);
+        }
+        dense_lu_solve(slow_system(&newton), error);
+        for (int j = 0; j < QUASI_STATIC_N; ++j) {
+            for (int k = 0; k < QUASI_STATIC_N; ++k) {
+                p->bend[j] += slow_derivative(j, k) * error[k];
+            }
+        }
+        if (!take_bend(p, &change)) {
+            return false;
+        }
+        largest = fmax(change, turned);
+        if (sweeps_have_converged(largest, before)) {
+            (void)p->turns->sweep(p); /* with the last delta */
+            return true;
+        }
+        if (i == LOOK_AFTER && misses_start(p->depth, p->depth_start) > TOO_FAST * depth_tolerance) {
+            return false;
+        }
+    }
+    return false;
+}
+
+static bool slow_is_accurate(const struct quasi_static *p, double tolerance, double depth_tolerance)
+{
+    const double stiffness = 1.5 * p->k * sqrt(p->depth_start);
+    const double damping = p->k * p->depth_start * sqrt(p->depth_start) * p->from->chi;
+    /* the rate at which an overdamped contact settles gives its force */
+    const bool creeps = damping * damping > 4.0 * stiffness;
+    const double fast = fmax(sqrt(stiffness), damping);
+    const double by_rate = creeps ? stiffness / damping * p->half : fmax(1.0, fast * p->half);
+    double error = misses_start(p->depth, p->depth_start);
+    error = fmax(error, misses_start(p->rate, p->rate_start) / by_rate);
+    if (!(error <= depth_tolerance)) {
+        return false;
+    }
+    for (int j = 0; j < FRAME; ++j) {
+        if (is_turning(p, j) && !(p->from->distance * misses_start(p->turned[j], 0.0) <= tolerance)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Makes a step [s]. Whether it is accurate: delta and its oscillation to `depth_tolerance`, d n to
+ * `tolerance` [m]. */
+static bool quasi_static_solve(struct quasi_static *p, const struct contact_pair *from, double step,
+                               double tolerance, double depth_tolerance)
+{
+    p->from = from;
+    p->flight = frame_flight_of(from);
+    p->half = 0.5 * step;
+    p->k = from->hertz_stiffness / from->reduced_mass;
+    p->depth_start = -from->gap;
+    p->rate_start = -p->half * pair_gap_derivative(from);
+    const double normal[QUASI_STATIC_TURNING] = {
+        1.0, 0.0, 0.0, 0.0, -from->distance * p->flight.w[0][2], from->distance * p->flight.w[0][1]};
+    for (int j = 0; j < QUASI_STATIC_TURNING; ++j) {
+        p->start[j] = normal[j];
+        for (int i = 0; i < QUASI_STATIC_N; ++i) {
+            p->turned[j][i] = p->turning[j][i] = 0.0;
+        }
+    }
+    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+        p->depth[i] = p->depth_start;
+    }
+    p->turns = &about_a_centre;
+    if (contact_is_rim(&from->shape) && p->flight.dimensions > 1) {
+        p->turns = &about_a_rim;
+        slow_rim_begin(p);
+    }
+    slow_note_pull(p);
+    if (!slow_iterate(p, depth_tolerance) || !slow_is_accurate(p, tolerance, depth_tolerance)) {
+        return false;
+    }
+    nodal_coefficients(&radau, p->rate, p->rate_terms);
+    return true;
+}
+
+static double slow_depth(const struct quasi_static *p, double s)
+{
+    return p->depth_start + nodal_integral(p->rate_terms, QUASI_STATIC_N, s);
+}
+
+static struct slow_place slow_place_at(const struct quasi_static *p, double s)
+{
+    struct slow_place at = {.depth = slow_depth(p, s),
+                            .rate = nodal_polynomial_at(p->rate_terms, QUASI_STATIC_N, s)};
+    for (int j = 0; j < QUASI_STATIC_TURNING; ++j) {
+        at.turned[j] = p->start[j];
+        if (is_turning(p, j)) {
+            at.turned[j] += nodal_integral_to(&radau, p->turned[j], p->turning[j], s);
+        }
+    }
+    return at;
+}
+
+void quasi_static_sample(const void *quasi_static, double s, struct pair_sample *sample)
+{
+    const struct quasi_static *p = quasi_static;
+    double rate[4];
+    const double depth = slow_depth(p, s);
+    const double root = sqrt(fmax(depth, 0.0));
+    nodal_derivatives(p->rate_terms, QUASI_STATIC_N, s, rate);
+    const double chi = p->from->chi / p->half;
+    const double damping[3] = {1.0 + chi * rate[0], chi * rate[1], chi * rate[2]};
+    const double spring[3] = {depth * root, 1.5 * root * rate[0],
+                              0.75 / root * rate[0] * rate[0] + 1.5 * root * rate[1]};
+    const double k = p->from->hertz_stiffness;
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PAIR_GAP][i] = i == 0 ? -depth : -rate[i - 1];
+        sample->of[PAIR_GAP_RATE][i] = -rate[i] / p->half;
+    }
+    sample->of[PAIR_FORCE][0] = k * spring[0] * damping[0];
+    sample->of[PAIR_FORCE][1] = k * (spring[1] * damping[0] + spring[0] * damping[1]);
+    sample->of[PAIR_FORCE][2] =
+        k * (spring[2] * damping[0] + 2.0 * spring[1] * damping[1] + spring[0] * damping[2]);
+    if (contact_is_rim(&p->from->shape)) {
+        const struct slow_place at = slow_place_at(p, s);
+        slow_rim_edges(p, &at, s, sample);
+    }
+}
+
+static struct slow_place slow_place_of_node(const struct quasi_static *p, int node)
+{
+    struct slow_place at = {.depth = p->depth[node], .rate = p->rate[node]};
+    turned_at(p, node, at.turned);
+    return at;
+}
+
+/* F_n at a place [N]. */
+static double slow_force(const struct quasi_static *p, const struct slow_place *at)
+{
+    double law[3];
+    slow_law(p, at->depth, at->rate, law);
+    return p->from->reduced_mass * law[0] / (p->half * p->half);
+}
+
+static bool has_work(const struct pair_work *work)
+{
+    return work->order > 0 &&
+           !(vec3_is_zero(work->path[0]) && vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
+}
+
+/* The integrals of pair_work and of the dashpot's power over [0, s], by Radau's quadrature, whose places are
+ * the nodes for the whole step. */
+static void slow_powers(const struct quasi_static *p, double s, struct pair_change *change)
+{
+    change->dissipated = change->work[0] = change->work[1] = 0.0;
+    if (!has_work(&p->from->work[0]) && !has_work(&p->from->work[1]) && !(p->from->chi > 0.0)) {
+        return;
+    }
+    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+        const double place = 0.5 * s * (1.0 + radau.node[i]);
+        const double weight = 0.5 * s * p->half * radau.integral[i * QUASI_STATIC_N + QUASI_STATIC_N - 1];
+        const double time = p->half * place;
+        const struct slow_place at = s == 2.0 ? slow_place_of_node(p, i) : slow_place_at(p, place);
+        const double force = slow_force(p, &at);
+        const double rate = at.rate / p->half;
+        const double spring = p->from->hertz_stiffness * at.depth * sqrt(at.depth);
+        double rows[3][FRAME];
+        double n[FRAME];
+        p->turns->normal(p, &at, n);
+        p->turns->deviation(p, &at, place, rows[0], rows[1]);
+        change->dissipated += weight * (force - spring) * rate;
+        for (int body = 0; body < PAIR_BODIES; ++body) {
+            const struct pair_work *work = &p->from->work[body];
+            for (int j = 0; j < FRAME && j < p->flight.dimensions && work->order > 0; ++j) {
+                rows[2][j] = p->from->shape.side * force / p->from->reduced_mass * n[j];
+                const struct vec3 path =
+                    vec3_axpy(vec3_axpy(work->path[0], time, work->path[1]), time * time, work->path[2]);
+                change->work[body] += weight * vec3_dot(path, p->flight.frame[j]) * rows[work->order][j];
+            }
+        }
+    }
+}
+
+struct pair_change quasi_static_advance(const void *quasi_static, double s)
+{
+    const struct quasi_static *p = quasi_static;
+    const struct slow_place at = slow_place_at(p, s);
+    double r[FRAME];
+    double r_rate[FRAME];
+    p->turns->deviation(p, &at, s, r, r_rate);
+    struct pair_change change = {.time = p->half * s, .gap = -at.depth};
+    change.head_on = p->from->is_head_on;
+    change.gap_rate = -at.rate / p->half;
+    change.r = change.r_rate = vec3_make(0.0, 0.0, 0.0);
+    for (int j = 0; j < FRAME; ++j) {
+        change.r = vec3_axpy(change.r, r[j], p->flight.frame[j]);
+        change.r_rate = vec3_axpy(change.r_rate, r_rate[j], p->flight.frame[j]);
+    }
+    slow_powers(p, s, &change);
+    return change;
+}
+
+/* When lasting contact is quasi-static, and how long a segment is. */
+
+/* Length of a segment at the finest accuracy [radians of the tangential motion]. The segment is accurate
+ * between its ends too, because an event may end it. The length grows with the tolerance as polynomials of
+ * the stages' degree allow. */
+static const double SLOW_STEP = 0.7;
+
+/* Smallest length of a segment [radians of the contact's oscillation, or decay times of its damping]. A few
+ * series reach as far as a shorter one. */
+static const double SLOW_SHORTEST = 16.0;
+
+/* Bounds of the relative accuracy of the penetration and of what is left of its oscillation. Between them it
+ * is the solver's tolerance relative to the bodies' size, so that the force is as accurate as the
+ * positions. */
+static const double SLOW_FINEST = 1e-9;
+static const double SLOW_COARSEST = 1e-4;
+
+/* Part of the solver's tolerances by which a segment may be wrong (integrator/phases.c). */
+static const double PART_OF_TOLERANCE = 1e-3;
+
+static double slow_accuracy(const struct segment *p)
+{
+    const double size = fmax(p->pair.distance, contact_reach(&p->pair.shape));
+    const double asked = p->tolerance / (PART_OF_TOLERANCE * size);
+    return fmin(fmax(asked, SLOW_FINEST), SLOW_COARSEST);
+}
+
+/* The scaled derivatives of the slow motion fall with powers of the ratio of the rates, those of the fast
+ * motion do not: at this order and the next only the fast motion is left. */
+enum { FAST_ORDER = 6 };
+/* Factors of the accuracy: these derivatives give an oscillation to about a quarter of it (FAST_CLEARLY), and
+ * a decay beyond critical damping to about DECAY_CLEARLY. */
+static const double FAST_CLEARLY = 0.8;
+static const double DECAY_CLEARLY = 4.0;
+
+/* Trials of making a step, each half as long as the one before. The third and later ones are for a contact
+ * beyond critical damping that is still settling: at most CREEP_STEP of its settling times long. */
+enum { SLOW_ATTEMPTS = 6, FOLLOWING = 2 };
+static const double CREEP_STEP = 2.0;
+
+/* Largest change of the depth in a segment of bodies that leave, and from the third trial on of bodies that
+ * sink, as a part of it: force and energy are powers of the depth. */
+static const double PART_OF_DEPTH = 0.5;
+
+/* Load and rates of a lasting contact. */
+struct slow_scales {
+    double load;  /* L: the acceleration that presses [m/s^2] */
+    double along; /* the tangential rate [1/s] */
+    double fast;  /* rate of the contact's oscillation or of its damping, the faster one [1/s] */
+    double creep; /* rate at which an overdamped contact settles [1/s]; 0: the contact oscillates */
+};
+
+static struct slow_scales slow_scales_of(const struct contact_pair *from)
+{
+    const struct vec3 across = pair_tangential(from, pair_across(from, from->flight.c[1]));
+    const struct vec3 acceleration = pair_across(from, vec3_scale(2.0, from->flight.c[2]));
+    const double d = from->distance;
+    const double depth = -from->gap;
+    const double k = from->hertz_stiffness / from->reduced_mass;
+    const bool turns = !vec3_is_zero(across) || !vec3_is_zero(pair_tangential(from, acceleration));
+    const double spring = sqrt(1.5 * k * sqrt(depth));
+    const double dashpot = k * from->chi * depth * sqrt(depth);
+    return (struct slow_scales){.load = pair_pressing_load(from),
+                                .along =
+                                    turns ? vec3_norm(across) / d + sqrt(vec3_norm(acceleration) / d) : 0.0,
+                                .fast = fmax(spring, dashpot),
+                                .creep = dashpot > 2.0 * spring ? spring * spring / dashpot : 0.0};
+}
+
+/* The fast part of the penetration, relative to it, by the coefficients of u = sqrt(delta). */
+static double fast_part_of(const double *root, double unit, double fast)
+{
+    const double radians = fast * unit * root[0]; /* of the fast motion per s */
+    double power = 1.0;
+    double part = 0.0;
+    for (int i = 1; i <= FAST_ORDER + 1; ++i) {
+        power *= radians / i;
+        part = i >= FAST_ORDER ? fmax(part, fabs(root[i]) / power) : 0.0;
+    }
+    return 2.0 * part / root[0];
+}
+
+bool quasi_static_applies(const struct segment *p)
+{
+    const struct contact_pair *from = &p->pair;
+    if (from->has_mismatch || !(from->gap < 0.0)) {
+        return false;
+    }
+    const struct slow_scales scales = slow_scales_of(from);
+    /* bodies without a load that presses leave a deep overlap at the speed 1/chi; under a law with events
+     * that speed is its end, to rounding */
+    const bool leaves = scales.creep > 0.0 && !terminal_event_by_law(p);
+    return (scales.load > 0.0 || leaves) && scales.fast * p->longest >= SLOW_SHORTEST;
+}
+
+bool quasi_static_is_shown(const struct segment *p, const double *root, double unit)
+{
+    const struct slow_scales scales = slow_scales_of(&p->pair);
+    /* the force of an overdamped contact goes with the rate: a decay counts more by the ratio of the rates */
+    const double clearly = scales.creep > 0.0 ? DECAY_CLEARLY * scales.creep / scales.fast : FAST_CLEARLY;
+    return fast_part_of(root, unit, scales.fast) <= clearly * slow_accuracy(p);
+}
+
+bool quasi_static_make(struct segment *p)
+{
+    struct quasi_static *made = &p->as.quasi_static;
+    const struct slow_scales scales = slow_scales_of(&p->pair);
+    const double accuracy = slow_accuracy(p);
+    const double radians = SLOW_STEP * pow(accuracy / SLOW_FINEST, 1.0 / RADAU_POINTS);
+    double step = scales.along > 0.0 ? fmin(p->longest, radians / scales.along) : p->longest;
+    const double opening = pair_gap_derivative(&p->pair);
+    const double part_of_depth = PART_OF_DEPTH * -p->pair.gap / fabs(opening);
+    if (scales.creep > 0.0 && opening > 0.0) {
+        step = fmin(step, part_of_depth);
+    }
+    const int attempts = scales.creep > 0.0 ? SLOW_ATTEMPTS : FOLLOWING;
+    for (int i = 0; i < attempts && step * scales.fast >= SLOW_SHORTEST; ++i) {
+        if (quasi_static_solve(made, &p->pair, step, p->tolerance, -p->pair.gap * accuracy)) {
+            p->unit = made->half;
+            p->end = 2.0;
+            dense_output_add(&p->output, 0.0);
+            for (int k = 0; k < RADAU_POINTS; ++k) {
+                dense_output_add(&p->output, 1.0 + radau.node[k]);
+            }
+            hertz_find_terminal_event(p, (double)INFINITY);
+            return true;
+        }
+        step *= 0.5;
+        if (i + 1 == FOLLOWING) {
+            step = fmin(step, fmin(CREEP_STEP / scales.creep, part_of_depth));
+        }
+    }
+    return false;
 }

@@ -27,7 +27,8 @@ static struct pair_work work_on(const struct contact_pair *p, const struct scene
     return work;
 }
 
-/* Across a plane's normal no work is done, whatever the path. */
+/* Whether the work of the motion along n alone has a constant path; the path across a plane's normal does no
+ * work. */
 static bool is_constant(const struct contact_pair *p, const struct pair_work *work)
 {
     if (contact_is_plane(&p->shape)) {
@@ -43,11 +44,9 @@ bool pair_is_head_on(const struct contact_pair *p)
            flight_is_head_on(&p->shape, &p->flight, p->normal);
 }
 
-/*
- * At d = 0, n is undefined. It becomes the direction of motion, and c, which is rounding there, is set along
- * it. At rest it keeps the direction at hand, unless the relative acceleration outweighs the contact force
- * along it: then it takes that of the relative acceleration.
- */
+/* n is undefined at d = 0 and becomes the direction of motion; c, which is rounding there, is set along n. At
+ * rest n keeps its direction, unless the relative acceleration outweighs the contact force along n and gives
+ * n its own direction. */
 static void leave_centre(struct contact_pair *p, const struct contact_geometry *geometry)
 {
     const double reach = contact_reach(&p->shape);
@@ -63,7 +62,7 @@ static void leave_centre(struct contact_pair *p, const struct contact_geometry *
     p->starts_rounded = true;
 }
 
-/* Corrects w so that side n.w is `rate`, the g' carried from the segment before. */
+/* Corrects w so that side n.w is `rate`, the g' that the segment before has carried over. */
 static void take_carried_rate(struct contact_pair *p, double rate)
 {
     const double missing = p->shape.side * rate - vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
@@ -73,7 +72,7 @@ static void take_carried_rate(struct contact_pair *p, double rate)
     p->flight.w[0] = vec3_add(p->flight.w[0], p->rate_rounded);
 }
 
-/* Whether a prescribed displacement has a derivative other than the prescribed velocity, by more than
+/* Whether the prescribed velocity differs from the derivative of the prescribed displacement by more than
  * rounding. */
 static bool path_contradicts(const struct scene_values *v, const struct scene_state *q, int body)
 {
@@ -134,7 +133,7 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
         const double rate = is_carried ? geometry->gap_rate
                                        : p->shape.side * vec3_dot(p->normal, pair_across(p, p->flight.w[0]));
         p->rate_is_known = is_carried || rate == 0.0;
-        if (p->rate_is_known || p->coefficients.k >= PAIR_STIFF) { /* all formulas are to see the same rate */
+        if (p->rate_is_known || p->coefficients.k >= PAIR_STIFF) { /* so that all formulas see one rate */
             take_carried_rate(p, rate);
         }
     }
@@ -188,6 +187,12 @@ struct rim_start pair_rim_start(const struct contact_pair *p)
                         contact_reach(&p->shape) + p->gap, p->flight.c[1]);
 }
 
+double pair_pressing_load(const struct contact_pair *p)
+{
+    const double turning = pair_turning(p, fmax(p->distance, DBL_MIN));
+    return -p->shape.side * (turning + 2.0 * vec3_dot(p->normal, p->flight.c[2]));
+}
+
 double pair_load(const struct contact_pair *p)
 {
     const double distance = fmax(p->distance, 0.5 * contact_reach(&p->shape));
@@ -202,7 +207,7 @@ static double speed_of(const struct scene_values *v, const struct scene_state *q
     return body_is_free(v, body) ? vec3_norm(q->body[body].velocity) : 0.0;
 }
 
-/* Error of the force, relative to it, up to which g' is taken from the rounded velocities. */
+/* Relative error of the force up to which the next segment computes g' from the rounded velocities. */
 static const double FORCE_ACCURACY = 1e-6;
 
 double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
@@ -210,12 +215,12 @@ double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_
 {
     const double speeds =
         speed_of(v, q, contact_source(contact)) + speed_of(v, q, contact_destination(contact));
-    /* In lasting contact flight and deviation nearly cancel: the size of either counts. */
+    /* flight and deviation nearly cancel in lasting contact, so the size of either counts */
     const double rounding = 16.0 * DBL_EPSILON * (speeds + vec3_norm(change->r_rate));
     const double force_per_rate = sqrt(p->coefficients.k * p->reduced_mass) + p->coefficients.c;
     const double rate = fabs(vec3_dot(p->normal, pair_across(p, p->flight.w[0])));
     if (rounding <= FORCE_ACCURACY * rate) {
-        return 0.0; /* an impact: its speed alone tells */
+        return 0.0; /* an impact: the speed outweighs its rounding */
     }
     const double force =
         pair_load(p) + p->coefficients.k * fmax(fabs(p->gap), fabs(change->gap)) + force_per_rate * rate;
@@ -236,8 +241,8 @@ static inline void move_body(const struct scene_values *v, struct scene_state *q
     q->body[body].velocity = vec3_add(flown.velocity, r_rate);
 }
 
-/* The part of a vector that head-on motion leaves alone: in a plane, along a cylinder's axis; a sphere has
- * none. */
+/* The part of a vector that takes no part in head-on motion: along a plane or a cylinder's axis; none of a
+ * sphere. */
 static struct vec3 aside(const struct contact_pair *p, struct vec3 a)
 {
     if (contact_is_plane(&p->shape)) {
@@ -252,8 +257,8 @@ static struct vec3 not_aside(const struct contact_pair *p, struct vec3 a)
     return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, a), p->normal) : pair_across(p, a);
 }
 
-/* The motion that both bodies share, but for what is aside: that of the one that is not free, or that of
- * their centre of mass. velocity[i] is the coefficient of time^i. */
+/* The motion that both bodies share, without its part aside: the motion of the body that is not free, or of
+ * the centre of mass. velocity[i] is the coefficient of time^i. */
 struct common_motion {
     struct vec3 velocity[2];
 };
@@ -262,7 +267,7 @@ static struct common_motion common_motion_of(const struct contact_pair *p, const
                                              const struct scene_state *q, const int ends[PAIR_BODIES])
 {
     struct common_motion common = {{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}};
-    double inverse_mass = 0.0; /* of both together */
+    double inverse_mass = 0.0; /* of both bodies together [1/kg] */
     for (int end = 0; end < PAIR_BODIES; ++end) {
         if (body_is_prescribed(v, ends[end])) {
             struct vec3 velocity[3];
@@ -287,10 +292,8 @@ static struct common_motion common_motion_of(const struct contact_pair *p, const
     return common;
 }
 
-/*
- * Moves a body head-on: as the common motion, its flight aside and its share of the separation. Bodies that
- * rest against each other for long would lose the digits of their places in a difference of two flights.
- */
+/* Moves a body head-on: by the common motion, its flight aside and its share of the separation. A difference
+ * of two flights would lose the digits of bodies that rest against each other for long. */
 static void move_head_on(const struct contact_pair *p, const struct pair_change *change,
                          const struct scene_values *v, struct scene_state *q, int body, double share,
                          const struct common_motion *common)
@@ -347,11 +350,11 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change, 
     state->physics.accumulated_gap = change->gap;
 }
 
-/* Components across the plane of motion by less than this part are rounding. */
+/* Components across the plane of motion below this part of a vector are rounding. */
 static const double OUT_OF_PLANE = 8.0 * DBL_EPSILON;
 
-/* The part of a vector along the normal that rounding leaves across it points anywhere. A second
- * projection of its direction leaves less than this of it. */
+/* Projecting a vector along the normal leaves rounding of any direction. Of such a direction a second
+ * projection leaves less than this part. */
 static const double MOSTLY_NORMAL = 0.5;
 
 /* The first tangential direction that the motion of flight has; zero where the motion is head-on. */
@@ -375,7 +378,7 @@ static struct vec3 tangent_of(const struct contact_pair *from)
     return vec3_make(0.0, 0.0, 0.0);
 }
 
-/* One coefficient in the frame; whether it is out of the plane. */
+/* Puts one coefficient into the frame; whether it is out of the plane. */
 static bool put_in_frame(const struct frame_flight *flight, struct vec3 a, double out[FRAME])
 {
     for (int j = 0; j < FRAME; ++j) {
@@ -384,7 +387,7 @@ static bool put_in_frame(const struct frame_flight *flight, struct vec3 a, doubl
     return fabs(out[2]) > OUT_OF_PLANE * vec3_norm(a);
 }
 
-/* C, C' and W in the frame, and their degree; whether the motion leaves the plane of the first two
+/* Puts C, C' and W into the frame, and their degree; whether the motion leaves the plane of the first two
  * directions. */
 static bool put_flight_in_frame(struct frame_flight *flight, const struct contact_pair *from, bool at_rim)
 {
@@ -424,12 +427,12 @@ struct frame_flight frame_flight_at_rim(const struct contact_pair *from)
     return flight;
 }
 
-/* Lowest damped frequency treated as an oscillation [radians per s]: at 0.97 of critical damping. Beyond, y
+/* Lowest damped frequency treated as an oscillation [radians per s], at 0.97 of critical damping. A lower one
  * decays below rounding within one period. */
 static const double LOWEST_FREQUENCY = 0.25;
 
-/* A viscous contact drifts towards the centre. Largest |g| at which such a segment may start, and at which it
- * ends, in parts of the reach. */
+/* A contact without a spring drifts towards the centre. Largest |g| at which its segment may start, and |g|
+ * at which it ends, in parts of the reach. */
 static const double DRIFT_STARTS = 0.5;
 static const double DRIFT_ENDS = 0.75;
 
@@ -438,7 +441,7 @@ static double along_normal(const struct contact_pair *from, int degree)
     return from->shape.side * vec3_dot(from->normal, pair_across(from, from->flight.c[degree]));
 }
 
-/* What |g| must stay below. */
+/* Bound that |g| must stay below [m]. */
 static double largest_gap(const struct contact_pair *from)
 {
     return contact_may_reach_centre(&from->shape) ? contact_reach(&from->shape) : DBL_MAX;
@@ -498,7 +501,8 @@ double pair_oscillation_longest(const struct pair_oscillation *p)
     return fmin(longest, free / fabs(p->overdamped.drift));
 }
 
-/* Whether y or y' is more accurate by itself than by its increment since the start: it has decayed. */
+/* Whether y or y' has decayed so far that it is more accurate by itself than by its increment since the
+ * start. */
 static bool has_decayed(double now, double start)
 {
     return 2.0 * fabs(now) < fabs(start);
@@ -509,7 +513,7 @@ static double gap_after_decay(const struct pair_oscillation *p, double y, double
     return has_decayed(y, p->y) ? p->equilibrium + y : p->from->gap + change;
 }
 
-/* How much y and y' have changed since the start. */
+/* Changes of y and y' since the start. */
 static struct oscillator_increment oscillation_change(const struct pair_oscillation *p, double s)
 {
     const double damping_rate = p->oscillator.damping_rate;
@@ -526,7 +530,7 @@ static struct oscillator_increment oscillation_change(const struct pair_oscillat
                                          p->y_rate * (by_y - damping_rate * by_rate) - p->y * by_rate};
 }
 
-/* Increments of y and y' since the start, which would lose digits if added to the start values, then y'' and
+/* Changes of y and y' since the start, which would lose digits if added to the start values, then y'' and
  * y'''. */
 static void grow(const struct pair_oscillation *p, double s, double y[4])
 {
@@ -614,8 +618,7 @@ void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair
     sample_from(p, y, sample);
 }
 
-/* Where y' = 0 the phase of y is that of a turning point: |y| = omega_d amplitude exp(-damping_rate s /
- * 2). */
+/* At an extremum |y| = omega_d amplitude exp(-damping_rate s / 2). */
 void pair_oscillation_sample_extremum(const struct pair_oscillation *p, double s, bool deepest,
                                       struct pair_sample *sample)
 {
@@ -626,8 +629,8 @@ void pair_oscillation_sample_extremum(const struct pair_oscillation *p, double s
     sample_from(p, y, sample);
 }
 
-/* From the oscillator's own balance of energy: p_nv g'^2 = -(m g'^2 / 2 + p_n (g - equilibrium)^2 / 2)', or
- * -(m g'^2 / 2 - side m n.A g)'. */
+/* By the oscillator's balance of energy: p_nv g'^2 = -(m g'^2 / 2 + p_n (g - equilibrium)^2 / 2)', or without
+ * a spring -(m g'^2 / 2 - side m n.A g)'. */
 static double dissipated_by_dashpot(const struct pair_oscillation *p, const double grown[2])
 {
     const bool has_spring = p->from->coefficients.k > 0.0;
@@ -636,7 +639,7 @@ static double dissipated_by_dashpot(const struct pair_oscillation *p, const doub
     return p->from->coefficients.c > 0.0 ? -0.5 * p->stiffness * (by_rate + by_place) : 0.0;
 }
 
-/* The gap and its rate per s, and how much either has grown since the start. */
+/* Returns the gap; writes its rate per s and the changes of both since the start. */
 static double gap_grown(const struct pair_oscillation *p, double s, double grown[2], double *y_rate)
 {
     double y[1 + OVERDAMPED_DERIVATIVES];
@@ -655,30 +658,36 @@ static double gap_grown(const struct pair_oscillation *p, double s, double grown
     return gap_after_decay(p, y[0], since.y);
 }
 
-struct pair_change pair_oscillation_change(const void *pair_oscillation, double s)
+struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
+                                            double r_rate, double gap)
+{
+    struct pair_change change = {.time = time,
+                                 .r = vec3_scale(from->shape.side * r, from->normal),
+                                 .r_rate = vec3_scale(from->shape.side * r_rate, from->normal),
+                                 .gap = gap};
+    for (int end = 0; end < PAIR_BODIES; ++end) {
+        const struct pair_work *work = &from->work[end];
+        const struct vec3 by = work->order == 1 ? change.r : change.r_rate;
+        change.work[end] = work->order == 0 ? 0.0 : vec3_dot(work->path[0], by);
+    }
+    return change;
+}
+
+struct pair_change pair_oscillation_advance(const void *pair_oscillation, double s)
 {
     const struct pair_oscillation *p = pair_oscillation;
     const struct contact_pair *from = p->from;
     const double time = s / p->rate;
-    const double side = from->shape.side;
     const double fall = 2.0 * along_normal(from, 2) * time;
     double grown[2];
     double y_rate;
     const double gap = gap_grown(p, s, grown, &y_rate);
     const double r = grown[0] - (p->y_rate * s + 0.5 * fall * time);
     const double r_rate = p->rate * grown[1] - fall;
-    struct pair_change change = {.time = time,
-                                 .r = vec3_scale(side * r, from->normal),
-                                 .r_rate = vec3_scale(side * r_rate, from->normal),
-                                 .gap = gap,
-                                 .head_on = true,
-                                 .gap_rate = p->rate * y_rate,
-                                 .dissipated = dissipated_by_dashpot(p, grown)};
-    for (int end = 0; end < PAIR_BODIES; ++end) {
-        const struct pair_work *work = &from->work[end];
-        const struct vec3 by = work->order == 1 ? change.r : change.r_rate;
-        change.work[end] = work->order == 0 ? 0.0 : vec3_dot(work->path[0], by);
-    }
+    struct pair_change change = pair_change_along_normal(from, time, r, r_rate, gap);
+    change.head_on = true;
+    change.gap_rate = p->rate * y_rate;
+    change.dissipated = dissipated_by_dashpot(p, grown);
     return change;
 }
 
@@ -690,7 +699,7 @@ static void add_force(const struct contact_pair *from, struct pair_sample *sampl
     }
 }
 
-/* Spring and dashpot forces nearly cancel: the force from the acceleration that it causes. */
+/* Spring and dashpot nearly cancel, so the force comes from the acceleration. */
 static void add_overdamped_force(const struct pair_collocation *p, double s, struct pair_sample *sample)
 {
     const double factor = p->from->shape.side * p->from->reduced_mass / (p->step.half * p->step.half);
@@ -739,7 +748,6 @@ void pair_collocation_sample_node(const struct pair_collocation *p, int node, st
     fill_sample(p, x, 1.0 + p->step.nodes->node[node], sample);
 }
 
-/* y, its rate and its force all solve the oscillator's equation. */
 void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,
                            double *rate)
 {
@@ -788,9 +796,9 @@ void pair_lower_bound_at(const void *pair_lower_bound, double s, double *value, 
     pair_lower_bound_from(bound, &envelope, s, &slow, value, slope);
 }
 
-/* Integrated by parts, so that the oscillation of r' and r'' need not be resolved: (path r)' = path' r + path
- * r', and once more. The remaining integrand is path' or path'', linear in time, times r = c - c(0) - (C -
- * C(0)). */
+/* The integral of pair_work by parts, so that the oscillation of r' and r'' need not be resolved: (path r)' =
+ * path' r + path r', and once more. The remaining integrand is path' or path'', linear in time, times r = c -
+ * c(0) - (C - C(0)). */
 static double work_by_parts(const struct pair_collocation *p, const struct pair_work *work,
                             const struct pair_change *change, double s)
 {
@@ -812,8 +820,7 @@ static double work_by_parts(const struct pair_collocation *p, const struct pair_
     if (!(vec3_max_abs(weight[0]) + vec3_max_abs(weight[1]) > 0.0)) {
         return boundary;
     }
-    /* C - C(0) has degree four, the weight one: five Gauss-Legendre nodes would be more than enough; term by
-     * term it is exact. */
+    /* the integral of the weight times C - C(0), term by term */
     double flown = 0.0;
     double power = t;
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
@@ -824,7 +831,7 @@ static double work_by_parts(const struct pair_collocation *p, const struct pair_
     return boundary + sign * (collocation_moment(&p->step, weight, s) - flown);
 }
 
-struct pair_change pair_collocation_change(const void *pair_collocation, double s)
+struct pair_change pair_collocation_advance(const void *pair_collocation, double s)
 {
     const struct pair_collocation *p = pair_collocation;
     const struct contact_pair *from = p->from;
@@ -849,16 +856,14 @@ struct pair_change pair_collocation_change(const void *pair_collocation, double 
     return change;
 }
 
-/* Rates and sizes of the motion at the start of a collocated step. */
-
-/* The part of a vector that the contact's motion feels: across a cylinder's axis; along a plane's normal, so
- * that nothing turns (H = 0) and a polynomial load is followed exactly. */
+/* The part of a vector that acts on the contact's motion: across a cylinder's axis; along a plane's normal,
+ * so that H = 0 and a polynomial load is followed exactly. */
 static struct vec3 coupled(const struct contact_pair *p, struct vec3 c)
 {
     return contact_is_plane(&p->shape) ? vec3_scale(vec3_dot(p->normal, c), p->normal) : pair_across(p, c);
 }
 
-/* A: second derivative of C. E = W - C'. Both across a cylinder's axis. */
+/* A = C'' and E = W - C', the parts that act on the contact's motion. */
 static void set_paths(const struct contact_pair *p, const struct vec3 felt[SEPARATION_DEGREE],
                       struct collocation_problem *problem)
 {
@@ -873,12 +878,12 @@ static void set_paths(const struct contact_pair *p, const struct vec3 felt[SEPAR
     }
 }
 
-/* Where W and C' are the same but for rounding, the dashpot makes a load of the difference, and the spring an
- * oscillation. Below this part of the load it is left as it is: peaks are right to it. */
+/* Part of the load to which peaks are right. The dashpot turns a difference of W and C' by rounding into a
+ * load, and the spring turns it into an oscillation. */
 static const double NEGLIGIBLE_LOAD = 1e-6;
 
-/* A difference by rounding alone, seen over a radian of the tangential motion, is none if it makes a force
- * to be seen beside the load. */
+/* Sets E to zero where its rounding, over a radian of the tangential motion, makes a force above
+ * NEGLIGIBLE_LOAD. */
 static void drop_rounded_mismatch(const struct contact_pair *p, double tangential_rate,
                                   struct collocation_problem *problem)
 {
@@ -897,7 +902,7 @@ static void drop_rounded_mismatch(const struct contact_pair *p, double tangentia
     }
 }
 
-/* From where the depth is measured: d = reach + deviation is positive. A plane has no centre, and may be
+/* The reach from which the deviation is measured, so that d = reach + deviation is positive. A plane may be
  * deeper in the source than that is wide. */
 static double origin_below(const struct contact_pair *p, double deviation)
 {
@@ -947,7 +952,7 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
         oscillator_envelope_of(&oscillator, problem->deviation - load / problem->omega2, radial).amplitude;
 }
 
-/* |A| at its largest, seen at the start, the middle and the end of the step [m/s^2]. */
+/* The largest |A| at the start, the middle and the end of the step [m/s^2]. */
 static double largest_acceleration(const struct vec3 acceleration[COLLOCATION_ACCELERATION_TERMS],
                                    double step)
 {
@@ -968,10 +973,11 @@ double pair_tangential_rate_within(const struct pair_timescales *scales, double 
     return scales->rate_along + sqrt(largest_acceleration(acceleration, step) / scales->distance);
 }
 
-/* A step may cover this many times the radians asked for: they are an estimate. */
+/* A step may exceed the radians asked for, an estimate, by this factor. */
 static const double RADIANS_MORE = 1.1;
 
-/* Each trial at least halves the logarithm of the excess length: a step 1e6 times too long needs eight. */
+/* Each trial at least halves the logarithm of the excess length, so a step 1e6 times too long needs eight
+ * trials. */
 enum { STEP_TRIALS = 12 };
 
 double pair_step_within(const struct pair_timescales *scales, double longest, double radians)
@@ -982,8 +988,8 @@ double pair_step_within(const struct pair_timescales *scales, double longest, do
         if (step * tangential_rate <= RADIANS_MORE * radians) {
             break;
         }
-        /* The step sought lies between this one and radians / tangential_rate. The rate grows with a power
-         * of the step between 0 and 1, so the geometric mean of the two is nearer to it than either. */
+        /* The step sought lies between this one and radians / tangential_rate. The rate grows with a power of
+         * the step between 0 and 1, so the geometric mean of the two is nearer than either. */
         step = sqrt(step * (radians / tangential_rate));
     }
     return step;

@@ -15,15 +15,15 @@
 #include "touch/collocation.h"
 #include "touch/rim.h"
 
-/* Below this [N/m] gap and rate are always known well enough: their rounding, some 1e-16 m and m/s, makes
- * forces that nobody sees beside a load. The stiffest contacts that are built have some 1e10. */
+/* Stiffness [N/m] from which the rounding of gap and rate, some 1e-16 m and m/s, makes forces that count
+ * beside a load. Real contacts have some 1e10 at most. */
 #define PAIR_STIFF 1e18
 
 enum { PAIR_BODIES = 2 }; /* source, destination */
 
-/* External work on one body that is due to r: factor times the integral of path(t).d^order r/dt^order dt.
- * Free: its external force (order 1). Prescribed: its velocity against the contact force (order 2). Fixed:
- * none (order 0). */
+/* External work on one body that is due to r: factor times the integral of path(t).d^order r/dt^order dt. The
+ * path of a free body is its external force (order 1), that of a prescribed body its velocity (order 2). A
+ * fixed body has none (order 0). */
 struct pair_work {
     struct vec3 path[3]; /* coefficients of time from the instant */
     double factor;
@@ -33,42 +33,42 @@ struct pair_work {
 struct contact_pair {
     struct contact_shape shape;
     struct contact_law law;
-    /* k and c in the regime; of Hertz's law the slopes of the force at the start, for estimates */
+    /* k and c in the regime; under Hertz's law the slopes of the force at the start, for estimates */
     struct contact_coefficients coefficients;
     double hertz_stiffness; /* k_h; 0 under the linear law [N/m^1.5] */
     double chi;             /* the factor of Hunt and Crossley in the regime; 0 under the linear law [s/m] */
-    /* C, W; of a cylinder the part along its axis too, but for C(0) at the axis */
+    /* C and W, also along a cylinder's axis, except C(0) of a centre on the axis */
     struct separation_path flight;
-    double axial;         /* c.e_d of a cylinder [m] */
+    double axial;         /* c.e_d where the destination is a cylinder [m] */
     struct vec3 normal;   /* n */
     double distance, gap; /* d [m], accumulated gap g [m] */
-    /* rounding: added to c so that its length agrees with the accumulated gap, or with the direction taken at
-     * the centre [m] */
+    /* rounding, added to c so that c agrees with the accumulated gap or with the direction taken at the
+     * centre [m] */
     struct vec3 rounded;
-    bool starts_rounded;      /* whether C(0) has it already, as at the centre */
-    struct vec3 rate_rounded; /* rounding: added to w so that side n.w is the carried rate [m/s] */
-    double carried_rate;      /* g' that is more than side n.w; NaN: that is as accurate [m/s] */
-    bool rate_is_known;       /* carried, or exactly zero: without the rounding of velocities */
-    bool has_mismatch;        /* whether W is other than C', by more than rounding */
+    bool starts_rounded;      /* C(0) contains `rounded`, as at the centre */
+    struct vec3 rate_rounded; /* rounding, added to w so that side n.w is the carried rate [m/s] */
+    double carried_rate;      /* g' with more digits than side n.w has; NaN: side n.w suffices [m/s] */
+    bool rate_is_known;       /* g' is carried or exactly zero: no rounding of velocities */
+    bool has_mismatch;        /* W differs from C' by more than rounding */
     bool is_head_on;          /* pair_is_head_on */
     double reduced_mass;      /* m_red [kg] */
-    double rate_rounding;     /* of g', by rounding [m/s] */
+    double rate_rounding;     /* rounding bound of g' [m/s] */
     struct pair_work work[PAIR_BODIES];
 };
 
-/* What has happened since the instant. */
+/* The motion since the instant. */
 struct pair_change {
     double time;              /* [s] */
     struct vec3 r, r_rate;    /* [m], [m/s] */
     double gap;               /* g now [m] */
-    bool head_on;             /* whether gap and gap_rate tell all of the relative motion along n */
-    double gap_rate;          /* g' now, where that is so [m/s] */
+    bool head_on;             /* gap and gap_rate are all of the relative motion along n */
+    double gap_rate;          /* g' now, if head_on [m/s] */
     double dissipated;        /* by the dashpot [J] */
     double work[PAIR_BODIES]; /* the integrals of pair_work [J] */
 };
 
-/* Whether the motion goes along n alone, under a constant acceleration along it; over a plane and along a
- * cylinder's axis the bodies may move as they like. */
+/* Whether the motion goes along n alone, under a constant acceleration along n. Motion along a plane or a
+ * cylinder's axis does not count. */
 bool pair_is_head_on(const struct contact_pair *p);
 
 /* From the present instant `at`, taken at q->clock, for a contact in compression or restitution. */
@@ -79,26 +79,33 @@ void pair_make(struct contact_pair *p, const struct scene_values *v, const struc
  * displacement. */
 double pair_gap_derivative(const struct contact_pair *p);
 
-/* g'' by the turning of n alone, at such a distance: |w_t|^2 / d, of a rim less [m/s^2]. */
+/* g'' by the turning of n alone, at a distance d: |w_t|^2 / d, less at a rim [m/s^2]. */
 double pair_turning(const struct contact_pair *p, double distance);
 
 /* The force that would keep the bodies at their present distance, |m_red (|w_t|^2 / d + n.A)| [N]. Near the
  * centre half the reach stands for d, since the bodies only pass there. */
 double pair_load(const struct contact_pair *p);
 
-/* Of a rim. */
+/* L: the acceleration that presses the bodies together [m/s^2]. */
+double pair_pressing_load(const struct contact_pair *p);
+
+/* The start in the coordinates of a rim. */
 struct rim_start pair_rim_start(const struct contact_pair *p);
 
 /* The part of c perpendicular to a cylinder's axis. */
 struct vec3 pair_across(const struct contact_pair *p, struct vec3 c);
 
-/* The tangential part of such a vector, which turns n: without its component along n; none of a plane. */
+/* The part of such a vector across n, which turns n; zero at a plane. */
 struct vec3 pair_tangential(const struct contact_pair *p, struct vec3 across);
 
-/* Rounding error of g' computed from the velocities after the change [m/s]; 0 where the error of the force
- * that it causes is negligible. */
+/* Rounding error of g' computed from the velocities after the change [m/s]; 0 where its effect on the force
+ * is negligible. */
 double pair_rate_rounding_after(const struct contact_pair *p, const struct pair_change *change,
                                 const struct scene_values *v, const struct scene_state *q, int contact);
+
+/* A change by r along the normal, `side r n`, whose external works have constant paths. */
+struct pair_change pair_change_along_normal(const struct contact_pair *from, double time, double r,
+                                            double r_rate, double gap);
 
 /* Moves the bodies, books impulse, dissipated energy and external work; the clock is the caller's. */
 void pair_apply(const struct contact_pair *p, const struct pair_change *change, const struct scene_values *v,
@@ -106,11 +113,11 @@ void pair_apply(const struct contact_pair *p, const struct pair_change *change, 
 
 enum { FRAME = 3 }; /* directions of a frame */
 
-/* The flight of a pair in a frame of its start: coefficients of time, of a cylinder across its axis. */
+/* The flight of a pair in a frame of its start: coefficients of time, across the axis of a cylinder. */
 struct frame_flight {
     struct vec3 frame[FRAME];                /* n, the tangential direction of the motion, across both */
-    int dimensions;                          /* of these that take part: one head-on, two in a plane */
-    int degree;                              /* of C, and of W plus one */
+    int dimensions;                          /* directions of motion: one head-on, two in a plane */
+    int degree;                              /* degree of C; that of W is one less */
     double c[SEPARATION_DEGREE + 1][FRAME];  /* C [m, m/s, ...] */
     double c_rate[SEPARATION_DEGREE][FRAME]; /* C' [m/s, ...] */
     double w[SEPARATION_DEGREE][FRAME];      /* W [m/s, ...] */
@@ -118,8 +125,7 @@ struct frame_flight {
 
 struct frame_flight frame_flight_of(const struct contact_pair *from);
 
-/* At a rim, in the frame of a, b = e x a and e. All three directions take part, and no vector is
- * projected. */
+/* The flight at a rim, in the frame of a, b = e x a and e, with all three directions and no projection. */
 struct frame_flight frame_flight_at_rim(const struct contact_pair *from);
 
 /*
@@ -140,39 +146,38 @@ struct pair_oscillation {
     double load;                  /* side n.A per s^2 [m] */
     struct oscillator oscillator; /* of y, per s, where there is a spring: omega2 1 */
     double omega_d;               /* radians of y per s: sqrt(1 - damping_rate^2 / 4); 0 where it decays */
-    struct overdamped overdamped; /* there */
-    double equilibrium;           /* static equilibrium: the load with a spring, 0 without [m] */
+    struct overdamped overdamped; /* y where it decays */
+    double equilibrium;           /* gap at rest under the load; 0 without a spring [m] */
     double y, y_rate;             /* at the start, per s [m] */
-    double amplitude;             /* |y| stays below it, the drift left out [m] */
+    double amplitude;             /* bound of |y|, without the drift [m] */
 };
 
-/* Of a pair that moves head-on (pair->is_head_on). False where it might reach the centre of solid bodies
- * (inside a hollow body contact ends before). */
+/* Makes it of a pair that moves head-on (from->is_head_on). False where it might reach the centre of solid
+ * bodies; contact inside a hollow body ends before. */
 bool pair_oscillation_make(struct pair_oscillation *p, const struct contact_pair *from);
 
 /* Whether factor quantity + offset stays positive for all s >= 0. */
 bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_quantity quantity,
                                   double factor, double offset);
 
-/* Upper bound of s for a segment with events. Where y decays, no quantity has two extrema within it. INFINITY
- * where y oscillates. */
+/* Upper bound of s for a segment with events, in which no quantity of a decay has two extrema. INFINITY where
+ * y oscillates. */
 double pair_oscillation_longest(const struct pair_oscillation *p);
 
-/* The first s > 0 at which the gap has an extremum. Further ones follow every half period pi / omega_d, and
- * so do the extrema of the other quantities. */
+/* The first s > 0 at which the gap has an extremum. More follow every half period pi / omega_d, as do the
+ * extrema of the other quantities. */
 double pair_oscillation_first_extremum(const struct pair_oscillation *p);
 
 /* Whether the gap decreases until that first extremum. */
 bool pair_oscillation_closes(const struct pair_oscillation *p);
 
-/* The sample at an extremum of the oscillation, a minimum of the gap (deepest) or a maximum, without
- * trigonometric functions. */
+/* The sample at a minimum (deepest) or maximum of the gap, without trigonometric functions. */
 void pair_oscillation_sample_extremum(const struct pair_oscillation *p, double s, bool deepest,
                                       struct pair_sample *sample);
 
 void pair_oscillation_sample(const void *pair_oscillation, double s, struct pair_sample *sample);
 
-struct pair_change pair_oscillation_change(const void *pair_oscillation, double s);
+struct pair_change pair_oscillation_advance(const void *pair_oscillation, double s);
 
 /* A contact pair by collocation in local coordinates (touch/collocation.h): steps as long as the tangential
  * motion allows, whatever the penalty factor. Variable s in [0, 2], time = half s. */
@@ -180,13 +185,13 @@ struct pair_change pair_oscillation_change(const void *pair_oscillation, double 
 /* Rates and sizes of the motion at the start of a step. */
 struct pair_timescales {
     struct collocation_problem problem;
-    /* coefficients of C, from the first one on: the part that the contact's motion feels */
+    /* coefficients of C from the first one on: the part that acts on the contact's motion */
     struct vec3 felt[SEPARATION_DEGREE];
     double distance;   /* d [m]; INFINITY of a plane, whose normal never turns */
     double rate_along; /* |c' along the contact| / d [1/s] */
     /* rate_along + sqrt(|A| / d) at the start: n turns by about a radian in its inverse [1/s] */
     double tangential_rate;
-    /* of the radial oscillator; sqrt(p_n / m_red) below critical damping [1/s] */
+    /* rates of the radial oscillator; sqrt(p_n / m_red) below critical damping [1/s] */
     struct oscillator_rates rates;
     double oscillation;       /* amplitude of the oscillation of x about its particular solution [m] */
     bool underdamped;         /* below critical damping */
@@ -195,8 +200,8 @@ struct pair_timescales {
 
 void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p);
 
-/* The largest tangential rate within a step of so many seconds [1/s]. It exceeds that at the start where the
- * relative acceleration A grows with time, perhaps from zero. */
+/* The largest tangential rate within a step [1/s]. It exceeds the rate at the start where the relative
+ * acceleration A grows with time, perhaps from zero. */
 double pair_tangential_rate_within(const struct pair_timescales *scales, double step);
 
 /* The longest step, up to `longest` [s], in which the tangential motion covers about `radians`. */
@@ -210,10 +215,10 @@ struct pair_collocation {
 
 void pair_collocation_sample(const void *pair_collocation, double s, struct pair_sample *sample);
 
-/* The same at a Lobatto node, cheaper. */
+/* The sample at a Lobatto node, cheaper. */
 void pair_collocation_sample_node(const struct pair_collocation *p, int node, struct pair_sample *sample);
 
-/* Of the averaged motion, the oscillation left out. */
+/* The sample of the averaged motion, without the oscillation. */
 void pair_collocation_sample_averaged(const void *pair_collocation, double s, struct pair_sample *sample);
 
 /* Lower bound of factor quantity + offset in an averaged step: the averaged quantity less the envelope of the
@@ -224,22 +229,20 @@ struct pair_lower_bound {
     double factor, offset;
 };
 
-/* Value and slope at s of factor quantity + offset - envelope; a root_function of a struct
- * pair_lower_bound. */
+/* Value and slope of the bound at s; a root_function. */
 void pair_lower_bound_at(const void *pair_lower_bound, double s, double *value, double *slope);
 
-/* The same from the averaged sample at s; `envelope` is pair_envelope_of the bounded quantity. */
+/* Value and slope from the averaged sample at s; `envelope` is pair_envelope_of the bounded quantity. */
 void pair_lower_bound_from(const struct pair_lower_bound *bound, const struct oscillator_envelope *envelope,
                            double s, const struct pair_sample *slow, double *value, double *slope);
 
-/* What the oscillation alone adds to a quantity but for its sign (the force is minus it): its value at the
- * start and its rate per s. */
+/* The part of a quantity that oscillates (of minus the force): its value at the start and its rate per s. */
 void pair_free_oscillation(const struct pair_collocation *p, enum pair_quantity quantity, double *start,
                            double *rate);
 
-/* Bound of it. */
+/* Envelope of that part. */
 struct oscillator_envelope pair_envelope_of(const struct pair_collocation *p, enum pair_quantity quantity);
 
-struct pair_change pair_collocation_change(const void *pair_collocation, double s);
+struct pair_change pair_collocation_advance(const void *pair_collocation, double s);
 
 #endif

@@ -14,12 +14,12 @@ struct rim_start rim_start_of(struct vec3 axis, double radius, double half_heigh
     const double cosine = cos(start.tilt);
     const double sine = sin(start.tilt);
     start.rho = radius + distance * cosine;
-    start.round = start.rho * vec3_dot(start.frame[1], rate);
-    start.over = -distance * (sine * vec3_dot(outward, rate) + cosine * vec3_dot(axis, rate));
+    start.azimuth_momentum = start.rho * vec3_dot(start.frame[1], rate);
+    start.tilt_momentum = -distance * (sine * vec3_dot(outward, rate) + cosine * vec3_dot(axis, rate));
     return start;
 }
 
-/* The azimuth is scaled by it. */
+/* Scale of the azimuth among the changes. */
 static double rim_scale(const struct rim_start *start)
 {
     return start->rho / start->distance;
@@ -35,15 +35,15 @@ struct rim_state rim_state_of(const struct rim_start *start, const double change
                            .rho = start->radius + d * cosine,
                            .azimuth = change[0] / scale,
                            .tilt = tilt,
-                           .round = start->round + scale * change[2],
-                           .over = start->over + change[3],
+                           .azimuth_momentum = start->azimuth_momentum + scale * change[2],
+                           .tilt_momentum = start->tilt_momentum + change[3],
                            .grown = grown,
                            .tilted = change[1],
                            .cosine = cosine,
                            .sine = sin(tilt),
                            .turned_cosine = 1.0,
                            .turned_sine = 0.0};
-    if (at.azimuth != 0.0) { /* it stays zero in a plane through the axis */
+    if (at.azimuth != 0.0) { /* the azimuth stays zero in a plane through the axis */
         at.turned_cosine = cos(at.azimuth);
         at.turned_sine = sin(at.azimuth);
     }
@@ -55,13 +55,13 @@ void rim_change_rates(const struct rim_start *start, const struct rim_slopes *sl
     const double scale = rim_scale(start);
     rates[0] = scale * slopes->azimuth;
     rates[1] = slopes->tilt;
-    rates[2] = slopes->round / scale;
-    rates[3] = slopes->over;
+    rates[2] = slopes->azimuth_momentum / scale;
+    rates[3] = slopes->tilt_momentum;
 }
 
-/* What a vector of the frame is along a, b and e at a state. */
+/* Components of a vector along a, b and e at a state. */
 struct rim_parts {
-    double outward, hoop, axial;
+    double outward, circumferential, axial;
 };
 
 static struct rim_parts rim_parts_of(const struct rim_state *at, struct vec3 a)
@@ -76,13 +76,13 @@ struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 accelera
     const struct rim_parts a = rim_parts_of(at, acceleration);
     const double c = at->cosine;
     const double s = at->sine;
-    const double spin = at->round / (at->rho * at->rho);
-    const double tilting = at->over / (at->d * at->d);
+    const double spin = at->azimuth_momentum / (at->rho * at->rho);
+    const double tilting = at->tilt_momentum / (at->d * at->d);
     const double push = at->rho * spin * spin + a.outward;
     return (struct rim_slopes){.azimuth = spin,
                                .tilt = tilting,
-                               .round = at->rho * a.hoop,
-                               .over = -at->d * (s * push + c * a.axial),
+                               .azimuth_momentum = at->rho * a.circumferential,
+                               .tilt_momentum = -at->d * (s * push + c * a.axial),
                                .load = at->d * tilting * tilting + c * push - s * a.axial};
 }
 
@@ -93,9 +93,10 @@ void rim_slopes_by_distance(const struct rim_start *start, const struct rim_stat
     const double c = at->cosine;
     const struct rim_slopes by_distance = {.azimuth = -2.0 * here.azimuth * c / at->rho,
                                            .tilt = -2.0 * here.tilt / at->d,
-                                           .round = c * here.round / at->rho,
-                                           .over = here.over / at->d +
-                                                   3.0 * at->d * at->sine * c * here.azimuth * here.azimuth};
+                                           .azimuth_momentum = c * here.azimuth_momentum / at->rho,
+                                           .tilt_momentum =
+                                               here.tilt_momentum / at->d +
+                                               3.0 * at->d * at->sine * c * here.azimuth * here.azimuth};
     rim_change_rates(start, &by_distance, slopes);
 }
 
@@ -120,12 +121,12 @@ struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at)
 
 struct vec3 rim_velocity(const struct rim_state *at, double radial)
 {
-    const double along = at->over / at->d;
+    const double along = at->tilt_momentum / at->d;
     const double outward = radial * at->cosine - along * at->sine;
-    const double hoop = at->round / at->rho;
+    const double circumferential = at->azimuth_momentum / at->rho;
     const double c = at->turned_cosine;
     const double s = at->turned_sine;
-    return vec3_make(c * outward - s * hoop, s * outward + c * hoop,
+    return vec3_make(c * outward - s * circumferential, s * outward + c * circumferential,
                      -(radial * at->sine + along * at->cosine));
 }
 

@@ -1,67 +1,69 @@
 /*
- * The rim of a capped cylinder in local coordinates: a circle of radius r_d about the axis e. The normal has
- * two curvatures there: with the direction a from the axis to the centre, which turns by the azimuth, and the
- * tilt of n from it,
+ * The rim of a capped cylinder in local coordinates: a circle of radius r_d about the axis e. The normal n
+ * has two curvatures there. Its coordinates are the azimuth, by which the direction a from the axis to the
+ * centre turns, and the tilt of n from a. Their momenta are h and L:
  *
- *   n = cos(tilt) a - sin(tilt) e,   rho = r_d + d cos(tilt)
- *   azimuth' = round / rho^2,   round' = rho b.A,   b = e x a
- *   tilt' = over / d^2,         over' = -d (sin(tilt) push + cos(tilt) e.A),   push = round^2 / rho^3 + a.A
- *   d'' = f + F_n / m_red,      f = over^2 / d^3 + cos(tilt) push - sin(tilt) e.A
+ *   n = cos(tilt) a - sin(tilt) e,   rho = r_d + d cos(tilt),   b = e x a
+ *   azimuth' = h / rho^2,   h' = rho b.A
+ *   tilt' = L / d^2,        L' = -d (sin(tilt) push + cos(tilt) e.A),   push = h^2 / rho^3 + a.A
+ *   d'' = f + F_n / m_red,  f = L^2 / d^3 + cos(tilt) push - sin(tilt) e.A
  *
- * with A the relative acceleration without the contact force. Vectors in the frame of the start: a, b, e.
+ * with A the relative acceleration without the contact force. Vectors are in the frame of the start: a, b, e.
  */
 #ifndef CONTACT_TOUCH_RIM_LOCAL_H
 #define CONTACT_TOUCH_RIM_LOCAL_H
 
 #include "math/vec3.h"
 
-/* Where a motion begins. */
+/* The start of a motion. */
 struct rim_start {
-    struct vec3 frame[3]; /* a, b, e */
-    double radius;        /* r_d [m] */
-    double distance, rho; /* d [m]; from the axis [m] */
-    double tilt;          /* [rad] */
-    double round, over;   /* [m^2/s] */
+    struct vec3 frame[3];                   /* a, b, e */
+    double radius;                          /* r_d [m] */
+    double distance;                        /* d [m] */
+    double rho;                             /* distance of the centre from the axis [m] */
+    double tilt;                            /* [rad] */
+    double azimuth_momentum, tilt_momentum; /* [m^2/s] */
 };
 
 struct rim_state {
-    double d, rho, azimuth, tilt;      /* [m], [rad] */
-    double round, over;                /* [m^2/s] */
-    double grown, tilted;              /* changes of d and of the tilt, with all their digits */
-    double cosine, sine;               /* of the tilt */
-    double turned_cosine, turned_sine; /* of the azimuth */
+    double d, rho, azimuth, tilt;           /* [m], [rad] */
+    double azimuth_momentum, tilt_momentum; /* [m^2/s] */
+    double grown, tilted;                   /* changes of d and of the tilt, not rounded by a difference */
+    double cosine, sine;                    /* of the tilt */
+    double turned_cosine, turned_sine;      /* of the azimuth */
 };
 
 struct rim_slopes {
-    double azimuth, tilt; /* [1/s] */
-    double round, over;   /* [m^2/s^2] */
-    double load;          /* f [m/s^2] */
+    double azimuth, tilt;                   /* [1/s] */
+    double azimuth_momentum, tilt_momentum; /* [m^2/s^2] */
+    double load;                            /* f [m/s^2] */
 };
 
-/* The start from c across and along the axis, d as it is known better than by c, and c' (world). */
+/* The start from c and c' (world). The caller passes `distance`, d, because it holds more digits than c. */
 struct rim_start rim_start_of(struct vec3 axis, double radius, double half_height, struct vec3 c,
                               double distance, struct vec3 rate);
 
-/* The state after changes of azimuth times rho/d at the start, tilt, `round` over that, `over`, so that
- * lengths and tolerances mean the same for both directions; and of d by `grown`. */
+/* The state after d has grown by `grown` and the coordinates have changed. change[0] and change[2] are those
+ * of the azimuth times rho/d at the start and of h over it, so that tolerances mean the same in both
+ * directions; change[1] and change[3] are those of the tilt and of L. */
 struct rim_state rim_state_of(const struct rim_start *start, const double change[4], double grown);
 
-/* What these changes grow by, from slopes. */
+/* The rates of these changes, from slopes. */
 void rim_change_rates(const struct rim_start *start, const struct rim_slopes *slopes, double rates[4]);
 
 struct rim_slopes rim_slopes_at(const struct rim_state *at, struct vec3 acceleration);
 
-/* The slopes of these rates with d. */
+/* The derivatives of these rates with respect to d. */
 void rim_slopes_by_distance(const struct rim_start *start, const struct rim_state *at,
                             struct vec3 acceleration, double slopes[4]);
 
-/* In the frame: n; c - c(0); c' with d' = `radial`. */
+/* n, c - c(0), and c' with d' = `radial`, in the frame. */
 struct vec3 rim_normal(const struct rim_state *at);
 struct vec3 rim_moved(const struct rim_start *start, const struct rim_state *at);
 struct vec3 rim_velocity(const struct rim_state *at, double radial);
 
-/* reach cos(tilt) and reach sin(tilt), which are zero where the zone of the rim ends, and two derivatives,
- * from those of the tilt. */
+/* reach cos(tilt) and reach sin(tilt), which are zero where the zone of the rim ends, with two derivatives,
+ * from the tilt and its derivatives. */
 void rim_edges(const double tilt[3], double reach, double radial[3], double axial[3]);
 
 #endif

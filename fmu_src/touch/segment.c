@@ -9,268 +9,209 @@
 #include "scene/evaluate.h"
 #include "scene/present.h"
 #include "touch/segment.h"
-#include "touch/terminal_event.h"
 
-/* How far rounding may change the peaks of a contact that is stiff beyond all technique. */
+/* The motion since the start, as the kind of segment gives it. */
+static struct pair_change kind_advance(const struct segment *p, double s);
 
-/* To be called once the peaks of a segment of `time` seconds are in the state. */
-static void peak_error_note(const struct segment *p, double time, struct contact_state *state);
+/* The terminal event: which event function ends the regime, and with which hysteresis. */
 
-/* Largest force and penetration within a segment. */
+/* The law's margin ends a regime only once it is negative by this part of the load, besides rounding:
+ * truncation errors do not change the regime of a contact at rest. */
+static const double HYSTERESIS = 1e-8;
 
-/* Takes the segment up to `end` into account for the peaks of the communication step. */
-static void peaks_note(struct segment *p, struct contact_state *state, double end);
+/* A separation slower than CLEAR_SEPARATION of the largest speed in the segment does not end the contact at g
+ * = 0 if a load presses the bodies together again at once. The contact then lasts until the gap exceeds its
+ * rounding bound, or GAP_HYSTERESIS of the penetration where rounding exceeds a stiff contact's compression.
+ * A ball that oscillates about g = 0 would bounce on rounding otherwise. */
+static const double CLEAR_SEPARATION = 1e-3;
+static const double GAP_HYSTERESIS = 1e-6;
 
-/*
- * The impulse of the torque on a destination where nothing turns or rubs: then c x F, with F the force on the
- * source, for the source's lever arm is along it. With c = C + r, F = -m_red r'' (pair.h)
- *
- *   integral of c x F = -m_red ([C x r' - C' x r + r x r'] + integral of C'' x r)
- *
- * r is along n. So of C only the part along the axis counts at the side of a cylinder, that across n at a
- * plane and at a cap, and r x r' counts at a rim alone. Towards a sphere there is no torque.
- */
+/* Lower bound of that gap [m]: below it products of the penetration underflow. */
+static const double DIED_AWAY = 1e-100;
 
-/* The motion since the start of a segment, at s. */
-typedef struct pair_change pair_changer(const void *motion, double s);
+/* An approach-only dashpot is switched at every turn of an oscillation, because nothing else damps it, until
+ * the oscillation is HYSTERESIS of the penetration under the load. A damping below LIGHTEST of the critical
+ * one would take more than 12,000 turns. Such a dashpot is not switched while its force is less than
+ * IDLE_DASHPOT of the load and deforms the contact by less than the tolerance. */
+static const double LIGHTEST = 1e-3;
+static const double IDLE_DASHPOT = 1e-3;
 
-/* Over [0, s], at which `change` is [N m s]. */
-struct vec3 torque_impulse(struct segment *p, pair_changer *changer, const struct pair_change *change,
-                           double s);
+/* Under a load that falls slowly the full law lets the bodies separate at the load's pace, r0 at most. The
+ * dashpot's pull p_nv r0 holds the contact deeper by p_nv r0 / p_n than the spring alone would. Left to the
+ * spring alone the contact oscillates about the falling load with speeds up to swing r0, where swing = p_nv /
+ * sqrt(p_n m_red), and approaches again at up to (swing - 1) r0, which is r0 or more from critical damping on
+ * (swing >= 2). Switching to the full law at that speed would begin an endless cycle, so the spring alone
+ * lasts up to REBOUND swing r0. The force left out at that speed is HYSTERESIS of the load, or rounding where
+ * that is more. */
+static const double REBOUND = 2.0;
+static const double CRITICAL_SWING = 2.0;
 
-/* The first kind that applies and can be made is taken. `work` is what making one takes and what follows from
- * it, in steps in closed form of 3,000 instructions: 30,000 for a series or half a
- * period, 125,000 for a radian of the tangential motion. */
-static const struct {
-    bool (*applies)(const struct segment *p);
-    bool (*make)(struct segment *p);
-    dense_output_sampler *sample;
-    struct pair_change (*change)(const void *motion, double s);
-    int work;
-} kinds[] = {
-    /* Head-on under constant acceleration: exact for any time, so it comes first. */
-    [SEGMENT_CLOSED_FORM] = {closed_form_applies, closed_form_make, pair_oscillation_sample,
-                             pair_oscillation_change, 1},
-    /* Fast oscillations that are small and clear of g = 0: many in one step, as far as the tangential motion
-     * allows. */
-    [SEGMENT_AVERAGED] = {averaged_applies, averaged_make, pair_collocation_sample, pair_collocation_change,
-                          40},
-    /* Other oscillations, below critical damping: half a period and more, most of an impact. */
-    [SEGMENT_RESOLVED] = {resolved_applies, resolved_make, pair_collocation_sample, pair_collocation_change,
-                          10},
-    /* Far beyond critical damping, or without a spring: a radian of the tangential motion. */
-    [SEGMENT_OVERDAMPED] = {overdamped_applies, overdamped_make, pair_collocation_sample,
-                            pair_collocation_change, 40},
-    /* Everything else, soft contacts, short remainders and Hertz's law: two radians of the contact, of its
-     * passage or of the rim. */
-    [SEGMENT_SERIES] = {series_applies, series_make, pair_series_sample, pair_series_change, 10},
-#if SCENE_ANY_HERTZ
-    /* Hertz's law, the oscillation died away: a radian of the tangential motion. */
-    [SEGMENT_HERTZ_SLOW] = {hertz_slow_applies, hertz_slow_make, slow_hertz_sample, slow_hertz_change, 40},
-    /* Hertz's law without damping, head-on under constant acceleration: all the rest of an impact. */
-    [SEGMENT_HERTZ_ELASTIC] = {hertz_elastic_applies, hertz_elastic_segment_make, hertz_elastic_sample,
-                               hertz_elastic_change, 1},
-#endif
-};
-
-double segment_time(const struct segment *p, double s)
+/* The largest |g| [m] or |g'| [m/s] of the samples, or its bound. */
+static double largest_size(const struct segment *p, enum pair_quantity quantity)
 {
-    if (p->kind == SEGMENT_SERIES) {
-        return pair_series_time(&p->as.series, s);
+    double largest = quantity == PAIR_GAP ? p->largest_gap : p->largest_rate;
+    const bool known = largest > 0.0;
+    for (int i = 0; i < p->output.count && !known; ++i) {
+        largest = fmax(largest, fabs(p->output.at[i].of[quantity][0]));
     }
-    if (SCENE_ANY_HERTZ && p->kind == SEGMENT_HERTZ_ELASTIC) {
-        return hertz_elastic_time(&p->as.hertz_elastic, s);
-    }
-    return s * p->unit;
+    return largest;
 }
 
-double segment_place(const struct segment *p, double time)
+/* How far the rounding of g' moves the gap at most [m]: each segment computes g' afresh from rounded
+ * velocities. */
+static double terminal_event_gap_noise(const struct contact_pair *from)
 {
-    if (!(time > 0.0)) {
-        return 0.0; /* at a touch the time may be of second order in s, and give no root there */
-    }
-    if (p->kind == SEGMENT_SERIES) {
-        const double end = fmin(p->end, p->terminal.s);
-        return !(time < segment_time(p, end)) ? end : pair_series_place(&p->as.series, time, end);
-    }
-    if (SCENE_ANY_HERTZ && p->kind == SEGMENT_HERTZ_ELASTIC) {
-        return hertz_elastic_place(&p->as.hertz_elastic, time);
-    }
-    return time / p->unit;
+    const double spring = sqrt(from->coefficients.k / from->reduced_mass);
+    const double dashpot = from->coefficients.c / from->reduced_mass;
+    return from->rate_rounding / fmax(spring, dashpot);
 }
 
-static bool make_kind(struct segment *p, enum segment_kind kind)
+/* Gap up to which contact lasts where the separation is slow [m]. */
+static double terminal_event_gap_tolerance(const struct segment *p)
 {
-    p->kind = kind;
-    p->event_free = false;
-    /* in a hollow body contact ends before */
-    p->clear_of_centre = !contact_may_reach_centre(&p->pair.shape);
-    p->largest_gap = p->largest_rate = 0.0;
-    p->terminal.s = (double)NAN;
-    p->output.sampler = kinds[kind].sample;
-    p->output.segment = &p->as;
-    p->output.worth_a_search = DENSE_OUTPUT_WORTH_A_SEARCH;
-    p->output.count = 0;
-    p->output.latest_s = -1.0;
-    if (!kinds[kind].applies(p)) {
-        return false;
+    const double most = 2.0 * p->gap_rounding;
+    if (contact_is_hertz(&p->pair.law)) { /* coasting at the touch: bodies that come back have not parted */
+        return most;
     }
-    p->work += kinds[kind].work;
-    return kinds[kind].make(p);
+    const double part = GAP_HYSTERESIS * largest_size(p, PAIR_GAP);
+    return part >= most ? most : fmin(most, fmax(part, fmax(terminal_event_gap_noise(&p->pair), DIED_AWAY)));
 }
 
-static bool is_collocated(const struct segment *p)
+bool terminal_event_by_law(const struct segment *p)
 {
-    return p->kind != SEGMENT_CLOSED_FORM && p->kind < SEGMENT_SERIES;
+    return contact_has_events(&p->pair.law);
 }
 
-/* What is in closed form first; then the series, whose first coefficients tell if anything is fast; where
- * they were wrong it is made in spite of them. */
-static void make_hertz(struct segment *p)
+/* k and c of the law in compression; under Hertz's law its slopes at the segment's largest depth. */
+static struct contact_coefficients full_coefficients(const struct segment *p)
 {
-    p->may_be_slow = hertz_slow_applies(p);
-    if (!make_kind(p, SEGMENT_HERTZ_ELASTIC) && !make_kind(p, SEGMENT_SERIES) &&
-        !make_kind(p, SEGMENT_HERTZ_SLOW)) {
-        p->may_be_slow = false;
-        (void)make_kind(p, SEGMENT_SERIES);
+    const struct contact_law *law = &p->pair.law;
+    if (!contact_is_hertz(law)) {
+        return contact_coefficients_of(law, REGIME_COMPRESSION);
     }
+    const struct contact_slopes slopes =
+        contact_force_slopes(law, REGIME_COMPRESSION, -largest_size(p, PAIR_GAP), 0.0);
+    return (struct contact_coefficients){-slopes.by_gap, -slopes.by_rate};
 }
 
-/* Where nothing turns, nothing would end a segment. But unless the bodies are head-on their motion is that of
- * the flight without contact and a deviation that nearly cancels it: the flight may be as long as the gap's
- * own rounding bound allows [s]. */
-static double longest_by_flight(const struct segment *p)
+/* Approach speed at which the spring alone ends, over the separation speed r0 at which it began. */
+static double rebound_of(struct contact_coefficients full, double reduced_mass)
 {
-    const double flight = p->gap_rounding / DBL_EPSILON;
-    double longest = (double)INFINITY;
-    for (int i = 2; i <= SEPARATION_DEGREE; ++i) {
-        const double along = fabs(vec3_dot(p->pair.normal, p->pair.flight.c[i]));
-        longest = fmin(longest, pow(flight / (SEPARATION_DEGREE * along), 1.0 / i));
-    }
-    return longest;
+    const double swing = full.c / sqrt(full.k * reduced_mass);
+    return full.k > 0.0 && swing >= CRITICAL_SWING ? REBOUND * swing : 1.0;
 }
 
-/* By collocation, where that applies and stays clear of the centre. */
-static bool make_collocated(struct segment *p)
+/* Speed of separation at which an approach-only dashpot stops, rounding apart [m/s]; `open` is a force. */
+static double separating_speed(const struct segment *p, struct contact_coefficients full, double open)
 {
-    enum segment_kind kind = SEGMENT_AVERAGED;
-    pair_timescales_make(&p->scales, &p->pair);
-    p->as.collocation.from = &p->pair;
-    p->as.collocation.felt = p->scales.felt;
-    while (kind < SEGMENT_SERIES && !make_kind(p, kind)) {
-        kind += 1;
+    const double swing = sqrt(full.k * p->pair.reduced_mass); /* force by speed, of the spring alone */
+    if (full.c >= 2.0 * LIGHTEST * swing) {
+        return open / fmax(full.c, swing);
     }
-    return kind < SEGMENT_SERIES && collocated_stays_off_centre(p);
+    return fmax(open, fmin(full.k * p->tolerance, IDLE_DASHPOT * pair_load(&p->pair))) / full.c;
 }
 
-static void make_up_to(struct segment *p, double longest)
+struct event_function terminal_event_margin(const struct segment *p)
 {
-    p->longest = p->pair.is_head_on ? longest : fmin(longest, longest_by_flight(p));
-    if (contact_is_hertz(&p->pair.law)) {
-        make_hertz(p);
-    } else if (!make_kind(p, SEGMENT_CLOSED_FORM) && !make_collocated(p)) {
-        (void)make_kind(p, SEGMENT_SERIES);
+    const struct contact_law *law = &p->pair.law;
+    const double rate = p->pair.rate_rounding;
+    if (contact_is_hertz(law) && law->dashpot == DASHPOT_NON_ADHESIVE) {
+        /* The margin 1 - chi g' is 1 at rest, so only rounding needs a hysteresis. Bodies pushed out of a
+         * deep overlap move at 1/chi for long. A hysteresis in parts of the load would hold them back by that
+         * part of a force far above the load. */
+        return (struct event_function){PAIR_GAP_RATE, -1.0, 1.0 / contact_factors_of(law).c + rate};
     }
-    if (isnan(p->terminal.s)) {
-        p->terminal = terminal_event_first(p);
+    const struct contact_coefficients full = full_coefficients(p);
+    const double open =
+        HYSTERESIS * pair_load(&p->pair) + full.k * 8.0 * DBL_EPSILON * largest_size(p, PAIR_GAP);
+    if (law->dashpot == DASHPOT_NON_ADHESIVE) {
+        return (struct event_function){PAIR_FORCE, 1.0, open + full.c * rate};
     }
+    const double rebound = rebound_of(full, p->pair.reduced_mass);
+    const double separating = separating_speed(p, full, open) + rate;
+    return p->regime == REGIME_RESTITUTION ? (struct event_function){PAIR_GAP_RATE, 1.0, rebound * separating}
+                                           : (struct event_function){PAIR_GAP_RATE, -1.0, separating};
 }
 
-/* `tolerance` bounds the error of the whole segment. If contact ends within its first 0.1 %, that is no
- * longer small: rebuild with twice the contact's length. */
-static const double EARLY_EVENT = 1e-3;
-
-static void keep_faces_apart(struct segment *p)
-{
-    const double longest = zone_longest_inside(p);
-    if (longest < (double)INFINITY) {
-        make_up_to(p, longest);
-    }
-}
-
-/* A collocated step is most accurate at its end: where a zone ends within, it is made to end there, or a
- * little beyond by this part, so that the edge is found again. */
-static const double BEYOND_EDGE = 1e-6;
-
-static void note_zone_end(struct segment *p)
-{
-    zone_end_note(p);
-    if (p->leaves_zone && p->terminal.s > 0.0 && is_collocated(p) && contact_is_rim(&p->pair.shape)) {
-        make_up_to(p, p->terminal.s * p->unit * (1.0 + BEYOND_EDGE));
-        zone_end_note(p);
-    }
-}
-
-bool segment_make(struct segment *p, const struct scene_values *v, const struct scene_state *q,
-                  const struct scene_instant *at, int contact, double longest, double tolerance)
-{
-    pair_make(&p->pair, v, q, at, contact);
-    p->regime = (enum contact_regime)q->contact[contact].regime;
-    p->gap_rounding = rounding_of_gap(v, at, contact);
-    p->gap_is_known = p->pair.gap == 0.0 || scene_gap_is_accumulated(q, at, contact);
-    p->tolerance = tolerance;
-    p->work = 0;
-    make_up_to(p, longest);
-    if (SCENE_ANY_CAPS) {
-        keep_faces_apart(p);
-    }
-    if (is_collocated(p) && p->terminal.s > 0.0 && p->terminal.s < EARLY_EVENT * p->end) {
-        make_up_to(p, 2.0 * p->terminal.s * p->unit);
-    }
-    terminal_event_at_centre(p);
-    if (SCENE_ANY_CAPS) {
-        note_zone_end(p);
-    }
-    return p->end > 0.0;
-}
-
-const struct pair_sample *segment_sample(struct segment *p, double s)
-{
-    return dense_output_at(&p->output, s);
-}
-
-/* Corrects r along n so that bodies that part are as far apart as the gap says. Gap and r are truncated
- * apart, and bodies that part at a gap of zero must not overlap by that. Elsewhere the next segment begins at
- * the gap (contact_pair.rounded), and near a centre the correction would turn n by its rounding. */
-static void agree_with_gap(const struct segment *p, struct pair_change *change)
+/* Whether bodies that part at this speed are pressed together again before the gap has grown to
+ * GAP_HYSTERESIS of the penetration. */
+static bool comes_back_at_once(const struct segment *p, double speed)
 {
     const struct contact_pair *from = &p->pair;
-    const struct vec3 none = {0.0, 0.0, 0.0};
-    struct vec3 c = vec3_add(path_at(from->flight.c, SEPARATION_DEGREE + 1, change->time), change->r);
-    if (change->head_on || fabs(change->gap) > p->tolerance) {
-        return;
-    }
-    if (!from->starts_rounded) {
-        c = vec3_add(c, from->rounded);
-    }
-    const struct contact_geometry then = contact_geometry_at(&from->shape, c, none, from->normal);
-    const double missing = change->gap - then.gap;
-    if (fabs(missing) <= p->tolerance) { /* else the gap has its sign beyond a centre */
-        change->r = vec3_axpy(change->r, from->shape.side * missing, then.normal);
-    }
+    const double pressing = pair_pressing_load(from);
+    return pressing > 0.0 && speed * speed <= 2.0 * pressing * GAP_HYSTERESIS * largest_size(p, PAIR_GAP);
 }
 
-void segment_advance(struct segment *p, double s, const struct scene_values *v, struct scene_state *q,
-                     int contact)
+/* The release, by the gap. */
+static struct terminal_event parting(struct segment *p)
 {
-    struct contact_state *state = &q->contact[contact];
-    struct pair_change change = kinds[p->kind].change(&p->as, s);
-    /* deeper than the bodies are wide, positions do not hold the gap */
-    change.head_on = change.head_on && p->largest_gap <= contact_reach(&p->pair.shape);
-    agree_with_gap(p, &change);
-    peaks_note(p, state, s);
-    pair_apply(&p->pair, &change, v, q, contact);
-    state->physics.rate_rounding = pair_rate_rounding_after(&p->pair, &change, v, q, contact);
-    if (state->physics.rate_rounding > 0.0) {
-        state->physics.carried_rate = segment_sample(p, s)->of[PAIR_GAP_RATE][0];
+    struct terminal_event terminal = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
+    terminal.s = dense_output_first_event(&p->output, &terminal.function);
+    if (terminal.s < (double)INFINITY) {
+        const struct pair_sample *then = dense_output_at(&p->output, terminal.s);
+        const double speed = then->of[PAIR_GAP_RATE][0];
+        const double clean = CLEAR_SEPARATION * largest_size(p, PAIR_GAP_RATE);
+        if (contact_is_hertz(&p->pair.law) || !(speed > p->pair.rate_rounding) ||
+            (speed <= clean && comes_back_at_once(p, speed))) {
+            terminal.function.offset = terminal_event_gap_tolerance(p);
+            terminal.s = dense_output_first_event(&p->output, &terminal.function);
+        }
     }
-    if (SCENE_HAS_TORQUES) {
-        state->torques.destination_impulse = vec3_add(state->torques.destination_impulse,
-                                                      torque_impulse(p, kinds[p->kind].change, &change, s));
+    return terminal;
+}
+
+static struct terminal_event terminal_event_first(struct segment *p)
+{
+    struct terminal_event first = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
+    if (p->event_free) {
+        return first;
+    }
+    first = parting(p);
+    if (terminal_event_by_law(p)) {
+        const struct event_function margin = terminal_event_margin(p);
+        const double s = dense_output_first_event(&p->output, &margin);
+        if (s < first.s) {
+            first = (struct terminal_event){s, margin, contact_regime_after(&p->pair.law, p->regime)};
+        }
+    }
+    return first;
+}
+
+/* The largest |g|. Between two samples a quantity may have one extremum larger than both, but less than four
+ * times as large. */
+static double deepest_of(const struct segment *p)
+{
+    double deepest = 0.25 * p->largest_gap;
+    for (int i = 0; i < p->output.count; ++i) {
+        deepest = fmax(deepest, fabs(p->output.at[i].of[PAIR_GAP][0]));
+    }
+    return 4.0 * deepest;
+}
+
+/* The s at which d = 0 and n reverses; INFINITY: not within the segment. */
+static double terminal_event_centre(const struct segment *p)
+{
+    if (p->clear_of_centre || deepest_of(p) < contact_reach(&p->pair.shape)) {
+        return (double)INFINITY;
+    }
+    const struct event_function distance = {PAIR_GAP, p->pair.shape.side, contact_reach(&p->pair.shape)};
+    return dense_output_first_event(&p->output, &distance);
+}
+
+/* Ends the segment at d = 0 if that is before p->terminal, whether or not the regime changes there. */
+static void terminal_event_at_centre(struct segment *p)
+{
+    const double s = terminal_event_centre(p);
+    if (s <= p->end && s < p->terminal.s) {
+        /* the gap rate has the opposite sign beyond the centre */
+        const struct pair_sample *then = dense_output_at(&p->output, s);
+        const double gap = then->of[PAIR_GAP][0];
+        p->terminal.s = s;
+        p->terminal.regime = contact_regime_of(&p->pair.law, gap, -then->of[PAIR_GAP_RATE][0], true);
     }
 }
 
-/* Samples at the extrema of gap, rate and force, of which each has one at most. */
+/* Samples at the extrema of gap, rate and force; each quantity has one at most. */
 static void add_extrema_of_decay(struct segment *p)
 {
     struct dense_output *w = &p->output;
@@ -313,12 +254,15 @@ static bool is_event_free(const struct segment *p)
            pair_oscillation_stays_above(made, margin.quantity, margin.factor, margin.offset);
 }
 
-bool closed_form_applies(const struct segment *p)
+/* Head-on motion under constant acceleration. */
+static bool closed_form_applies(const struct segment *p)
 {
     return p->pair.is_head_on && !contact_is_rim(&p->pair.shape);
 }
 
-bool closed_form_make(struct segment *p)
+/* Over all of p->longest where no event follows; else over a period of the oscillation at most, or over the
+ * decay. */
+static bool closed_form_make(struct segment *p)
 {
     struct pair_oscillation *made = &p->as.oscillation;
     if (!pair_oscillation_make(made, &p->pair)) {
@@ -345,14 +289,29 @@ bool closed_form_make(struct segment *p)
     return true;
 }
 
-bool collocated_applies(const struct segment *p)
+/* Smallest length of a collocated segment [radians of the oscillator]. Below it one Taylor step is exact, and
+ * oscillator_particular loses digits. */
+static const double COLLOCATED_SHORTEST = 3.0;
+
+/* The two motions are told apart where the oscillator is faster than the tangential motion by this factor. */
+static const double SEPARATION_OF_RATES = 20.0;
+
+/* Length of a resolved segment [radians of the oscillator]: an impact takes a little more than half a period.
+ * The oscillation enters the load with the relative size (tangential_rate / oscillator's rate)^2 and is
+ * accurate to 3e-7 at the nodes. */
+static const double RESOLVED_LENGTH = 4.0;
+
+/* Whether the step may be long enough and the oscillator or its decay is faster than the tangential
+ * motion. */
+static bool collocated_applies(const struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
     return scales->rates.faster * p->longest >= COLLOCATED_SHORTEST && scales->problem.reach > 0.0 &&
            scales->rates.faster >= SEPARATION_OF_RATES * scales->tangential_rate;
 }
 
-void collocated_begin(struct segment *p)
+/* Sets up a segment without samples from the step in p->as.collocation. */
+static void collocated_begin(struct segment *p)
 {
     p->unit = p->as.collocation.step.half;
     p->end = 2.0;
@@ -360,8 +319,8 @@ void collocated_begin(struct segment *p)
     p->output.count = 0;
 }
 
-/* Samples at 0.5, 1, 2, 4, ... fast decay times, before the nodes: between two samples no quantity has two
- * extrema. */
+/* Samples at 0.5, 1, 2, 4, ... fast decay times, before the nodes, so that no quantity has two extrema
+ * between two samples. */
 static void add_decay_samples(struct segment *p)
 {
     const struct lobatto *nodes = p->as.collocation.step.nodes;
@@ -373,7 +332,7 @@ static void add_decay_samples(struct segment *p)
     }
 }
 
-void collocated_sample(struct segment *p)
+static void collocated_sample(struct segment *p)
 {
     const enum collocation_kind kind = p->as.collocation.step.kind;
     const struct lobatto *nodes = p->as.collocation.step.nodes;
@@ -395,7 +354,8 @@ void collocated_sample(struct segment *p)
     }
 }
 
-bool collocated_make(struct segment *p, double step, enum collocation_kind kind)
+/* A segment within tolerance everywhere, not only at its end, because an event may end it. */
+static bool collocated_make(struct segment *p, double step, enum collocation_kind kind)
 {
     if (!collocation_make(&p->as.collocation.step, &p->scales.problem, step, kind, &lobatto[LOBATTO_TWELVE],
                           0.1 * p->tolerance) ||
@@ -406,11 +366,12 @@ bool collocated_make(struct segment *p, double step, enum collocation_kind kind)
     return true;
 }
 
-/* Part of the reach. Where a node is nearer to the centre than this, the motion between the nodes may be
- * nearer still, and d = reach + x loses digits. */
+/* Part of the reach. If a node is nearer to the centre, the motion between the nodes may be nearer still, and
+ * d = reach + x loses digits. */
 static const double NEAR_CENTRE = 0.1;
 
-bool collocated_stays_off_centre(const struct segment *p)
+/* Whether local coordinates are accurate throughout the segment. */
+static bool collocated_stays_off_centre(const struct segment *p)
 {
     const struct collocation *step = &p->as.collocation.step;
     double nearest = step->from.reach;
@@ -423,8 +384,8 @@ bool collocated_stays_off_centre(const struct segment *p)
     return step->kind == COLLOCATION_OVERDAMPED && !(terminal_event_centre(p) < (double)INFINITY);
 }
 
-/* Longest averaged step [radians of the tangential motion]: twelve nodes then have full accuracy, with about
- * 15 sweeps. */
+/* Longest averaged step [radians of the tangential motion]: twelve nodes have full accuracy over it, with
+ * about 15 sweeps. */
 static const double LONG_STEP = 2.5;
 
 /* Radians of the tangential motion up to which four or eight nodes are tried first. */
@@ -433,7 +394,10 @@ static const double EIGHT_NODES = 0.5;
 
 enum { AVERAGED_ATTEMPTS = 12 };
 
-double averaged_error(double a, double ratio, double distance, double radians)
+/* Error of treating an oscillation or fast decay of amplitude `a` [m] to first order: the second order of its
+ * closed-form part, 4 a ratio^2 with `ratio` the tangential rate over the oscillation's; and the mean of
+ * (a/d)^2 in n', which acts over `radians` of the tangential motion, 3 a^2 radians / d [m]. */
+static double averaged_error(double a, double ratio, double distance, double radians)
 {
     return 4.0 * a * ratio * ratio + 3.0 * a * a / distance * radians;
 }
@@ -501,7 +465,7 @@ static enum lobatto_size nodes_for(double radians)
     return radians <= EIGHT_NODES ? LOBATTO_EIGHT : LOBATTO_TWELVE;
 }
 
-/* Whether a step is accurate although the oscillation enters n and H to first order only. */
+/* Whether a step is accurate with the oscillation in n and H to first order only. */
 static bool averaged_is_accurate(const struct segment *p, double step)
 {
     const struct pair_timescales *scales = &p->scales;
@@ -523,15 +487,15 @@ static double longest_step(const struct segment *p)
     return step;
 }
 
-bool averaged_applies(const struct segment *p)
+static bool averaged_applies(const struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
-    /* Where the load has faded, so may have the oscillation, to less than rounding. */
+    /* an oscillation below rounding counts as none, also where the load has faded */
     return collocated_applies(p) && scales->rates.slower >= SEPARATION_OF_RATES * scales->tangential_rate &&
            scales->oscillation < fmax(scales->equilibrium_depth, terminal_event_gap_noise(&p->pair));
 }
 
-bool averaged_make(struct segment *p)
+static bool averaged_make(struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
     const double d = scales->problem.reach;
@@ -546,8 +510,8 @@ bool averaged_make(struct segment *p)
             step *= 0.5;
             continue;
         }
-        /* The error at the end of a step is about the square of that in between. Ten times the square of the
-         * tails and of the number of points is above all measured errors (tests/unit/collocation.c). */
+        /* The error at the end of a step is about the square of the error in between. Ten times the square of
+         * points times tail is above all measured errors. */
         const double tail = made->step.nodes->points * made->step.result.interior_error;
         const double error = tail * (10.0 * tail / d);
         if (!(error <= p->tolerance)) {
@@ -561,23 +525,24 @@ bool averaged_make(struct segment *p)
         if (p->event_free) {
             return true;
         }
-        /* End two resolved segments before the event: those locate it. */
+        /* end two resolved segments before the event: they locate it */
         step = until * made->step.half - 2.0 * RESOLVED_LENGTH / scales->rates.slower;
     }
     return false;
 }
 
-/* Places at which the first guess of a step of RESOLVED_LENGTH is looked at: no quantity has two extrema in
- * a radian. */
+/* Samples of the first guess of a step of RESOLVED_LENGTH, a radian apart: no quantity has two extrema in a
+ * radian. */
 enum { GUESS_PLACES = 5 };
 
-/* A step ends beyond the contact's end by these parts of its length: the error of the first guess, with a
- * constant load; the least after one sweep; and the part of the shift that the sweep made. */
+/* A step ends beyond the contact's end by a part of its length: BEYOND_GUESS covers the error of the first
+ * guess with its constant load; after one sweep BEYOND is the least, and BEYOND_SHIFT the part of the shift
+ * by that sweep. */
 static const double BEYOND_GUESS = 1e-3;
 static const double BEYOND = 1e-6;
 static const double BEYOND_SHIFT = 0.02;
 
-/* Smallest length of a step with eight nodes [radians]: oscillator_particular then loses as few digits as
+/* Smallest length of a step with eight nodes [radians]: oscillator_particular loses as few digits there as
  * with twelve nodes at COLLOCATED_SHORTEST. */
 static const double SHORTEST_OF_EIGHT = 1.0;
 
@@ -594,7 +559,7 @@ static struct terminal_event guess_terminal_event(struct segment *p, double long
     return terminal_event_first(p);
 }
 
-/* How far a sweep shifts the event: one Newton step. */
+/* How far a sweep shifts the event in s, by one Newton step. */
 static double shift_of(const struct segment *p, const struct event_function *function, double s)
 {
     struct pair_sample at;
@@ -603,8 +568,8 @@ static double shift_of(const struct segment *p, const struct event_function *fun
            (function->factor * at.of[function->quantity][1]);
 }
 
-/* Sizes a step to end with the contact, expected at `time`. Collocation is most accurate at its end, so fewer
- * nodes suffice. */
+/* Sizes a step to end with the contact, expected at `time`. Fewer nodes suffice because collocation is most
+ * accurate at its end. */
 static bool fit_to_terminal_event(struct segment *p, const struct event_function *function, double time)
 {
     struct collocation *step = &p->as.collocation.step;
@@ -643,12 +608,13 @@ static bool make_to_terminal_event(struct segment *p, double longest)
     return fit_to_terminal_event(p, &guess.function, time);
 }
 
-bool resolved_applies(const struct segment *p)
+static bool resolved_applies(const struct segment *p)
 {
     return collocated_applies(p) && p->scales.underdamped;
 }
 
-bool resolved_make(struct segment *p)
+/* Up to the terminal event where that is near; p->terminal is found then. */
+static bool resolved_make(struct segment *p)
 {
     const double rate = p->scales.rates.slower;
     const double step = fmin(p->longest, RESOLVED_LENGTH / rate);
@@ -661,26 +627,25 @@ bool resolved_make(struct segment *p)
             collocated_make(p, COLLOCATED_SHORTEST / rate, COLLOCATION_RESOLVED));
 }
 
-/* Length of an overdamped segment [radians of the tangential motion]. An event may end it anywhere, so it
- * must be accurate between its ends too. */
+/* Length of an overdamped segment [radians of the tangential motion]. It must be accurate between its ends
+ * too, because an event may end it anywhere. */
 static const double OVERDAMPED_STEP = 1.0;
 
-/* In an overdamped segment from near the centre d grows at most by this factor: n' is proportional to
- * 1 / d^2. */
+/* Largest growth of d in an overdamped segment that begins near the centre: n' is proportional to 1 / d^2. */
 static const double OVERDAMPED_GROWTH = 4.0;
 
-/* Ratio of the two decay rates from which the faster decay is treated apart from the slower. */
+/* The two decays are treated apart where their rates differ by this factor or more. */
 static const double SEPARATION_OF_DECAYS = 4.0;
 
 enum { ATTEMPTS = 12 };
 
-bool overdamped_applies(const struct segment *p)
+static bool overdamped_applies(const struct segment *p)
 {
     return collocated_applies(p) && !p->scales.underdamped &&
            !(p->scales.rates.faster < SEPARATION_OF_DECAYS * p->scales.rates.slower);
 }
 
-/* Whether a step is accurate although the fast decay, of amplitude `decay` [m], enters n and H to first order
+/* Whether a step is accurate with the fast decay, of amplitude `decay` [m], in n and H to first order
  * only. */
 static bool overdamped_is_accurate(const struct segment *p, double step, double decay)
 {
@@ -690,7 +655,7 @@ static bool overdamped_is_accurate(const struct segment *p, double step, double 
            averaged_error(decay, ratio, p->scales.problem.reach, ratio) <= p->tolerance;
 }
 
-bool overdamped_make(struct segment *p)
+static bool overdamped_make(struct segment *p)
 {
     const struct pair_timescales *scales = &p->scales;
     const double longest = fmin(p->longest, COLLOCATED_SHORTEST / scales->rates.slower);
@@ -711,35 +676,42 @@ bool overdamped_make(struct segment *p)
     return false;
 }
 
-/* Roundings that the bounds in scene/evaluate.h are made of. */
+/* Peaks: the largest force and penetration of a segment, and how far rounding changes them in a very stiff
+ * contact. */
+
+/* The number of roundings in the bounds of scene/evaluate.h. */
 static const double BOUND_ROUNDINGS = 8.0;
 
-/* Of a product n.w, besides that of n: two roundings. */
+/* Roundings of a product n.w, besides the rounding of n. */
 static const double RATE_ROUNDINGS = 2.0;
 
-/* An error of a peak by less than this part of the load or peak is none: the force of all other contacts is
- * known no better (pair.c). */
+/* An error of a peak below this part of the load or peak is not reported: the forces of all other contacts
+ * are no more accurate (pair.c). */
 static const double NEGLIGIBLE = 1e-6;
 
-/* A dashpot's force at the start is no peak if it is less than this part of what follows. */
+/* A dashpot's force at the start is no peak if it is less than this part of the largest force that
+ * follows. */
 static const double OUTWEIGHED = 0.5;
 
 /* exp(-40) of an oscillation is less than a rounding of it. */
 static const double FORGOTTEN = 40.0;
 
-/* What the start of a segment knows [N]: its load, the oscillation about it by gap and by rate, the largest
- * of all, and the error of the largest force. */
-struct start {
-    double load, by_gap, by_rate, size, error;
+/* Forces at the start of a segment [N]. */
+struct start_forces {
+    double load;    /* at which the contact would rest */
+    double by_gap;  /* of the oscillation about the load, by the gap */
+    double by_rate; /* of the oscillation about the load, by the gap rate */
+    double size;    /* the largest of all */
+    double error;   /* of the largest force, by rounding */
 };
 
 /*
- * Gap and rate that are carried from the segment before have no new rounding, and what comes out as exactly
- * zero is meant so: bodies set down where they touch, or at rest. An error of the rate makes an oscillation
- * longer as a small side does a hypotenuse; one of the gap, and a dashpot's force that is itself the peak,
- * count in full.
+ * A gap or rate that is carried from the segment before has no new rounding, nor has one of exactly zero:
+ * bodies set down where they touch, or at rest. An error of the rate makes an oscillation longer as a small
+ * side does a hypotenuse. An error of the gap counts in full, as does an error of a dashpot's force that is
+ * itself the peak.
  */
-static struct start start_of(const struct segment *p)
+static struct start_forces start_forces_of(const struct segment *p)
 {
     const struct contact_pair *pair = &p->pair;
     const double k = pair->coefficients.k;
@@ -747,7 +719,7 @@ static struct start start_of(const struct segment *p)
     const double per_rate = sqrt(k * pair->reduced_mass);
     const double rate = fabs(pair_gap_derivative(pair));
     const double spring = fabs(k * pair->gap);
-    struct start start = {.load = pair_load(pair), .by_rate = per_rate * rate};
+    struct start_forces start = {.load = pair_load(pair), .by_rate = per_rate * rate};
     start.by_gap = fabs(spring - start.load);
     start.size = fmax(fmax(start.load, spring), fmax(start.by_rate, c * rate));
     start.error = p->gap_is_known ? 0.0 : k * p->gap_rounding / BOUND_ROUNDINGS;
@@ -765,13 +737,14 @@ static struct start start_of(const struct segment *p)
     return start;
 }
 
+/* To be called once the peaks of a segment of `time` seconds are in the state. */
 static void peak_error_note(const struct segment *p, double time, struct contact_state *state)
 {
     struct contact_record *record = &state->record;
     if (record->force_error == 0.0 && p->gap_is_known && p->pair.rate_is_known) {
         return;
     }
-    const struct start start = start_of(p);
+    const struct start_forces start = start_forces_of(p);
     const struct contact_coefficients *by = &p->pair.coefficients;
     const struct oscillator oscillator = {by->k / p->pair.reduced_mass, by->c / p->pair.reduced_mass};
     const double decay = fmin(oscillator_rates_of(&oscillator).slower, 0.5 * oscillator.damping_rate) * time;
@@ -781,8 +754,8 @@ static void peak_error_note(const struct segment *p, double time, struct contact
     if (!(error > NEGLIGIBLE * fmax(start.size, peak))) {
         return;
     }
-    /* A load, set on at once, makes 1 + 1/(1 + c/sqrt(k m)) times its force at most; it changes little while
-     * the oscillation dies away. */
+    /* A load that sets in at once makes at most 1 + 1/(1 + c/sqrt(k m)) times its force; it changes little
+     * while the oscillation dies away. */
     const double damped = 1.0 + by->c / sqrt(by->k * p->pair.reduced_mass);
     const double first = start.load + start.by_gap / damped + start.by_rate * damped + error;
     const bool is_outweighed = decay > FORGOTTEN && first * (1.0 + FORGOTTEN / decay) < peak;
@@ -790,36 +763,36 @@ static void peak_error_note(const struct segment *p, double time, struct contact
     record->force_bound = fmin(fmax(record->force_bound, bound), DBL_MAX);
 }
 
-/* A turn of fewer representable places than this is not searched: its largest value could no longer be told
- * to rounding, for it is missed by (2 pi / places)^2 / 8 of the oscillation at most. */
+/* A period with fewer representable places than this is not searched: its largest value cannot be found to
+ * rounding, since it is missed by (2 pi / places)^2 / 8 of the oscillation. */
 static const double PLACES_OF_TURN = 4096.0;
 
-/* The envelope of an oscillation is a bound that nothing reaches where its square of turn is less than this
- * part of that of its decay (oscillator_envelope_of): it dies away within a period. */
+/* An oscillation whose squared damped frequency is below this part of its squared decay rate dies away within
+ * a period and does not reach its envelope (oscillator_envelope_of). */
 static const double HARDLY_TURNS = 1.0 / 16.0;
 
-/* A top foreseen outside the segment by less than this part of a turn may be inside: the slope of the slow
- * part changes. */
+/* A top predicted outside the segment by less than this part of a period may lie inside, because the slope of
+ * the slow part changes. */
 static const double JUST_OUTSIDE = 0.25;
 
 static const struct event_function peak_force = {PAIR_FORCE, 1.0, 0.0};
 static const struct event_function peak_penetration = {PAIR_GAP, -1.0, 0.0};
 
 /*
- * A quantity of an averaged segment and its largest value so far: slow(s) + u(s), of which u oscillates,
- * |u| <= amplitude exp(-decay_rate s). u alone has its tops at omega s = phase + 2 pi n, and is steepest by
- * `steepness` times its bound.
+ * The search for the largest value of a quantity slow(s) + u(s) of an averaged segment. u oscillates with |u|
+ * <= amplitude exp(-decay_rate s) and |u'| <= steepness times that; its tops are at omega s = phase + 2 pi n.
  */
 struct search {
     const struct segment *p;
     const struct event_function *what;
-    struct pair_lower_bound bound; /* of minus the quantity */
+    struct pair_lower_bound bound; /* lower bound of minus the quantity */
     struct oscillator_envelope envelope;
     double omega, phase, steepness;
-    double end, largest;
+    double end;     /* s up to which is searched */
+    double largest; /* value found so far */
 };
 
-/* A positive deviation outside is a positive gap; penetration and force are minus that. */
+/* Sign of penetration and force over sign of the deviation x. */
 static double sign_of_oscillation(const struct segment *p)
 {
     return -p->pair.shape.side;
@@ -857,27 +830,26 @@ static void climb(struct search *f, double top, double turn)
     }
 }
 
-/* The two tops next to a place. Where the slow part is steeper than the oscillation, its top; where a turn
- * has no places to speak of, the top of one. */
+/* Climbs the two tops next to a place; the top of the slow part where that is steeper than the oscillation. A
+ * period too short to be searched counts with its envelope. */
 static void climb_about(struct search *f, double place, const struct pair_sample *slow)
 {
     const double turn = 2.0 * PI / f->omega;
     const double still = f->envelope.amplitude * exp(-f->envelope.decay_rate * place);
-    const double slope =
-        slow_of(f, slow, 1) / (f->steepness * still); /* against the oscillation's steepest */
+    const double slope = slow_of(f, slow, 1) / (f->steepness * still); /* over the oscillation's steepest */
     if (turn <= PLACES_OF_TURN * DBL_EPSILON * place) {
         f->largest = fmax(f->largest, slow_of(f, slow, 0) + still);
     } else if (fabs(slope) < 1.0) {
         const double beyond = remainder(f->omega * place - f->phase - asin(slope), 2.0 * PI) / f->omega;
         climb(f, place - beyond, turn);
         climb(f, place - beyond + (beyond > 0.0 ? turn : -turn), turn);
-    } else if (place > 0.0 && place < f->end) { /* the slow part's own top, or none */
+    } else if (place > 0.0 && place < f->end) {
         climb(f, place, turn);
     }
 }
 
-/* Where slow part and envelope together are highest between two places: up to half a turn, for the tops next
- * to it are searched, or to the last digit. The lower bound falls towards it and rises beyond. */
+/* Where slow part plus envelope is highest between two places, to half a period or to the last digit: the
+ * tops next to it are searched. The lower bound falls before this place and rises beyond. */
 static double summit_between(const struct search *f, double low, double high)
 {
     double middle = 0.5 * (low + high);
@@ -892,8 +864,8 @@ static double summit_between(const struct search *f, double low, double high)
     return middle;
 }
 
-/* About the summit; then about every other node where the bound is above the largest found: an oscillation
- * that decays may not reach its envelope where that is highest. */
+/* Searches about the summit, then about every other node whose bound exceeds the largest value found: an
+ * oscillation that decays may not reach its envelope at the summit. */
 static void search_swinging(struct search *f)
 {
     const struct dense_output *w = &f->p->output;
@@ -917,14 +889,14 @@ static void search_swinging(struct search *f)
             climb_about(f, w->s[node], &w->at[node]);
         }
     }
-    if (f->end < f->p->end) { /* and about the end, which is no node then */
+    if (f->end < f->p->end) { /* the end is no node */
         struct pair_sample slow;
         pair_collocation_sample_averaged(&f->p->as.collocation, f->end, &slow);
         climb_about(f, f->end, &slow);
     }
 }
 
-/* Of the slow part alone. */
+/* The largest value of the slow part, without the oscillation. */
 static double largest_of_slow(struct segment *p, const struct event_function *what, double end)
 {
     struct dense_output *w = &p->output;
@@ -953,9 +925,9 @@ static double largest_of_swinging(struct segment *p, const struct event_function
     return f.largest;
 }
 
-/* Between places that double, from half the fast decay's time on, and the nodes: what decays turns as the
- * exponentials do, what follows the load as the nodes show. In portions of the places that there is room
- * for. */
+/* Samples at 0, at doubling places from half the fast decay's time on, and at the nodes: the doubling places
+ * show the extrema of the decay, the nodes those of the motion under the load. Taken in portions that a dense
+ * output holds. */
 static double largest_of_decaying(const struct segment *p, const struct event_function *what, double faster,
                                   double end, double largest)
 {
@@ -981,7 +953,7 @@ static double largest_of_decaying(const struct segment *p, const struct event_fu
     }
 }
 
-/* The nodes of an averaged step do not see the oscillation. */
+/* The oscillation of an averaged step is searched apart: the nodes do not resolve it. */
 static double largest_of(struct segment *p, const struct event_function *what, double end, double known)
 {
     const struct oscillator *o = &p->as.collocation.step.result.oscillator;
@@ -995,13 +967,14 @@ static double largest_of(struct segment *p, const struct event_function *what, d
                : largest_of_decaying(p, what, oscillator_rates_of(o).faster, end, known);
 }
 
+/* Notes the peaks of the segment up to `end` in the communication step. */
 static void peaks_note(struct segment *p, struct contact_state *state, double end)
 {
     struct contact_peaks *peaks = &state->peaks;
     if (p->pair.coefficients.c > 0.0 || p->pair.chi > 0.0) {
         peaks->penetration = largest_of(p, &peak_penetration, end, peaks->penetration);
         peaks->force = largest_of(p, &peak_force, end, peaks->force);
-    } else { /* the largest force of a spring is that of its largest penetration */
+    } else { /* a spring's force is largest at the largest penetration */
         const double deepest = largest_of(p, &peak_penetration, end, -(double)INFINITY);
         const double force = contact_is_hertz(&p->pair.law)
                                  ? contact_normal_force_of(&p->pair.law, p->regime, -deepest, 0.0)
@@ -1013,7 +986,18 @@ static void peaks_note(struct segment *p, struct contact_state *state, double en
     }
 }
 
-/* What counts of C, at most; its second derivative: polynomials of time. */
+/*
+ * The impulse of the torque on a destination where nothing turns or rubs. The torque is c x F with F the
+ * force on the source, because the lever arm of the source is along F. With c = C + r and F = -m_red r''
+ * (pair.h)
+ *
+ *   integral of c x F = -m_red ([C x r' - C' x r + r x r'] + integral of C'' x r)
+ *
+ * r is along n. Of C only the part along the axis counts at the side of a cylinder, and the part across n at
+ * a plane and at a cap. r x r' counts at a rim alone. A destination sphere has no torque.
+ */
+
+/* The part of C that counts, and its second derivative: polynomials of time. */
 struct lever {
     struct vec3 c[SEPARATION_DEGREE + 1];
     struct vec3 bend[SEPARATION_DEGREE - 1];
@@ -1025,7 +1009,7 @@ static bool varies(const struct vec3 c[SEPARATION_DEGREE + 1])
     return !vec3_is_zero(c[3]) || !vec3_is_zero(c[4]);
 }
 
-/* C x r' - C' x r at a time. */
+/* C x r' - C' x r. */
 static inline struct vec3 boundary_terms(const struct vec3 c[SEPARATION_DEGREE + 1], bool vary,
                                          const struct pair_change *change)
 {
@@ -1041,13 +1025,12 @@ static inline struct vec3 boundary_terms(const struct vec3 c[SEPARATION_DEGREE +
 }
 
 /*
- * The integrals of t^j rho over a head-on motion in closed form, where r = side rho n and m_red rho'' = F_n =
- * -k g - c g'. With G_j that of t^j (g - g(0))
+ * The moments M_j, integrals of t^j rho over a head-on motion, in closed form: r = side rho n and m_red rho''
+ * = F_n = -k g - c g', where rho is g less the gap of the flight. With G_j the integral of t^j (g - g(0)),
+ * I_j that of t^j rho'' and J_j that of t^j g'
  *
  *   k (G_j + g(0) t^(j+1)/(j+1)) = -m_red I_j - c J_j,   without a spring 0 = m_red I_(j+1) + c J_(j+1)
  *   I_j = t^j rho' - j t^(j-1) rho + j (j-1) M_(j-2),    J_j = t^j (g - g(0)) - j G_(j-1)
- *
- * and rho = g less the gap of the flight.
  */
 static void head_on_moments(const struct contact_pair *p, const struct pair_change *change,
                             double moment[SEPARATION_DEGREE - 1])
@@ -1092,11 +1075,10 @@ static struct vec3 head_on(const struct contact_pair *p, const struct lever *lev
     return sum;
 }
 
-/* The motion of an impact is smooth but for the power 7/2 of time at its ends. */
+/* Panels of the quadrature: an impact is smooth but for the power 7/2 of time at its ends. */
 enum { PANELS = 8 };
 
-static struct vec3 by_quadrature(struct segment *p, pair_changer *changer, const struct lever *lever,
-                                 double time)
+static struct vec3 by_quadrature(struct segment *p, const struct lever *lever, double time)
 {
     struct vec3 sum = {0.0, 0.0, 0.0};
     const double half = 0.5 * time / PANELS;
@@ -1104,7 +1086,7 @@ static struct vec3 by_quadrature(struct segment *p, pair_changer *changer, const
         const struct gauss_place place = gauss_place(i % GAUSS_NODES, true);
         const int panel = i / GAUSS_NODES;
         const double t = half * (2.0 * panel + place.at);
-        const struct pair_change then = changer(&p->as, segment_place(p, t));
+        const struct pair_change then = kind_advance(p, segment_place(p, t));
         const struct vec3 bend = path_at(lever->bend, SEPARATION_DEGREE - 1, t);
         const double weight = half * GAUSS_WEIGHT[i % GAUSS_NODES] * place.factor;
         sum = vec3_axpy(sum, weight, vec3_cross(bend, then.r));
@@ -1112,10 +1094,11 @@ static struct vec3 by_quadrature(struct segment *p, pair_changer *changer, const
     return sum;
 }
 
-/* As works (pair.h), which segments integrate exactly: e_k.(C'' x r) = (e_k x C'').r, and by parts
- * the integral of W.r is that of P.r' less P.r at the end, with P' = -W. */
-static struct vec3 as_works(struct segment *p, pair_changer *changer, const struct lever *lever,
-                            const struct pair_change *change, double s)
+/* The integral of C'' x r as external works (pair.h), which segments integrate exactly: e_k.(C'' x r) = W.r
+ * with W = e_k x C'', and by parts the integral of W.r is the integral of P.r' less P.r at the end, with P' =
+ * -W. */
+static struct vec3 as_works(struct segment *p, const struct lever *lever, const struct pair_change *change,
+                            double s)
 {
     struct vec3 sum = {0.0, 0.0, 0.0};
     for (int k = 0; k < 3; k += PAIR_BODIES) {
@@ -1127,7 +1110,7 @@ static struct vec3 as_works(struct segment *p, pair_changer *changer, const stru
             work[i].path[1] = vec3_scale(-1.0, vec3_cross(unit, lever->bend[0]));
             work[i].path[2] = vec3_scale(-0.5, vec3_cross(unit, lever->bend[1]));
         }
-        const struct pair_change then = changer(&p->as, s);
+        const struct pair_change then = kind_advance(p, s);
         for (int i = 0; i < PAIR_BODIES && k + i < 3; ++i) {
             const struct vec3 path = path_at(work[i].path, 3, change->time);
             vec3_set(&sum, k + i, then.work[i] - vec3_dot(path, change->r));
@@ -1136,7 +1119,7 @@ static struct vec3 as_works(struct segment *p, pair_changer *changer, const stru
     return sum;
 }
 
-static CONTACT_NOINLINE struct vec3 of_bend(struct segment *p, pair_changer *changer, struct lever *lever,
+static CONTACT_NOINLINE struct vec3 of_bend(struct segment *p, struct lever *lever,
                                             const struct pair_change *change, double s)
 {
     for (int i = 2; i <= SEPARATION_DEGREE; ++i) {
@@ -1149,12 +1132,11 @@ static CONTACT_NOINLINE struct vec3 of_bend(struct segment *p, pair_changer *cha
     if (SCENE_ANY_HERTZ) {
         by_nodes = by_nodes || p->kind == SEGMENT_HERTZ_ELASTIC;
     }
-    return by_nodes ? by_quadrature(p, changer, lever, change->time) : as_works(p, changer, lever, change, s);
+    return by_nodes ? by_quadrature(p, lever, change->time) : as_works(p, lever, change, s);
 }
 
-/* Along the axis of a cylinder's side. */
-static CONTACT_NOINLINE struct vec3 at_side(struct segment *p, pair_changer *changer,
-                                            const struct pair_change *change, double s,
+/* At the side of a cylinder; `along` is C along the axis. */
+static CONTACT_NOINLINE struct vec3 at_side(struct segment *p, const struct pair_change *change, double s,
                                             const double along[SEPARATION_DEGREE + 1])
 {
     struct lever lever;
@@ -1164,17 +1146,16 @@ static CONTACT_NOINLINE struct vec3 at_side(struct segment *p, pair_changer *cha
     const bool vary = along[3] != 0.0 || along[4] != 0.0;
     const bool bends = along[2] != 0.0 || vary;
     const struct vec3 sum = boundary_terms(lever.c, vary, change);
-    return bends ? vec3_add(sum, of_bend(p, changer, &lever, change, s)) : sum;
+    return bends ? vec3_add(sum, of_bend(p, &lever, change, s)) : sum;
 }
 
-/* At a plane, a cap or a rim. The part of C along n is in no product with r but by rounding; where C'' has no
- * other part there is nothing to integrate. */
-static struct vec3 at_face(struct segment *p, pair_changer *changer, const struct pair_change *change,
-                           double s)
+/* At a plane, a cap or a rim. The products with r contain C along n by rounding only; if C'' is along n there
+ * is nothing to integrate. */
+static struct vec3 at_face(struct segment *p, const struct pair_change *change, double s)
 {
     struct vec3 c[SEPARATION_DEGREE + 1];
     const bool is_rim = contact_is_rim(&p->pair.shape);
-    for (int i = 0; i <= SEPARATION_DEGREE; ++i) { /* of bodies at rest C along n is a flight, however far */
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) { /* C along n of bodies at rest is a flight, however far */
         const struct vec3 flight = p->pair.flight.c[i];
         c[i] = is_rim ? flight : contact_across_plane(p->pair.normal, flight);
     }
@@ -1188,13 +1169,13 @@ static struct vec3 at_face(struct segment *p, pair_changer *changer, const struc
     if (bends) {
         struct lever lever;
         memcpy(lever.c, c, sizeof lever.c);
-        sum = vec3_add(sum, of_bend(p, changer, &lever, change, s));
+        sum = vec3_add(sum, of_bend(p, &lever, change, s));
     }
     return sum;
 }
 
-struct vec3 torque_impulse(struct segment *p, pair_changer *changer, const struct pair_change *change,
-                           double s)
+/* Over [0, s] [N m s]; `change` is the motion at s. */
+static struct vec3 torque_impulse(struct segment *p, const struct pair_change *change, double s)
 {
     const struct contact_pair *pair = &p->pair;
     struct vec3 sum = {0.0, 0.0, 0.0};
@@ -1202,7 +1183,7 @@ struct vec3 torque_impulse(struct segment *p, pair_changer *changer, const struc
         return sum;
     }
     if (contact_is_plane(&pair->shape) || contact_is_rim(&pair->shape)) {
-        sum = at_face(p, changer, change, s);
+        sum = at_face(p, change, s);
     } else if (contact_is_cylinder(&pair->shape)) {
         double along[SEPARATION_DEGREE + 1] = {pair->axial}; /* c[0] may lack it */
         bool acts = pair->axial != 0.0;
@@ -1210,13 +1191,19 @@ struct vec3 torque_impulse(struct segment *p, pair_changer *changer, const struc
             along[i] = vec3_dot(pair->shape.axis, pair->flight.c[i]);
             acts = acts || along[i] != 0.0;
         }
-        sum = acts ? at_side(p, changer, change, s, along) : sum;
+        sum = acts ? at_side(p, change, s, along) : sum;
     }
     return vec3_scale(-pair->reduced_mass, sum);
 }
 
-/* Where the centre is no longer beyond the side, or the cap, as far as `beyond` says at the start [m]: a
- * segment is right to its tolerance there. It may be within a face up to `rounding` outside. */
+/*
+ * Where a segment leaves the zone of a capped cylinder that it is made for (shape.h): a terminal event, after
+ * which the regime goes on in the next zone.
+ */
+
+/* The s at which the centre is no longer beyond the side or the cap. `beyond` is the exact distance at the
+ * start [m], from which the sample differs by the segment's tolerance. A centre outside by up to `rounding`
+ * counts as within. */
 static double end_of_rim_by(const struct segment *p, enum pair_quantity quantity, double beyond,
                             double rounding)
 {
@@ -1234,25 +1221,25 @@ static double end_at_rim(const struct segment *p)
                 end_of_rim_by(p, PAIR_AXIAL, place.axial, rounding));
 }
 
-/* A face of the solid with the centre near it or inside, along a segment. */
+/* A segment along a face of the solid, with the centre near the face or inside. */
 struct face_path {
     const struct segment *segment;
     struct separation_path flight;
-    double raised; /* by which the margin begins above zero, see depth_margin [m] */
+    double raised; /* added to the margin, see depth_margin [m] */
 };
 
 static struct face_path face_path_of(const struct segment *p)
 {
     struct face_path path = {.segment = p, .flight = p->pair.flight};
-    if (p->pair.starts_rounded) { /* on the axis: C(0) is across it alone (leave_centre) */
+    if (p->pair.starts_rounded) { /* leave_centre has left C(0) across the axis alone */
         path.flight.c[0] = vec3_axpy(path.flight.c[0], p->pair.axial, p->pair.shape.axis);
     }
     path.raised = zone_path_rounding(&p->pair.shape.solid, &path.flight);
     return path;
 }
 
-/* The force has no part along the side, nor across the axis at a cap: the centre leaves either by its flight,
- * whose edges are roots of polynomials. */
+/* The force has no part along the side, nor across the axis at a cap: the centre leaves the face by its
+ * flight, at a root of polynomials. */
 static double end_of_face(const struct face_path *path, double end)
 {
     const struct segment *p = path->segment;
@@ -1260,9 +1247,9 @@ static double end_of_face(const struct face_path *path, double end)
     return time < (double)INFINITY ? segment_place(p, time) : (double)INFINITY;
 }
 
-/* How far a centre within the solid is from where another face is nearest [m], raised by rounding and by what
- * the edge just passed is off: its depth is known by the gap, and how far it is from the other face by its
- * flight. Positive outside the solid. */
+/* Margin [m] that is negative where another face is nearer to a centre inside the solid, raised by rounding
+ * and by the error of the edge just passed. The gap gives the depth, the flight gives the distance from the
+ * other face. Positive outside the solid. */
 static void depth_margin(const void *data, double s, double *value, double *slope)
 {
     const struct face_path *path = data;
@@ -1279,7 +1266,7 @@ static void depth_margin(const void *data, double s, double *value, double *slop
     *slope = (double)NAN; /* not needed */
 }
 
-/* Between two places at the second of which the margin is below zero. */
+/* Bisects to the last digit between two places, at the second of which the margin is below zero. */
 static double halve_to_depth(const struct face_path *path, double low, double high)
 {
     for (;;) {
@@ -1293,7 +1280,7 @@ static double halve_to_depth(const struct face_path *path, double low, double hi
     }
 }
 
-/* Places at which the margin is looked at, and between which it is no more curved than a parabola. */
+/* Places at which the margin is evaluated; between them it is no more curved than a parabola. */
 enum { DEPTHS = 64 };
 
 static double end_by_depth(struct face_path *path, double end)
@@ -1323,19 +1310,8 @@ static double end_by_depth(struct face_path *path, double end)
     return (double)INFINITY;
 }
 
-/* The largest |g|. Between two samples a quantity may have one extremum larger than both, but less than four
- * times as large (terminal_event.c). */
-static double deepest_of(const struct segment *p)
-{
-    double deepest = 0.25 * p->largest_gap;
-    for (int i = 0; i < p->output.count; ++i) {
-        deepest = fmax(deepest, fabs(p->output.at[i].of[PAIR_GAP][0]));
-    }
-    return 4.0 * deepest;
-}
-
-/* Whether the centre is inside the solid at some time, and so deep that another face may be nearer: the depth
- * is at most that of `deepest`, and so far the flight goes along the face. */
+/* Whether the centre may get so deep into the solid that another face is nearer, by bounds of the depth and
+ * of the length that the flight goes along the face. */
 static bool may_change_face(const struct face_path *path)
 {
     const struct segment *p = path->segment;
@@ -1359,7 +1335,8 @@ static double zone_end_of_face(const struct segment *p, double end)
     return may_change_face(&path) ? fmin(s, end_by_depth(&path, fmin(s, end))) : s;
 }
 
-void zone_end_note(struct segment *p)
+/* Ends the segment where its zone ends, if that is before p->terminal. */
+static void zone_end_note(struct segment *p)
 {
     p->leaves_zone = false;
     if (!contact_is_capped(&p->pair.shape)) {
@@ -1374,11 +1351,12 @@ void zone_end_note(struct segment *p)
     }
 }
 
-/* A segment over many oscillations may be in and out of the depths of another face in each of them: inside
- * the solid it is no longer than this [radians], in which DEPTHS places show every turn. */
+/* Longest segment inside the solid [radians of the contact's oscillation], in which DEPTHS places show every
+ * turn: the centre may get nearer to another face in each oscillation. */
 static const double LONGEST_INSIDE = 8.0;
 
-double zone_longest_inside(const struct segment *p)
+/* How long a segment inside the solid may be, so that no change of the nearest face is missed [s]. */
+static double zone_longest_inside(const struct segment *p)
 {
     if (!contact_is_capped(&p->pair.shape) || contact_is_rim(&p->pair.shape)) {
         return (double)INFINITY;
@@ -1386,4 +1364,239 @@ double zone_longest_inside(const struct segment *p)
     const struct face_path path = face_path_of(p);
     const double longest = LONGEST_INSIDE * sqrt(p->pair.reduced_mass / p->pair.coefficients.k);
     return longest < segment_time(p, p->end) && may_change_face(&path) ? longest : (double)INFINITY;
+}
+
+static bool always_applies(const struct segment *p)
+{
+    (void)p;
+    return true;
+}
+
+/* The first kind that applies and can be made is taken. `work` is the cost of making a segment and of what
+ * follows from it, in steps in closed form of 3,000 instructions each: a series or half a period takes 30,000
+ * instructions, a radian of the tangential motion 125,000. Without `time` and `place` the time is unit s. */
+static const struct {
+    bool (*applies)(const struct segment *p);
+    bool (*make)(struct segment *p);
+    dense_output_sampler *sample;
+    struct pair_change (*advance)(const void *motion, double s);
+    int work;
+    double (*time)(const struct segment *p, double s);
+    double (*place)(const struct segment *p, double time);
+} kinds[] = {
+    /* Head-on under constant acceleration: exact for any time, so it comes first. */
+    [SEGMENT_CLOSED_FORM] = {closed_form_applies, closed_form_make, pair_oscillation_sample,
+                             pair_oscillation_advance, 1, NULL, NULL},
+    /* Fast oscillations that are small and clear of g = 0: many in one step, as far as the tangential motion
+     * allows. */
+    [SEGMENT_AVERAGED] = {averaged_applies, averaged_make, pair_collocation_sample, pair_collocation_advance,
+                          40, NULL, NULL},
+    /* Other oscillations, below critical damping: half a period and more, most of an impact. */
+    [SEGMENT_RESOLVED] = {resolved_applies, resolved_make, pair_collocation_sample, pair_collocation_advance,
+                          10, NULL, NULL},
+    /* Far beyond critical damping, or without a spring: a radian of the tangential motion. */
+    [SEGMENT_OVERDAMPED] = {overdamped_applies, overdamped_make, pair_collocation_sample,
+                            pair_collocation_advance, 40, NULL, NULL},
+    /* Everything else, soft contacts, short remainders and Hertz's law: two radians of the contact, of its
+     * passage or of the rim. */
+    [SEGMENT_SERIES] = {always_applies, series_make, series_sample, series_advance, 10, series_time,
+                        series_place},
+#if SCENE_ANY_HERTZ
+    /* Hertz's law after the oscillation has died away: a radian of the tangential motion. */
+    [SEGMENT_QUASI_STATIC] = {quasi_static_applies, quasi_static_make, quasi_static_sample,
+                              quasi_static_advance, 40, NULL, NULL},
+    /* Hertz's law without damping, head-on under constant acceleration: all the rest of an impact. */
+    [SEGMENT_HERTZ_ELASTIC] = {hertz_elastic_applies, hertz_elastic_make, hertz_elastic_sample,
+                               hertz_elastic_advance, 1, hertz_elastic_time, hertz_elastic_place},
+#endif
+};
+
+double segment_time(const struct segment *p, double s)
+{
+    return kinds[p->kind].time != NULL ? kinds[p->kind].time(p, s) : s * p->unit;
+}
+
+double segment_place(const struct segment *p, double time)
+{
+    if (!(time > 0.0)) {
+        return 0.0; /* from a touch on the time may be of second order in s, which gives no root at 0 */
+    }
+    return kinds[p->kind].place != NULL ? kinds[p->kind].place(p, time) : time / p->unit;
+}
+
+static struct pair_change kind_advance(const struct segment *p, double s)
+{
+    return kinds[p->kind].advance(&p->as, s);
+}
+
+static bool make_kind(struct segment *p, enum segment_kind kind)
+{
+    p->kind = kind;
+    p->event_free = false;
+    /* contact in a hollow body ends before the centre */
+    p->clear_of_centre = !contact_may_reach_centre(&p->pair.shape);
+    p->largest_gap = p->largest_rate = 0.0;
+    p->terminal.s = (double)NAN;
+    p->output.sampler = kinds[kind].sample;
+    p->output.segment = &p->as;
+    p->output.worth_a_search = DENSE_OUTPUT_WORTH_A_SEARCH;
+    p->output.count = 0;
+    p->output.latest_s = -1.0;
+    if (!kinds[kind].applies(p)) {
+        return false;
+    }
+    p->work += kinds[kind].work;
+    return kinds[kind].make(p);
+}
+
+static bool is_collocated(const struct segment *p)
+{
+    return p->kind != SEGMENT_CLOSED_FORM && p->kind < SEGMENT_SERIES;
+}
+
+/* The closed form first, then the series. If the first coefficients of the series show nothing fast, the
+ * quasi-static kind follows; where they were wrong the series is made after all. */
+static void make_hertz(struct segment *p)
+{
+    p->may_be_quasi_static = quasi_static_applies(p);
+    if (!make_kind(p, SEGMENT_HERTZ_ELASTIC) && !make_kind(p, SEGMENT_SERIES) &&
+        !make_kind(p, SEGMENT_QUASI_STATIC)) {
+        p->may_be_quasi_static = false;
+        (void)make_kind(p, SEGMENT_SERIES);
+    }
+}
+
+/* Longest segment of bodies that are not head-on [s]: their motion is the flight without contact and a
+ * deviation that nearly cancels it, so the flight may only be so long that its rounding stays within that of
+ * the gap. */
+static double longest_by_flight(const struct segment *p)
+{
+    const double flight = p->gap_rounding / DBL_EPSILON;
+    double longest = (double)INFINITY;
+    for (int i = 2; i <= SEPARATION_DEGREE; ++i) {
+        const double along = fabs(vec3_dot(p->pair.normal, p->pair.flight.c[i]));
+        longest = fmin(longest, pow(flight / (SEPARATION_DEGREE * along), 1.0 / i));
+    }
+    return longest;
+}
+
+/* By the first collocated kind that applies, if it stays clear of the centre. */
+static bool make_collocated(struct segment *p)
+{
+    enum segment_kind kind = SEGMENT_AVERAGED;
+    pair_timescales_make(&p->scales, &p->pair);
+    p->as.collocation.from = &p->pair;
+    p->as.collocation.felt = p->scales.felt;
+    while (kind < SEGMENT_SERIES && !make_kind(p, kind)) {
+        kind += 1;
+    }
+    return kind < SEGMENT_SERIES && collocated_stays_off_centre(p);
+}
+
+static void make_up_to(struct segment *p, double longest)
+{
+    p->longest = p->pair.is_head_on ? longest : fmin(longest, longest_by_flight(p));
+    if (contact_is_hertz(&p->pair.law)) {
+        make_hertz(p);
+    } else if (!make_kind(p, SEGMENT_CLOSED_FORM) && !make_collocated(p)) {
+        (void)make_kind(p, SEGMENT_SERIES);
+    }
+    if (isnan(p->terminal.s)) {
+        p->terminal = terminal_event_first(p);
+    }
+}
+
+/* `tolerance` bounds the error of the whole segment, which is not small for a contact that ends within this
+ * first part of it: the segment is made again with twice the contact's length. */
+static const double EARLY_EVENT = 1e-3;
+
+static void keep_faces_apart(struct segment *p)
+{
+    const double longest = zone_longest_inside(p);
+    if (longest < (double)INFINITY) {
+        make_up_to(p, longest);
+    }
+}
+
+/* A collocated step is most accurate at its end. If a zone ends within, the step is made to end there, longer
+ * by this part so that the edge is found again. */
+static const double BEYOND_EDGE = 1e-6;
+
+static void note_zone_end(struct segment *p)
+{
+    zone_end_note(p);
+    if (p->leaves_zone && p->terminal.s > 0.0 && is_collocated(p) && contact_is_rim(&p->pair.shape)) {
+        make_up_to(p, p->terminal.s * p->unit * (1.0 + BEYOND_EDGE));
+        zone_end_note(p);
+    }
+}
+
+bool segment_make(struct segment *p, const struct scene_values *v, const struct scene_state *q,
+                  const struct scene_instant *at, int contact, double longest, double tolerance)
+{
+    pair_make(&p->pair, v, q, at, contact);
+    p->regime = (enum contact_regime)q->contact[contact].regime;
+    p->work = 0;
+    p->gap_rounding = rounding_of_gap(v, at, contact);
+    p->gap_is_known = p->pair.gap == 0.0 || scene_gap_is_accumulated(q, at, contact);
+    p->tolerance = tolerance;
+    make_up_to(p, longest);
+    if (SCENE_ANY_CAPS) {
+        keep_faces_apart(p);
+    }
+    if (is_collocated(p) && p->terminal.s > 0.0 && p->terminal.s < EARLY_EVENT * p->end) {
+        make_up_to(p, 2.0 * p->terminal.s * p->unit);
+    }
+    terminal_event_at_centre(p);
+    if (SCENE_ANY_CAPS) {
+        note_zone_end(p);
+    }
+    return p->end > 0.0;
+}
+
+const struct pair_sample *segment_sample(struct segment *p, double s)
+{
+    return dense_output_at(&p->output, s);
+}
+
+/* Corrects r along n so that bodies that part are as far apart as the gap: both have truncation errors of
+ * their own, by which bodies that part at a gap of zero must not overlap. Other segments need no correction,
+ * because the next one begins at the gap (contact_pair.rounded), and near a centre it would turn n by its
+ * rounding. */
+static void agree_with_gap(const struct segment *p, struct pair_change *change)
+{
+    const struct contact_pair *from = &p->pair;
+    const struct vec3 none = {0.0, 0.0, 0.0};
+    struct vec3 c = vec3_add(path_at(from->flight.c, SEPARATION_DEGREE + 1, change->time), change->r);
+    if (change->head_on || fabs(change->gap) > p->tolerance) {
+        return;
+    }
+    if (!from->starts_rounded) {
+        c = vec3_add(c, from->rounded);
+    }
+    const struct contact_geometry then = contact_geometry_at(&from->shape, c, none, from->normal);
+    const double missing = change->gap - then.gap;
+    if (fabs(missing) <= p->tolerance) { /* more: the gap has its sign from beyond a centre */
+        change->r = vec3_axpy(change->r, from->shape.side * missing, then.normal);
+    }
+}
+
+void segment_advance(struct segment *p, double s, const struct scene_values *v, struct scene_state *q,
+                     int contact)
+{
+    struct contact_state *state = &q->contact[contact];
+    struct pair_change change = kind_advance(p, s);
+    /* a contact deeper than the bodies are wide: positions do not give the gap */
+    change.head_on = change.head_on && p->largest_gap <= contact_reach(&p->pair.shape);
+    agree_with_gap(p, &change);
+    peaks_note(p, state, s);
+    pair_apply(&p->pair, &change, v, q, contact);
+    state->physics.rate_rounding = pair_rate_rounding_after(&p->pair, &change, v, q, contact);
+    if (state->physics.rate_rounding > 0.0) {
+        state->physics.carried_rate = segment_sample(p, s)->of[PAIR_GAP_RATE][0];
+    }
+    if (SCENE_HAS_TORQUES) {
+        state->torques.destination_impulse =
+            vec3_add(state->torques.destination_impulse, torque_impulse(p, &change, s));
+    }
 }

@@ -1,49 +1,107 @@
 /*
- * A segment: smooth motion of one contact pair. Its users make it, sample it, advance the bodies along it and
- * stop at its terminal event; by which kind of segment it is computed is known in this folder only
- *.
+ * A segment: smooth motion of one contact pair within one regime. Its users make it, sample it, advance the
+ * bodies along it and stop at its terminal event. The kind of segment is known in this folder only: each kind
+ * solves one form of the problem and answers `applies`, `make`, `sample` and `advance` (the table in
+ * segment.c).
  */
 #ifndef CONTACT_TOUCH_SEGMENT_H
 #define CONTACT_TOUCH_SEGMENT_H
 
+#include "math/node_tables.h"
+#include "math/nodes.h"
+#include "math/series.h"
 #include "scene/dense_output.h"
-#include "touch/hertz.h"
-#include "touch/hertz_slow.h"
 #include "touch/pair.h"
-#include "touch/series.h"
 
-/* Of the linear law in order of preference; the table in segment.c says why. */
+/* Under the linear law in order of preference; the table in segment.c says why. */
 enum segment_kind {
     SEGMENT_CLOSED_FORM,
     SEGMENT_AVERAGED,
     SEGMENT_RESOLVED,
     SEGMENT_OVERDAMPED,
     SEGMENT_SERIES,
-    SEGMENT_HERTZ_SLOW,
+    SEGMENT_QUASI_STATIC,
     SEGMENT_HERTZ_ELASTIC
 };
 
-/* The event that ends the regime: at s (INFINITY: not within the segment), where `function` falls through
- * zero; the regime that follows. */
+typedef double series_row[TAYLOR_TERMS];
+
+/* A contact pair by power series (series.c). */
+struct pair_series {
+    const struct contact_pair *from;
+    struct frame_flight flight;
+    bool by_root;             /* whether u = sqrt(delta) is integrated; else the law is linear */
+    double unit;              /* time per s [s], or [s/sqrt(m)] */
+    double step;              /* the sums are as exact as asked for up to this s */
+    series_row time;          /* t since the start [s] */
+    series_row opened;        /* g [m], or u [sqrt(m)] */
+    series_row rate;          /* g' as the law sees it [m/s] */
+    series_row drag;          /* -dt/ds / unit times the dashpot's part of F_n [N], or [N sqrt(m)] */
+    series_row r[FRAME];      /* deviation of the separation from flight [m] */
+    series_row r_rate[FRAME]; /* r' [m/s] */
+    series_row radial, axial; /* at a rim: how far the centre is beyond side and cap [m] */
+};
+
+/* An undamped head-on impact under Hertz's law (hertz.c). */
+struct hertz_elastic {
+    const struct contact_pair *from;
+    double load;     /* L [m/s^2] */
+    double touch;    /* e: the square of the speed at the touch [m^2/s^2] */
+    double pressed;  /* 2 L delta_max [m^2/s^2] */
+    double deepest;  /* delta_max [m] */
+    double start;    /* w at the start [1] */
+    double end;      /* s at the release [1] */
+    double end_time; /* time at the release [s] */
+};
+
+enum {
+    QUASI_STATIC_TURNING = 2 * FRAME, /* components of n, then of H */
+    QUASI_STATIC_N = RADAU_POINTS
+};
+
+struct quasi_static_turning; /* how n and H turn: in hertz.c */
+
+/* A lasting contact under Hertz's law without its oscillation (hertz.c). Vectors are in the frame of the
+ * start. */
+struct quasi_static {
+    const struct contact_pair *from;
+    const struct quasi_static_turning *turns;
+    struct frame_flight flight;
+    double half;                                /* half the step [s] */
+    double k;                                   /* k_h / m_red */
+    double start[QUASI_STATIC_TURNING];         /* n [1] and H [m^2/s] at the start */
+    double pull[QUASI_STATIC_N][FRAME];         /* A at the nodes [m/s^2] */
+    nodal_values turned[QUASI_STATIC_TURNING];  /* change of n and H since the start, at the nodes */
+    nodal_values turning[QUASI_STATIC_TURNING]; /* d/ds of n and H, at the nodes */
+    double depth_start, rate_start;             /* delta and d delta/ds at the start [m] */
+    nodal_values depth;                         /* delta at the nodes [m] */
+    nodal_values rate;                          /* d delta/ds at the nodes [m] */
+    nodal_values bend;                          /* d2 delta/ds2 at the nodes [m] */
+    nodal_values rate_terms;                    /* coefficients of s - 1 of d delta/ds [m] */
+    struct rim_start rim;                       /* at a rim */
+};
+
+/* The event that ends a regime. */
 struct terminal_event {
-    double s;
-    struct event_function function;
-    enum contact_regime regime;
+    double s;                       /* INFINITY: not within the segment */
+    struct event_function function; /* which falls through zero at s */
+    enum contact_regime regime;     /* the next one */
 };
 
 struct segment {
     struct contact_pair pair;
     enum contact_regime regime;
-    double gap_rounding; /* of the gap, as positions give it [m] */
-    bool gap_is_known;   /* carried, or exactly zero: without that rounding */
-    double tolerance;    /* the error allowed in the segment [m] */
+    double gap_rounding; /* rounding bound of the gap computed from positions [m] */
+    bool gap_is_known;   /* the gap is carried or exactly zero: gap_rounding does not apply */
+    double tolerance;    /* error allowed in the segment [m] */
     double longest;      /* the segment need not be longer [s] */
-    double unit, end;    /* time per s [s], see segment_time; the segment covers s from 0 to `end` */
+    double unit;         /* time per s [s], see segment_time */
+    double end;          /* the segment covers s from 0 to `end` */
+    int work;            /* cost of making it, in steps in closed form (integrator/phases.h) */
     struct dense_output output;
     struct terminal_event terminal;
-    bool leaves_zone; /* the terminal event: the zone of a capped cylinder ends, and the regime goes on */
-    bool may_be_slow; /* under Hertz's law, and to be looked at */
-    int work;         /* that it took to make it, in steps in closed form (integrator/phases.h) */
+    bool leaves_zone; /* the terminal event leaves the zone of a capped cylinder; the regime goes on */
+    bool may_be_quasi_static; /* quasi_static_applies: the first coefficients of the series decide */
     /* Below: for the kinds and the search for peaks. */
     enum segment_kind kind;
     union {
@@ -51,16 +109,17 @@ struct segment {
         struct pair_collocation collocation;
         struct pair_series series;
         struct hertz_elastic hertz_elastic;
-        struct hertz_slow hertz_slow;
+        struct quasi_static quasi_static;
     } as;
-    struct pair_timescales scales;    /* of all kinds but the closed form */
-    bool event_free;                  /* known to have no event */
-    bool clear_of_centre;             /* known not to meet d = 0 */
-    double largest_gap, largest_rate; /* |g| [m] and |g'| [m/s] at most; 0: as the samples say */
+    struct pair_timescales scales; /* of all kinds but the closed form */
+    bool event_free;               /* the segment has no event */
+    bool clear_of_centre;          /* the segment does not meet d = 0 */
+    double largest_gap;            /* bound of |g| [m]; 0: the largest of the samples */
+    double largest_rate;           /* bound of |g'| [m/s]; 0: the largest of the samples */
 };
 
-/* A segment from the present instant over at most `longest` > 0 seconds. `tolerance` is the error allowed in
- * it [m]. False where there is none. */
+/* A segment from the present instant over at most `longest` > 0 seconds, accurate to `tolerance` [m]. False
+ * where there is none. */
 bool segment_make(struct segment *p, const struct scene_values *v, const struct scene_state *q,
                   const struct scene_instant *at, int contact, double longest, double tolerance);
 
@@ -75,91 +134,59 @@ const struct pair_sample *segment_sample(struct segment *p, double s);
 void segment_advance(struct segment *p, double s, const struct scene_values *v, struct scene_state *q,
                      int contact);
 
-/* The kinds of segment. Of each, `applies` says whether the problem is of the form that it solves, and `make`
- * makes it over p->longest or less; false where it would not be accurate to p->tolerance. */
+/*
+ * The kinds of series.c and hertz.c. `applies` says whether the problem is of the form that the kind solves.
+ * `make` makes it over p->longest or less; false where it would not be accurate to p->tolerance. `time` and
+ * `place` are those of segment_time and segment_place.
+ */
 
-/* Over all of p->longest where no event follows; else over a period of the oscillation at most, or over the
- * decay. */
-bool closed_form_applies(const struct segment *p);
-bool closed_form_make(struct segment *p);
-
-bool averaged_applies(const struct segment *p);
-bool averaged_make(struct segment *p);
-
-/* Up to the terminal event where that is near; p->terminal is then known. */
-bool resolved_applies(const struct segment *p);
-bool resolved_make(struct segment *p);
-
-bool overdamped_applies(const struct segment *p);
-bool overdamped_make(struct segment *p);
-
-/* Under Hertz's law without damping, head-on: up to the release. p->terminal is known. */
-bool hertz_elastic_applies(const struct segment *p);
-bool hertz_elastic_segment_make(struct segment *p);
-
-/* Any contact. False where p->may_be_slow and the first coefficients show that it is. At rest at the touch
- * under Hertz's law the force is nothing beside the load for a while: then that is how long p->longest is.
- * Under that law p->terminal is known. */
-bool series_applies(const struct segment *p);
+/* Any contact. False where p->may_be_quasi_static and the first coefficients show that it is. From rest at
+ * the touch under Hertz's law p->longest becomes the time for which the force is negligible beside the load.
+ * Under that law p->terminal is found. */
 bool series_make(struct segment *p);
+void series_sample(const void *pair_series, double s, struct pair_sample *sample);
+struct pair_change series_advance(const void *pair_series, double s);
+double series_time(const struct segment *p, double s);
+double series_place(const struct segment *p, double time);
 
-/* Under a load that presses, far slower than the contact's oscillation or its decay. */
-bool hertz_slow_applies(const struct segment *p);
-bool hertz_slow_make(struct segment *p);
+/* Hertz's law without damping, head-on: up to the release. p->terminal is found. */
+bool hertz_elastic_applies(const struct segment *p);
+bool hertz_elastic_make(struct segment *p);
+void hertz_elastic_sample(const void *hertz_elastic, double s, struct pair_sample *sample);
+struct pair_change hertz_elastic_advance(const void *hertz_elastic, double s);
+double hertz_elastic_time(const struct segment *p, double s);
+double hertz_elastic_place(const struct segment *p, double time);
 
-/* Whether nothing fast is left of the contact, by the first coefficients of u and the unit of s. */
-bool hertz_is_slow(const struct segment *p, const double *root, double unit);
+/* Hertz's law under a load that presses and changes far more slowly than the contact oscillates or
+ * settles. */
+bool quasi_static_applies(const struct segment *p);
+bool quasi_static_make(struct segment *p);
+void quasi_static_sample(const void *quasi_static, double s, struct pair_sample *sample);
+struct pair_change quasi_static_advance(const void *quasi_static, double s);
 
-/* L: the acceleration that presses the bodies together [m/s^2]. */
-double hertz_pressing_load(const struct contact_pair *from);
+/* Whether the first coefficients of u = sqrt(delta) show no oscillation and no decay; `unit` is dt/ds / u. */
+bool quasi_static_is_shown(const struct segment *p, const double *root, double unit);
 
-/* For how long the force of a contact at rest at the touch stays nothing beside the load [s], 0 where it is
- * not; and the terminal event of a segment that has been sampled, whose bodies part at s = `parting`. */
+/* The depth to which present speed, load and penetration lead before damping makes the bodies creep, to its
+ * order of magnitude [m]. With k = k_h / m_red: an impact reaches delta^(5/2) = 5/4 v^2 / k, with much
+ * damping 5/2 v / (k chi). A load a reaches delta^(3/2) = a / k, with much damping delta^4 = a / (2 (k
+ * chi)^2). */
+double hertz_depth_to_come(const struct contact_pair *from, double opening);
+
+/* For how long the force of a contact at rest at the touch stays negligible beside the load [s]; 0
+ * elsewhere. */
 double hertz_coasting_time(const struct segment *p);
+
+/* Sets p->terminal of a sampled segment whose bodies part at s = `parting`. */
 void hertz_find_terminal_event(struct segment *p, double parting);
 
-/* Smallest length of a collocated segment [radians of the oscillator]. Below it one Taylor step is exact, and
- * oscillator_particular loses digits. */
-static const double COLLOCATED_SHORTEST = 3.0;
+/* Whether the law can end the regime before the gap opens, and its event function (contact_event): the regime
+ * lasts while factor quantity + offset > 0. */
+bool terminal_event_by_law(const struct segment *p);
+struct event_function terminal_event_margin(const struct segment *p);
 
-/* The oscillator must be faster than the motion along the contact by this factor for the two to be told
- * apart. */
-static const double SEPARATION_OF_RATES = 20.0;
-
-/* Length of a resolved segment [radians of the oscillator]: an impact takes a little more than half a period.
- * At the nodes the oscillation, whose effect on the load is of relative size (tangential_rate / oscillator's
- * rate)^2, is then accurate to 3e-7. */
-static const double RESOLVED_LENGTH = 4.0;
-
-/* What the averaged, resolved and overdamped kinds share. */
-
-/* Whether the step may be long enough, and its oscillator or decay is faster than the tangential motion. */
-bool collocated_applies(const struct segment *p);
-
-/* p->as.collocation holds a step: `begin` sets up a segment without samples, `sample` samples it too. */
-void collocated_begin(struct segment *p);
-void collocated_sample(struct segment *p);
-
-/* A segment within tolerance everywhere, not only at its end, since an event may end it. */
-bool collocated_make(struct segment *p, double step, enum collocation_kind kind);
-
-/* Whether local coordinates are accurate throughout the segment. */
-bool collocated_stays_off_centre(const struct segment *p);
-
-/* Error of treating an oscillation or fast decay of amplitude `a` [m] to first order: the second order of its
- * closed-form part, 4 a ratio^2 with `ratio` the tangential rate over the oscillation's; and the mean of
- * (a/d)^2 in n', which acts over `radians` of the tangential motion, 3 a^2 radians / d [m]. */
-double averaged_error(double a, double ratio, double distance, double radians);
-
-/* Where a segment leaves the zone of a capped cylinder that it is made for (shape.h): a terminal event, after
- * which the regime goes on in the next zone. Without capped cylinders there is none. */
-
-/* Ends the segment there, if that is before p->terminal. */
-void zone_end_note(struct segment *p);
-
-/* For how long a segment inside the solid may be, so that no change of the nearest face is missed [s]. */
-double zone_longest_inside(const struct segment *p);
-
+/* Whether the terminal event is the end of the zone of a capped cylinder, after which the regime goes on in
+ * the next zone. */
 static inline bool zone_end_is_terminal(const struct segment *p)
 {
     return SCENE_ANY_CAPS && p->leaves_zone;

@@ -4,16 +4,64 @@
 #include "math/compiler.h"
 #include "math/nodes.h"
 #include "math/polynomial.h"
-#include "touch/hertz.h"
 #include "touch/segment.h"
-#include "touch/series.h"
-#include "touch/terminal_event.h"
 
-/* What is known while the code is made: fewer dimensions, a lower degree and no mismatch cost less. */
+/*
+ * A contact pair by power series, under either law and at any place (Jorba and Zou, Experimental Mathematics
+ * 14 (2005) 99). The force follows from c and c' by products and quotients, so the coefficients are found
+ * order by order. A series is exact to its accuracy over a few radians of the contact's oscillation.
+ *
+ *   g_t = side n.c',   c_t = c',   c'_t = A + side F_n n / m_red,   d = reach + side g,   n = f / d
+ *
+ * f points from the source's centre to the axis or the centre of the destination, so f = c. At a rim f points
+ * to the nearest point of the circle of radius R at the height h: with e the axis, rho and a the length and
+ * the direction of the part of c across e,
+ *
+ *   f = c - R a + h e,   rho - R and -(c.e + h): how far the centre is beyond side and cap.
+ *
+ * Linear law: the variable is s = t / unit, and g is integrated.
+ *
+ * Hertz's law, F_n = k_h delta^(3/2) (1 + chi delta') (Hunt and Crossley): as a function of time the force is
+ * singular where the bodies touch and where they part. A series in time cannot begin at the touch, and it
+ * converges ever more slowly towards the release. So u = sqrt(delta) is integrated, and dt/ds = unit u:
+ *
+ *   u_s = -unit g_t / 2,   c_s = unit u c',   u F_n = k_h u^4 (1 + chi delta'),   g = -u^2
+ *
+ * is analytic throughout. At the touch and at the release u passes through zero with a slope. A series may
+ * begin at u = 0, and the release is an ordinary root of u.
+ */
+
+/* A row backwards, from its coefficient 1 on: coefficient j at [TAYLOR_ORDER - j], and zero in place of
+ * coefficient 0. Products then read both of their factors forwards, several terms in one instruction. */
+typedef double series_back[TAYLOR_TERMS];
+
+/* Everything that the recurrence needs besides the results. */
+struct series_work {
+    series_row power[SEPARATION_DEGREE + 1];  /* t^k, k from 2 on; by_root */
+    double unit_power[SEPARATION_DEGREE + 1]; /* the only coefficient of t^k, else */
+    series_row w[FRAME];                      /* rate of the separation as the law sees it [m/s] */
+    series_row c_rate[FRAME];                 /* its derivative, where that is another [m/s] */
+    series_row n[FRAME];
+    series_row d;              /* [m] */
+    series_row opening;        /* dg/dt [m/s] */
+    series_row square, fourth; /* u^2, u^4 */
+    series_row impulse;        /* F_n dt/ds / unit */
+    series_back time_back, opened_back, square_back, rate_back;
+    series_back n_back[FRAME], r_rate_back[FRAME];
+    series_row across[2], rho_squared, rho, a[2]; /* c across the axis; a */
+    double normal[FRAME];                         /* n at the start */
+    double inverse_distance, side_by_mass;        /* 1/d at the start [1/m], side/m_red [1/kg] */
+};
+
+/* The first coefficients, by which quasi-static motion is recognized, are made before the rest. */
+enum { SERIES_FIRST = 7 };
+
+/* Properties of a series as constants of its code: fewer dimensions, a lower degree and no mismatch cost
+ * less. */
 struct series_kind {
     int dimensions, degree;
     bool by_root, at_rim, has_mismatch;
-    bool first; /* order zero, of which the first and the last term of a product are one */
+    bool first; /* order zero, where the first and the last term of a product are the same */
 };
 
 /* Coefficient i of a polynomial of time of `terms` coefficients. Where t = unit s, only t^i has one. */
@@ -45,15 +93,15 @@ static inline double lanes_together(double2 a)
 #endif
 }
 
-/* Where a row backwards has the factors of the coefficients 1, 2, ... of another in their product's
- * coefficient i. */
+/* The factors of coefficients 1, 2, ... of another row in coefficient i of the product with a row
+ * backwards. */
 static inline const double *back_from(const double *back, int i)
 {
     return back + (TAYLOR_ORDER - i);
 }
 
-/* By u: of scalars, all in one loop, so that none waits for another. Its last pair may hold the first
- * coefficient that is not known: zero so far, as is what it is multiplied with. */
+/* Sums over scalars in a series by u, all in one loop so that none waits for another. The last pair may hold
+ * the first unknown coefficient, which is zero so far, as is its factor. */
 static inline void sum_lower_scalars(const struct pair_series *p, const struct series_work *z, int i,
                                      struct series_sums *sum)
 {
@@ -77,7 +125,7 @@ static inline void sum_lower_scalars(const struct pair_series *p, const struct s
     sum->drag = lanes_together(drag);
 }
 
-/* Of vectors, all components in one loop: they share factors. */
+/* Sums over vectors, all components in one loop because they share factors. */
 static inline void sum_lower_vectors(const struct pair_series *p, const struct series_work *z, int i,
                                      struct series_kind kind, struct series_sums *sum)
 {
@@ -157,7 +205,7 @@ static inline void put_normal_term(struct pair_series *p, struct series_work *z,
     }
 }
 
-/* Coefficient i of the derivative of c along n, where W is another. */
+/* Coefficient i of n.c', where W is not C'. */
 static double closing_of(const struct pair_series *p, struct series_work *z, int i, struct series_kind kind)
 {
     double closing = 0.0;
@@ -191,7 +239,7 @@ static inline void put_rates(struct pair_series *p, struct series_work *z, int i
     }
 }
 
-/* Coefficient i of the dashpot's part of F_n dt/ds, and of the whole. */
+/* Coefficient i of F_n dt/ds / unit, and of the dashpot's part of it. */
 static inline void put_impulse(struct pair_series *p, struct series_work *z, int i,
                                const struct series_sums *sum, struct series_kind kind)
 {
@@ -208,7 +256,7 @@ static inline void put_impulse(struct pair_series *p, struct series_work *z, int
     z->impulse[i] = from->hertz_stiffness * z->fourth[i] - p->drag[i];
 }
 
-/* 1 / i: a division would keep the next order waiting. */
+/* 1 / i, because a division would delay the next order. */
 #define RECIPROCALS(i) 1.0 / (i), 1.0 / ((i) + 1), 1.0 / ((i) + 2), 1.0 / ((i) + 3)
 static const double reciprocal[TAYLOR_TERMS] = {
     0.0, RECIPROCALS(1), RECIPROCALS(5), RECIPROCALS(9), RECIPROCALS(13), RECIPROCALS(17), RECIPROCALS(21)};
@@ -231,8 +279,8 @@ static inline void put_next(struct pair_series *p, struct series_work *z, int i,
     }
 }
 
-/* What the sums of the next order read: rows backwards, but for their first coefficients, and zeros where the
- * sums reach beyond what is known. */
+/* Writes what the sums of the next order read: rows backwards without their first coefficients, and zeros
+ * behind the known coefficients. */
 static inline void note_order(struct pair_series *p, struct series_work *z, int i, struct series_kind kind)
 {
     const int back = TAYLOR_ORDER - i;
@@ -301,7 +349,7 @@ static inline void make_steady_orders(struct pair_series *p, struct series_work 
     }
 }
 
-/* The orders before are known; of the first, zero, t, g or u, r and r'. */
+/* The orders before `begin` are known. Order zero needs t, g or u, r and r' at the start. */
 CONTACT_FLATTEN static void make_coefficients(struct pair_series *p, struct series_work *z, int begin,
                                               int end)
 {
@@ -322,8 +370,7 @@ CONTACT_FLATTEN static void make_coefficients(struct pair_series *p, struct seri
     }
 }
 
-/* In how much of a second d changes by its own size: at the present speed, or by load and force from rest
- * [1/s]. */
+/* Rate at which d changes by its own size, at the present speed or by load and force from rest [1/s]. */
 static double passage_rate_of(const struct contact_pair *from)
 {
     const double force = fabs(from->coefficients.k * from->gap) / from->reduced_mass;
@@ -331,12 +378,9 @@ static double passage_rate_of(const struct contact_pair *from)
     return fmax(vec3_norm(from->flight.w[0]) / from->distance, sqrt(acceleration / from->distance));
 }
 
-/*
- * The unit of s: one radian of the contact's oscillation, one decay time of its damping, or the time of
- * passage, whichever is shortest; under Hertz's law at the deepest that present speed, load and
- * penetration lead to. The order of magnitude is enough: it keeps the coefficients within the range of
- * numbers.
- */
+/* The unit of s: one radian of the contact's oscillation, one decay time of its damping, or the time of
+ * passage, whichever is shortest; under Hertz's law at the depth to come. Its order of magnitude suffices to
+ * keep the coefficients within the range of numbers. */
 static double unit_of(const struct pair_series *p)
 {
     const struct contact_pair *from = p->from;
@@ -355,16 +399,16 @@ static double unit_of(const struct pair_series *p)
     return isfinite(unit) && unit > 0.0 ? unit : 1.0;
 }
 
-/* From the touch on every fifth coefficient of a free impact is other than zero, so that the last five are
- * looked at. */
+/* The error is read from the last five coefficients: of a free impact from the touch only every fifth one is
+ * not zero. */
 enum { LAST_TERMS = 5 };
 
-/* Longest step [units]. Without a force the series are finite sums, and where the passage is the unit, terms
- * that are left out may have vanished below the range of numbers. */
+/* Longest step [units]. Without a force the series are finite sums, and if the unit is the time of passage
+ * the last terms may underflow. */
 static const double LONGEST_SERIES = 16.0;
 
-/* Jorba and Zou: the step at which the first term left out is this part of the whole, by the least radius of
- * convergence that the last coefficients tell. A quotient of zeros tells nothing. */
+/* The step at which the first omitted term is `accuracy` of the whole (Jorba and Zou), by the least radius of
+ * convergence of the last coefficients. A quotient of zeros does not count. */
 static double reliable_step(const struct pair_series *p, const struct series_work *z, double accuracy)
 {
     /* u is as large as its first coefficients, for s is of order one */
@@ -377,8 +421,8 @@ static double reliable_step(const struct pair_series *p, const struct series_wor
         for (int j = 0; j < p->flight.dimensions; ++j) {
             speed = larger(fabs(p->r_rate[j][i]), speed);
         }
-        speed =
-            i <= SEPARATION_DEGREE ? larger(fabs(p->rate[i]), speed) : speed; /* without a force, a flight */
+        speed = i <= SEPARATION_DEGREE ? larger(fabs(p->rate[i]), speed)
+                                       : speed; /* without a force: the flight */
     }
     for (int i = TAYLOR_TERMS - LAST_TERMS; i < TAYLOR_TERMS; ++i) {
         double part = larger(fabs(p->opened[i]) / opened, 0.0);
@@ -391,8 +435,10 @@ static double reliable_step(const struct pair_series *p, const struct series_wor
     return fmin(LONGEST_SERIES, exp2(log2(accuracy) / TAYLOR_TERMS - growth));
 }
 
-void pair_series_begin(struct pair_series *p, struct series_work *z, const struct contact_pair *from,
-                       bool by_root)
+/* The coefficients up to SERIES_FIRST. `by_root` only under Hertz's law, from g <= 0 on, and not from rest at
+ * g = 0, where s stands still. */
+static void begin_series(struct pair_series *p, struct series_work *z, const struct contact_pair *from,
+                         bool by_root)
 {
     p->from = from;
     p->by_root = by_root;
@@ -414,20 +460,12 @@ void pair_series_begin(struct pair_series *p, struct series_work *z, const struc
     make_coefficients(p, z, 0, SERIES_FIRST);
 }
 
-void pair_series_complete(struct pair_series *p, struct series_work *z, double accuracy)
+/* The other coefficients; the sums are exact to `accuracy`, a part of their largest terms. */
+static void complete_series(struct pair_series *p, struct series_work *z, double accuracy)
 {
     make_coefficients(p, z, SERIES_FIRST, TAYLOR_TERMS);
     p->step = reliable_step(p, z, accuracy);
 }
-
-void pair_series_make(struct pair_series *p, const struct contact_pair *from, bool by_root, double accuracy)
-{
-    struct series_work z;
-    pair_series_begin(p, &z, from, by_root);
-    pair_series_complete(p, &z, accuracy);
-}
-
-/* What a series says at a place. */
 
 /* Values and two derivatives of two rows, side by side. */
 static void two_rows_at(const double *a, const double *b, double s, double of_a[3], double of_b[3])
@@ -454,7 +492,8 @@ static void two_rows_at(const double *a, const double *b, double s, double of_a[
 #endif
 }
 
-double pair_series_time(const struct pair_series *p, double s)
+/* The time at s [s]. */
+static double series_time_at(const struct pair_series *p, double s)
 {
     return SCENE_ANY_HERTZ && p->by_root ? taylor_at(p->time, TAYLOR_TERMS, s) : p->unit * s;
 }
@@ -473,7 +512,8 @@ static void series_time_left_at(const void *series_time_left, double s, double *
     *slope = time[1];
 }
 
-double pair_series_place(const struct pair_series *p, double time, double end)
+/* The s up to `end` of a time. */
+static double series_place_of(const struct pair_series *p, double time, double end)
 {
     if (!(SCENE_ANY_HERTZ && p->by_root)) {
         return time / p->unit;
@@ -501,8 +541,9 @@ static void series_slope_at(const void *row, double s, double *value, double *sl
     *slope = u[2];
 }
 
-/* A step is a third of the radius of convergence at most, so that u has one extremum in it. */
-double pair_series_parting(const struct pair_series *p, double end)
+/* The first s up to `end` at which u passes through zero and the bodies part; INFINITY: none. A step is a
+ * third of the radius of convergence at most, so that u has one extremum in it. */
+static double series_parting(const struct pair_series *p, double end)
 {
     const double *u = p->opened;
     const struct root_bracket_end low = {0.0, u[0], u[1]};
@@ -522,7 +563,7 @@ double pair_series_parting(const struct pair_series *p, double end)
     if (low.value > 0.0) {
         return root_between(series_value_at, u, low, high);
     }
-    /* it rises from zero: its root is beyond its top */
+    /* u rises from zero: its root is beyond its top */
     return root_in_bracket(series_value_at, u, root_in_bracket(series_slope_at, u, 0.0, end), end);
 }
 
@@ -540,7 +581,7 @@ static void hertz_force_at(const struct contact_pair *from, const double *u, con
                   cube * q[2]);
 }
 
-void pair_series_sample(const void *pair_series, double s, struct pair_sample *sample)
+void series_sample(const void *pair_series, double s, struct pair_sample *sample)
 {
     const struct pair_series *p = pair_series;
     double opened[3];
@@ -563,7 +604,7 @@ void pair_series_sample(const void *pair_series, double s, struct pair_sample *s
     }
 }
 
-/* Powers of s: sums of many rows at one place then need no more than a multiplication a term. */
+/* Powers of s, by which sums of many rows at one place need one multiplication a term. */
 struct series_powers {
     double of[TAYLOR_TERMS];
 };
@@ -590,7 +631,7 @@ static double row_at(const double row[TAYLOR_TERMS], const struct series_powers 
     return row[0] + lanes_together(sum);
 }
 
-/* A row of vectors, in the world. */
+/* A row of vectors at a place, in the world. */
 static struct vec3 vector_at(const struct pair_series *p, const series_row *rows,
                              const struct series_powers *at)
 {
@@ -601,7 +642,7 @@ static struct vec3 vector_at(const struct pair_series *p, const series_row *rows
     return out;
 }
 
-/* The integral of pair_work over [0, s]: of path(t) r_s ds, order 1, or of path(t) r'_s ds, order 2. */
+/* The integral of pair_work over [0, s]: path(t) r_s ds for order 1, path(t) r'_s ds for order 2. */
 static double series_work_of(const struct pair_series *p, const struct pair_work *work, double s)
 {
     const series_row *of = work->order == 1 ? p->r : p->r_rate;
@@ -629,8 +670,8 @@ static double series_work_of(const struct pair_series *p, const struct pair_work
     return sum;
 }
 
-/* The integral of drag g' over the unit. In time the factors are sums of exponentials, whose product
- * converges at half their pace: so all of it counts. By u it has converged where they have. */
+/* The integral of -drag g' dt [J]. In time the factors are sums of exponentials, whose product converges at
+ * half their pace, so all of its terms count. By u the product converges as the factors do. */
 static double series_dissipated(const struct pair_series *p, double s)
 {
     enum { PRODUCT_ORDER = 2 * TAYLOR_ORDER };
@@ -655,13 +696,13 @@ static double series_dissipated(const struct pair_series *p, double s)
     return p->unit * s * sum;
 }
 
-struct pair_change pair_series_change(const void *pair_series, double s)
+struct pair_change series_advance(const void *pair_series, double s)
 {
     const struct pair_series *p = pair_series;
     const struct series_powers at = powers_of(s);
     const double opened = row_at(p->opened, &at);
     return (struct pair_change){
-        .time = pair_series_time(p, s),
+        .time = series_time_at(p, s),
         .r = vector_at(p, p->r, &at),
         .r_rate = vector_at(p, p->r_rate, &at),
         .gap = SCENE_ANY_HERTZ && p->by_root ? -opened * opened : opened,
@@ -669,16 +710,16 @@ struct pair_change pair_series_change(const void *pair_series, double s)
         .work = {series_work_of(p, &p->from->work[0], s), series_work_of(p, &p->from->work[1], s)}};
 }
 
-/* A segment by a series. */
-
-/* Places at which a segment is sampled, so that between two of them no quantity has two extrema: by u it is a
- * third of the radius of convergence at most, and in time the contact may oscillate or pass the centre. */
+/* Samples of a segment, so that no quantity has two extrema between two of them. A series by u is a third of
+ * the radius of convergence at most; in time the contact may oscillate or pass the centre. */
 enum { PLACES_BY_ROOT = 3, PLACES_BY_TIME = 5 };
 
-/* What the last terms of a series may be, as a part of the whole. In time they are rounding, for one
- * series takes most of a soft contact. By u they are the tolerance of a segment, no less than some
- * roundings, and no more than keeps energies closed to 1e-10 over thousands of segments; or a hundredth of
- * that tolerance where it is more, up to what keeps them closed to 1e-10 over an impact. */
+/*
+ * Accuracy of a series: its last terms as a part of the whole. In time it is ROUNDING, because one series
+ * takes most of a soft contact. By u it is the segment's tolerance between FINEST, some roundings, and FINE,
+ * by which energies close to 1e-10 over thousands of segments; or PART_OF_COARSE of a coarse tolerance up to
+ * COARSEST, by which energies close to 1e-10 over an impact.
+ */
 static const double ROUNDING = 0.5 * DBL_EPSILON;
 static const double FINEST = 8.0 * DBL_EPSILON;
 static const double FINE = 1e-13;
@@ -694,7 +735,8 @@ static double series_accuracy(const struct segment *p, bool by_root)
     return fmax(fmin(fmax(asked, FINEST), FINE), fmin(PART_OF_COARSE * asked, COARSEST));
 }
 
-/* Whether the series goes by u; at rest at the touch it cannot, as long as p->longest is then. */
+/* Whether the series goes by u. From rest at the touch it cannot, and p->longest becomes the coasting
+ * time. */
 static bool goes_by_root(struct segment *p)
 {
     if (!(SCENE_ANY_HERTZ && contact_is_hertz(&p->pair.law))) {
@@ -705,27 +747,22 @@ static bool goes_by_root(struct segment *p)
     return !(coasting > 0.0);
 }
 
-bool series_applies(const struct segment *p)
-{
-    (void)p;
-    return true;
-}
-
 bool series_make(struct segment *p)
 {
     struct pair_series *made = &p->as.series;
     struct series_work z;
     const bool by_root = goes_by_root(p); /* may shorten p->longest */
-    pair_series_begin(made, &z, &p->pair, by_root);
-    if (SCENE_ANY_HERTZ && by_root && p->may_be_slow && hertz_is_slow(p, made->opened, made->unit)) {
+    begin_series(made, &z, &p->pair, by_root);
+    if (SCENE_ANY_HERTZ && by_root && p->may_be_quasi_static &&
+        quasi_static_is_shown(p, made->opened, made->unit)) {
         return false;
     }
-    pair_series_complete(made, &z, series_accuracy(p, by_root));
-    double parting = SCENE_ANY_HERTZ && by_root ? pair_series_parting(made, made->step) : (double)INFINITY;
+    complete_series(made, &z, series_accuracy(p, by_root));
+    double parting = SCENE_ANY_HERTZ && by_root ? series_parting(made, made->step) : (double)INFINITY;
     p->unit = made->unit;
     p->end = fmin(made->step, parting > 0.0 ? parting : made->step);
-    if (parting > 0.0 && pair_series_time(made, p->end) > p->longest) {
-        p->end = pair_series_place(made, p->longest, p->end);
+    if (parting > 0.0 && series_time_at(made, p->end) > p->longest) {
+        p->end = series_place_of(made, p->longest, p->end);
         parting = p->end < parting ? (double)INFINITY : parting;
     }
     const int places = by_root ? PLACES_BY_ROOT : PLACES_BY_TIME;
@@ -736,4 +773,15 @@ bool series_make(struct segment *p)
         hertz_find_terminal_event(p, parting);
     }
     return true;
+}
+
+double series_time(const struct segment *p, double s)
+{
+    return series_time_at(&p->as.series, s);
+}
+
+double series_place(const struct segment *p, double time)
+{
+    const double end = fmin(p->end, p->terminal.s);
+    return !(time < series_time(p, end)) ? end : series_place_of(&p->as.series, time, end);
 }

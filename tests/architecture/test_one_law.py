@@ -27,7 +27,7 @@ HERTZ = {label(file) for file in UNITS if re.fullmatch(r"(?:pair_)?hertz(?:_\w+)
 ASKS_FOR_CONSTANTS = r"\bcontact_(?:coefficients|factors)_of\("
 FAST_PATHS = {
     "fmu_src/touch/pair.c",
-    "fmu_src/touch/terminal_event.c",
+    "fmu_src/touch/segment.c",
     "fmu_src/flight/relative_path.c",
 }
 FACTORS = {
