@@ -7,8 +7,8 @@ import pytest
 from lxml import etree
 
 from contact_fmus.pages import FormulaError, Table, plain, typeset, write_pages
-from contact_fmus.stability import text as atlas
 from contact_fmus.stability.motions import LAWS
+from contact_fmus.stability.page import WORDS as ATLAS
 from contact_fmus.stability.scenes import FAMILIES
 from support.sources import ROOT
 
@@ -17,8 +17,8 @@ WORDS = [
         scenario.read_text(encoding="utf-8")
         for scenario in sorted((ROOT / "scripts/scenarios").glob("*.toml"))
     ),
-    *atlas.LIMITS,
-    *atlas.AXES.values(),
+    *ATLAS["LIMITS"],
+    *ATLAS["AXES"].values(),
 ]
 
 
@@ -62,8 +62,8 @@ def test_every_formula_of_the_pages_can_be_read(words):
 
 
 def test_every_axis_and_law_of_the_atlas_is_explained():
-    assert set(atlas.AXES) == {family.name for family in FAMILIES}
-    assert set(atlas.LAWS) == set(LAWS)
+    assert set(ATLAS["AXES"]) == {family.name for family in FAMILIES}
+    assert set(ATLAS["LAWS"]) == set(LAWS)
 
 
 def test_cells_say_their_column_where_there_is_no_header(tmp_path):

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.table import Table
 
+from contact_fmus.pages import read_words
 from contact_fmus.scenarios.plots import STYLE
 
 FIGURE = "force_element"
@@ -26,54 +27,23 @@ COLORS = {
 }
 LINES = {"at once": "-", "held": ":", "derivatives 1, 2": "--"}
 DRAWN = ("bounce", "P1", "P3")
-TITLE = "As a force element: error against communication step"
-
-
-def paragraphs(data: dict[str, Any]) -> list[str]:
-    bounce = _problem(data, "bounce")
-    wanted = {_key(curve): curve["steps_wanted"] for curve in bounce["curves"]}
-    verlet = [wanted.get(("velocity Verlet", coupling)) for coupling in COLORS]
-    counts = ", ".join(
-        f"{_number(count)} ({coupling})" for coupling, count in zip(COLORS, verlet, strict=True) if count
-    )
-    return [
-        "In short: read the force as soon as the inputs are set, or use contact.mean_force; a force that "
-        "comes a step late adds energy in every step, and only velocity Verlet gets that back from input "
-        "derivatives, of both orders. "
-        "Keep the communication step below $2 sqrt(m/p_n)$, and at a tenth of that where a rebound matters. "
-        "With contact.mean_force and the mean of old and new velocity half as many steps do, and with the "
-        "step taken back and repeated there is no stable limit and an undamped contact keeps its energy.",
-        "Another tool integrates the free ball; the FMU, both bodies prescribed, gives the contact force."
-        " What is lost depends on when the force is asked for. At once: inputs are set and the force is "
-        "read without a step. Held: the FMU steps beside the tool with its inputs held, so that the force"
-        " comes one step late. With input derivatives: the same, but the FMU goes on with the velocity "
-        "(1) and the tool's acceleration (1, 2). Mean: the FMU steps first, along the predicted straight "
-        "path, and the tool applies contact.mean_force over that step; iterated: the step is taken back "
-        "(fmi2SetFMUstate) and done again until the path ends where the mean force brings the ball.",
-        "A lasting contact stays quiet up to the stable step, a multiple of $1/omega = sqrt(m/p_n)$, "
-        "whatever the impact speed. Where the force comes late and is held there is none without damping:"
-        " each step adds energy. The measured ones come from bisection on the FMU, where growth too slow "
-        "for the length of the run is not seen; theory is the spectral radius of one step.",
-        "Velocity Verlet wants so many communication steps in the time of an undamped contact, $pi/omega$, "
-        f"for a rebound speed within 1 %: {counts or 'more than were tried'}. A tool that uses "
-        "contact.mean_force should move the body by the mean of old and new velocity, as velocity Verlet "
-        "does: semi-implicit Euler with it loses energy in every impact.",
-        "Two things to know about the FMUs here: ForceElement has no mean_force, which needs SphereSphere "
-        "or SphereCylinder with both motions prescribed; and where the other body is fixed instead of "
-        "prescribed, a displacement without derivatives goes on with prescribed_velocity by itself.",
-    ]
 
 
 def sections(data: dict[str, Any]) -> list[dict[str, Any]]:
-    """As measure.py describes them"""
-    tables = [_summary(data), *(_errors(data, name) for name in ("P1", "P3"))]
-    caption = (
-        "Error against communication step $h$ in units of $1/omega$; the line marks $h = 2/omega$. Bounce: "
-        "one impact with a dashpot, rebound speed; P1: eight impacts, position; P3: lasting contact, "
-        "position. A curve ends where the ball is lost."
-    )
-    figures = [{"name": FIGURE, "caption": caption}]
-    return [{"title": TITLE, "paragraphs": paragraphs(data), "tables": tables, "figures": figures}]
+    """As report/measure.py describes them"""
+    bounce = _problem(data, "bounce")
+    wanted = {_key(curve): curve["steps_wanted"] for curve in bounce["curves"]}
+    verlet = {coupling: wanted.get(("velocity Verlet", coupling)) for coupling in COLORS}
+    counts = ", ".join(f"{_number(count)} ({coupling})" for coupling, count in verlet.items() if count)
+    words = read_words(__file__)
+    return [
+        {
+            "title": words["title"],
+            "paragraphs": [one.replace("{counts}", counts or "more than were tried") for one in words["paragraphs"]],
+            "tables": [_summary(data), *(_errors(data, name) for name in ("P1", "P3"))],
+            "figures": [{"name": FIGURE, "caption": words["caption"]}],
+        }
+    ]
 
 
 def _key(curve: dict[str, Any]) -> tuple[str, str]:

@@ -11,6 +11,7 @@ import os
 import platform
 import re
 import subprocess
+import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import metadata
@@ -219,6 +220,11 @@ def _project() -> str:
 OWN = Path(__file__).parent
 IMAGES = {".png": "image/png", ".svg": "image/svg+xml"}
 BOTH = {"page.html": "index.html", "page.md": "README.md"}
+
+
+def read_words(module: str) -> dict[str, Any]:
+    """What words.toml beside the module says"""
+    return tomllib.loads(Path(module).with_name("words.toml").read_text(encoding="utf-8"))
 
 
 def write_pages(

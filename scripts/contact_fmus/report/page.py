@@ -16,10 +16,13 @@ from contact_fmus.bench.problems import (
     stiff_families,
     turning_problems,
 )
-from contact_fmus.pages import Table, write_pages
+from contact_fmus.pages import Table, read_words, write_pages
 
 from . import figures, tables
 from .measure import Row, read_part, read_rows
+
+WORDS = read_words(__file__)
+MORE = {"shapes": shape_problems, "hertz": hertz_problems, "turning": turning_problems}
 
 
 @dataclass
@@ -45,9 +48,11 @@ def draw_page(folder: Path) -> list[Path]:
     sections = [
         _summary(measured["ratios"], others),
         _work_precision(own, others, measured["ratios"], "sections" in parts[0], folder),
-        *_shapes(own, measured.get("shape_ratios", ()), folder),
-        *_hertz(own, measured.get("hertz_ratios", ()), folder),
-        *_turning(own, measured.get("turning_ratios", ()), folder),
+        *(
+            section
+            for name, problems in MORE.items()
+            for section in _more_problems(name, problems(), own, measured.get(f"{name.rstrip('s')}_ratios", ()), folder)
+        ),
         _stiffness(own, folder),
         *given,
     ]
@@ -60,100 +65,42 @@ def draw_page(folder: Path) -> list[Path]:
 
 def _summary(ratios: list[dict], others: list[Row]) -> Section:
     listed = [tables.comparison(ratios, others), tables.problems()]
-    return Section("Summary", tables.paragraphs(ratios, others), listed)
+    return Section(WORDS["summary"]["title"], tables.paragraphs(ratios, others), listed)
 
 
 def _work_precision(own: list[Row], others: list[Row], ratios: list[dict], given: bool, folder: Path) -> Section:
     """`given`: the peers tell by themselves what could not be measured"""
-    rows = tables.own_work_precision(own)
+    words, rows = WORDS["work_precision"], tables.own_work_precision(own)
     figures.work_precision(rows, benchmarks().values(), folder, "work_precision")
-    caption = "Error against time of the three solvers of the FMU, over relative tolerances."
-    shown = [{"name": "work_precision", "caption": caption}]
+    shown = [{"name": "work_precision", "caption": words["caption"]}]
     if figures.has_peers(others):
         figures.peers(rows, others, folder)
-        caption = "The event-driven solver with the fewest communication steps, and other simulators over"
-        caption += " their own step sizes or tolerances. A line joins the best settings of a solver; faint marks are"
-        caption += f" the others; errors above {figures.WORST:g} m are left out."
-        shown.append({"name": "peers", "caption": caption})
-    every = [*rows, *others]
-    listed = [tables.least_times(problem, every) for problem in benchmarks()]
-    paragraphs = [
-        "The error is the distance of the ball's centre at the end from the reference. A time is the median "
-        "of the runs, of stepping alone: fmi2DoStep called by a C program, without loading and "
-        "initialization. The absolute tolerance goes along at 1e-4 of the relative one."
-    ]
-    unable = [f"{row.solver}, {row.problem}: {row.note}" for row in others if not row.measured]
-    if unable and not given:
-        paragraphs.append("Not measured: " + "; ".join(dict.fromkeys(unable)) + ".")
-    return Section("Error against time", paragraphs, [*listed, tables.ratios_table(ratios)], shown)
-
-
-def _shapes(own: list[Row], ratios: Sequence[dict], folder: Path) -> list[Section]:
-    """P1 and P2 on a plane, P1 to P3b over a rim, where they have been measured"""
-    text = (
-        "P1 and P2 with a plane in place of the sphere (P2 with 0.5 m/s along it), and P1 to P3b on a solid "
-        "cylinder, 1 m wide and long, where the contact meets the sharp rims of its caps. P1: head-on on the "
-        "rim of a tilted one, for 3 impacts: more would multiply the rounding of the start too often. P2: an "
-        "impact on the upper rim, then one that begins on the cap and goes on over its lower rim. P3: a ball "
-        "slides at 0.1 m/s over a level cap and, for 0.19 s, over its rim until it leaves. P3b: the same "
-        "dropped from 10 mm, 34 impacts on the cap, 35 on the rim, and lasting contact there. The references "
-        "are computed by extrapolation in extended precision."
-    )
-    figure = ("shapes", "Error against time on a plane and over a rim.")
-    return _more_problems("Planes and rims", text, figure, shape_problems(), own, ratios, folder)
-
-
-def _hertz(own: list[Row], ratios: Sequence[dict], folder: Path) -> list[Section]:
-    """The same four by Hertz's law, where they have been measured"""
-    text = (
-        "P1 to P3b with $F_n = k_h delta^(3/2)$ in place of the penalty, as stiff or as deep; all but P1 "
-        "are damped by Hunt and Crossley. P3b has 123 impacts. The references are computed by "
-        "extrapolation in extended precision."
-    )
-    caption = "Error against time under Hertz's law."
-    return _more_problems("Hertz's law", text, ("hertz", caption), hertz_problems(), own, ratios, folder)
-
-
-def _turning(own: list[Row], ratios: Sequence[dict], folder: Path) -> list[Section]:
-    """Friction and rotation, where they have been measured"""
-    text = (
-        "With regularized friction ($v_0$ = 1 mm/s, in bowl and tube 10 mm/s): a ball with "
-        "back-spin that bounces, one that rolls in a bowl for 10 s, one in a golfer's tube, and a tumbling "
-        "cylinder hit by a ball. The references are computed by independent code."
-    )
-    figure = ("turning", "Error against time with friction and rotation.")
-    return _more_problems("Friction and rotation", text, figure, turning_problems(), own, ratios, folder)
+        shown.append({"name": "peers", "caption": words["peers"].format(worst=figures.WORST)})
+    listed = [tables.least_times(problem, [*rows, *others]) for problem in benchmarks()]
+    unable = [f"{row.solver}, {row.problem}: {row.note}" for row in others if not row.measured and not given]
+    missing = ["Not measured: " + "; ".join(dict.fromkeys(unable)) + "."] if unable else []
+    return Section(words["title"], [words["text"], *missing], [*listed, tables.ratios_table(ratios)], shown)
 
 
 def _more_problems(
-    title: str,
-    text: str,
-    figure: tuple[str, str],  # name and caption
-    problems: dict[str, Problem],
-    own: list[Row],
-    ratios: Sequence[dict],
-    folder: Path,
+    name: str, problems: dict[str, Problem], own: list[Row], ratios: Sequence[dict], folder: Path
 ) -> list[Section]:
+    """Nothing where these problems have not been measured"""
     rows = [row for row in tables.own_work_precision(own) if row.problem in problems]
     if not rows:
         return []
-    figures.work_precision(rows, problems.values(), folder, figure[0])
+    words = WORDS[name]
+    figures.work_precision(rows, problems.values(), folder, name)
     listed = [*(tables.least_times(problem, rows) for problem in problems), tables.ratios_table(ratios)]
-    return [Section(title, [text], listed, [{"name": figure[0], "caption": figure[1]}])]
+    return [Section(words["title"], [words["text"]], listed, [{"name": name, "caption": words["caption"]}])]
 
 
 def _stiffness(own: list[Row], folder: Path) -> Section:
+    words, families = WORDS["stiffness"], stiff_families()
     figures.stiffness(own, folder)
-    families = stiff_families()
     listed = [tables.stiffness(name, family, own) for name, family in families.items()]
-    caption = "Time and error against the penalty factor; one communication step for the whole time."
-    paragraphs = [
-        "Problem P3, the ball let go at the wall of a hollow cylinder, and the same in a hollow sphere, with "
-        "the dashpot at 10 % of critical damping and without one. Runs that take too long are ended, and "
-        "stiffer contacts are then not tried with that solver."
-    ]
-    figure = {"name": "stiffness", "caption": caption}
-    return Section("Stiffness", paragraphs, [tables.growth(families, own), *listed], [figure])
+    figure = {"name": "stiffness", "caption": words["caption"]}
+    return Section(words["title"], [words["text"]], [tables.growth(families, own), *listed], [figure])
 
 
 def given_section(section: dict[str, Any], folder: Path) -> Section:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from contact_fmus.bench.problems import EVENT_DRIVEN, METHODS, STIFF_TOLERANCE, Problem, benchmarks
-from contact_fmus.pages import Table
+from contact_fmus.pages import Table, read_words
 
 from .measure import PEER, RELATIVE_TOLERANCE, THIS_FMU, TOO_LONG, Row, stiff_setting
 
@@ -162,12 +162,7 @@ def own_work_precision(rows: Sequence[Row]) -> list[Row]:
 
 # What the page opens with: the problems, and how much less time event_driven takes
 
-WHAT = {
-    "P1": "a ball dropped head-on on a fixed sphere, without damping: 8 impacts",
-    "P2": "the same dropped off the top, with a dashpot: 2 oblique impacts, then free fall",
-    "P3": "a ball let go at the stiff wall of a hollow cylinder: it slides to and fro and stays on the wall",
-    "P3b": "the same let go 10 mm off the wall: 63 impacts, ever closer, then lasting contact",
-}
+WORDS = read_words(__file__)
 PEER_ERROR = 1e-9  # m, what event_driven is asked for too
 
 
@@ -175,17 +170,9 @@ def paragraphs(ratios: Sequence[dict], others: Sequence[Row]) -> list[str]:
     """In short, computed from what was measured"""
     counts = sorted({one["communication_steps"] for one in ratios})
     sides = [_range_of(count, ratios) for count in counts]
-    texts = [
-        "In short: to place the ball to 1e-9 m, event_driven takes less time than the best CVODE setting "
-        "of the same FMU takes to place it to 1e-7 m: " + "; ".join(side for side in sides if side) + ". "
-        "Many communication steps make both sides stop at points that neither solver needs, and "
-        "event_driven has less to do between them."
-    ]
+    texts = [WORDS["summary"]["text"].format(factors="; ".join(side for side in sides if side))]
     if any(row.measured for row in others):
-        texts.append(
-            "The other simulators solve the same problems with their own settings. scipy's right-hand side "
-            "is Python, called for every evaluation: its times are not those of a compiled integrator."
-        )
+        texts.append(WORDS["summary"]["peers"])
     return texts
 
 
@@ -201,7 +188,7 @@ def _range_of(count: int, ratios: Sequence[dict]) -> str:
 def problems() -> Table:
     """P1 to P3b in words"""
     cells = [
-        [name, WHAT[name], f"{problem.stop:g} s", f"{problem.penalty_factor:.0e} N/m"]
+        [name, WORDS["problems"][name], f"{problem.stop:g} s", f"{problem.penalty_factor:.0e} N/m"]
         for name, problem in benchmarks().items()
     ]
     return Table("The problems", ["problem", "what moves", "for", "p_n"], cells, 2)

@@ -17,9 +17,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from contact_fmus.pages import Table, versions, write_pages
+from contact_fmus.pages import Table, read_words, versions, write_pages
 
-from . import text
 from .motions import LAWS
 from .run import LIMITS, METHODS, MOST_STEPS, TOLERANCE, SceneRun
 from .scenes import FAMILIES, Family
@@ -223,6 +222,7 @@ def allowed() -> Table:
 
 # Heat maps: a panel for each axis and method, a row for each law, coloured by the worst of its runs
 
+WORDS = read_words(__file__)
 STYLE = {"font.family": "DejaVu Sans", "font.size": 8, "axes.titlesize": 10}
 REFUSED, NOTHING = "#94a3b8", "#f1f5f9"
 
@@ -346,6 +346,6 @@ def draw_page(rows: Sequence[SceneRun], folder: Path, plan: str) -> list[Path]:
         "mistakes": mistakes(rows),
         "checks": [allowed(), same_bits(rows)],
         "versions": versions(),
-        "texts": text,
+        "texts": WORDS,
     }
     return write_pages(Path(__file__).parent, folder, context)
