@@ -19,8 +19,10 @@ from contact_fmus.fmu.files import unpack
 from contact_fmus.fmu.variables import read_variables
 from contact_fmus.options import parse
 from contact_fmus.results import Result
-from contact_fmus.running.simulate import by_fmpy, simulate
-from contact_fmus.scenarios.scenario import Experiment, find, first_run
+from contact_fmus.running.exchange import by_fmpy
+from contact_fmus.scenarios.experiment import Experiment
+from contact_fmus.scenarios.recording import simulate
+from contact_fmus.scenarios.scenario import find, first_run
 
 README = """{name}: {title}
 

@@ -21,9 +21,10 @@ from contact_fmus.errors import UserError
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.variables import is_fmi3
 from contact_fmus.results import Result
-from contact_fmus.running.simulate import exchange as run_by_exchange
-from contact_fmus.running.simulate import said, simulate
-from contact_fmus.scenarios.scenario import Experiment, of_fmu
+from contact_fmus.running.exchange import exchange as run_by_exchange
+from contact_fmus.scenarios.experiment import Experiment
+from contact_fmus.scenarios.recording import said, simulate
+from contact_fmus.scenarios.scenario import of_fmu
 
 STEPS = 100  # of the trial
 # What a restored state may change: outputs are the same at once but for rounding; a solver that starts afresh

@@ -17,9 +17,11 @@ from rich.progress import Progress
 from contact_fmus.errors import UserError
 from contact_fmus.options import parse
 from contact_fmus.results import Result
-from contact_fmus.scenarios.scenario import Experiment, changed, find, first_run
+from contact_fmus.scenarios.experiment import Experiment
+from contact_fmus.scenarios.recording import StoppedEarly, simulate
+from contact_fmus.scenarios.scenario import changed, find, first_run
 
-from .simulate import StoppedEarly, exchange, simulate
+from .exchange import exchange
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 
 from . import closed_forms
-from .experiment import Claim, Recording, RunError
-from .recording import ENERGIES
+from .experiment import ENERGIES, Claim, Recording, RunError
 
 # The contact geometry and force law once more, from DESIGN's formulas in NumPy, to compare the FMU with
 

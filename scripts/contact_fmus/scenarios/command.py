@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import datetime
 import math
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -50,6 +51,7 @@ class ScenarioResult:
     scenario: Scenario
     results: list[ClaimResult] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)  # runs that the FMU refused
+    warnings: dict[str, None] = field(default_factory=dict)  # of the FMU, each once
     plot: Path | None = None
 
     @property
@@ -67,6 +69,7 @@ def run_scenario(scenario: Scenario, plot_folder: Path | None, advance: Callable
     for variant in scenario.variants:
         with _failures_kept(result):
             recording = record(scenario, variant, advance)
+            result.warnings |= dict.fromkeys(recording.warnings)
             for claim in scenario.claims:
                 if all(variant.choice[name] == value for name, value in claim.when.items()):
                     outcome = claims.evaluate(claim, recording)
@@ -298,6 +301,8 @@ def run(arguments: list[str] | None = None) -> int:
     results = run_scenarios(scenarios, plot_folder, console)
     console.print(claims_table(results))
     for result in results:
+        for text in result.warnings:
+            print(f"warning: {result.scenario.name}: {text}", file=sys.stderr)
         for failure in result.failures:
             console.print(f"FAILED {failure}", style="red", markup=False)
     count = sum(len(result.results) for result in results)
@@ -319,7 +324,10 @@ def picture(arguments: list[str] | None = None) -> int:
         known = ", ".join(PICTURES)
         raise UserError(f"{output}: '{output.suffix}' is none of the formats {known}")
     scenario = read_scenario(file)
-    plots.draw([record(scenario, variant, inside=DRAWN) for variant in scenario.plotted()], output)
+    recordings = [record(scenario, variant, inside=DRAWN) for variant in scenario.plotted()]
+    for text in dict.fromkeys(text for recording in recordings for text in recording.warnings):
+        print(f"warning: {text}", file=sys.stderr)
+    plots.draw(recordings, output)
     print(output)
     return 0
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -214,6 +215,22 @@ class Variant:
 
 
 @dataclass(frozen=True)
+class Experiment:
+    """What is run: an FMU with settings, or one variant of a scenario. Times in s"""
+
+    name: str
+    title: str
+    fmu: Path
+    start_time: float
+    stop_time: float
+    step: float
+    tolerance: float | None = None
+    values: dict[str, Any] = field(default_factory=dict)
+    inputs: tuple[InputSignal, ...] = ()
+    label: str = ""  # what tells it from the other runs of a scenario
+
+
+@dataclass(frozen=True)
 class Scenario:
     name: str
     title: str
@@ -259,6 +276,9 @@ def _describe(name: str, value: Any) -> str:
     return f"{name.split('.')[-1]} {text}"
 
 
+ENERGIES = ("kinetic", "rotational", "potential", "contact", "tangential", "dissipated", "friction")
+
+
 class RunError(RunFailure):
     """The FMU refused something, or lacks a variable the scenario names"""
 
@@ -271,6 +291,7 @@ class Recording:
     series: dict[str, np.ndarray]  # recorded names, one row a communication point
     initial: dict[str, Any]  # every variable after initialization
     final: dict[str, Any]  # every variable at the end
+    warnings: Sequence[str] = ()  # of the FMU
 
     def value(self, name: str) -> Any:
         """A parameter, pinned or open, or an output at the start"""

@@ -11,8 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Patch, Polygon
 
-from .experiment import Recording
-from .recording import ENERGIES
+from .experiment import ENERGIES, Recording
 
 # One for each run, or for each body and contact of a single run
 COLORS = ("#1f6fb4", "#d95f02", "#2b9348", "#8e44ad", "#b58900", "#b4235a", "#0097a7", "#7b4f2e", "#7f7f7f")

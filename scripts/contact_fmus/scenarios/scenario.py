@@ -44,7 +44,6 @@ import itertools
 import math
 import tomllib
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +52,7 @@ from contact_fmus.fmu.files import fmu_file, fmus_folder, has_scene, read_scene,
 from contact_fmus.fmu.variables import read_settings, read_variables
 
 from . import claims
-from .experiment import Claim, InputSignal, Scenario, Variant
+from .experiment import Claim, Experiment, InputSignal, Scenario, Variant
 
 NUMBER = (int, float)
 TOP = {
@@ -212,22 +211,6 @@ FORMS = {".fmu": "an FMU (.fmu)", ".toml": "a scenario (.toml)", ".csv": "a resu
 RUNS = (".fmu", ".toml")
 SCENARIOS = (".toml",)
 ANY = tuple(FORMS)
-
-
-@dataclass(frozen=True)
-class Experiment:
-    """What is run: an FMU with settings, or one variant of a scenario. Times in s"""
-
-    name: str
-    title: str
-    fmu: Path
-    start_time: float
-    stop_time: float
-    step: float
-    tolerance: float | None = None
-    values: dict[str, Any] = field(default_factory=dict)
-    inputs: tuple[InputSignal, ...] = ()
-    label: str = ""  # what tells it from the other runs of a scenario
 
 
 def words(suffixes: Iterable[str] = RUNS) -> str:
