@@ -13,4 +13,4 @@ known_options "$@"
 
 set_up
 use_build "$root/build"
-contact_fmus fuzz "$@"
+"$python" "$root/tests/fuzz/search.py" "$@"

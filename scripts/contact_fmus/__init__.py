@@ -18,8 +18,8 @@ stability   the atlas of stiff and extreme scenes (docs/stability)
 building    FMUs from scenes, and scenes to start from
 running     an FMU or a scenario through time
 checking    what is wrong with an FMU file
-fuzzing, whole_report
-            for developers
+whole_report
+            all parts of docs/report
 
 `contact-fmus --help` lists the commands.
 

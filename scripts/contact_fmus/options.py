@@ -21,13 +21,6 @@ def number(text: str) -> float:
     return value
 
 
-def count(text: str) -> int:
-    """A whole number greater than 0"""
-    if not text.isdecimal() or int(text) == 0:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number greater than 0")
-    return int(text)
-
-
 def choice(text: str) -> tuple[str, int]:
     """NAME=N"""
     name, _, value = text.partition("=")
@@ -37,7 +30,7 @@ def choice(text: str) -> tuple[str, int]:
         raise argparse.ArgumentTypeError(f"{text!r} (allowed: NAME=N, N a whole number)") from None
 
 
-TYPES = {"path": Path, "int": int, "float": float, "number": number, "count": count, "choice": choice}
+TYPES = {"path": Path, "int": int, "float": float, "number": number, "choice": choice}
 
 
 @functools.cache

@@ -34,7 +34,6 @@ PACKAGES = (
     "checking",
     "importers",
     "published",
-    "fuzzing",
     "whole_report",
 )
 SCRIPTS = sorted(file for file in (ROOT / "scripts").glob("*.sh") if file.stem != "prologue")
@@ -165,7 +164,7 @@ def test_a_script_refuses_an_option_without_its_value(script):
         assert option in refused.stderr
 
 
-@pytest.mark.parametrize("name", ["report", "stability", "bench", "fuzz"])
+@pytest.mark.parametrize("name", ["report", "stability", "bench"])
 def test_a_script_takes_the_options_of_its_command(name, capsys):
     with pytest.raises(SystemExit):
         main([name, "--help"])

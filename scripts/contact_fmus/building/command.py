@@ -42,51 +42,8 @@ START = {
     ("cylinder", True): {"ball.center": [0.1, 0.0, 0.0], "{body}.axis": [0.0, 1.0, 0.0]},
     ("plane", False): {"ball.center": [0.0, 0.0, 0.5], "{body}.axis": [0.0, 0.0, 1.0]},
 }
+TEMPLATE = Path(__file__).with_name("scene.toml")
 RADIUS = '"{body}.radius" = 0.5 # m'
-TEMPLATE = """\
-# A scene: its bodies, its contacts, and which choices are pinned.
-#   contact-fmus build {name}.toml          makes {name}.fmu
-#   contact-fmus run {name}.fmu             prints where the ball ends and what it did
-#   contact-fmus run {name}.fmu --plot      draws it; pip install 'contact-fmus[plot]' brings what that needs
-name = "{name}" # of the FMU
-title = "{title}"
-description = "A free ball bounces {place} a fixed {shape}."
-
-# Every variable has a start value; those of radius, mass and the like are changed under [start].
-[[body]]
-name = "ball"
-shape = "sphere"
-
-[[body]]
-name = "{body}"
-shape = "{shape}"
-
-# The source of a contact is a sphere. A scene may have more bodies and contacts, of any names.
-[[contact]]
-name = "contact"
-source = "ball"
-destination = "{body}"
-
-# Start values: SI units, vectors as lists. They may still be changed when the FMU runs.
-[start]
-"ball.radius" = 0.1 # m
-"ball.mass" = 1.0 # kg
-{start}
-"contact.penalty_factor" = 1e6 # stiffness of the contact, N/m
-"contact.viscous_penalty_factor" = 100.0 # its damping, N s/m
-
-# Choices fixed now: what only other choices would need is left out of the FMU, variables and code.
-# Without its line a choice stays open. rotation = "free" with friction = "regularized" lets the ball roll.
-# An open solver.method brings CVODE into the FMU, to compare methods with; event_driven is the one to use.
-[pinned]
-{pinned}
-
-# What an importer takes where its user says nothing.
-[experiment]
-stop_time = 2.0 # s
-step_size = 1e-3 # communication step, s
-tolerance = 1e-8
-"""
 
 
 def scene_text(name: str, shape: str, inside: bool, pinned: list[str]) -> str:
@@ -114,7 +71,7 @@ def scene_text(name: str, shape: str, inside: bool, pinned: list[str]) -> str:
     start = {key.format(body=body): value for key, value in START[shape, inside].items()}
     start = {key: value for key, value in start.items() if key not in chosen}
     hollow = "hollow " if inside else ""
-    return TEMPLATE.format(
+    return TEMPLATE.read_text(encoding="utf-8").format(
         name=name,
         body=body,
         title=f"A ball bouncing {'in' if inside else 'on'} a {hollow}{shape}",

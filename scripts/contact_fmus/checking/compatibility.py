@@ -24,21 +24,6 @@ from contact_fmus.scenarios.experiment import Experiment
 from contact_fmus.scenarios.recording import simulate
 from contact_fmus.scenarios.scenario import find, first_run
 
-README = """{name}: {title}
-
-FMI {version}, {kinds}; platforms: {platforms}.
-Made by `contact-fmus compatibility {target}` with fmpy {fmpy}.
-
-_ref.csv  this project's run by Co-Simulation, steps of {step:g} s, and both sides of each onset and release
-_in.csv   inputs, where there are any: straight lines between the rows
-_ref.opt  times and step [s], relative tolerance (0: the FMU's own)
-_cc.csv   the same steps by fmpy's simulate_fmu
-
-Start values: {values}.
-Outputs of a step, such as contact.mean_force and contact.peak_force, belong to the step that ends there:
-compare them with a run of the same steps only.
-"""
-
 
 def main(arguments: list[str] | None = None) -> int:
     """0: written"""
@@ -68,16 +53,21 @@ def _write(folder: Path, target: str, experiment: Experiment) -> None:
     lines |= {"StepSize": experiment.step, "RelTol": experiment.tolerance or 0.0}
     text = "".join(f"{key},{value!r}\n" for key, value in lines.items())
     Path(f"{begin}_ref.opt").write_text(text, encoding="utf-8")
-    about = README.format(
-        name=experiment.fmu.stem,
-        title=experiment.title,
-        version=description.fmiVersion,
-        kinds="Co-Simulation" + (" and Model Exchange" if description.modelExchange else ""),
-        platforms=", ".join(sorted(path.name for path in (unzipped / "binaries").iterdir())),
-        target=target,
-        fmpy=fmpy.__version__,
-        step=experiment.step,
-        values=", ".join(f"{name} = {value}" for name, value in experiment.values.items()) or "the FMU's own",
+    about = (
+        Path(__file__)
+        .with_suffix(".txt")
+        .read_text(encoding="utf-8")
+        .format(
+            name=experiment.fmu.stem,
+            title=experiment.title,
+            version=description.fmiVersion,
+            kinds="Co-Simulation" + (" and Model Exchange" if description.modelExchange else ""),
+            platforms=", ".join(sorted(path.name for path in (unzipped / "binaries").iterdir())),
+            target=target,
+            fmpy=fmpy.__version__,
+            step=experiment.step,
+            values=", ".join(f"{name} = {value}" for name, value in experiment.values.items()) or "the FMU's own",
+        )
     )
     (folder / "ReadMe.txt").write_text(about, encoding="utf-8")
     shutil.copy(experiment.fmu, folder)

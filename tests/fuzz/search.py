@@ -5,14 +5,13 @@ New inputs are kept in build-fuzz/found/NAME, what broke a claim in build-fuzz/f
 
 from __future__ import annotations
 
+import argparse
 import os
 import subprocess
 import sys
+from pathlib import Path
 
-from contact_fmus.errors import CLAIM_FAILED, DONE, RunFailure, UserError
-
-from .fmu.files import is_clone, repository
-from .options import parse
+ROOT = Path(__file__).resolve().parents[2]
 
 # exchange: Model Exchange of FMI 2.0; calls3 and exchange3: Co-Simulation and Model Exchange of FMI 3.0;
 # these three also with other scenes than SphereCylinder
@@ -32,13 +31,12 @@ OPTIONS = """-fork=1 -ignore_crashes=1 -ignore_timeouts=1 -ignore_ooms=1 -timeou
     -rss_limit_mb=2000 -max_len=500 -len_control=0"""
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """0: nothing found; 1: a finding, or a fuzzer did not run; 2: this is no clone; 3: building failed"""
-    options = parse("fuzz", arguments, names=", ".join(NAMES))
-    if options.only not in (None, *NAMES):
-        raise UserError(f"--only: there is no fuzzer '{options.only}' (allowed: {', '.join(NAMES)})")
-    if not is_clone():
-        raise UserError("the fuzzers are tests, which only a clone of the sources has")
+def main() -> int:
+    """0: nothing found; 1: a finding, or a fuzzer did not run; 3: building failed"""
+    parser = argparse.ArgumentParser(prog="fuzz", description=__doc__)
+    parser.add_argument("--minutes", type=minutes, default=10, metavar="N", help="for each fuzzer (10)")
+    parser.add_argument("--only", choices=NAMES, metavar="NAME", help=f"one of {', '.join(NAMES)}")
+    options = parser.parse_args()
     names = [options.only] if options.only else list(NAMES)
     _build([f"fuzz_{name}" for name in names if name != "scene_files"])
     quiet = True
@@ -46,7 +44,14 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"\n== {name}, {options.minutes} minutes", flush=True)
         search = scene_files if name == "scene_files" else library
         quiet &= search(name, options.minutes)
-    return DONE if quiet else CLAIM_FAILED
+    return 0 if quiet else 1
+
+
+def minutes(text: str) -> int:
+    """A whole number greater than 0"""
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number greater than 0")
+    return int(text)
 
 
 def _build(targets: list[str]) -> None:
@@ -57,22 +62,31 @@ def _build(targets: list[str]) -> None:
 
 
 def _run(command: list[str]) -> None:
-    if subprocess.run(command, cwd=repository(), stdin=subprocess.DEVNULL, check=False).returncode != 0:
-        raise RunFailure(f"{' '.join(command[:3])} failed")
+    if subprocess.run(command, cwd=ROOT, stdin=subprocess.DEVNULL, check=False).returncode != 0:
+        print(f"fuzz: {' '.join(command[:3])} failed", file=sys.stderr)
+        sys.exit(3)
 
 
 def scene_files(_name: str, length: int) -> bool:
     """Hypothesis with scene files against the generator; True where it finds nothing"""
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/fuzz/test_scene_files.py"]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "tests/fuzz/test_scene_files.py",
+    ]
     environment = os.environ | {"CONTACT_FUZZ_MINUTES": str(length)}
-    run = subprocess.run(command, cwd=repository(), env=environment, stdin=subprocess.DEVNULL, check=False)
+    run = subprocess.run(command, cwd=ROOT, env=environment, stdin=subprocess.DEVNULL, check=False)
     return run.returncode == 0
 
 
 def library(name: str, length: int) -> bool:
     """One of libFuzzer's programs; True where it ran to its end and found nothing"""
-    folder = repository() / "build-fuzz"
-    corpus = repository() / "tests" / "fuzz" / "corpus" / f"fuzz_{name.partition('_')[0]}"
+    folder = ROOT / "build-fuzz"
+    corpus = ROOT / "tests" / "fuzz" / "corpus" / f"fuzz_{name.partition('_')[0]}"
     found, findings = folder / "found" / name, folder / "findings" / name
     for made in (found, findings):
         made.mkdir(parents=True, exist_ok=True)
@@ -80,13 +94,19 @@ def library(name: str, length: int) -> bool:
     command = ["nice", program, *OPTIONS.split(), f"-max_total_time={60 * length}", found, corpus]
     log = findings / "log"
     with log.open("w", encoding="utf-8") as output:
-        subprocess.run(command, cwd=findings, stdin=subprocess.DEVNULL, stdout=output, stderr=output, check=False)
+        subprocess.run(
+            command, cwd=findings, stdin=subprocess.DEVNULL, stdout=output, stderr=output, check=False
+        )
     lines = log.read_text(encoding="utf-8", errors="replace").splitlines()
     print(*lines[-1:])
     count = sum(file.is_file() and file != log for file in findings.iterdir())
-    print(f"{name}: {count} findings in {findings.relative_to(repository())}")
+    print(f"{name}: {count} findings in {findings.relative_to(ROOT)}")
     # libFuzzer's last words; without them it did not run, and nothing was looked for.
     ended = any(line.startswith("INFO: exiting") for line in lines)
     if not ended:
-        print(f"{name}: did not run to its end, see {log.relative_to(repository())}", file=sys.stderr)
+        print(f"{name}: did not run to its end, see {log.relative_to(ROOT)}", file=sys.stderr)
     return ended and count == 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
