@@ -45,9 +45,9 @@ class Importer:
 
 
 IMPORTERS = (
-    Importer("fmpy", "PyPI", "fmpy", "fmpy", "with_fmpy.py", "with_fmpy3.py"),
+    Importer("fmpy", "PyPI", "fmpy", "fmpy", "with_fmpy.py", "with_fmpy.py"),
     Importer("libcosim", "PyPI", "libcosimpy", "libcosimpy", "with_libcosim.py", "with_libcosim.py"),
-    Importer("fmuloader", "PyPI", "fmuloader", "fmuloader", "with_fmuloader.py", "with_fmuloader3.py"),
+    Importer("fmuloader", "PyPI", "fmuloader", "fmuloader", "with_fmuloader.py", "with_fmuloader.py"),
     Importer("ecos", "PyPI", "ecospy", "ecospy", "with_ecos.py", "with_ecos.py"),
     Importer("FMI4j", "Maven", "info.laht.fmi4j:fmi-import", "", "WithFmi4j.java", "WithFmi4j.java"),
     Importer("Maestro", "Maven", "org.into-cps.maestro:maestro", "", "with_maestro.py"),
