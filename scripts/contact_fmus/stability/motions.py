@@ -89,17 +89,72 @@ def _along_z(motion: HeadOn, line: Line) -> dict[str, mpf]:
     return {"source": middle + masses[1] * relative, "destination": middle - masses[0] * relative}
 
 
-# What all motions have in common where nothing but the contact acts on the bodies
+# What all motions have in common
+
+PLANE = "plane"  # its normal is along z; it has an axis of its own and no radius
+FMUS = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
 
 
-class Unforced:
-    """Neither gravity nor an external force, and nothing that is led"""
+class Moving:
+    """Defaults: a source of 1 kg meets a fixed destination, and nothing but the contact acts on the bodies. `geometry`
+    is the destination's shape, and the side on which it is met."""
+
+    geometry = "sphere outside"
+    source_mass = 1.0
+    destination_mass: float | None = None
+    source_radius = destination_radius = 0.0
+    stored_penalty = 0.0  # the stiffness of what is stored besides motion
+    held = False  # whether neither body can move
+
+    @property
+    def shape(self) -> str:
+        return self.geometry.partition(" ")[0]
+
+    @property
+    def inside(self) -> bool:
+        return self.geometry.endswith("inside")
+
+    @property
+    def fmu(self) -> str:
+        return FMUS[self.shape]
+
+    @property
+    def reach(self) -> float:
+        """The distance of the source's centre from the destination's centre, axis or plane at the touch"""
+        if self.shape == PLANE:
+            return self.source_radius
+        return self.destination_radius + self.source_radius * (-1 if self.inside else 1)
+
+    def masses(self) -> tuple[float, float | None]:
+        """The second where the destination is free"""
+        return self.source_mass, self.destination_mass
 
     def given_impulse(self, body: str, time: float) -> np.ndarray:
+        """What gravity and the external force have passed to a body"""
         return np.zeros(3)
 
     def passive(self) -> bool:
+        """Whether nothing but gravity gives energy"""
         return True
+
+    def swings(self, time: float) -> float:
+        """Radians of slow motion that an integrator has to follow"""
+        return 0.0
+
+    def bodies(self, center: Sequence[float], velocity: Sequence[float], gravity: float = 0.0) -> dict[str, Any]:
+        """Start values of the source, of the destination's radius and of gravity"""
+        values = {
+            "source.radius": self.source_radius,
+            "source.mass": self.source_mass,
+            "source.center": list(center),
+            "source.initial_velocity": list(velocity),
+            "gravity": [0.0, 0.0, 0.0 - gravity],
+        }
+        if self.shape != PLANE:
+            values["destination.radius"] = self.destination_radius
+        if self.destination_mass is not None:
+            values |= {"destination.motion": "free", "destination.mass": self.destination_mass}
+        return values
 
 
 # Head-on scenes: the FMU's start values and the closed form of the same motion, from one set of numbers.
@@ -108,12 +163,11 @@ class Unforced:
 # comes from +z outside and goes to -z inside a hollow destination, where gravity and the push point too.
 
 GEOMETRIES = ("sphere outside", "sphere inside", "cylinder outside", "cylinder inside")
-PLANE = "plane"  # its normal is that along z; it has an axis of its own, and no radius
 LAWS = ("undamped", "non_adhesive", "unclamped", "approach_only", "viscous_only")
 
 
 @dataclass(frozen=True)
-class HeadOn:
+class HeadOn(Moving):
     """SI units. Without `damping` the dashpot has `ratio` of the critical damping. `source_mass` meets a
     fixed destination, or a free one of `destination_mass`."""
 
@@ -139,22 +193,6 @@ class HeadOn:
     along_speed: float = 0.0
     prescribed: bool = False  # the destination is, and jumps
     end: float = 0.0  # 0: as long as a first contact and a flight as long as that before it
-
-    @property
-    def inside(self) -> bool:
-        return self.geometry.endswith("inside")
-
-    @property
-    def fmu(self) -> str:
-        if self.geometry == PLANE:
-            return "SpherePlane"
-        return "SphereSphere" if self.geometry.startswith("sphere") else "SphereCylinder"
-
-    @property
-    def reach(self) -> float:
-        if self.geometry == PLANE:
-            return self.source_radius
-        return self.destination_radius + self.source_radius * (-1 if self.inside else 1)
 
     @property
     def stored_penalty(self) -> float:
@@ -187,22 +225,12 @@ class HeadOn:
         return [self.offset, self.offset + self.along, self.offset + q]
 
     def configuration(self) -> dict[str, Any]:
-        values = {
-            "source.radius": self.source_radius,
-            "source.mass": self.source_mass,
-            "source.center": self.source_center(),
-            "destination.center": [self.offset] * 3,
-            "source.initial_velocity": [0.0, self.along_speed, -self.speed],
-            "gravity": [0.0, 0.0, -self.gravity],
-            "source.external_force": [0.0, 0.0, -self.force],
-        }
+        values = self.bodies(self.source_center(), [0.0, self.along_speed, -self.speed], self.gravity)
+        values |= {"destination.center": [self.offset] * 3, "source.external_force": [0.0, 0.0, -self.force]}
         if self.geometry == PLANE:
             values["destination.axis"] = [0.0, 0.0, 1.0]
         else:
-            values["destination.radius"] = self.destination_radius
             values["contact.location"] = "inside" if self.inside else "outside"
-        if self.destination_mass is not None:
-            values |= {"destination.motion": "free", "destination.mass": self.destination_mass}
         if self.prescribed:
             values["destination.motion"] = "prescribed"
         if self.fmu == "SphereCylinder":
@@ -278,10 +306,6 @@ class HeadOn:
         """A length of the scene"""
         return max(min(self.gap or self.reach, self.reach), 1e-5 * self.destination_radius)
 
-    def masses(self) -> tuple[float, float | None]:
-        """The second where the destination is free"""
-        return self.source_mass, self.destination_mass
-
     def given_impulse(self, body: str, time: float) -> np.ndarray:
         """What gravity and the external force have passed to a body"""
         source = body == "source"
@@ -311,15 +335,15 @@ class HeadOn:
 # and the time follows from dt = -dv / ((k/m) delta^(3/2) (1 + y)). The approach-only dashpot has no damping
 # on the way back. Bodies lie along z as those of HeadOn.
 
-ROUND = ("sphere outside", "sphere inside", "cylinder outside", "cylinder inside")
-IMPACT_GEOMETRIES = (*ROUND, "plane")
+IMPACT_GEOMETRIES = (*GEOMETRIES, PLANE)
+PLANE = "plane"  # its normal is along z; it has an axis of its own and no radius
 FMUS = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
 POISSON = 0.3
 LEAST = 1e-3  # smaller coefficients of restitution count as this
 
 
 @dataclass(frozen=True)
-class Impact(Unforced):
+class Impact(Moving):
     """SI units. k_h by the modulus of both bodies, or `stiffness`; chi by `restitution`, or as chi v"""
 
     geometry: str = "sphere outside"
@@ -336,26 +360,6 @@ class Impact(Unforced):
     destination_mass: float | None = None
     end: float = 0.0  # 0: as long after the impact as before it
 
-    stored_penalty = 0.0  # what is stored was motion before
-
-    @property
-    def shape(self) -> str:
-        return self.geometry.partition(" ")[0]
-
-    @property
-    def inside(self) -> bool:
-        return self.geometry.endswith("inside")
-
-    @property
-    def fmu(self) -> str:
-        return FMUS[self.shape]
-
-    @property
-    def reach(self) -> float:
-        if self.shape == "plane":
-            return self.source_radius
-        return self.destination_radius + self.source_radius * (-1 if self.inside else 1)
-
     @property
     def place(self) -> float:
         return -(self.reach - self.gap) if self.inside else self.reach + self.gap
@@ -366,21 +370,11 @@ class Impact(Unforced):
         return min(self.gap, self.reach)
 
     def configuration(self) -> dict[str, Any]:
-        values = {
-            "source.radius": self.source_radius,
-            "source.mass": self.source_mass,
-            "source.center": [0.0, 0.0, self.place],
-            "source.initial_velocity": [0.0, 0.0, -self.speed],
-            "gravity": [0.0, 0.0, 0.0],
-            "contact.law": "hertz",
-        }
-        if self.shape != "plane":
-            values |= {"destination.radius": self.destination_radius}
-            values |= {"contact.location": "inside" if self.inside else "outside"}
+        values = self.bodies([0.0, 0.0, self.place], [0.0, 0.0, -self.speed]) | {"contact.law": "hertz"}
+        if self.shape != PLANE:
+            values["contact.location"] = "inside" if self.inside else "outside"
         if self.shape != "sphere":
-            values["destination.axis"] = [0.0, 0.0, 1.0] if self.shape == "plane" else [0.0, 1.0, 0.0]
-        if self.destination_mass is not None:
-            values |= {"destination.motion": "free", "destination.mass": self.destination_mass}
+            values["destination.axis"] = [0.0, 0.0, 1.0] if self.shape == PLANE else [0.0, 1.0, 0.0]
         return values | self._stiffness() | self._damping()
 
     def _stiffness(self) -> dict[str, Any]:
@@ -437,13 +431,6 @@ class Impact(Unforced):
 
     def timed(self) -> Impact:
         return self if self.end else replace(self, end=2 * self.gap / self.speed + float(self.impact[0]))
-
-    def masses(self) -> tuple[float, float | None]:
-        """The second where the destination is free"""
-        return self.source_mass, self.destination_mass
-
-    def swings(self, time: float) -> float:
-        return 0.0
 
     def expected(self) -> Expected:
         with mp.workdps(DIGITS):
@@ -569,7 +556,7 @@ class Bounce(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Edge(Unforced):
+class Edge(Moving):
     """SI units. The ball flies towards the rim at `angle` from the way inward: 0 across the side, pi/2 down
     on the cap. Its centre's path passes the rim's point at the distance `offset`: beyond the face that it
     would meet if positive, else over the face."""
@@ -589,7 +576,7 @@ class Edge(Unforced):
     end: float = 0.0  # 0: as long after the impact as before it
 
     geometry = "capped cylinder"
-    fmu = "SphereCylinder"
+    shape = "cylinder"
 
     @property
     def stiffness(self) -> float:
@@ -646,17 +633,11 @@ class Edge(Unforced):
 
     def configuration(self) -> dict[str, Any]:
         begin, velocity = self.begin(), self.speed * self.towards()
-        values: dict[str, Any] = {
-            "source.radius": self.source_radius,
-            "source.mass": self.source_mass,
-            "source.center": [*begin, 0.0],
-            "source.initial_velocity": [*velocity, 0.0],
-            "destination.radius": self.destination_radius,
+        values = self.bodies([*begin, 0.0], [*velocity, 0.0]) | {
             "destination.axis": [0.0, 1.0, 0.0],
             "destination.finite_length": True,
             "destination.length": self.length,
             "destination.ends": "capped",
-            "gravity": [0.0, 0.0, 0.0],
         }
         if self.hertz:
             values |= {"contact.law": "hertz", "contact.hertz_stiffness": self.stiffness}
@@ -671,13 +652,6 @@ class Edge(Unforced):
         lasts = math.pi * self.depth * self.source_radius / self.speed
         near = (self.gap + self.source_radius) / self.speed
         return self if self.end else replace(self, end=2 * near + 4 * lasts)
-
-    def masses(self) -> tuple[float, float | None]:
-        """The second where the destination is free"""
-        return self.source_mass, None
-
-    def swings(self, time: float) -> float:
-        return 0.0
 
     def expected(self) -> Expected:
         reach, way = self.reach(), self.speed * self.end
@@ -799,7 +773,7 @@ MOST_TURNS = 1000  # of a ball, each of which an integrator has to follow
 
 
 @dataclass(frozen=True)
-class Rolling:
+class Rolling(Moving):
     """SI units. A ball of 1 kg, in balance with its weight"""
 
     speed: float = 2.0
@@ -813,9 +787,6 @@ class Rolling:
 
     geometry = "plane"
     law = "undamped"
-    fmu = "SpherePlane"
-    stored_penalty = 0.0
-    held = False  # whether neither body can move
 
     @property
     def slip(self) -> float:
@@ -856,18 +827,8 @@ class Rolling:
             "contact.characteristic_slip_velocity": self.slip_velocity,
         }
 
-    def masses(self) -> tuple[float, float | None]:
-        """The second where the destination is free"""
-        return 1.0, None
-
     def given_impulse(self, body: str, time: float) -> np.ndarray:
         return np.array([0.0, 0.0, -G * time if body == "source" else 0.0])
-
-    def passive(self) -> bool:
-        return True
-
-    def swings(self, time: float) -> float:
-        return 0.0
 
     def expected(self) -> Expected:
         with mp.workdps(DIGITS):
@@ -898,7 +859,7 @@ def _dilogarithm(a: mpf) -> mpf:
 
 
 @dataclass(frozen=True)
-class Tumbling(Unforced):
+class Tumbling(Moving):
     """SI units. A cylinder that turns about its fixed middle meets a fixed ball"""
 
     rate: float = 1.0  # rad/s
@@ -911,8 +872,6 @@ class Tumbling(Unforced):
     end: float = 0.0  # 0: half as long again as until the touch
 
     geometry = "cylinder outside"
-    fmu = "SphereCylinder"
-    stored_penalty = 0.0
     held = True
 
     @property
@@ -944,9 +903,6 @@ class Tumbling(Unforced):
             "contact.method": "penalty",
             "contact.penalty_factor": penalty,
         }
-
-    def masses(self) -> tuple[float, float | None]:
-        return 1.0, None
 
     def swings(self, time: float) -> float:
         return self.rate * time
@@ -1020,7 +976,7 @@ def bases() -> list[dict[str, Any]]:
 
 
 @dataclass(frozen=True)
-class Similar:
+class Similar(Moving):
     """A scene of oblique_references.json by its number, in other units"""
 
     number: int
@@ -1029,10 +985,6 @@ class Similar:
     @property
     def base(self) -> dict[str, Any]:
         return bases()[self.number]
-
-    @property
-    def fmu(self) -> str:
-        return {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}[self.base["shape"]]
 
     @property
     def geometry(self) -> str:
@@ -1053,11 +1005,6 @@ class Similar:
     def scale(self) -> float:
         """A length of the scene"""
         return 0.125 * self.units.factor(length=1)
-
-    @property
-    def stored_penalty(self) -> float:
-        """Not needed here: nothing is pressed that was not fast before"""
-        return 0.0
 
     def configuration(self) -> dict[str, Any]:
         """All that has a unit is given, with "<input>.derivatives" as lists of first and second ones"""
@@ -1094,10 +1041,6 @@ class Similar:
         values = self.base["values"]
         moved = values.get("destination.motion") == "prescribed" or values.get("destination.finite_length")
         return not moved and not any("external_force" in name for name in values)
-
-    def swings(self, time: float) -> float:
-        """None that last long"""
-        return 0.0
 
     def expected(self) -> Expected:
         base, length = self.base, self.units.factor(length=1)
