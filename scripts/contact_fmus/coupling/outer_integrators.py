@@ -104,34 +104,30 @@ def _force_beside(element, ball: Ball, a: np.ndarray, h: float, derivatives: int
     return element.force_after(h, u, v, v, a, a)
 
 
-def euler_beside(derivatives: int) -> Step:
-    def step(element, outside: Outside, ball: Ball, h: float) -> Ball:
-        a = _acceleration(outside, ball.force)
-        force = _force_beside(element, ball, a, h, derivatives)
-        velocity = ball.velocity + h * a
-        return Ball(ball.displacement + h * velocity, velocity, force)
-
-    return step
+# Displacement and velocity after a step, from the acceleration before and the one with the force that came. A tool
+# that integrates exactly, as Runge-Kutta does, has the old force until the next point.
+Move = Callable[[Ball, np.ndarray, np.ndarray, float], tuple[np.ndarray, np.ndarray]]
+EULER, VERLET, RUNGE_KUTTA = "semi-implicit Euler", "velocity Verlet", "Runge-Kutta 4"
 
 
-def verlet_beside(derivatives: int) -> Step:
-    def step(element, outside: Outside, ball: Ball, h: float) -> Ball:
-        a = _acceleration(outside, ball.force)
-        force = _force_beside(element, ball, a, h, derivatives)
-        displacement = ball.displacement + h * ball.velocity + 0.5 * h * h * a
-        return Ball(displacement, ball.velocity + 0.5 * h * (a + _acceleration(outside, force)), force)
-
-    return step
+def _parabola(ball: Ball, a: np.ndarray, h: float) -> np.ndarray:
+    return ball.displacement + h * ball.velocity + 0.5 * h * h * a
 
 
-def exact_beside(derivatives: int) -> Step:
-    """The tool integrates exactly, as RK4 does, with the force it has, held until the next point."""
+MOVES: dict[str, Move] = {
+    EULER: lambda ball, a, _new, h: (ball.displacement + h * (ball.velocity + h * a), ball.velocity + h * a),
+    VERLET: lambda ball, a, new, h: (_parabola(ball, a, h), ball.velocity + 0.5 * h * (a + new)),
+    RUNGE_KUTTA: lambda ball, a, _new, h: (_parabola(ball, a, h), ball.velocity + h * a),
+}
+
+
+def beside(integrator: str, derivatives: int) -> Step:
+    """The FMU steps beside the tool, which moves the ball with the force that comes"""
 
     def step(element, outside: Outside, ball: Ball, h: float) -> Ball:
         a = _acceleration(outside, ball.force)
         force = _force_beside(element, ball, a, h, derivatives)
-        displacement = ball.displacement + h * ball.velocity + 0.5 * h * h * a
-        return Ball(displacement, ball.velocity + h * a, force)
+        return Ball(*MOVES[integrator](ball, a, _acceleration(outside, force), h), force)
 
     return step
 
@@ -181,25 +177,26 @@ def mean_iterated(weight: float) -> Step:
     return step
 
 
-EULER, VERLET, RUNGE_KUTTA = "semi-implicit Euler", "velocity Verlet", "Runge-Kutta 4"
-SCHEMES = [
-    Scheme(EULER, "at once", euler_at_once, 1),
-    Scheme(EULER, "held", euler_beside(0), 1),
-    Scheme(EULER, "derivative 1", euler_beside(1), 1),
-    Scheme(EULER, "derivatives 1, 2", euler_beside(2), 1),
-    Scheme(EULER, "mean, predicted", mean_predicted(0.0), 1),
-    Scheme(EULER, "mean, iterated", mean_iterated(0.0), 1),
-    Scheme(VERLET, "at once", verlet_at_once, 2),
-    Scheme(VERLET, "held", verlet_beside(0), 1),
-    Scheme(VERLET, "derivative 1", verlet_beside(1), 2),
-    Scheme(VERLET, "derivatives 1, 2", verlet_beside(2), 2),
-    Scheme(VERLET, "mean, predicted", mean_predicted(0.5), 2),
-    Scheme(VERLET, "mean, iterated", mean_iterated(0.5), 2),
-    Scheme(RUNGE_KUTTA, "at once", runge_kutta_at_once, 4),
-    Scheme(RUNGE_KUTTA, "held", exact_beside(0), 1),
-    Scheme(RUNGE_KUTTA, "derivative 1", exact_beside(1), 1),
-    Scheme(RUNGE_KUTTA, "derivatives 1, 2", exact_beside(2), 1),
-]
+BESIDE = ("held", "derivative 1", "derivatives 1, 2")
+# Orders of the couplings beside the tool
+ORDERS = {EULER: (1, 1, 1), VERLET: (1, 2, 2), RUNGE_KUTTA: (1, 1, 1)}
+AT_ONCE = {EULER: (euler_at_once, 1), VERLET: (verlet_at_once, 2), RUNGE_KUTTA: (runge_kutta_at_once, 4)}
+WEIGHTS = {EULER: 0.0, VERLET: 0.5}  # of the old velocity, where the mean force is used
+
+
+def _schemes(integrator: str) -> list[Scheme]:
+    step, order = AT_ONCE[integrator]
+    found = [Scheme(integrator, "at once", step, order)]
+    for number, coupling in enumerate(BESIDE):
+        found.append(Scheme(integrator, coupling, beside(integrator, number), ORDERS[integrator][number]))
+    if integrator in WEIGHTS:
+        weight = WEIGHTS[integrator]
+        found.append(Scheme(integrator, "mean, predicted", mean_predicted(weight), order))
+        found.append(Scheme(integrator, "mean, iterated", mean_iterated(weight), order))
+    return found
+
+
+SCHEMES = [scheme for integrator in MOVES for scheme in _schemes(integrator)]
 
 
 def run(scheme: Scheme, element, outside: Outside, ball: Ball, h: float, steps: int, enough=None) -> Ball:

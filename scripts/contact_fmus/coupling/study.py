@@ -22,7 +22,7 @@ from contact_fmus.options import parse
 from .driven_contact import DrivenContact
 from .outer_integrators import SCHEMES, Ball, Outside, Scheme, run
 from .page import draw, print_tables, sections
-from .problems import CoupledProblem, benchmark, bounce, press
+from .problems import GRAVITY, WALL, CoupledProblem, benchmark, bounce, press
 
 # The largest communication step that keeps a lasting contact quiet: by theory and measured on the FMU.
 #
@@ -31,14 +31,7 @@ from .problems import CoupledProblem, benchmark, bounce, press
 # a ball pressed on a wall is pushed a little; the step is bisected between growing and not growing.
 
 LEAST, MOST = 1e-2, 30.0  # in h omega; below: none, above: any
-PRESS = {
-    "source.radius": 0.1,
-    "source.center": [0.0, 0.0, 0.6],
-    "destination.radius": 0.5,
-    "contact.method": "penalty_dynamic",
-    "contact.dashpot": "unclamped",
-    "contact.penalty_factor": 1e6,
-}
+PRESS = WALL | {"contact.dashpot": "unclamped"}
 
 
 class LinearElement:
@@ -99,7 +92,7 @@ def stable_step_measured(scheme: Scheme, damping_ratio: float, steps: int) -> fl
     stiffness = PRESS["contact.penalty_factor"]
     omega = math.sqrt(stiffness)
     damping = 2.0 * damping_ratio * omega
-    outside = Outside(1.0, np.array([0.0, 0.0, -9.81]), stiffness, damping)
+    outside = Outside(1.0, GRAVITY, stiffness, damping)
     depth = 9.81 / stiffness
     push = 0.01 * depth
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -248,22 +248,11 @@ def variants(hollow: bool | None = None) -> Iterator[HeadOn]:
                 yield HeadOn(geometry=geometry, law=law)
 
 
-def stiffness() -> Iterator[Scene]:
-    for value in decades(0, 15):
+def along(name: str, values: Sequence[float], field: str, **others: Any) -> Iterator[Scene]:
+    """Every geometry with every law, at each of the values"""
+    for value in values:
         for one in variants():
-            yield Scene("stiffness", value, replace(one, penalty=value))
-
-
-def mass() -> Iterator[Scene]:
-    for value in decades(-9, 9):
-        for one in variants():
-            yield Scene("mass", value, replace(one, source_mass=value))
-
-
-def mass_ratio() -> Iterator[Scene]:
-    for value in decades(-12, 12):
-        for one in variants():
-            yield Scene("mass ratio", value, replace(one, source_mass=value, destination_mass=1.0))
+            yield Scene(name, value, replace(one, **{field: value}, **others))
 
 
 def size() -> Iterator[Scene]:
@@ -300,12 +289,6 @@ def clearance() -> Iterator[Scene]:
             crossing = replace(tight, speed=1.0, gravity=0.0, end=10 * value + 12 * tight.contact_time())
             yield Scene("clearance", value, crossing, note="crossing")
             yield Scene("clearance", value, replace(tight, speed=0.0, end=0.1), note="settling")
-
-
-def speed() -> Iterator[Scene]:
-    for value in [0.0, *decades(-6, 6)]:
-        for one in variants():
-            yield Scene("speed", value, replace(one, speed=value))
 
 
 def bullet() -> Iterator[Scene]:
@@ -363,12 +346,6 @@ def communication_step() -> Iterator[Scene]:
                 if one.law in ("non_adhesive", "unclamped") and 0.4 < end <= 2e3:
                     falling = replace(one, ratio=0.4, end=end)
                     yield Scene("communication step", value, falling, steps=steps, note=f"falling, {count} steps")
-
-
-def offset() -> Iterator[Scene]:
-    for value in [0.0, *decades(0, 9)]:
-        for one in variants():
-            yield Scene("offset", value, replace(one, offset=value, penalty=1e8))
 
 
 def start() -> Iterator[Scene]:
@@ -450,18 +427,22 @@ def at_once() -> Iterator[Scene]:
 
 
 FAMILIES = (
-    Family("stiffness", "penalty factor, N/m", stiffness),
-    Family("mass", "mass, kg", mass),
-    Family("mass ratio", "mass of the source over that of the destination", mass_ratio),
+    Family("stiffness", "penalty factor, N/m", partial(along, "stiffness", decades(0, 15), "penalty")),
+    Family("mass", "mass, kg", partial(along, "mass", decades(-9, 9), "source_mass")),
+    Family(
+        "mass ratio",
+        "mass of the source over that of the destination",
+        partial(along, "mass ratio", decades(-12, 12), "source_mass", destination_mass=1.0),
+    ),
     Family("size", "radius of the destination, m", size),
     Family("radius ratio", "large radius over small radius", radius_ratio),
     Family("clearance", "(r_d - r_s) / r_d", clearance),
-    Family("speed", "speed at the start, m/s", speed),
+    Family("speed", "speed at the start, m/s", partial(along, "speed", [0.0, *decades(-6, 6)], "speed")),
     Family("bullet", "depth of the impact over the way to the middle", bullet),
     Family("damping", "damping over critical damping", damping),
     Family("viscous only", "viscous penalty factor, N s/m", viscous),
     Family("communication step", "communication step, s", communication_step),
-    Family("offset", "place of both bodies, m", offset),
+    Family("offset", "place of both bodies, m", partial(along, "offset", [0.0, *decades(0, 9)], "offset", penalty=1e8)),
     Family("start", "overlap at the start over the way to the middle", start),
     Family("rim", "time between touch and end, s", rim),
     Family("force", "external force, N", force),
