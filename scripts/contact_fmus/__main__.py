@@ -42,7 +42,7 @@ def usage() -> str:
 
 
 def version() -> str:
-    """That of the installed package, or of the sources where it is not installed"""
+    """The version of the installed package"""
     from importlib.metadata import PackageNotFoundError
     from importlib.metadata import version as installed
 

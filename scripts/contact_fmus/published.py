@@ -114,7 +114,7 @@ def start_values(impact: Impact) -> dict[str, Any]:
 
 
 def outcome(fmu: ContactFmu, impact: Impact, method: str, tolerance: float) -> Outcome:
-    """Of the FMU of its scene, in one step: the peaks are those of the motion, not of its samples"""
+    """The FMU runs the impact in one step: its peaks are those of the motion, not of samples."""
     before = impact.speed if impact.on_plane else 2 * impact.speed
     fmu.reset()
     fmu.start(start_values(impact) | {"solver.method": method}, tolerance=tolerance)

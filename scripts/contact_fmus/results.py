@@ -1,4 +1,4 @@
-"""What a run leaves: values over time, with units, and the file they are kept in.
+"""The result of a run: values over time, with units, and the file they are kept in.
 
     result = Result.read("bounce.csv")
     result.time                              # s, numpy array
@@ -29,7 +29,7 @@ from .errors import UserError, similar
 
 
 def notes_file(path: str | Path) -> Path:
-    """What a table does not say stands beside it: of bounce.csv in bounce.csv.json"""
+    """Notes on a table stand beside it: those on bounce.csv in bounce.csv.json"""
     return Path(f"{path}.json")
 
 

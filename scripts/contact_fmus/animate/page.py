@@ -93,7 +93,7 @@ def _body(motion: Motion, name: str, shape: str) -> dict[str, Any]:
         # What stands still for good is grey; what could move has a colour of its own.
         "colored": moves or motion.value(f"{name}.motion") in ("free", "prescribed"),
         "position": numbers(position if moves else position[:1]),
-        # With it the page draws the parabolas between the rows, and not straight lines.
+        # The page draws parabolas between the rows with it, and not straight lines.
         "velocity": _optional(velocity if moves else None),
         "orientation": _optional(motion.orientation(name)),
     }
@@ -152,7 +152,7 @@ def _reach(motion: Motion, body: str, center: np.ndarray) -> float:
 
 
 def _box(motion: Motion, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """Of all its way; an infinite cylinder counts with its cross-section, a plane as its point"""
+    """The box around all its way. An infinite cylinder counts with its cross-section, a plane as its point."""
     if motion.is_plane(body):
         places = _plane_place(motion, body)
         return np.min(places, axis=0), np.max(places, axis=0)

@@ -41,7 +41,7 @@ def built(commit: str) -> Iterator[Path]:
 
 
 def options() -> list[str]:
-    """As the preset "default" builds"""
+    """The options of the preset named default"""
     values = {"CMAKE_BUILD_TYPE": "Release", "CMAKE_C_COMPILER": "gcc", "BUILD_TESTING": "OFF"}
     values["Python3_EXECUTABLE"] = sys.executable
     return [f"-D{name}={value}" for name, value in values.items()]

@@ -74,7 +74,7 @@ def cases() -> list[Case]:
 
 
 def instructions(case: Case) -> int:
-    """Those executed in all calls of fmi2DoStep of one run, the C library's included"""
+    """The number of instructions in all calls of fmi2DoStep of one run, with those of the C library"""
     valgrind = shutil.which("valgrind")
     if valgrind is None:
         raise CountError("valgrind is missing: scripts/setup.sh installs it")

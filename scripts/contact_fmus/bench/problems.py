@@ -1,4 +1,4 @@
-"""What is solved: the problems P1 to P3b, as their scenario files state them, those with friction and
+"""The problems that are solved: the problems P1 to P3b, as their scenario files state them, those with friction and
 rotation, and the stiffness sweep.
 """
 

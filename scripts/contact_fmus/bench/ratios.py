@@ -46,7 +46,7 @@ FAR_AWAY = {"source.center": [0.0, 0.0, 1e6], "solver.method": EVENT_DRIVEN}  # 
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is run"""
+    """The amount of runs"""
 
     turns: int  # of A B B A
     flight_steps: int  # in a run
@@ -84,7 +84,7 @@ class Comparison:
 
 
 def ratio_of(first: Sequence[float], second: Sequence[float]) -> Ratio:
-    """Of times of runs that took turns: pair by pair.
+    """The ratio of times of runs that took turns, pair by pair.
 
     The bounds are the sign test's: as many pairs lie beyond each as heads or tails would, of so many throws,
     in half of the doubt.
@@ -124,7 +124,7 @@ def compare(row: Comparison, first: Case, second: Case, effort: Effort, problems
 
 
 def _paired(results: Sequence[Result]) -> Ratio:
-    """Of A B B A: the first two and the last two. A case whose budget is spent has fewer runs."""
+    """The pairs of A B B A are the first two and the last two. A case whose budget is spent has fewer runs."""
     first, second, second_again, first_again = (result.times for result in results)
     counts = [min(map(len, pair)) for pair in ((first, second), (first_again, second_again))]
     return ratio_of(first[: counts[0]] + first_again[: counts[1]], second[: counts[0]] + second_again[: counts[1]])

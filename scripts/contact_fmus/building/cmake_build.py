@@ -67,7 +67,7 @@ def _command(name: str) -> list[str] | None:
 
 
 def _zig() -> str | None:
-    """That of the Python package ziglang, else one on the path"""
+    """Finds zig in the Python package ziglang, else on the path"""
     package = importlib.util.find_spec("ziglang")
     if package is not None and package.origin is not None:
         return str(Path(package.origin).parent / "zig")
@@ -204,7 +204,7 @@ def _configuration(scenes: list[Scene], how: How, folder: Path) -> list[str]:
 
 
 def _program(name: str) -> str:
-    """That of the Python package, which is new enough; else the system's"""
+    """Finds the program in its Python package, which is new enough, else on the system"""
     package = importlib.util.find_spec(name)
     if package is not None and package.origin is not None:
         folder = Path(package.origin).parent

@@ -15,7 +15,7 @@ from pathlib import Path
 from contact_fmus.errors import RunFailure, UserError
 from contact_fmus.fmu.files import repository
 
-# The same ZIP in fewer bytes, still "deflate", which every importer reads
+# Packs a ZIP again in fewer bytes, by "deflate" as before, which every importer reads
 #
 # zopfli looks longer for a short form. An FMU with five libraries becomes a twentieth smaller; it takes ten
 # seconds, so that no other FMU goes through it.
@@ -76,7 +76,7 @@ FAT_ALIGNMENT = 14  # of the parts, as a power of two: 16 KiB, the pages of Appl
 
 
 def toolchains(asked: str) -> list[str]:
-    """Of "linux64,win64" or "all", without repetition; UserError for a platform that there is not"""
+    """The toolchains of "linux64,win64" or "all", each once; UserError for an unknown platform"""
     names = [name.strip() for name in asked.split(",")] if asked != "all" else list(PLATFORMS)
     for name in names:
         if name not in PLATFORMS:

@@ -155,7 +155,7 @@ def _table(found: dict[str, list[Check]]) -> list[str]:
 
 
 def _data(text: str) -> str:
-    """As GitHub's workflow commands want it"""
+    """Escapes the text as GitHub's workflow commands want it"""
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 

@@ -84,7 +84,7 @@ def run(file: Path) -> Iterator[str]:
 
 
 def exchange(file: Path) -> Iterator[str]:
-    """The same by Model Exchange"""
+    """A short simulation by Model Exchange comes to its end in the same way"""
     yield from _looked_at(run_by_exchange(short(file, "modelExchange")))
 
 

@@ -30,7 +30,7 @@ DRAWN = ("bounce", "P1", "P3")
 
 
 def sections(data: dict[str, Any]) -> list[dict[str, Any]]:
-    """As report/measure.py describes them"""
+    """The sections, as report/measure.py describes them"""
     bounce = _problem(data, "bounce")
     wanted = {_key(curve): curve["steps_wanted"] for curve in bounce["curves"]}
     verlet = {coupling: wanted.get(("velocity Verlet", coupling)) for coupling in COLORS}

@@ -58,7 +58,7 @@ class LinearElement:
 
 
 def spectral_radius(scheme: Scheme, step: float, damping_ratio: float) -> float:
-    """Of one step for m = k = 1, so that the step is h omega"""
+    """The spectral radius of one step for m = k = 1, so that the step is h omega"""
     damping = 2.0 * damping_ratio
     outside = Outside(1.0, np.zeros(1), 1.0, damping)
     element = LinearElement(1.0, damping)
@@ -155,7 +155,7 @@ def error_of(problem: CoupledProblem, scheme: Scheme, fmu: ContactFmu, step: flo
 
 
 def order_between(points: list[dict[str, Any]]) -> float | None:
-    """Of convergence: the slope of the last two errors that are there"""
+    """The order of convergence is the slope of the last two errors that are there."""
     usable = [point for point in points if point["error"]]
     if len(usable) < 2:
         return None

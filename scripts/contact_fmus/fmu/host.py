@@ -57,7 +57,7 @@ class Case:
 
 @dataclass
 class Result:
-    """What the host measured of a case"""
+    """The measurements of a case"""
 
     name: str
     times: list[float]  # s of stepping, one a run

@@ -51,7 +51,7 @@ class Touching:
         self.saves = bool(self.contacts)
 
     def step(self, end: float, inside: int = 0) -> Iterator[float]:
-        """To `end`; yields the times in between at which the FMU stands then, in their order: both sides of
+        """Steps to `end` and yields the times in between at which the FMU stands then, in their order: both sides of
         each onset and release. `inside`: so many points besides while bodies touch, where their force
         would not show otherwise, and some beside that
         """
@@ -84,7 +84,7 @@ class Touching:
     # instants
 
     def _read(self, name: str) -> tuple[Any, ...]:
-        """Of all contacts; nothing where one of them has no such variable"""
+        """The values of all contacts; nothing where a contact lacks the variable"""
         names = [f"{one}.{name}" for one in self.contacts]
         return tuple(self.fmu[one] for one in names) if all(one in self.fmu for one in names) else ()
 

@@ -43,7 +43,7 @@ def is_fmi3(description: Any) -> bool:
 
 
 def entries(description: Any) -> list[tuple[Any, int, int]]:
-    """Of an FMI 3.0 description: each scalar's variable, its place there, and how many values there are"""
+    """Each scalar of an FMI 3.0 description: its variable, its place there, and the number of values"""
     found = []
     for variable in description.modelVariables:
         size = 1
@@ -212,7 +212,7 @@ def _number(text: str) -> float | None:
 
 
 def _in_unit(variable: Variable, text: str) -> float:
-    """As scene files are read, by the module of their generator"""
+    """The number in the variable's unit. The generator's module reads it, as it reads scene files."""
     file = repository() / "modelDescription" / "generator" / "quantity.py"
     loader = importlib.util.spec_from_file_location("contact_quantity", file)
     assert loader is not None and loader.loader is not None

@@ -93,7 +93,7 @@ def installed(importer: Importer, python: Path, java: Programs) -> bool:
 
 
 def prepared_java(folder: Path) -> Programs:
-    """By Maven and javac, into that folder; what cannot be had is left out"""
+    """Maven and javac fill the folder. A program that cannot be had is left out."""
     programs = {}
     fmi4j, maestro = folder / "fmi4j", folder / "maestro"
     source = RUNNERS / "WithFmi4j.java"
@@ -147,7 +147,7 @@ def chosen(fmu: Path, settings: dict[str, int]) -> list[str]:
 
 
 def tried(importer: Importer, fmu: Path, given: Given) -> Trial:
-    """In a folder of its own, for importers that write logs"""
+    """The importer runs in a folder of its own, where it may write logs."""
     script = importer.script3 if version_of(fmu) == 3 else importer.script
     program = given.java.get(importer.name) or [str(given.python), str(RUNNERS / script)]
     names = [f"{name}={reference}" for name, reference in outputs(fmu).items()]
@@ -193,7 +193,7 @@ cannot read. A table has the largest difference, relative to values above 1 and 
 
 
 def page(tables: dict[int, list[str]], step: float, count: int) -> str:
-    """Of tables by version of FMI"""
+    """The page has a table for each version of FMI."""
     parts = [f"## FMI {version}.0\n\n" + "\n".join(lines) + "\n" for version, lines in tables.items()]
     notes = NOTES.read_text(encoding="utf-8")
     return "\n".join([TOP.format(count=count, step=step, agree=AGREE), *parts, notes])

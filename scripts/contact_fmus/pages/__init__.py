@@ -26,7 +26,7 @@ from contact_fmus.fmu.host import host_file
 
 # Formulas in the words of a page: $p_n = f_p E_ref diag$ becomes MathML, or plain text outside HTML
 #
-# What may stand between two $: numbers (1e6 is 10 to the 6th), names with one index (p_n, E_ref), Greek names
+# Formulas between two $ may have numbers (1e6 is 10 to the 6th), names with one index (p_n, E_ref), Greek names
 # (tau, pi), powers (x^2), sqrt(...), brackets and operators.
 
 FORMULA = re.compile(r"\$([^$\n]+)\$")

@@ -146,7 +146,7 @@ def module_of(name: str) -> ModuleType:
 
 
 def versions() -> dict[str, str]:
-    """Of the peers that are installed, and what they need"""
+    """The versions of installed peers, and of the packages that they need"""
     found = {}
     for name in NAMES:
         for package in module_of(name).PACKAGES:
@@ -241,7 +241,7 @@ def line(row: Row) -> str:
 
 
 def section(rows: Iterable[Row], names: Iterable[str]) -> dict:
-    """For the page: each peer's law, and what there is no measurement of"""
+    """The section of the page: each peer's law, and the runs that could not be measured"""
     peers = [[module_of(name).NAME, module_of(name).LAW] for name in names]
     gaps = dict.fromkeys(
         (row.solver, row.problem, row.setting, f"{row.parameter or ''}", row.note) for row in rows if not row.measured

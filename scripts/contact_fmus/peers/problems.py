@@ -39,7 +39,7 @@ class BallAndWall(NamedTuple):
 
     @property
     def touching_distance(self) -> float:
-        """Of the ball's centre from the wall's centre or axis"""
+        """The distance of the ball's centre from the wall's centre or axis at the touch"""
         return self.wall_radius - self.radius if self.inside else self.wall_radius + self.radius
 
     @property
@@ -51,7 +51,7 @@ class BallAndWall(NamedTuple):
 
     @property
     def contact_time(self) -> float:
-        """Of a short contact without damping: half a period of the ball on its spring"""
+        """The duration of a short contact without damping, half a period of the ball on its spring"""
         return pi * sqrt(self.mass / self.stiffness)
 
 

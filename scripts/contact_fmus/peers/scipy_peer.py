@@ -100,7 +100,7 @@ class Motion:
         self.onsets = 0
 
     def phase(self, start, end, touching, resume):
-        """To the end or to the next event; returns the time reached and whether there was one."""
+        """Integrates to the end or to the next event. It returns the time reached and whether there was an event."""
         from scipy.integrate import solve_ivp
 
         flight, contact, jacobian, gap = self.equations

@@ -18,7 +18,7 @@ SUFFIXES = (*picture.SUFFIXES, ".html")
 
 
 def draw(result: Result, file: str | Path) -> None:
-    """In one call, as `contact-fmus run --plot` does: gaps, forces, positions and energies over time"""
+    """Draws gaps, forces, positions and energies over time, as `contact-fmus run --plot` does"""
     output = output_file(Path(file), "", SUFFIXES)
     write = page.write_page if output.suffix == ".html" else picture.draw
     title = _title(result, output)

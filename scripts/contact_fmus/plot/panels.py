@@ -37,7 +37,7 @@ def contact_names(result: Result) -> list[str]:
 
 
 def touches(result: Result) -> list[Touch]:
-    """In the order of their onsets"""
+    """The touches in the order of their onsets"""
     found: list[Touch] = []
     for name in contact_names(result):
         reported = f"{name}.last_onset_time" in result.columns and f"{name}.onsets" in result.columns
@@ -128,7 +128,7 @@ def usual(result: Result) -> list[Panel]:
 
 
 def values(result: Result, name: str) -> np.ndarray:
-    """As they are drawn: what stands for infinity is left out"""
+    """The values as they are drawn, without those that stand for infinity"""
     found = np.linalg.norm(result.vector(name[1:-1]), axis=1) if name.startswith("|") else result.column(name)
     if found.dtype.kind == "U":
         raise UserError(f"column {name} holds text, such as '{found[0]}', which cannot be drawn")
@@ -184,7 +184,7 @@ def _of_contacts(result: Result, contacts: list[str], field: str, title: str) ->
 
 
 def _positions(result: Result) -> list[Panel]:
-    """Of bodies that move: all components of a single one, the liveliest of several"""
+    """Positions of bodies that move: all components of a single body, the liveliest component of several"""
     columns = [name for name in result.columns if re.search(r"\.position\[[123]\]$", name)]
     ranges = {name: float(np.ptp(result.columns[name])) for name in columns}
     bodies = list(dict.fromkeys(name.partition(".")[0] for name in columns))

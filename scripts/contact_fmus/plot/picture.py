@@ -63,7 +63,7 @@ def _draw_panel(axes: Axes, panel: Panel, runs: list[Run]) -> None:
 
 
 def _explain(axes: Axes, panel: Panel, runs: list[Run]) -> None:
-    """Of several runs the colours tell the run and the kinds of lines what is drawn, each said once."""
+    """Where there are several runs, colours tell the run and kinds of lines the quantity. The legend has each once."""
     if len(runs) == 1:
         names = [line.label for line in panel.lines] if len(panel.lines) > 1 else []
         shown = list(zip(axes.lines, names, strict=False))

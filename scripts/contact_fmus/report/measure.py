@@ -124,7 +124,7 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is run"""
+    """The amount of runs"""
 
     tolerances: Sequence[float]
     communication_steps: Sequence[int]

@@ -167,7 +167,7 @@ PEER_ERROR = 1e-9  # m, what event_driven is asked for too
 
 
 def paragraphs(ratios: Sequence[dict], others: Sequence[Row]) -> list[str]:
-    """In short, computed from what was measured"""
+    """The paragraphs of the summary, with the factors that were measured"""
     counts = sorted({one["communication_steps"] for one in ratios})
     sides = [_range_of(count, ratios) for count in counts]
     texts = [WORDS["summary"]["text"].format(factors="; ".join(side for side in sides if side))]

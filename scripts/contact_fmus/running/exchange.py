@@ -125,7 +125,7 @@ def _signals(
 
 
 def _columns(rows: np.ndarray, description: Any, variables: dict[str, Variable]) -> dict[str, np.ndarray]:
-    """Of fmpy's result, arrays entry by entry, in the order of the description"""
+    """The columns of fmpy's result are the scalars in the order of the description."""
     places = [index for _, index, _ in entries(description)] if is_fmi3(description) else None
     names = [one.name for one in description.modelVariables for _ in range(int(np.prod(one.shape or (1,))))]
     found = {}

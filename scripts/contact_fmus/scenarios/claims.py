@@ -1,4 +1,4 @@
-"""What a scenario can claim: each check takes a recording and gives the measured and the expected value.
+"""The claims of scenarios: each check takes a recording and gives the measured and the expected value.
 
 A check's further arguments are keys of its [[claim]] table. Expected values come from closed_forms.py, from a
 literal in the scenario file, or from a recomputation here; never from the FMU that is measured.

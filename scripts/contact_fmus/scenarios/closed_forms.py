@@ -188,7 +188,7 @@ def turntable(time: np.ndarray, start: np.ndarray, velocity: np.ndarray, rate: f
 
 
 def moment_across(mass: float, radius: float, length: float) -> float:
-    """Of a solid cylinder, about a line across its axis through its middle"""
+    """The moment of inertia of a solid cylinder about a line across its axis through its middle"""
     return mass * (3.0 * radius**2 + length**2) / 12.0
 
 

@@ -168,7 +168,7 @@ def open_start(fmu: ContactFmu, name: str) -> dict[str, Any]:
 
 
 def _constants(pinned: dict[str, Any]) -> dict[str, Any]:
-    """Without the choices that keep several of their items"""
+    """The pinned values without choices that keep several of their items"""
     return {
         name: value for name, value in pinned.items() if not (isinstance(value, list) and isinstance(value[0], str))
     }

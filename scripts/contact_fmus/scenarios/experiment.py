@@ -174,7 +174,7 @@ class Motion:
         return any(self._inside(contact) for contact in self.scene.contacts if contact.destination == body)
 
     def _inside(self, contact: Contact) -> bool:
-        """As the FMU decides: by the parameter, or by the start where it is automatic"""
+        """The FMU decides this by the parameter, or by the start where it is automatic."""
         if self.is_plane(contact.destination):
             return False
         location = self.value(f"{contact.name}.location")

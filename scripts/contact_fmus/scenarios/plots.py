@@ -209,7 +209,7 @@ def _outline(run: Recording, body: str, index: int, plane: np.ndarray, look: dic
 
 
 def _strip(run: Recording, body: str, center: np.ndarray, normal: np.ndarray, plane: np.ndarray, look: dict) -> Patch:
-    """Of a plane: below all places of its sources, as deep as a ball"""
+    """A plane is drawn below all places of its sources, as deep as a ball."""
     normal = normal / np.linalg.norm(normal)
     level = np.array([-normal[1], normal[0]])
     sources = [one.source for one in run.motion.contacts_of(body)]

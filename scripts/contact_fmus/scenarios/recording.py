@@ -63,7 +63,7 @@ class Recorder:
             self.rows[function].append(self.fmu.call(function, references))
 
     def columns(self) -> dict[str, np.ndarray]:
-        """In the order of the names; a row that the FMU refused half-way is left out"""
+        """The columns in the order of the names. A row that the FMU refused half-way is left out."""
         whole = min(map(len, self.rows.values()), default=len(self.times))
         self.times = self.times[:whole]
         found = {

@@ -302,7 +302,7 @@ def of_scenario(scenario: Scenario, file: Path, variant: Variant) -> Experiment:
 
 
 def changed(experiment: Experiment, settings: Iterable[str], stop: float | None = None) -> Experiment:
-    """With what the user asked for. `settings`: NAME=VALUE"""
+    """The experiment with the settings of the user, NAME=VALUE, and an end of their own"""
     values = read_settings(settings, read_variables(unpack(experiment.fmu, kind="")[1]), experiment.fmu)
     stop = experiment.stop_time if stop is None else stop
     if not experiment.start_time < stop < math.inf:

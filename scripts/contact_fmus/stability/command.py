@@ -36,7 +36,7 @@ def radii(random: np.random.Generator, inside: bool) -> tuple[float, float]:
 
 
 def stiffness(random: np.random.Generator, mass: float, speed: float, reach: float) -> float:
-    """For a depth of 1e-8 to 1e8 times the reach, or any"""
+    """The stiffness gives a depth of 1e-8 to 1e8 times the reach, or any depth."""
     chosen = mass * (speed / (reach * power(random, -8, 8))) ** 2 if random.random() < 0.6 else power(random, -6, 20)
     return min(max(chosen, 1e-290), 1e290)
 

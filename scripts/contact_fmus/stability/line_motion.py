@@ -261,7 +261,7 @@ class Line:
         return min([t for t in self.ends if t > self.time] + [until])
 
     def _fly(self, until: mpf) -> None:
-        """To the next touch, end or the end of all"""
+        """Flies to the next touch, to the cylinder's end or to the end of all"""
         swing = Swing(mpf(0), mpf(0), self.push, self.place, self.speed)
         stop = self._next_end(until)
         begin, event = self.time, ""

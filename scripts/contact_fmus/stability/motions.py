@@ -19,7 +19,7 @@ from scipy.integrate import solve_ivp
 
 from .line_motion import DIGITS, Line, damping_ratio
 
-# What a run is held against
+# The answer that a run is held against
 
 EPSILON = 2.0**-52
 SLOW = 1e-6  # onsets slower than this part of the fastest motion are not counted on
@@ -291,7 +291,7 @@ class HeadOn(Moving):
         return {"within": abs(start) <= half, "ends": tuple(t for t in times if t > 0)}
 
     def flight_time(self) -> float:
-        """To the first touch, about"""
+        """The time to the first touch, about"""
         pull = self.gravity * (self.destination_mass is None) + self.force / self.source_mass
         gap = max(self.gap, 0.0)
         if pull == 0 and self.speed == 0:
@@ -525,7 +525,7 @@ def free_impact(damped: mpf, law: str) -> tuple[mpf, mpf, mpf]:
 
 
 def _time_without_damping(energy: mpf) -> mpf:
-    """To rise from the deepest place: sqrt(pi) Gamma(7/5)/Gamma(9/10) of depth / speed"""
+    """The time to rise from the deepest place is sqrt(pi) Gamma(7/5)/Gamma(9/10) of depth / speed."""
     depth = (mpf(5) / 2 * energy) ** (mpf(2) / 5)
     factor = mp.sqrt(mp.pi) * mp.gamma(mpf(7) / 5) / mp.gamma(mpf(9) / 10)
     return factor * depth / mp.sqrt(2 * energy)
@@ -547,7 +547,7 @@ TURN = math.pi / 2
 
 
 class Bounce(NamedTuple):
-    """Of the contact, in units: its duration, delta's rate at its end, the angle turned, and delta there"""
+    """The contact in units: its duration, the rate of delta at its end, the angle turned, and delta there"""
 
     duration: float
     rate: float
@@ -627,7 +627,7 @@ class Edge(Moving):
         return self.offset <= 0 and self.angle in (0.0, TURN)
 
     def begin(self) -> np.ndarray:
-        """Of the centre, in the plane"""
+        """The place of the ball's centre at the start, in the plane"""
         back = self.source_radius + self.gap
         return self.corner() + self.offset * self.aside() - back * self.towards()
 
@@ -794,7 +794,7 @@ class Rolling(Moving):
 
     @property
     def rate(self) -> float:
-        """Of the slip while the ball slides, m/s^2"""
+        """The rate of the slip while the ball slides, m/s^2"""
         return (1 + 1 / self.inertia) * self.friction * G
 
     @property
@@ -1075,6 +1075,6 @@ def unit_systems() -> Iterator[tuple[str, int, Units]]:
         yield "all", power, Units(power, -power, power // 2)
 
 
-# What a scene of the atlas may be
+# The motions that a scene of the atlas may have
 
 Motion = Edge | HeadOn | Impact | Rolling | Similar | Tumbling

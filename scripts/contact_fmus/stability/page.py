@@ -23,7 +23,7 @@ from .motions import LAWS
 from .run import LIMITS, METHODS, MOST_STEPS, TOLERANCE, SceneRun
 from .scenes import FAMILIES, Family
 
-# What the runs show together: one line for each value on a family's axis, and the limits of the methods
+# The runs together: one line for each value on a family's axis, and the limits of the methods
 
 MEASURES = ("error", "balance", "gain", "momentum", "touch")
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")

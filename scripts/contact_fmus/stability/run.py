@@ -245,7 +245,7 @@ def momentum(motion: Motion, outcome: Outcome, fastest: float) -> float:
 
 
 def turn_error(last: Sample, turned: mpf) -> float:
-    """Of the source's orientation by the angle it has turned, of one radian if that is less"""
+    """The error of the source's orientation over the angle it has turned, or over one radian if that is more"""
     with mp.workdps(DIGITS):
         right = [mp.cos(turned / 2), mpf(0), mp.sin(turned / 2), mpf(0)]
         shown = [mpf(float(x)) for x in last.vector("source.orientation", 4)]
@@ -380,7 +380,7 @@ def bits(scene: Scene, outcome: Outcome) -> str:
 
 
 def run_all(scenes: Sequence[Scene], workers: int) -> Iterator[tuple[Scene, list[SceneRun]]]:
-    """In the order of the scenes"""
+    """The runs come in the order of the scenes."""
     with multiprocessing.get_context("spawn").Pool(workers) as pool:
         results = pool.imap(run_scene, scenes)
         for scene in scenes:

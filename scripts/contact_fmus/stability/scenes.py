@@ -57,7 +57,7 @@ class Scene:
             object.__setattr__(self, "motion", self.motion.timed())
 
     def expected(self) -> dict[int, Expected]:
-        """By number of communication steps, which matters where inputs jump at them"""
+        """The answers by the number of communication steps, which matters where inputs jump at them"""
         if not isinstance(self.motion, HeadOn):
             return dict.fromkeys(self.steps, self.motion.expected())
         if not self.jumps:
@@ -162,7 +162,7 @@ def exponent() -> Iterator[Scene]:
 
 
 def slip_velocity() -> Iterator[Scene]:
-    """From Coulomb's friction to one that creeps"""
+    """Friction goes from Coulomb's to one that creeps."""
     for value in decades(-12, 1):
         for speed, spin in ((2.0, 0.0), (0.5, -40.0)):
             one = Rolling(speed=speed, spin=spin, slip_velocity=value)

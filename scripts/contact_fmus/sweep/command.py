@@ -60,7 +60,7 @@ def _study(given: Path) -> Path:
 
 
 def _tree() -> Path:
-    """As contact_fmus.fmu.files.repository, which brings fmpy: workers start meanwhile"""
+    """contact_fmus.fmu.files.repository says the same, but brings fmpy; workers start before that."""
     package = Path(__file__).resolve().parents[1]
     return share if (share := package / "share").is_dir() else package.parents[1]
 
@@ -103,7 +103,7 @@ def _report(store, options: argparse.Namespace, files: list[Path], done: int, se
 
 
 def _run(store, options: argparse.Namespace) -> None:
-    """What is missing, with a bar on a terminal; rows are merged while the workers end"""
+    """Makes the missing runs, with a bar on a terminal. Rows are merged while the workers end."""
     from .drive import Drive, Interrupts, connected, make_work
 
     samples, interrupts = store.study.samples(), Interrupts()

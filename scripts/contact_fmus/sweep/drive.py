@@ -140,7 +140,7 @@ def make_batch(study: Study, first: int, values: dict[str, np.ndarray]) -> Batch
     return Batch(first, stacked(REAL), stacked(INTEGER), stacked(BOOLEAN))
 
 
-# What asks for an end: Ctrl-C, and SIGTERM alike
+# Ctrl-C and SIGTERM alike ask for an end
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
@@ -307,7 +307,7 @@ class Drive:
             self._cancel()
 
     def _cancel(self) -> None:
-        """Nothing of this study is left at a scheduler that lives on"""
+        """A scheduler that lives on shall keep nothing of this study."""
         with contextlib.suppress(OSError, CancelledError, ClosedClientError):
             if self.client.status == "running" and self.flights:
                 self.client.cancel(list(self.flights), force=True)
@@ -332,7 +332,7 @@ class Drive:
     def _submit(self, first: int, end: int, alone: bool = False) -> None:
         values = self.samples.values(first, end - first)
         batch = make_batch(self.study, first, values)
-        # In the order of runs: what is done is one stretch, or nearly.
+        # Runs go out in their order, so that the runs done are one stretch, or nearly.
         future = self.client.submit(run_batch, self.work, batch, pure=False, priority=-first)
         self.flights[future] = _Flight(first, end, values, alone)
 

@@ -61,7 +61,7 @@ class Batch:
 
 @dataclass(frozen=True)
 class Rows:
-    """What a batch gave"""
+    """The results of a batch"""
 
     first: int
     values: np.ndarray  # (outputs, runs), not a number where a run failed
@@ -82,7 +82,7 @@ class Clock:
         return max(time.thread_time() - self._processor, (time.perf_counter() - self._wall) / 8)
 
 
-# Not asked of contact_fmus.fmu.files, which brings fmpy: a worker can do without.
+# contact_fmus.fmu.files knows the folder too, and brings fmpy, which a worker can do without.
 PACKAGE = Path(__file__).resolve().parents[1]
 MESSAGE_SIZE = 160  # BATCH_MESSAGE_SIZE
 FILE = "contact_batch.so"
@@ -140,7 +140,7 @@ def library_file() -> Path | None:
 
 
 def built_file(name: str) -> Path | None:
-    """Where CONTACT_BUILD says, in an installed package (cmake/ContactPackage.cmake), in a clone's build"""
+    """The file is where CONTACT_BUILD says, in an installed package (ContactPackage.cmake) or in a clone's build"""
     folders = [PACKAGE / "share" / "build", PACKAGE.parents[1] / "build"]
     if os.environ.get("CONTACT_BUILD"):
         folders.insert(0, Path(os.environ["CONTACT_BUILD"]))

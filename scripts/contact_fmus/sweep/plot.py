@@ -54,7 +54,7 @@ class Column:
         return bool(middle < 0.25 * values.max())
 
     def edges(self) -> np.ndarray:
-        """Of bins: one around each value, where they are few"""
+        """The edges of bins; each value has a bin of its own where they are few"""
         values = self.values[np.isfinite(self.values)]
         unique = np.unique(values)
         if len(unique) > BINS:

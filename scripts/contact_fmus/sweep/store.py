@@ -29,7 +29,7 @@ from .study import Output, Study, fmu_digest
 
 # Rows of results as Arrow tables: run, parameters, outputs, status, message; units stand in the schema
 
-# Of fmi2Status; a run whose process ended has no status of its own.
+# Codes of fmi2Status. CRASH stands for a run whose process ended.
 OK, DISCARD, CRASH = 0, 2, 255
 STATUSES = ("ok", "discard", "error", "crash")
 MESSAGE_WORDS = 120  # characters kept of what an FMU said
@@ -124,13 +124,13 @@ def _array(variable: Variable, values: np.ndarray, kind: pa.DataType, mask: Any)
 
 
 def _numbers(values: np.ndarray, kind: pa.DataType, mask: Any, count: int | None = None) -> pa.Array:
-    """As pa.array, which would import pandas: a third of a second"""
+    """pa.array gives this too, but imports pandas, which takes a third of a second."""
     valid = None if mask is None else pa.py_buffer(np.packbits(~mask, bitorder="little"))
     return pa.Array.from_buffers(kind, len(values) if count is None else count, [valid, pa.py_buffer(values)])
 
 
 def _texts(texts: Sequence[str]) -> pa.Array:
-    """As pa.array, without pandas too"""
+    """pa.array gives this too, but imports pandas."""
     encoded = [text.encode() for text in texts]
     offsets = np.cumsum([0, *map(len, encoded)]).astype(np.int32)
     buffers = [None, pa.py_buffer(offsets), pa.py_buffer(b"".join(encoded))]
@@ -228,7 +228,7 @@ class Store:
 
     @contextlib.contextmanager
     def _room(self) -> Iterator[None]:
-        """What cannot be written ends in a sentence; what is there stays"""
+        """A failure to write ends in a sentence, and the rows that are there stay."""
         try:
             yield
         except OSError as error:
@@ -322,7 +322,7 @@ class Store:
         shutil.rmtree(self.batches)
 
     def write_csv(self) -> Path:
-        """The same rows as text; units and the study stand in a .json beside it"""
+        """Writes the rows as text. Units and the study stand in a .json beside it."""
         from pyarrow import csv
 
         target, part = self.folder / "results.csv", self.folder / "results.csv.part"

@@ -135,7 +135,7 @@ class Interface(NamedTuple):
         return variable
 
     def value(self, variable: Variable, value: Any, where: str) -> Any:
-        """As the FMU takes it: float, int (Integer, Enumeration), bool, str, or a vector's tuple"""
+        """The value as the FMU takes it: float, int (Integer, Enumeration), bool, str, or a vector's tuple"""
         if variable.is_vector:
             size = len(variable.references)
             if not isinstance(value, list) or len(value) != size:
@@ -381,7 +381,7 @@ def _belongs(table: Table, kind: str) -> None:
 
 
 def _logarithmic(low: float, high: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Between the ends whatever the rounding"""
+    """Values stay between the ends whatever the rounding."""
     start, width = math.log(low), math.log(high / low)
     return lambda u: np.clip(np.exp(start + width * u), low, high)
 
@@ -416,7 +416,7 @@ def _bounded(interface: Interface, variable: Variable, kind: str, table: Table) 
 #
 # Lists and grids make every combination, the last one named fastest; at each combination all samples are
 # taken. Samples are numbers in [0, 1), one row for each: a Latin hypercube with the bits of scipy.stats.qmc,
-# sequences by scipy.stats.qmc itself. Of a Latin hypercube only the strata are kept, 4 bytes for each sample
+# sequences by scipy.stats.qmc itself. Only the strata of a Latin hypercube are kept, 4 bytes for each sample
 # and parameter; the place within a stratum is drawn again where it is needed, in blocks. Samples of a Latin
 # hypercube and random ones depend on the parameter's name, the seed and the count alone.
 
@@ -452,7 +452,7 @@ class Samples:
                 self._stratum(one.name)
 
     def values(self, first: int, count: int) -> dict[str, np.ndarray]:
-        """By parameter: a row for each run of the stretch"""
+        """The values of each parameter have a row for each run of the stretch."""
         runs = np.arange(first, first + count)
         found: dict[str, np.ndarray] = {}
         if self.listed:
@@ -501,7 +501,7 @@ class Samples:
     def _stratum(self, name: str) -> np.ndarray:
         """Sample by sample the stratum of one parameter, 0 to count - 1: each once"""
         if name not in self._strata:
-            # As scipy.stats.qmc.LatinHypercube permutes them, bit by bit; to import that takes a second.
+            # scipy.stats.qmc.LatinHypercube gives these bits too, and takes a second to import.
             strata = np.arange(self.samples, dtype=np.uint32)
             self._generator(name, "strata").spawn(1)[0].shuffle(strata)
             self._strata[name] = strata
@@ -557,7 +557,7 @@ class Study:
         return Samples(self.parameters, self.sampling)
 
     def digest(self) -> str:
-        """Of all that decides the results: two studies of one digest give the same rows"""
+        """Two studies of one digest give the same rows: it is taken of all that decides the results"""
         parts = {key: value for key, value in self.content.items() if key not in ("title", "fmu")}
         text = json.dumps(parts, sort_keys=True, default=str) + fmu_digest(self.fmu)
         return hashlib.sha256(text.encode()).hexdigest()
