@@ -107,7 +107,7 @@ def print_tables(data: dict[str, Any]) -> None:
 def draw(data: dict[str, Any], folder: Path) -> None:
     """A row for each problem, a column for each integrator, a colour for each coupling"""
     integrators = list(dict.fromkeys(one["integrator"] for one in data["stable"]))
-    with mpl.rc_context({**STYLE, "svg.hashsalt": FIGURE, "svg.fonttype": "none"}):
+    with mpl.rc_context({"svg.hashsalt": FIGURE, "svg.fonttype": "none"}, fname=STYLE):
         figure = Figure(figsize=(11.0, 9.0), dpi=120, layout="constrained")
         grid = figure.subplots(len(DRAWN), len(integrators), sharey="row", sharex="row", squeeze=False)
         for row, name in zip(grid, DRAWN, strict=True):

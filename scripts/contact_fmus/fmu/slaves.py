@@ -202,20 +202,9 @@ class FMU3Scalars(fmi3.FMU3Slave):
 
     # states, whose functions FMI 2.0 spells otherwise
 
-    def getFMUstate(self) -> Any:
-        return self.getFMUState()
-
-    def setFMUstate(self, state: Any) -> None:
-        self.setFMUState(state)
-
-    def freeFMUstate(self, state: Any) -> None:
-        self.freeFMUState(state)
-
-    def serializeFMUstate(self, state: Any) -> bytes:
-        return self.serializeFMUState(state)
-
-    def deSerializeFMUstate(self, state: bytes) -> Any:
-        return self.deserializeFMUState(state)
+    getFMUstate, setFMUstate = fmi3.FMU3Slave.getFMUState, fmi3.FMU3Slave.setFMUState
+    freeFMUstate, serializeFMUstate = fmi3.FMU3Slave.freeFMUState, fmi3.FMU3Slave.serializeFMUState
+    deSerializeFMUstate = fmi3.FMU3Slave.deserializeFMUState
 
 
 def _start(variable: Any, size: int) -> list:

@@ -23,7 +23,7 @@ MARKED = 60  # contacts that are marked, at most: more would cover the lines
 
 def draw(title: str, runs: list[Run], panels: list[Panel], file: Path) -> None:
     """The contacts of the first run are shaded."""
-    with mpl.rc_context(STYLE | {"svg.hashsalt": "contact-fmus"}):
+    with mpl.rc_context({"svg.hashsalt": "contact-fmus"}, fname=STYLE):
         height = 0.9 + 1.75 * len(panels)
         figure = Figure(figsize=(9.5, height), dpi=120, layout="constrained")
         figure.suptitle(title, fontsize=13, fontweight="bold", x=0.01, ha="left")

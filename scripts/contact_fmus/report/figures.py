@@ -20,18 +20,7 @@ MARKERS = {"event_driven": "o", "cvode_bdf": "s", "cvode_adams": "^"}
 PEER_COLORS = ("#6d28d9", "#0369a1", "#be185d", "#4d7c0f", "#475569", "#a16207", "#0d9488", "#57534e")
 FLOOR = 1e-16  # m; errors of rounding and less are drawn here
 WORST = 1.0  # m; peers that are further off are not drawn
-STYLE = {
-    "font.family": "DejaVu Sans",
-    "font.size": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#e2e8f0",
-    "grid.linewidth": 0.7,
-    "svg.hashsalt": "contact_fmus",
-    "axes.titlesize": 10,
-    "axes.titlelocation": "left",
-}
+STYLE = Path(__file__).with_suffix(".mplstyle")
 
 
 def save(figure: Figure, folder: Path, name: str) -> None:
@@ -51,7 +40,7 @@ def _panels(rows: int, columns: int, height: float) -> tuple[Figure, list[Axes]]
 def work_precision(rows: Sequence[Row], problems: Iterable[Problem], folder: Path, name: str) -> None:
     """Our solvers on an even number of problems; marks of one communication step are filled"""
     panels = list(problems)
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(fname=STYLE):
         figure, axes = _panels(len(panels) // 2, 2, 3.6 * (len(panels) // 2))
         for panel, problem in zip(axes, panels, strict=True):
             found = tables.curves(rows, problem.name)
@@ -109,7 +98,7 @@ def peers(own: Sequence[Row], others: Sequence[Row], folder: Path) -> None:
     styles = _peer_styles(list(dict.fromkeys(row.solver for row in others)))
     fewest = min(row.communication_steps for row in own)
     best = [row for row in own if (row.solver, row.communication_steps) == (METHODS[0], fewest)]
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(fname=STYLE):
         figure, axes = _panels(2, 2, 7.8)
         for panel, problem in zip(axes, benchmarks().values(), strict=True):
             for solver, (color, marker) in styles.items():
@@ -156,7 +145,7 @@ def stiffness(rows: Sequence[Row], folder: Path) -> None:
     """Time above, error below; damped on the left, undamped on the right"""
     chosen = [row for row in rows if row.setting == stiff_setting(STIFF_TOLERANCE) and row.measured]
     chosen = [row for row in chosen if row.communication_steps == 1]
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(fname=STYLE):
         figure, axes = _panels(2, 2, 6.6)
         for column, damping in enumerate(("damped", "undamped")):
             time, error = axes[column], axes[2 + column]

@@ -17,20 +17,7 @@ from .experiment import ENERGIES, Recording
 COLORS = ("#1f6fb4", "#d95f02", "#2b9348", "#8e44ad", "#b58900", "#b4235a", "#0097a7", "#7b4f2e", "#7f7f7f")
 COLORS += ("#e0559a",)
 BODY, EDGE = "#e3e7ee", "#4a5568"
-STYLE = {
-    "font.size": 9,
-    "axes.grid": True,
-    "grid.color": "#dddddd",
-    "grid.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.titlesize": 10,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "lines.linewidth": 1.2,
-    "legend.frameon": False,
-    "legend.fontsize": 8,
-}
+STYLE = Path(__file__).with_suffix(".mplstyle")
 LINES = ("-", "--", ":", "-.")  # where several runs are compared: one for each body or contact
 FAR = 1e20  # a gap beyond this stands for infinity and is not drawn
 THINNEST = 200.0  # a path with sides of such a ratio would be a line to scale
@@ -44,7 +31,7 @@ LEAST_SPAN = 1e-6  # of what an axis shows: less is rounding, and is drawn as wh
 def draw(runs: list[Recording], file: Path) -> Path:
     """Several runs are drawn over each other, one colour each."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context(fname=STYLE):
         figure = Figure(figsize=(11.0, 7.2), dpi=120, layout="constrained")
         figure.suptitle(runs[0].scenario.title, fontsize=13, fontweight="bold", x=0.01, ha="left")
         panels = [_position, _gap, _force] + ([_energy] if "energy.kinetic" in runs[0].series else [])
