@@ -1,10 +1,21 @@
-"""Shared by all Python tests: FMUs opened once a session and reset for each use."""
+"""Shared by all Python tests: FMUs opened once a session and reset for each use, FMUs of scenes with several
+contacts.
+"""
+
+import fcntl
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import lark
 import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.files import fmu_file
+
+ROOT = Path(__file__).resolve().parents[1]
+SCENES = ("BallInCorner", "ThreeBalls", "TwoPairs")
 
 
 @pytest.fixture(scope="session")
@@ -40,3 +51,27 @@ def names_parsed_once():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(lark.Lark, "parse", parsed)
         yield
+
+
+def build(folder):
+    """Their bits are those of Release, and they are built sooner."""
+    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+    scenes = ";".join(str(ROOT / "tests" / "physics" / "scenes" / f"{name}.toml") for name in SCENES)
+    options = [f"-DCONTACT_SCENES={scenes}", f"-DPython3_EXECUTABLE={sys.executable}"]
+    options += ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_C_FLAGS_DEBUG=-O1", "-DCONTACT_FMI3=OFF"]
+    configure = ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja"]
+    for command in ([*configure, *options], ["cmake", "--build", str(folder)]):
+        made = subprocess.run(command, capture_output=True, text=True, env=environment)
+        assert made.returncode == 0, made.stdout + made.stderr
+
+
+@pytest.fixture(scope="session")
+def built(tmp_path_factory, worker_id):
+    """The FMUs of SCENES, by name, built once by whichever process needs them first."""
+    folder = tmp_path_factory.getbasetemp()
+    folder = (folder if worker_id == "master" else folder.parent) / "scenes"
+    with folder.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not folder.exists():
+            build(folder)
+    return {name: folder / "fmus" / f"{name}.fmu" for name in SCENES}

@@ -1,16 +1,10 @@
 """The pages that the tests look at, and the browser that shows them."""
 
-import fcntl
-import os
-
 import pytest
 
 from contact_fmus.__main__ import main
 from contact_fmus.fmu.files import fmu_file, repository
 from support.browser import Browser
-from support.sources import ROOT
-
-THREE_BALLS = ROOT / "tests" / "physics" / "scenes" / "ThreeBalls.toml"
 
 
 @pytest.fixture(scope="session")
@@ -20,27 +14,12 @@ def browser():
 
 
 @pytest.fixture(scope="session")
-def three_balls(tmp_path_factory):
-    """The FMU of a scene with three bodies and two contacts, none of them called source or destination; built
-    once, though several processes may run these tests"""
-    base = tmp_path_factory.getbasetemp()
-    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "three_balls"
-    folder.mkdir(exist_ok=True)
-    fmu = folder / "ThreeBalls.fmu"
-    with open(folder / "lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not fmu.exists():
-            assert main(["build", str(THREE_BALLS), "-o", str(folder)]) == 0
-    return fmu
-
-
-@pytest.fixture(scope="session")
 def sources(request):
     """What `animate` is given, and the FMU behind it, by the name of a case"""
 
     def find(case):
         if case == "ThreeBalls":
-            fmu = request.getfixturevalue("three_balls")
+            fmu = request.getfixturevalue("built")["ThreeBalls"]  # no body is called source
             return str(fmu), fmu
         if case == "free_pair":
             return str(repository() / "scripts" / "scenarios" / "free_pair.toml"), fmu_file("SphereSphere")

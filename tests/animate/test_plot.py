@@ -47,8 +47,8 @@ def test_a_result_file_is_drawn_as_the_run_it_came_from(shell, tmp_path):
         assert (there.radius(body), there.is_hollow(body)) == (here.radius(body), here.is_hollow(body))
 
 
-def test_a_scene_of_any_names_has_its_panels(three_balls):
-    runs = open_runs(str(three_balls), (), None)
+def test_a_scene_of_any_names_has_its_panels(built):
+    runs = open_runs(str(built["ThreeBalls"]), (), None)
     panels = {panel.title: [line.label for line in panel.lines] for panel in usual(runs[0].result)}
     assert panels["gap"] == panels["normal force"] == ["first", "second"]
     assert panels["position, x"] == ["left", "middle", "right"]

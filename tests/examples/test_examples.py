@@ -114,9 +114,13 @@ def marble(tmp_path_factory):
     configure += [f"-DCONTACT_EXTRA_SCENES={scene}", "-DBUILD_TESTING=OFF"]
     configure += [f"-DPython3_EXECUTABLE={sys.executable}"]
     environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+    gone = folder / "fmus" / "Gone.fmu"
+    gone.parent.mkdir()
+    gone.write_text("of a scene that the build had before")
     for command in (configure, ["cmake", "--build", str(folder), "--target", "MarbleOnPipe_fmu"]):
         made = subprocess.run(command, capture_output=True, text=True, env=environment)
         assert made.returncode == 0, made.stdout + made.stderr
+    assert not gone.exists(), "the FMU of a scene that is gone"
     return folder / "fmus" / "MarbleOnPipe.fmu"
 
 
