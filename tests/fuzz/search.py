@@ -27,8 +27,8 @@ NAMES = (
 # A fuzzer goes on after a finding; inputs are tried in other lengths from the start. The most work an input
 # can ask for, 2 runs of 12 communication steps of 2000 internal steps, takes six seconds of a processor; on a
 # busy machine that may last twenty times as long.
-OPTIONS = """-fork=1 -ignore_crashes=1 -ignore_timeouts=1 -ignore_ooms=1 -timeout=120 -report_slow_units=120
-    -rss_limit_mb=2000 -max_len=500 -len_control=0"""
+OPTIONS = {"fork": 1, "ignore_crashes": 1, "ignore_timeouts": 1, "ignore_ooms": 1, "timeout": 120}
+OPTIONS |= {"report_slow_units": 120, "rss_limit_mb": 2000, "max_len": 500, "len_control": 0}
 
 
 def main() -> int:
@@ -91,7 +91,8 @@ def library(name: str, length: int) -> bool:
     for made in (found, findings):
         made.mkdir(parents=True, exist_ok=True)
     program = folder / "tests" / "fuzz" / f"fuzz_{name}"
-    command = ["nice", program, *OPTIONS.split(), f"-max_total_time={60 * length}", found, corpus]
+    options = OPTIONS | {"max_total_time": 60 * length}
+    command = ["nice", program, *(f"-{name}={value}" for name, value in options.items()), found, corpus]
     log = findings / "log"
     with log.open("w", encoding="utf-8") as output:
         subprocess.run(
