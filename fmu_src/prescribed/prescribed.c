@@ -761,7 +761,8 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
 #if SCENE_ANY_TURNING
         allowed = k == TERM_EVENT ? EVENTS_AGREE * size + DBL_MIN : allowed;
 #endif
-        if (!(fabs(left->sum[k] + right->sum[k] - whole->sum[k]) <= allowed)) {
+        const bool overflows = isinf(size); /* a torque may, where the force does not; no panel mends that */
+        if (!overflows && !(fabs(left->sum[k] + right->sum[k] - whole->sum[k]) <= allowed)) {
             return false;
         }
     }
