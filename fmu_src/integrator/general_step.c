@@ -15,10 +15,9 @@ double general_length_of_springs(const struct general *g)
     const struct radau_step *p = &g->step;
     double square = 0.0;
     for (int i = 0; i < p->problem.paired; ++i) {
-        const double *row = p->by_places + p->speed_among[i] * p->problem.paired;
-        double sum = 0.0;
+        double sum = 0.0; /* of what the places do to one speed */
         for (int j = 0; j < p->problem.paired; ++j) {
-            sum += fabs(row[j]);
+            sum += fabs(p->by_places[j * p->others + p->speed_among[i]]);
         }
         square = fmax(square, sum);
     }

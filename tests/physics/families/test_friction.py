@@ -137,6 +137,40 @@ def test_elastic_friction_sticks_and_slides_the_same_at_every_tolerance(opened, 
     check_agreement(opened, elastic(np.random.default_rng(seed)), seed)
 
 
+def largest_force_of_a_ball_set_down(rate, decay):
+    """The first top of k x + c x' for x'' = g - k x - c x', by mass, from rest at the touch."""
+    swing = np.sqrt(rate**2 - decay**2)
+    phase = np.pi - np.arctan2(2.0 * decay * swing, swing**2 - decay**2)
+    bend = np.exp(-decay * phase / swing) * (np.cos(phase) - decay / swing * np.sin(phase))
+    return 9.81 * (1.0 - bend)
+
+
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+@pytest.mark.parametrize("up", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.6, 0.0, 0.8)])
+def test_no_step_jumps_over_the_swings_of_a_ball_set_down(opened, up, tolerance):
+    """Twenty swings in one communication step, whichever way is up. The depth is 1e-5 m: its error is small
+    beside the tolerance of places, but not beside itself.
+    """
+    values = {
+        "destination.axis": list(up),
+        "source.center": [0.1 * x for x in up],
+        "gravity": [-9.81 * x for x in up],
+        "source.rotation": "free",
+        "source.initial_velocity": np.cross(up, (0.5, 1.0, 0.0)).tolist(),
+        "contact.dashpot": "unclamped",
+        "contact.penalty_factor": 1e6,
+        "contact.viscous_penalty_factor": 20.0,
+        "contact.friction": "elastic",
+        "contact.friction_coefficient": 0.1,
+        "contact.static_friction_coefficient": 0.12,
+        "contact.tangential_stiffness": 5e5,
+        "contact.tangential_damping": 0.0,
+    }
+    fmu = run(opened("SpherePlane"), values, 0.13, 1, tolerance)
+    right = largest_force_of_a_ball_set_down(1e3, 10.0)
+    check_close("peak force", fmu["contact.peak_force"], right, max(1e2 * tolerance, 1e-8) * right)
+
+
 # A ball of 1 kg pressed on a floor by 16 N, in numbers of few bits: sticking ends at 8 N.
 PRESSED = {
     "gravity": [0.0, 0.0, -16.0],
