@@ -30,8 +30,8 @@ foreach(scene ${CONTACT_MODEL_SCENES})
     endif()
 endforeach()
 
-# What model.h includes, and exchange.h for an integrator of one's own.
-foreach(header model/model.h model/variable.h model/exchange.h integrator/step_request.h math/compiler.h)
+# model.h and what it includes.
+foreach(header model/model.h model/variable.h integrator/step_request.h math/compiler.h)
     get_filename_component(place "${header}" DIRECTORY)
     install(FILES "${CONTACT_SOURCE_FOLDER}/${header}"
         DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/contact_fmus/${place}" ${component})

@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "model/report.h"
 #include "scene.h"
 
 /* Messages to the importer's logger. */

@@ -9,7 +9,6 @@
 #include <stdbool.h>
 
 #include "math/compiler.h"
-#include "model/exchange.h"
 #include "model/model.h"
 #include "model/variable.h"
 

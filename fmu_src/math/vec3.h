@@ -56,9 +56,14 @@ static inline double vec3_get(struct vec3 a, int index)
     return index == 0 ? a.x : index == 1 ? a.y : a.z;
 }
 
+static inline double *vec3_part(struct vec3 *a, int index)
+{
+    return index == 0 ? &a->x : index == 1 ? &a->y : &a->z;
+}
+
 static inline void vec3_set(struct vec3 *a, int index, double value)
 {
-    *(index == 0 ? &a->x : index == 1 ? &a->y : &a->z) = value;
+    *vec3_part(a, index) = value;
 }
 
 static inline void vec3_add_to(struct vec3 *a, int index, double value)

@@ -2,8 +2,6 @@
 #include <string.h>
 
 #include "contact/law.h"
-#include "model/motion.h"
-#include "model/report.h"
 #include "model/state.h"
 #include "scene/evaluate.h"
 
@@ -14,25 +12,6 @@
  * sets inputs at each instant; they are constants until it sets them again.
  */
 
-/* Whether all bodies are prescribed: a force element. */
-static bool inputs_prescribe_all(const struct scene_values *v);
-
-/* Moves the origin of a body's paths to the present. An axis that follows the angular velocity goes on from
- * where it has turned to. */
-static void input_path_shift(const struct model *m, int body, struct body_path *path);
-
-/* The body's paths from now on, by the signals with these marks (SIGNALS_EACH of them); `path` comes with its
- * origin at the present. */
-static void input_path_renew(const struct model *m, int body, const uint8_t *marks, struct body_path *path);
-
-/* Whether both paths are the same in every coefficient. */
-static bool input_path_is_same(const struct body_path *a, const struct body_path *b);
-
-static double *component(struct vec3 *a, int index)
-{
-    return index == 0 ? &a->x : index == 1 ? &a->y : &a->z;
-}
-
 /* Coefficients 0..2 of one scalar path from a signal that was set at this communication point. A value or
  * a derivative ends the derivatives of higher order that are not set with it; those of lower order go on as
  * they are at present. */
@@ -40,13 +19,13 @@ static void put_signal(struct vec3 *path, int k, double value, const struct inpu
                        uint8_t marks)
 {
     if (marks & SIGNAL_VALUE) {
-        *component(&path[0], k) = value;
+        *vec3_part(&path[0], k) = value;
     }
     if (marks & (SIGNAL_VALUE | SIGNAL_RATE)) {
-        *component(&path[1], k) = marks & SIGNAL_RATE ? signal->rate : 0.0;
+        *vec3_part(&path[1], k) = marks & SIGNAL_RATE ? signal->rate : 0.0;
     }
     if (marks & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
-        *component(&path[2], k) = marks & SIGNAL_CURVATURE ? 0.5 * signal->curvature : 0.0;
+        *vec3_part(&path[2], k) = marks & SIGNAL_CURVATURE ? 0.5 * signal->curvature : 0.0;
     }
 }
 
@@ -55,12 +34,12 @@ static void put_displacement(struct body_path *path, int k, double value, const 
 {
     put_signal(path->displacement, k, value, signal, marks);
     if (marks & (SIGNAL_VALUE | SIGNAL_RATE | SIGNAL_CURVATURE)) {
-        *component(&path->displacement[3], k) = 0.0;
+        *vec3_part(&path->displacement[3], k) = 0.0;
     }
     if (follows_velocity && !(marks & SIGNAL_EXPLICIT)) {
-        *component(&path->displacement[1], k) = vec3_get(path->velocity[0], k);
-        *component(&path->displacement[2], k) = vec3_get(path->velocity[1], k) / 2.0;
-        *component(&path->displacement[3], k) = vec3_get(path->velocity[2], k) / 3.0;
+        *vec3_part(&path->displacement[1], k) = vec3_get(path->velocity[0], k);
+        *vec3_part(&path->displacement[2], k) = vec3_get(path->velocity[1], k) / 2.0;
+        *vec3_part(&path->displacement[3], k) = vec3_get(path->velocity[2], k) / 3.0;
     }
 }
 
@@ -372,6 +351,23 @@ static void note_value(struct model *m, const struct variable *variable)
     *marks |= SIGNAL_VALUE;
     m->state.signals_changed = 1;
     m->state.signals_open = 1;
+}
+
+enum model_status model_check(struct model *m, const struct variable *variable, const void *value)
+{
+    const double number = variable_number(variable, value);
+    if (isfinite(number) && number >= variable->min && number <= variable->max) {
+        const bool tunes = m->state.initialized && variable->causality == VARIABLE_PARAMETER;
+        return !tunes || model_can_tune(m, variable, value)
+                   ? MODEL_OK
+                   : model_report(m, MODEL_DISCARD,
+                                  "%s = %s refused: a force or an energy would be beyond the range of "
+                                  "numbers (allowed: values with finite ones); it stays as it was.",
+                                  variable->name, shortest_digits(number).text);
+    }
+    return model_report(m, MODEL_DISCARD, "%s = %s refused (allowed: %s .. %s); it stays as it was.",
+                        variable->name, shortest_digits(number).text, shortest_digits(variable->min).text,
+                        shortest_digits(variable->max).text);
 }
 
 void model_set(struct model *m, const struct variable *variable, const void *value)

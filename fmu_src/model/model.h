@@ -121,4 +121,70 @@ void model_save(struct model *m, void *bytes);
  * nothing. */
 enum model_status model_restore(struct model *m, const void *bytes, size_t size);
 
+/*
+ * Model Exchange: the model for an integrator of the importer.
+ *
+ * states       displacement and velocity of every body that may be free; orientation (a quaternion of any
+ * length) and angular velocity of every body that may turn freely; the spring of every contact that may have
+ * elastic friction; the dissipated energy, the external work and the energy taken by friction. The states of
+ * a body that is not free stand still. rates        the time derivatives of the states, in the regimes in
+ * force indicators   of each contact the gap, or the way beyond a cylinder's ends if that is more; the force
+ * at which the dashpot changes the law; the way to the edge of a capped cylinder's zone; three margins of
+ * friction: it changes between stick and slip, reaches its largest force, is lifted.
+ *
+ * Regimes change in event mode only, where an indicator has passed zero by more than rounding; the indicator
+ * is as far on the other side then. The importer says when it changes between event mode and continuous-time
+ * mode. A jump of an input in event mode is a jump of the motion, whose work is booked; in continuous-time
+ * mode the power of the inputs is integrated. A scene without a body that may be free has neither states nor
+ * indicators: its outputs follow from its inputs.
+ */
+
+/* Whether an integrator outside moves this model; see model_host. */
+bool model_is_exchange(const struct model *m);
+
+/* SCENE_STATES and SCENE_INDICATORS. */
+size_t model_exchange_states(void);
+size_t model_exchange_indicators(void);
+
+/* Begins continuous-time mode, or event mode; a model begins in event mode. */
+void model_exchange_set_continuous(struct model *m, bool continuous);
+
+/* MODEL_ERROR: no number, or before the last event. */
+enum model_status model_exchange_set_time(struct model *m, double time);
+
+/* MODEL_DISCARD, and nothing set: out of the range of the states. */
+enum model_status model_exchange_set_states(struct model *m, const double *states);
+
+/* Sets one that model_check has found in range. */
+void model_exchange_set_state(struct model *m, const struct variable *state, double value);
+
+/* What model_exchange_get reads; the nominal values are those of the states. */
+enum exchange_values { EXCHANGE_STATES, EXCHANGE_RATES, EXCHANGE_INDICATORS, EXCHANGE_NOMINALS };
+
+/* MODEL_DISCARD: beyond the range of numbers. */
+enum model_status model_exchange_get(struct model *m, enum exchange_values which, double *values);
+
+/* In event mode: takes over inputs and changes the regimes of the contacts whose indicators ask for it.
+ * *changed: some regime did, and another one may have to; *jumped: a state did. */
+enum model_status model_exchange_update(struct model *m, bool *changed, bool *jumped);
+
+/* After that: when bodies in free flight touch next, in closed form, if the forces stay what they are [s];
+ * INFINITY: not foreseen, or so soon that an integrator which starts here cannot miss it. */
+double model_exchange_next_touch(const struct model *m);
+
+/* After a step that the integrator accepts: the contacts' directions are those to keep where d = 0. */
+enum model_status model_exchange_accept(struct model *m);
+
+/* The fewest digits that read back as the same number. */
+
+/* Room for a sign, 17 digits, a point, an exponent and the end: -1.2345678901234567e-308 is the longest. */
+enum { SHORTEST_SIZE = 25 };
+
+struct shortest {
+    char text[SHORTEST_SIZE];
+};
+
+/* 0.7 is "0.7", where "%.17g" would say 0.69999999999999996. For "%s": shortest_digits(x).text */
+struct shortest shortest_digits(double value);
+
 #endif

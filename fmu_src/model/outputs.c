@@ -2,11 +2,123 @@
 #include <math.h>
 
 #include "contact/shape.h"
-#include "model/motion.h"
-#include "model/report.h"
+#include "model/state.h"
 #include "scene/evaluate.h"
 #include "scene/present.h"
 #include "scene/scene_jet.h"
+
+/* Outputs of a contact that sum up a communication step or the run, energies and counters. */
+
+/* Divided, not scaled by 1/window, which is infinite for steps of less than 1e-308 s. */
+static struct vec3 mean_of(struct vec3 impulse, double window)
+{
+    return window > 0.0 ? vec3_make(impulse.x / window, impulse.y / window, impulse.z / window)
+                        : vec3_make(0.0, 0.0, 0.0);
+}
+
+/* Part of a peak that rounding may change and that is still the same peak: what a contact's force is known to
+ * (touch/segment.c). */
+static const double KNOWN = 1e-6;
+
+static bool peaks_are_known(const struct contact_state *state)
+{
+    return !(state->record.force_bound > state->peaks.force * (1.0 + KNOWN));
+}
+
+/* Why an output cannot be read although the motion is finite; NULL: it can. */
+static const char *unknown_reason(const struct model *m, const struct variable *variable)
+{
+    const bool is_peak =
+        variable->row == ROW_contact_peak_force || variable->row == ROW_contact_peak_penetration;
+    if (!SCENE_ANY_FREE || !is_peak || peaks_are_known(&m->state.motion.contact[variable->element])) {
+        return NULL;
+    }
+    return "in a contact as stiff as this, rounding of gap and speed where it began makes more than 1e-6 of "
+           "the "
+           "peak (allowed: a smaller penalty factor, or, where the contact is damped, a later communication "
+           "step; other outputs can be read)";
+}
+
+static double put_history(struct scene_values *v, const struct scene_state *q, int contact)
+{
+    const struct contact_state *state = &q->contact[contact];
+    const struct vec3 impulse = vec3_sub(state->physics.impulse, state->record.impulse_mark);
+    const bool touching = state->regime != REGIME_APART;
+    const struct vec3 mean = mean_of(impulse, q->step_length);
+    put_contact_mean_force(v, contact, mean);
+    if (SCENE_ANY_TURNING) {
+        const struct contact_torques *torques = &state->torques;
+        put_contact_mean_source_torque(
+            v, contact, mean_of(vec3_sub(torques->source_impulse, torques->source_mark), q->step_length));
+        put_contact_mean_destination_torque(
+            v, contact,
+            mean_of(vec3_sub(torques->destination_impulse, torques->destination_mark), q->step_length));
+    }
+    put_contact_peak_force(v, contact, state->peaks.force);
+    put_contact_peak_penetration(v, contact, state->peaks.penetration);
+    put_contact_onsets(v, contact, state->record.onsets);
+    put_contact_last_onset_time(v, contact, state->record.onset_time);
+    put_contact_last_duration(v, contact,
+                              touching ? q->clock - state->record.touch_clock : state->record.last_duration);
+    const double known = peaks_are_known(state) ? 0.0 : (double)INFINITY;
+    return mean.x + mean.y + mean.z + state->peaks.force + known;
+}
+
+/* Their sum. Nothing is added where nothing turns or rubs. */
+static double put_turning_energies(struct scene_values *v, const struct scene_state *q,
+                                   const struct scene_instant *at)
+{
+    if (scene_turns(v)) {
+        const double rotational = energy_rotational_of(v, at);
+        const double tangential = energy_tangential_of(v, q, at);
+        put_energy_rotational(v, rotational);
+        put_energy_tangential(v, tangential);
+        put_energy_friction(v, q->friction_energy - tangential);
+        return rotational + q->friction_energy;
+    }
+    put_energy_friction(v, q->friction_energy); /* zero but for what an integrator outside says */
+    return q->friction_energy;
+}
+
+static double put_energies(struct scene_values *v, const struct scene_state *q,
+                           const struct scene_instant *at)
+{
+    const double kinetic = energy_kinetic_of(v, at);
+    const double potential = energy_potential_of(v, at);
+    const double stored = energy_stored(v, q, at);
+    put_energy_kinetic(v, kinetic);
+    put_energy_potential(v, potential);
+    put_energy_contact(v, stored);
+    put_energy_dissipated(v, q->dissipated);
+    put_energy_external_work(v, q->external_work);
+    const double total =
+        kinetic + potential + stored + q->dissipated - q->external_work + put_turning_energies(v, q, at);
+    put_energy_total(v, total);
+    put_solver_steps(v, q->counters.steps);
+    put_solver_force_evaluations(v, q->counters.force_evaluations);
+    put_solver_events(v, q->counters.events);
+    put_solver_rejected_steps(v, q->counters.rejected_steps);
+    put_solver_fallbacks(v, q->counters.fallbacks);
+    return total;
+}
+
+/* Shows history of the contacts, energies and counters. The sum is finite only if all of them are. */
+static double show_motion(struct scene_values *v, const struct scene_state *q, const struct scene_instant *at)
+{
+    double sum = SCENE_ANY_FREE ? put_energies(v, q, at) : motion_size(v, q);
+    for (int j = 0; !SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
+        const struct contact_state *state = &q->contact[j];
+        put_contact_mean_force(v, j, state->mean_force);
+        put_contact_mean_source_torque(v, j, state->torques.source_mean);
+        put_contact_mean_destination_torque(v, j, state->torques.destination_mean);
+        put_contact_peak_force(v, j, state->peaks.force);
+        put_contact_peak_penetration(v, j, state->peaks.penetration);
+    }
+    for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
+        sum += put_history(v, q, j);
+    }
+    return sum;
+}
 
 /* Derivatives of the outputs that sum up a communication step. */
 
@@ -34,6 +146,72 @@ static bool step_term(const struct model *m, const struct scene_state *q, const 
     case ROW_contact_mean_force:
     case ROW_contact_mean_source_torque:
     case ROW_contact_mean_destination_torque:
+        *term = 0.0;
+        return true;
+    default:
+        return false;
+    }
+}
+
+/* What turns and rubs has of the balance. */
+static double turning_balance_term(const struct scene_values *v, const struct scene_jet *along, int order)
+{
+    return SCENE_ANY_TURNING ? turning_jet_of_rotational(v, along, order) + along->friction[order] : 0.0;
+}
+
+static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
+{
+    const struct scene_values *v = &m->state.values;
+    const double kinetic = jet_of_kinetic(v, along, order);
+    const double potential = jet_of_potential(v, along, order);
+    const double stored = jet_of_stored(v, &m->state.motion, along, order);
+    switch (row) {
+    case ROW_energy_kinetic:
+        return kinetic;
+    case ROW_energy_potential:
+        return potential;
+    case ROW_energy_contact:
+        return stored;
+    case ROW_energy_rotational:
+        return turning_jet_of_rotational(v, along, order);
+    case ROW_energy_tangential:
+        return turning_jet_of_tangential(v, &m->state.motion, along, order);
+    case ROW_energy_friction:
+        return along->friction[order] - turning_jet_of_tangential(v, &m->state.motion, along, order);
+    case ROW_energy_dissipated:
+        return along->dissipated[order];
+    case ROW_energy_external_work:
+        return along->external_work[order];
+    case ROW_energy_total:
+        return kinetic + potential + stored + along->dissipated[order] - along->external_work[order] +
+               turning_balance_term(v, along, order);
+    default:
+        return 0.0;
+    }
+}
+
+/* Coefficient `order` of an output that integrated motion has. False: the variable is none. */
+static bool motion_term(const struct model *m, const struct scene_state *q, const struct scene_jet *along,
+                        const struct variable *variable, int order, double *term)
+{
+    const struct contact_state *contact = q->contact;
+    const int j = variable->element;
+    switch (variable->row) {
+    case ROW_energy_kinetic:
+    case ROW_energy_potential:
+    case ROW_energy_contact:
+    case ROW_energy_dissipated:
+    case ROW_energy_external_work:
+    case ROW_energy_total:
+    case ROW_energy_rotational:
+    case ROW_energy_tangential:
+    case ROW_energy_friction:
+        *term = energy_term(m, along, variable->row, order);
+        return true;
+    case ROW_contact_last_duration: /* grows with the time while the bodies touch */
+        *term = contact[j].regime != REGIME_APART ? along->time[order] : 0.0;
+        return true;
+    case ROW_contact_last_onset_time:
         *term = 0.0;
         return true;
     default:
@@ -227,7 +405,7 @@ double output_term(const struct model *m, const struct scene_state *q, const str
         break;
     }
     double term = 0.0;
-    return motion_jet(m, q, along, variable, order, &term) ||
+    return (SCENE_ANY_FREE && motion_term(m, q, along, variable, order, &term)) ||
                    step_term(m, q, at, along, variable, order, &term)
                ? term
                : contact_term(m, q, at, along, variable, order);
@@ -351,7 +529,7 @@ static void update_all(struct model *m)
         m->state.motion.contact[j].normal = at.geometry[j].normal;
         sum += put_contact(v, q, &at, j);
     }
-    sum += motion_show(v, q, &at) + (SCENE_ANY_TURNING ? show_turning(v, q, &at) : 0.0);
+    sum += show_motion(v, q, &at) + (SCENE_ANY_TURNING ? show_turning(v, q, &at) : 0.0);
     warn_of_missing_direction(m, q, &at);
     /* What is no number has to be looked at one by one. */
     m->outputs = isfinite(sum) ? OUTPUTS_ALL : OUTPUTS_BODIES;
@@ -374,4 +552,82 @@ bool model_update_outputs(struct model *m, enum outputs wanted)
         update_all(m);
     }
     return true;
+}
+
+/* Which outputs have to be computed so that a variable shows the present. */
+static enum outputs outputs_for(const struct model *m, const struct variable *variable)
+{
+    switch (variable->row) {
+    case ROW_body_displacement:
+    case ROW_body_position:
+    case ROW_body_velocity:
+        return OUTPUTS_BODIES;
+    default:
+        break;
+    }
+    const bool given = variable->causality == VARIABLE_PARAMETER || variable->causality == VARIABLE_INPUT;
+    return given && m->state.initialized ? OUTPUTS_NONE : OUTPUTS_ALL;
+}
+
+enum model_status model_read(struct model *m, const struct variable *variable, void *value)
+{
+    if (!model_update_outputs(m, outputs_for(m, variable))) {
+        return model_refuse_inputs(m);
+    }
+    const char *unknown = unknown_reason(m, variable);
+    if (unknown) {
+        return model_report(m, MODEL_DISCARD, "%s is not known: %s.", variable->name, unknown);
+    }
+    double local = 0.0;
+    const void *at = (const char *)&m->state.values + variable->offset;
+    if (variable_is_local(variable)) {
+        struct scene_instant now;
+        scene_now(&m->state.values, &m->state.motion, &now);
+        local = model_exchange_value(&m->state.values, &m->state.motion, &now, variable);
+        at = &local;
+    }
+    if (!isfinite(variable_number(variable, at))) {
+        return model_report(m, MODEL_DISCARD,
+                            "%s is beyond the range of numbers (allowed: parameters and inputs with finite "
+                            "forces and energies).",
+                            variable->name);
+    }
+    memcpy(value, at, variable_size(variable));
+    return MODEL_OK;
+}
+
+/* Where a Real stands, if it can be read as it stands and its table entry has these marks; else NULL. */
+static inline const double *known_real(const struct model *m, uint32_t reference, uint32_t marks)
+{
+    const uint32_t real = reference < SCENE_REFERENCES ? scene_reals[reference] : 0;
+    const bool known = (real & (uint32_t)m->outputs) && (real & marks) == marks;
+    return known ? (const double *)&m->state.values + (real & VARIABLE_OFFSET) / sizeof(double) : NULL;
+}
+
+bool model_get_vector(const struct model *m, const uint32_t *references, double *values)
+{
+    if (!references || !values) {
+        return false;
+    }
+    const uint32_t first = references[0];
+    const bool in_order = references[1] == first + 1 && references[2] == first + 2;
+    const double *from = in_order ? known_real(m, first, VARIABLE_VECTOR) : NULL;
+    if (!from) {
+        return false;
+    }
+    /* One by one: what is read in wider portions than it was written in keeps the processor waiting. */
+    values[0] = from[0];
+    values[1] = from[1];
+    values[2] = from[2];
+    return true;
+}
+
+size_t model_get_reals(const struct model *m, const uint32_t *references, size_t count, double *values)
+{
+    size_t i = 0;
+    const double *from = NULL;
+    while (i < count && (from = known_real(m, references[i], 0)) != NULL) {
+        values[i++] = *from;
+    }
+    return i;
 }

@@ -5,8 +5,6 @@
 
 #include "contact/law.h"
 #include "contact/shape.h"
-#include "model/motion.h"
-#include "model/report.h"
 #include "model/state.h"
 
 /* A body of positive density everywhere has at least half of its axial moment across its axis. */
@@ -546,6 +544,6 @@ void model_prepare(struct model *m)
     }
     motion_begin(v, q);
     if (m->host.exchange) {
-        motion_begin_exchange(q);
+        motion_forget_integration(q);
     }
 }

@@ -1,25 +1,9 @@
-/* Numbers in messages. */
+/* Messages to the owner of a model, and numbers in them. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "model/report.h"
 #include "model/state.h"
-
-struct shortest shortest_digits(double value)
-{
-    struct shortest result = {""};
-    /* 15 digits are always kept by a double, 17 always tell it from its neighbours. */
-    for (int digits = 15; digits <= 17; ++digits) {
-        snprintf(result.text, sizeof result.text, "%.*g", digits, value);
-        if (strtod(result.text, NULL) == value) {
-            break;
-        }
-    }
-    return result;
-}
-
-/* Messages to the owner of a model. */
 
 const char *model_category(enum model_status status)
 {
@@ -64,4 +48,17 @@ enum model_status model_report_stalled(const struct model *m, const struct step_
         "second (allowed: some ten thousand times). Go on from %s, in smaller steps.",
         shortest_digits(request->end_time).text, request->whole ? "is undone, it got stuck" : "stopped",
         shortest_digits(scene_time(&m->state.motion)).text, request->whole ? "where it began" : "there");
+}
+
+struct shortest shortest_digits(double value)
+{
+    struct shortest result = {""};
+    /* 15 digits are always kept by a double, 17 always tell it from its neighbours. */
+    for (int digits = 15; digits <= 17; ++digits) {
+        snprintf(result.text, sizeof result.text, "%.*g", digits, value);
+        if (strtod(result.text, NULL) == value) {
+            break;
+        }
+    }
+    return result;
 }

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "contact/law.h"
-#include "model/motion.h"
 #include "model/state.h"
 #include "scene/present.h"
 #include "scene/scene_jet.h"
@@ -73,7 +72,7 @@ static void move_inputs(const struct scene_values *v, const struct scene_state *
                         struct scene_jet *along)
 {
     if (known->causality == VARIABLE_STATE) {
-        motion_move_state(v, q, known, change, along);
+        model_exchange_move(v, q, known, change, along);
         return;
     }
     if (known->row == ROW_body_external_force && body_is_free(v, known->element)) {
@@ -155,7 +154,7 @@ static double input_derivative(const struct model *m, const struct scene_state *
 {
     const int j = variable->element;
     if (variable_is_local(variable)) {
-        return motion_local_slope(&m->state.values, q, along, variable);
+        return model_exchange_slope(&m->state.values, q, at, along, variable);
     }
     switch (variable->row) {
     case ROW_contact_effective_slip_velocity:
@@ -204,8 +203,9 @@ static void finish_path(const struct model *m, struct linear_model *l)
     vary_factors(m, &l->along);
     vary_onsets(m, l->q, &l->at, &l->along);
     jet_of_contacts(v, l->q, &l->at, &l->along);
-    if (m->state.initialized && !m->host.exchange) { /* in Model Exchange the work is a state */
-        motion_jet_of_work(v, l->q, &l->along);
+    if (SCENE_ANY_FREE && m->state.initialized && !m->host.exchange) {
+        /* Whoever moves a body by a jump of an input does the work on the contact. */
+        l->along.external_work[1] = jet_of_stored(v, l->q, &l->along, 1);
     }
 }
 

@@ -6,6 +6,7 @@
 #include "math/compiler.h"
 #include "model/model.h"
 #include "scene.h"
+#include "scene/scene_jet.h"
 #include "scene/scene_state.h"
 
 /* Raised when struct model_state, struct scene_state or struct scene_values change their meaning. */
@@ -49,7 +50,8 @@ struct model_state {
     struct scene_state motion;
     double importer_tolerance; /* 0: none given */
     double start_time;
-    uint64_t booked;                /* motion_booked when the importer last set or read the states */
+    /* mark of the states that events make jump, when the importer last set or read them */
+    uint64_t booked;
     struct tunable_values in_force; /* while `tuned`: the parameters that `values` has others for by now */
     uint8_t marks[SCENE_BODIES][SIGNALS_EACH];
     uint8_t signals_changed; /* some mark is set that model_apply_inputs has not seen */
@@ -83,7 +85,12 @@ struct model {
 bool model_reports(const struct model *m, enum model_status status);
 
 /* The outputs that change are no longer those of the present. */
-void model_forget_outputs(struct model *m);
+static inline void model_forget_outputs(struct model *m)
+{
+    if (m->outputs > OUTPUTS_FIXED) {
+        m->outputs = OUTPUTS_FIXED;
+    }
+}
 
 /* Formats and sends a message when the host wants the category. */
 enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)
@@ -139,5 +146,78 @@ bool model_update_outputs(struct model *m, enum outputs wanted);
 
 /* "The inputs ... beyond the range of numbers ...", for who cannot take them over. */
 enum model_status model_refuse_inputs(const struct model *m);
+
+/* How the model moves from one time to another (motion.c). */
+
+/* The integrator's memory for the method that v chooses; MODEL_ERROR when there is none to be had, with a
+ * message that begins with `otherwise`. */
+enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise);
+void motion_close(struct model *m);
+
+/* Whether the method goes on from a history that is not part of the saved state, as CVODE does. */
+bool motion_has_history(const struct scene_values *v);
+
+/* Puts free bodies to where they start; then, all else being known, begins the motion. */
+void motion_place(const struct scene_values *v, struct scene_state *q);
+void motion_begin(const struct scene_values *v, struct scene_state *q);
+
+/* Changes the paths of the inputs and books the work that the change does; false, and nothing changed, where
+ * the work is not finite. `jumps`: no integrator outside has the springs as its states, so that those of
+ * contacts without a free body are laid onto the new tangent planes. */
+bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
+                   bool jumps);
+
+/* New factors of the contacts, and by how much gravity has changed. */
+struct motion_tuning {
+    struct contact_coefficients factors[SCENE_CONTACTS];
+    bool law_changed[SCENE_CONTACTS]; /* the factors or the dashpot */
+    struct vec3 more_gravity;         /* [m/s^2] */
+};
+
+/* Takes them over and books the work; false where something is not finite (q is of no use then). `v` holds
+ * the new parameters. */
+bool motion_tune(const struct scene_values *v, struct scene_state *q, const struct motion_tuning *tuning);
+
+/* Moves to the end of the step. */
+enum model_status motion_advance(struct model *m, const struct step_request *request);
+
+/* Deferred flight (flight/flight.h): whether the step was such, and computing what was deferred. */
+bool motion_defer(struct model *m, double end_time);
+void motion_catch_up(const struct scene_values *v, struct scene_state *q);
+
+/* Sums that are finite only if the motion of the free bodies and all energies are. */
+double motion_size(const struct scene_values *v, const struct scene_state *q);
+double motion_energy(const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at);
+
+/* Speeds below it are none [m/s]. */
+double motion_least_speed(const struct scene_values *v);
+
+/* The state that outputs show: q, or `settled`, a copy with the regimes that the present inputs ask for. A
+ * reading leaves q as it is. */
+const struct scene_state *motion_shown(const struct scene_values *v, const struct scene_state *q,
+                                       struct scene_state *settled);
+
+/* Model Exchange, before the first step and after an event: clears caches that only the model's own
+ * integrator fills. */
+void motion_forget_integration(struct scene_state *q);
+
+/* The value of a state, a rate or an indicator. */
+double model_exchange_value(const struct scene_values *v, const struct scene_state *q,
+                            const struct scene_instant *at, const struct variable *variable);
+
+/* Changes a state along a path; a state of a body that is not free has no effect. */
+void model_exchange_move(const struct scene_values *v, const struct scene_state *q,
+                         const struct variable *state, double change, struct scene_jet *along);
+
+/* The change of a rate along the path. */
+double model_exchange_slope(const struct scene_values *v, const struct scene_state *q,
+                            const struct scene_instant *at, const struct scene_jet *along,
+                            const struct variable *variable);
+
+/* Along a path (scene_jet.h): coefficient `order` of a variable; zero where nothing along the path changes
+ * it. */
+double output_term(const struct model *m, const struct scene_state *q, const struct scene_instant *at,
+                   const struct scene_jet *along, const struct variable *variable, int order);
 
 #endif

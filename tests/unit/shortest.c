@@ -1,5 +1,5 @@
 /* Numbers in messages: they read back as they were, and no shorter text does. */
-#include "model/report.h"
+#include "model/model.h"
 
 #include <float.h>
 #include <stdint.h>

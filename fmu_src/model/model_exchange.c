@@ -1,0 +1,484 @@
+/* Model Exchange: states, rates and event indicators for an integrator of the importer; see model.h. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "integrator/prediction.h"
+#include "model/state.h"
+#include "scene/evaluate.h"
+#include "scene/present.h"
+#include "scene/transition.h"
+
+static double *orientation_part(struct quaternion *q, int component)
+{
+    double *const parts[] = {&q->w, &q->x, &q->y, &q->z};
+    return parts[component];
+}
+
+/* Where the scene keeps a state; a displacement is kept as the way from its body's origin. */
+static double *state_at(struct scene_state *q, const struct variable *state)
+{
+    const int i = state->element;
+    const int k = state->component;
+    if (SCENE_ANY_ROTATION && state->row == ROW_body_orientation_state) {
+        return orientation_part(&q->turning.body[i].orientation, k);
+    }
+    if (SCENE_ANY_ROTATION && state->row == ROW_body_angular_velocity_state) {
+        return vec3_part(&q->turning.body[i].angular_velocity, k);
+    }
+    if (SCENE_ANY_FRICTION && state->row == ROW_contact_spring_state) {
+        return vec3_part(&q->turning.spring[i], k);
+    }
+    switch (state->row) {
+    case ROW_body_displacement_state:
+        return vec3_part(&q->body[i].moved, k);
+    case ROW_body_velocity_state:
+        return vec3_part(&q->body[i].velocity, k);
+    case ROW_energy_dissipated_state:
+        return &q->dissipated;
+    case ROW_energy_external_work_state:
+        return &q->external_work;
+    default: /* ROW_energy_friction_state */
+        return &q->friction_energy;
+    }
+}
+
+/* The difference between a state and what the scene keeps of it. */
+static double state_origin(const struct scene_state *q, const struct variable *state)
+{
+    return state->row == ROW_body_displacement_state
+               ? vec3_get(q->origin[state->element].displacement, state->component)
+               : 0.0;
+}
+
+/* The time derivative of a state; zero for a body that is not free. */
+static double rate_of(const struct scene_values *v, const struct scene_state *q,
+                      const struct scene_instant *at, const struct variable *rate)
+{
+    const int i = rate->element;
+    const int k = rate->component;
+    if (SCENE_ANY_ROTATION && rate->row == ROW_body_orientation_rate) {
+        const struct body_turn *turn = &q->turning.body[i];
+        struct quaternion change = quaternion_rate(turn->orientation, turn->angular_velocity);
+        return body_turns_freely(v, i) ? *orientation_part(&change, k) : 0.0;
+    }
+    if (SCENE_ANY_ROTATION && rate->row == ROW_body_angular_acceleration) {
+        return body_turns_freely(v, i) ? vec3_get(turning_acceleration(v, q, q->clock, at, i), k) : 0.0;
+    }
+    if (SCENE_ANY_FRICTION && rate->row == ROW_contact_spring_rate) {
+        return contact_rubs_elastically(v, i) ? vec3_get(turning_spring_rate(v, q, &q->turning, at, i), k)
+                                              : 0.0;
+    }
+    if (SCENE_ANY_FRICTION && rate->row == ROW_energy_friction_power) {
+        return scene_turns(v) ? turning_friction_power(v, at) : 0.0;
+    }
+    switch (rate->row) {
+    case ROW_body_displacement_rate:
+        return body_is_free(v, i) ? vec3_get(at->velocity[i], k) : 0.0;
+    case ROW_body_acceleration:
+        return body_is_free(v, i) ? vec3_get(at->acceleration[i], k) : 0.0;
+    case ROW_energy_dissipated_power:
+        return energy_dissipated_power(v, q, at);
+    case ROW_energy_external_power:
+        return scene_external_power(v, q, q->clock, at);
+    default:
+        return 0.0;
+    }
+}
+
+static double indicator_of(const struct scene_values *v, const struct scene_state *q,
+                           const struct scene_instant *at, const struct variable *indicator)
+{
+    const int j = indicator->element;
+    switch (indicator->row) {
+    case ROW_contact_touch_indicator:
+        return regime_touch_margin(v, q, at, j);
+    case ROW_contact_dashpot_indicator:
+        return regime_dashpot_margin(v, q, at, j);
+    case ROW_contact_zone_indicator:
+        return regime_zone_margin(v, q, at, j);
+    default:
+        break;
+    }
+    if (SCENE_ANY_FRICTION) {
+        return regime_friction_margin(v, q, at, j,
+                                      indicator->row == ROW_contact_stick_indicator ? ODE_EVENT_STICK
+                                      : indicator->row == ROW_contact_cap_indicator ? ODE_EVENT_CAP
+                                                                                    : ODE_EVENT_LIFT);
+    }
+    return 0.0;
+}
+
+double model_exchange_value(const struct scene_values *v, const struct scene_state *q,
+                            const struct scene_instant *at, const struct variable *variable)
+{
+    if (!SCENE_ANY_FREE) {
+        return 0.0;
+    }
+    if (variable->causality == VARIABLE_STATE) {
+        const double kept = *state_at((struct scene_state *)q, variable);
+        return variable->row == ROW_body_displacement_state ? state_origin(q, variable) + kept : kept;
+    }
+    return variable->causality == VARIABLE_RATE ? rate_of(v, q, at, variable)
+                                                : indicator_of(v, q, at, variable);
+}
+
+/* Mixes the bits of numbers into a mark (FNV-1a, by words). */
+static inline uint64_t mark_of(uint64_t mark, const double *values, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        uint64_t bits;
+        memcpy(&bits, values + i, sizeof bits);
+        mark = (mark ^ bits) * UINT64_C(1099511628211);
+    }
+    return mark;
+}
+
+/* A mark of the states that events make jump: energies, and springs where sliding begins or ends. It changes
+ * when any bit of them does. */
+static uint64_t booked_states(const struct scene_state *q)
+{
+    const double energies[2] = {q->dissipated, q->external_work};
+    uint64_t mark = mark_of(0, energies, 2);
+    for (int j = 0; SCENE_ANY_FRICTION && j < SCENE_CONTACTS; ++j) {
+        const struct vec3 spring = q->turning.spring[j];
+        const double values[3] = {spring.x, spring.y, spring.z};
+        mark = mark_of(mark, values, 3);
+    }
+    return SCENE_ANY_FRICTION ? mark_of(mark, &q->friction_energy, 1) : mark;
+}
+
+/* Changes of states along a path, for derivatives. */
+
+/* A change of the orientation in force, which is a unit quaternion, turns the axis with it. */
+static void move_orientation(const struct scene_state *q, const struct variable *state, double change,
+                             struct scene_jet *along)
+{
+    const int body = state->element;
+    const struct quaternion raw = q->turning.body[body].orientation;
+    const struct quaternion unit = quaternion_unit(raw);
+    struct quaternion by = {0.0, 0.0, 0.0, 0.0};
+    *orientation_part(&by, state->component) = change;
+    along->given_orientation[body] = quaternion_axpy(along->given_orientation[body], 1.0, by);
+    by = quaternion_scale(1.0 / sqrt(quaternion_dot(raw, raw)),
+                          quaternion_axpy(by, -quaternion_dot(by, unit), unit));
+    along->orientation[body][1] = quaternion_axpy(along->orientation[body][1], 1.0, by);
+    /* by = (0, r) unit / 2 turns by the rotation vector r */
+    const struct vec3 turned =
+        vec3_scale(2.0, quaternion_vector(quaternion_product(by, quaternion_inverse(unit))));
+    along->axis[body][1] = vec3_add(along->axis[body][1], vec3_cross(turned, quaternion_third_axis(unit)));
+}
+
+void model_exchange_move(const struct scene_values *v, const struct scene_state *q,
+                         const struct variable *state, double change, struct scene_jet *along)
+{
+    const int i = state->element;
+    const int k = state->component;
+    switch (state->row) {
+    case ROW_energy_dissipated_state:
+        along->dissipated[1] += change;
+        return;
+    case ROW_energy_external_work_state:
+        along->external_work[1] += change;
+        return;
+    case ROW_body_displacement_state:
+        if (body_is_free(v, i)) {
+            vec3_add_to(&along->displacement[i][1], k, change);
+        }
+        return;
+    case ROW_body_velocity_state:
+        if (body_is_free(v, i)) {
+            vec3_add_to(&along->velocity[i][1], k, change);
+        }
+        return;
+    default:
+        break;
+    }
+    if (SCENE_ANY_ROTATION && state->row == ROW_body_orientation_state && body_turns_freely(v, i)) {
+        move_orientation(q, state, change, along);
+    }
+    if (SCENE_ANY_ROTATION && state->row == ROW_body_angular_velocity_state && body_turns_freely(v, i)) {
+        vec3_add_to(&along->angular_velocity[i][1], k, change);
+    }
+    if (SCENE_ANY_FRICTION && state->row == ROW_contact_spring_state && contact_rubs_elastically(v, i)) {
+        vec3_add_to(&along->spring[i][1], k, change);
+    }
+    if (SCENE_ANY_FRICTION && state->row == ROW_energy_friction_state) {
+        along->friction[1] += change;
+    }
+}
+
+static double orientation_rate_slope(const struct scene_state *q, const struct scene_jet *along,
+                                     const struct variable *rate)
+{
+    const int body = rate->element;
+    const struct body_turn *turn = &q->turning.body[body];
+    struct quaternion slope = quaternion_rate(turn->orientation, along->angular_velocity[body][1]);
+    slope =
+        quaternion_axpy(slope, 1.0, quaternion_rate(along->given_orientation[body], turn->angular_velocity));
+    return *orientation_part(&slope, rate->component);
+}
+
+/* The change of a contact's motion along the path. */
+static struct turning_motion motion_along(const struct scene_jet *along, int contact)
+{
+    const int from = contact_source(contact);
+    const int to = contact_destination(contact);
+    return (struct turning_motion){.separation =
+                                       vec3_sub(along->displacement[to][1], along->displacement[from][1]),
+                                   .rate = vec3_sub(along->velocity[to][1], along->velocity[from][1]),
+                                   .source_rotation = along->angular_velocity[from][1],
+                                   .destination_rotation = along->angular_velocity[to][1],
+                                   .axis = along->axis[to][1],
+                                   .spring = along->spring[contact][1]};
+}
+
+static double spring_rate_slope(const struct scene_values *v, const struct scene_state *q,
+                                const struct scene_instant *at, const struct scene_jet *along,
+                                const struct variable *rate)
+{
+    const int j = rate->element;
+    if (!contact_rubs_elastically(v, j) || q->contact[j].regime == (int32_t)REGIME_APART) {
+        return 0.0;
+    }
+    const struct contact_shape shape = scene_shape_met(v, q, at, j);
+    const struct turning_motion motion = turning_motion_of(&q->turning, at, j);
+    const struct turning_laws laws = turning_laws_of(v, q, j);
+    const struct turning_slopes slopes = turning_slopes_at(&shape, &at->geometry[j], &motion, &laws);
+    const struct turning_motion change = motion_along(along, j);
+    return vec3_get(turning_slopes_along(&slopes, &change).spring_rate, rate->component);
+}
+
+double model_exchange_slope(const struct scene_values *v, const struct scene_state *q,
+                            const struct scene_instant *at, const struct scene_jet *along,
+                            const struct variable *variable)
+{
+    const int i = variable->element;
+    const int k = variable->component;
+    if (SCENE_ANY_ROTATION && variable->row == ROW_body_orientation_rate) {
+        return body_turns_freely(v, i) ? orientation_rate_slope(q, along, variable) : 0.0;
+    }
+    if (SCENE_ANY_ROTATION && variable->row == ROW_body_angular_acceleration) {
+        return body_turns_freely(v, i) ? vec3_get(turning_jet_spin_change(v, q, at, along, i), k) : 0.0;
+    }
+    if (SCENE_ANY_FRICTION && variable->row == ROW_contact_spring_rate) {
+        return spring_rate_slope(v, q, at, along, variable);
+    }
+    if (SCENE_ANY_FRICTION && variable->row == ROW_energy_friction_power) {
+        return scene_turns(v) ? turning_jet_friction_power(v, along, 1) : 0.0;
+    }
+    switch (variable->row) {
+    case ROW_body_displacement_rate:
+        return body_is_free(v, i) ? vec3_get(along->velocity[i][1], k) : 0.0;
+    case ROW_body_acceleration:
+        return body_is_free(v, i) ? 2.0 * vec3_get(free_bodies_half_jerk(v, along, i), k) : 0.0;
+    case ROW_energy_dissipated_power:
+        return free_bodies_dissipated_power(v, q, along, 1);
+    case ROW_energy_external_power:
+        return free_bodies_external_power(v, q, along, 1);
+    default:
+        return 0.0;
+    }
+}
+
+/* Regimes and touches. */
+
+/* Changes the regimes whose margins ask for it; whether one did. */
+static bool change_regimes(const struct scene_values *v, struct scene_state *q)
+{
+    bool changed = false;
+    for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
+        struct scene_instant at;
+        scene_now(v, q, &at);
+        const enum contact_regime next = regime_by_margins(v, q, &at, j);
+        const bool passes = SCENE_ANY_CAPS && regime_zone_margin(v, q, &at, j) <= 0.0;
+        if (passes || next != (enum contact_regime)q->contact[j].regime) {
+            transition_switch_regime(v, q, j, next);
+            changed = true;
+            continue;
+        }
+        if (SCENE_ANY_FRICTION) {
+            const enum ode_event event = regime_friction_event(v, q, &at, j);
+            if (event != ODE_EVENT_GAP) {
+                transition_switch_friction(v, q, j, event);
+                changed = true;
+            }
+        }
+    }
+    motion_forget_integration(q);
+    return changed;
+}
+
+/* Horizons of the search for a touch [s]. The first is enlarged step by step, up to an hour: a horizon not
+ * much longer than the flight is the best conditioned. */
+static const double FIRST_HORIZON = 1.0, HORIZON_FACTOR = 4.0;
+enum { HORIZONS = 7 };
+
+/* Evaluations of one search where an axis turns. A touch beyond them is left to the importer's root
+ * finding. */
+static const long MOST_EVALUATIONS = 100000;
+
+/* How soon a contact that is apart touches [s]; INFINITY: not foreseen. The importer alone knows where it
+ * moves a prescribed body. */
+static double touch_after(const struct scene_values *v, const struct scene_state *q,
+                          const struct scene_instant *at, int contact)
+{
+    double after = (double)INFINITY;
+    const bool led =
+        body_is_prescribed(v, contact_source(contact)) || body_is_prescribed(v, contact_destination(contact));
+    if (led || q->contact[contact].regime != (int32_t)REGIME_APART) {
+        return after;
+    }
+    double horizon = FIRST_HORIZON;
+    for (int i = 0; i < HORIZONS && !isfinite(after); ++i) {
+        after = outlook_of(v, q, at, contact, horizon, MOST_EVALUATIONS).next.after;
+        horizon *= HORIZON_FACTOR;
+    }
+    return after;
+}
+
+/* The interface of model.h. */
+
+bool model_is_exchange(const struct model *m)
+{
+    return m->state.exchange != EXCHANGE_NONE;
+}
+
+size_t model_exchange_states(void)
+{
+    return SCENE_STATES;
+}
+
+size_t model_exchange_indicators(void)
+{
+    return SCENE_INDICATORS;
+}
+
+void model_exchange_set_continuous(struct model *m, bool continuous)
+{
+    if (!model_apply_inputs(m)) { /* set in the mode that ends; if they are too large, reading says so */
+        m->outputs = OUTPUTS_NONE;
+    }
+    m->state.exchange = continuous ? EXCHANGE_CONTINUOUS : EXCHANGE_EVENTS;
+}
+
+enum model_status model_exchange_set_time(struct model *m, double time)
+{
+    struct scene_state *q = &m->state.motion;
+    const double event = q->base + q->base_tail;
+    /* Times that should agree may differ by a few roundings. */
+    if (!(time >= event - 4.0 * DBL_EPSILON * fabs(event) && time <= DBL_MAX)) {
+        return model_report(
+            m, MODEL_ERROR,
+            "The time %.17g s is refused (allowed: finite, from the last event at %.17g s on).", time, event);
+    }
+    q->clock = fmax((time - q->base) - q->base_tail, 0.0);
+    model_forget_outputs(m);
+    return MODEL_OK;
+}
+
+void model_exchange_set_state(struct model *m, const struct variable *state, double value)
+{
+    *state_at(&m->state.motion, state) = value - state_origin(&m->state.motion, state);
+    m->state.booked = booked_states(&m->state.motion);
+    model_forget_outputs(m);
+}
+
+enum model_status model_exchange_set_states(struct model *m, const double *states)
+{
+    for (int i = 0; i < SCENE_STATES; ++i) {
+        const enum model_status status = model_check(m, &scene_variables[scene_states[i]], &states[i]);
+        if (status != MODEL_OK) {
+            return status;
+        }
+    }
+    for (int i = 0; i < SCENE_STATES; ++i) {
+        model_exchange_set_state(m, &scene_variables[scene_states[i]], states[i]);
+    }
+    return MODEL_OK;
+}
+
+/* Brings inputs, or before the end of initialization the start, up to date. */
+static enum model_status follow(struct model *m)
+{
+    if (!m->state.initialized) {
+        model_prepare(m);
+        return MODEL_OK;
+    }
+    return model_apply_inputs(m) ? MODEL_OK : model_refuse_inputs(m);
+}
+
+enum model_status model_exchange_get(struct model *m, enum exchange_values which, double *values)
+{
+    if (which == EXCHANGE_NOMINALS) {
+        memcpy(values, scene_state_nominals, SCENE_STATES * sizeof *values);
+        return MODEL_OK;
+    }
+    enum model_status status = follow(m);
+    const uint16_t *places = which == EXCHANGE_STATES  ? scene_states
+                             : which == EXCHANGE_RATES ? scene_rates
+                                                       : scene_indicators;
+    const int count = which == EXCHANGE_INDICATORS ? SCENE_INDICATORS : SCENE_STATES;
+    struct scene_instant at;
+    scene_now(&m->state.values, &m->state.motion, &at);
+    for (int i = 0; i < count && status == MODEL_OK; ++i) {
+        const struct variable *variable = &scene_variables[places[i]];
+        values[i] = model_exchange_value(&m->state.values, &m->state.motion, &at, variable);
+        status =
+            isfinite(values[i])
+                ? MODEL_OK
+                : model_report(m, MODEL_DISCARD,
+                               "%s is beyond the range of numbers (allowed: states and inputs with finite "
+                               "forces and energies).",
+                               variable->name);
+    }
+    if (which == EXCHANGE_STATES) {
+        m->state.booked = booked_states(&m->state.motion);
+    }
+    return status;
+}
+
+enum model_status model_exchange_update(struct model *m, bool *changed, bool *jumped)
+{
+    struct scene_state *q = &m->state.motion;
+    const enum model_status status = follow(m);
+    *changed = false;
+    if (status == MODEL_OK) {
+        *changed = change_regimes(&m->state.values, q);
+    }
+    *jumped = booked_states(q) != m->state.booked;
+    if (*changed) {
+        model_report(m, MODEL_OK, "Changes of contact at %.17g s; since initialization: %d.", scene_time(q),
+                     (int)q->counters.events);
+    }
+    model_forget_outputs(m);
+    return status;
+}
+
+/* Part of the time, or of a second where that is more, below which a touch is not announced: importers take
+ * times that differ by 1e-9 of them for the same, and cannot step to one. */
+static const double SOONEST_TOUCH = 1e-6;
+
+double model_exchange_next_touch(const struct model *m)
+{
+    const double now = scene_time(&m->state.motion);
+    double after = (double)INFINITY;
+    struct scene_instant at;
+    scene_now(&m->state.values, &m->state.motion, &at);
+    for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
+        after = fmin(after, touch_after(&m->state.values, &m->state.motion, &at, j));
+    }
+    const double time = now + after;
+    return after > SOONEST_TOUCH * fmax(1.0, fabs(now)) && time <= DBL_MAX ? time : (double)INFINITY;
+}
+
+enum model_status model_exchange_accept(struct model *m)
+{
+    const enum model_status status = follow(m);
+    struct scene_instant at;
+    scene_now(&m->state.values, &m->state.motion, &at);
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        m->state.motion.contact[j].normal = at.geometry[j].normal;
+    }
+    return status;
+}

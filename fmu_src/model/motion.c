@@ -1,0 +1,326 @@
+/* How the model moves from one time to another. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "flight/flight.h"
+#include "model/state.h"
+#include "prescribed/prescribed.h"
+#include "scene/evaluate.h"
+#include "scene/present.h"
+#include "scene/transition.h"
+
+/* In a scene without a body that may be free the motion has no state but the clock: outputs are functions of
+ * the inputs, now or over the last step. This says whether the scene has any over the last step. */
+static const bool SUMS_UP_STEPS = HAS_contact_mean_force || HAS_contact_peak_force ||
+                                  HAS_contact_peak_penetration || HAS_contact_mean_source_torque ||
+                                  HAS_contact_mean_destination_torque;
+
+const struct scene_state *motion_shown(const struct scene_values *v, const struct scene_state *q,
+                                       struct scene_state *settled)
+{
+    if (SCENE_ANY_FREE) {
+        return q;
+    }
+    scene_state_copy(v, q, settled);
+    prescribed_settle(v, settled);
+    return settled;
+}
+
+double motion_energy(const struct scene_values *v, const struct scene_state *q,
+                     const struct scene_instant *at)
+{
+    return !SCENE_ANY_FREE || scene_is_force_element(v)
+               ? 0.0
+               : energy_kinetic_of(v, at) + energy_potential_of(v, at) + energy_stored(v, q, at);
+}
+
+void motion_forget_integration(struct scene_state *q)
+{
+    for (int j = 0; SCENE_ANY_FREE && j < SCENE_CONTACTS; ++j) {
+        struct contact_state *contact = &q->contact[j];
+        contact->physics.accumulated_gap = DBL_MAX; /* positions give the gap */
+        contact->schedule.change_clock = (double)INFINITY;
+        contact->peaks = (struct contact_peaks){0.0, 0.0};
+    }
+}
+
+enum model_status motion_open(struct model *m, const struct scene_values *v, const char *otherwise)
+{
+    if (!SCENE_ANY_FREE) {
+        return MODEL_OK;
+    }
+    const struct integrator_memory memory = {m->host.allocate, m->host.release};
+    return integrator_open(&m->integrator, v, &memory)
+               ? MODEL_OK
+               : model_report(m, MODEL_ERROR, "%s: %s.", otherwise, m->integrator.message);
+}
+
+void motion_close(struct model *m)
+{
+    if (SCENE_ANY_FREE) {
+        integrator_close(&m->integrator);
+    }
+}
+
+bool motion_has_history(const struct scene_values *v)
+{
+    return SCENE_ANY_FREE && solver_method(v) != SOLVER_METHOD_EVENT_DRIVEN;
+}
+
+void motion_place(const struct scene_values *v, struct scene_state *q)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            q->origin[i] = (struct body_origin){body_initial_displacement(v, i), body_initial_velocity(v, i)};
+            q->body[i].velocity = q->origin[i].velocity;
+        }
+    }
+    if (SCENE_ANY_ROTATION) {
+        turning_place(v, q);
+    }
+}
+
+void motion_begin(const struct scene_values *v, struct scene_state *q)
+{
+    if (SCENE_ANY_FREE) {
+        struct scene_instant at;
+        transition_settle_regimes(v, q, 0.0, true);
+        transition_begin_step(v, q, &at);
+    } else if (SUMS_UP_STEPS) {
+        prescribed_begin(v, q);
+    }
+}
+
+/* Takes the paths; in a force element that turns or rubs the springs go with them where inputs jump. */
+static void take_paths(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
+                       bool jumps)
+{
+    scene_rebase(v, q);
+    memcpy(q->path, next, sizeof q->path);
+    turning_take_axes(v, q);
+#if SCENE_ANY_FRICTION
+    if (SCENE_ANY_FREE && jumps && scene_turns(v) && scene_is_force_element(v)) {
+        prescribed_lay_springs(v, q);
+    }
+#else
+    (void)jumps;
+#endif
+}
+
+bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
+                   bool jumps)
+{
+    if (!SCENE_ANY_FREE) {
+        take_paths(v, q, next, jumps);
+        return true;
+    }
+    struct scene_state before;
+    struct scene_instant at;
+    scene_state_copy(v, q, &before);
+    scene_now(v, q, &at);
+    const double stored = energy_stored(v, q, &at);
+    take_paths(v, q, next, jumps);
+    transition_settle_regimes(v, q, stored, false);
+    if (isfinite(q->external_work) || scene_is_force_element(v)) {
+        return true;
+    }
+    scene_state_copy(v, &before, q);
+    return false;
+}
+
+/* Factors and forces: a sum that is finite only if all are. */
+static double size_of_forces(const struct scene_values *v, const struct scene_state *q)
+{
+    struct scene_instant at;
+    scene_now(v, q, &at);
+    double sum = 0.0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        const struct contact_coefficients *factors = &q->contact[j].parameters.factors;
+        sum += factors->k + factors->c + fabs(at.normal_force[j]);
+    }
+    return sum;
+}
+
+bool motion_tune(const struct scene_values *v, struct scene_state *q, const struct motion_tuning *tuning)
+{
+    double stored = 0.0;
+    if (SCENE_ANY_FREE) {
+        struct scene_instant at;
+        scene_now(v, q, &at);
+        stored = energy_stored(v, q, &at);
+        q->external_work += energy_potential_change(v, &at, tuning->more_gravity);
+        scene_rebase(v, q);
+    }
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        if (SCENE_ANY_FREE) {
+            transition_scale_force_error(q, j, tuning->factors[j]);
+        }
+        q->contact[j].parameters.factors = tuning->factors[j];
+    }
+    if (SCENE_ANY_FREE) {
+        transition_take_law(v, q, tuning->law_changed, stored);
+    }
+    return isfinite(size_of_forces(v, q)) &&
+           (!SCENE_ANY_FREE || isfinite(q->external_work) || scene_is_force_element(v));
+}
+
+static enum model_status report_step_limit(const struct model *m, const struct step_request *request)
+{
+    return model_report(
+        m, MODEL_DISCARD,
+        "The step to %s s %s at %s s: solver.max_internal_steps = %d are used up, by number or "
+        "by work (allowed: 1 .. 2147483647). Go on from %s, if need be in smaller steps, or set a larger "
+        "limit.",
+        shortest_digits(request->end_time).text, request->whole ? "is undone, it got stuck" : "stopped",
+        shortest_digits(scene_time(&m->state.motion)).text, (int)solver_max_internal_steps(&m->state.values),
+        request->whole ? "where it began" : "there");
+}
+
+/* A step of a force element, whose contacts are integrated over it where an output sums it up. */
+static enum model_status advance_force_element(struct model *m, const struct step_request *request)
+{
+    const struct scene_values *v = &m->state.values;
+    struct scene_state *q = &m->state.motion;
+    const struct scene_state before = *q;
+    const double length = scene_remaining(q, request->end_time);
+    const long limit = SCENE_ANY_FREE ? solver_max_internal_steps(v) : PRESCRIBED_PANELS;
+    if (SCENE_ANY_FREE) {
+        struct scene_instant at;
+        transition_begin_step(v, q, &at);
+    } else if (SUMS_UP_STEPS) {
+        prescribed_begin(v, q);
+    }
+    if ((SCENE_ANY_FREE || SUMS_UP_STEPS) &&
+        !prescribed_over(v, q, length, limit < PRESCRIBED_PANELS ? limit : PRESCRIBED_PANELS)) {
+        const struct step_request whole = {.end_time = request->end_time, .whole = true};
+        *q = before;
+        return limit < PRESCRIBED_PANELS ? report_step_limit(m, &whole) : model_report_stalled(m, &whole);
+    }
+    q->clock += length;
+    if (SCENE_ANY_FREE) {
+        q->step_length = length;
+    }
+    scene_rebase(v, q);
+    if (SCENE_ANY_FREE) {
+        transition_end_step(v, q);
+    }
+    return MODEL_OK;
+}
+
+enum model_status motion_advance(struct model *m, const struct step_request *request)
+{
+    if (!SCENE_ANY_FREE || (scene_turns(&m->state.values) && scene_is_force_element(&m->state.values))) {
+        return advance_force_element(m, request);
+    }
+    const double end_time = request->end_time;
+    const struct scene_values *v = &m->state.values;
+    const int32_t events = m->state.motion.counters.events;
+    switch (integrator_run(&m->integrator, v, &m->state.motion, request)) {
+    case INTEGRATOR_DONE:
+        break;
+    case INTEGRATOR_STEP_LIMIT:
+        return report_step_limit(m, request);
+    case INTEGRATOR_STALLED:
+        return model_report_stalled(m, request);
+    case INTEGRATOR_FAILED:
+    default:
+        return model_report(m, MODEL_ERROR, "The step to %s s failed at %s s: %s",
+                            shortest_digits(end_time).text,
+                            shortest_digits(scene_time(&m->state.motion)).text, m->integrator.message);
+    }
+    if (m->state.motion.counters.events != events && model_reports(m, MODEL_OK)) {
+        model_report(m, MODEL_OK, "Changes of contact up to %s s: %d; since initialization: %d.",
+                     shortest_digits(end_time).text, (int)(m->state.motion.counters.events - events),
+                     (int)m->state.motion.counters.events);
+    }
+    return MODEL_OK;
+}
+
+void motion_catch_up(const struct scene_values *v, struct scene_state *q)
+{
+    if (SCENE_ANY_FREE && q->deferred) {
+        flight_catch_up(v, q);
+    }
+}
+
+/* Apart from foresee_reading, which need not save registers for it. */
+CONTACT_NOINLINE static void show_prescribed(struct scene_values *v, const struct scene_state *q)
+{
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_prescribed(v, i)) {
+            present_body_now(v, q, i);
+        }
+    }
+}
+
+/* After a deferred flight to `clock`: a caller that has read outputs after the step before will read again,
+ * so body states are computed at once where that is cheap. The clock is passed by value, because reading it
+ * back just after it was written costs more. */
+static void foresee_reading(struct model *m, double clock)
+{
+    struct scene_values *v = &m->state.values;
+    const struct scene_state *q = &m->state.motion;
+    m->outputs = OUTPUTS_BODIES;
+    _Static_assert(((int)MOTION_PRESCRIBED & ~(int)MOTION_FIXED) != 0, "fixed bodies hide prescribed ones");
+    int others = 0; /* bits of the motions that are not free: one instruction a body */
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        if (body_is_free(v, i)) {
+            const struct body_state at = flight_unforced_at(v, q, i, clock);
+            present_body(v, i, vec3_add(q->origin[i].displacement, at.moved), at.velocity);
+        } else {
+            others |= body_motion(v, i);
+        }
+    }
+    if (others & ~(int)MOTION_FIXED) {
+        show_prescribed(v, q);
+    }
+}
+
+/* Apart from motion_defer, which need not save registers for it. */
+CONTACT_NOINLINE static bool defer_further(struct model *m, double end_time)
+{
+    return integrator_defer_further(&m->state.values, &m->state.motion, end_time);
+}
+
+bool motion_defer(struct model *m, double end_time)
+{
+    struct scene_state *q = &m->state.motion;
+    if (!SCENE_ANY_FREE) {
+        return false;
+    }
+    if (!flight_defer(q, end_time) && !(q->deferrable_clock > 0.0 && defer_further(m, end_time))) {
+        return false;
+    }
+    if (m->outputs > OUTPUTS_FIXED) {
+        foresee_reading(m, m->state.motion.clock);
+    }
+    return true;
+}
+
+/* A measure of a free body's motion that is infinite or NaN where any part of it is. */
+static double size_of_motion(const struct scene_values *v, const struct scene_state *q, int body)
+{
+    const struct vec3 speed = q->body[body].velocity;
+    return body_mass(v, body) * vec3_dot(speed, speed) + vec3_norm(q->body[body].moved);
+}
+
+double motion_size(const struct scene_values *v, const struct scene_state *q)
+{
+    double sum = !SCENE_ANY_FREE || scene_is_force_element(v) ? 0.0 : q->dissipated + q->external_work;
+    for (int i = 0; i < SCENE_BODIES; ++i) {
+        sum += body_is_free(v, i) ? size_of_motion(v, q, i) : 0.0;
+    }
+    for (int j = 0; !SCENE_ANY_FREE && SUMS_UP_STEPS && j < SCENE_CONTACTS; ++j) {
+        const struct contact_state *state = &q->contact[j];
+        const struct vec3 mean = state->mean_force;
+        sum += fabs(mean.x) + fabs(mean.y) + fabs(mean.z) + state->peaks.force + state->peaks.penetration;
+    }
+    return sum;
+}
+
+double motion_least_speed(const struct scene_values *v)
+{
+    /* else the start value of solver.absolute_tolerance in scenes with a solver */
+    return SCENE_ANY_FREE ? solver_absolute_tolerance(v) : 1e-12;
+}
