@@ -36,8 +36,14 @@ HELD = ("tumbling rate",)  # neither body can move, and there is no momentum to 
 
 
 @pytest.fixture(scope="module")
-def rows():
-    return [row for _, found in run_all(thinned(all_scenes(), QUICK), 2) for row in found]
+def scenes():
+    return all_scenes()
+
+
+@pytest.fixture(scope="module")
+def rows(scenes):
+    """A third of what `scripts/stability.sh --quick` runs"""
+    return [row for _, found in run_all(thinned(scenes, 3 * QUICK), 2) for row in found]
 
 
 @pytest.mark.parametrize("family", [family.name for family in FAMILIES])
@@ -116,17 +122,14 @@ def test_cvode_refuses_at_its_work_limit_and_nowhere_else(rows, method):
     assert ended > 5 * len(refused) > 0
 
 
-def test_the_full_atlas_has_5000_scenes_for_each_method():
-    scenes = all_scenes()
+def test_the_full_atlas_has_5000_scenes_for_each_method(scenes):
     assert sum(len(scene.steps) for scene in scenes) >= 5000
     assert len({(scene.name, scene.motion, scene.steps) for scene in scenes}) == len(scenes)
     reached = Counter(scene.family for scene in scenes)
     assert reached.keys() == {family.name for family in FAMILIES}
 
 
-def test_the_declared_ranges_are_swept():
-    scenes = all_scenes()
-
+def test_the_declared_ranges_are_swept(scenes):
     def span(family, name="value"):
         own = [getattr(scene, name) for scene in scenes if scene.family == family]
         return min(own), max(own)
@@ -203,6 +206,10 @@ def test_a_wrong_orientation_is_found(monkeypatch):
 
 
 def test_the_page_stands_alone_and_tells_every_refusal(rows, tmp_path):
+    refused = sorted({row.family for row in rows if row.status != "ok"})
+    few = {*refused[:4], *[family.name for family in FAMILIES[:2]]}  # a family is nine panels
+    rows = [row for row in rows if row.family in few]
+    assert any(row.status != "ok" for row in rows)
     write_csv(rows, tmp_path / "runs.csv")
     write_csv(groups(rows), tmp_path / "summary.csv")
     draw_page(rows, tmp_path, "A few scenes.")
