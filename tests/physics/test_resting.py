@@ -1,5 +1,5 @@
-"""Rest stays rest: an hour of simulated time in steps of 1 ms leaves a ball where it lay, to a nanometre,
-and gives it no energy.
+"""Rest stays rest: steps of 1 ms leave a ball where it lay, to a nanometre, and give it no energy; where nothing
+damps it, for an hour of simulated time.
 """
 
 import ctypes
@@ -64,7 +64,7 @@ def pressed_together(**more):
 
 
 STATES = {
-    "on a ball": ("SphereSphere", on_top(**DAMPED), HOUR),
+    "on a ball": ("SphereSphere", on_top(**DAMPED), MINUTES),
     "in a hollow cylinder, undamped": (
         "SphereCylinder",
         at_the_bottom(**UNDAMPED, **{"destination.axis": AXIS.tolist()}),

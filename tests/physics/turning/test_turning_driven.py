@@ -88,7 +88,7 @@ def incremental(values, shape, inside, end):
 
 @pytest.mark.parametrize("number", range(len(PLACES)))
 def test_a_spring_without_a_dashpot_slides_as_increments_say(opened, number):
-    """One is so soft that it sticks for long, one so stiff that it slides nearly at once."""
+    """In turn so soft that it sticks for long, and so stiff that it slides nearly at once"""
     shape, values, end, _ = driven_scene(number)
     stiffness = 5e4
     values = {name: value for name, value in values.items() if not name.startswith("contact.")} | {
@@ -99,9 +99,8 @@ def test_a_spring_without_a_dashpot_slides_as_increments_say(opened, number):
         "destination.prescribed_angular_velocity": [0.0, 0.0, 0.0],
     }  # fmt: skip
     values = {name: value for name, value in values.items() if value is not None}
-    for part in (0.02, 0.5):
-        values["contact.tangential_stiffness"] = part * stiffness
-        fmu = start(opened(FMU[shape]), values)
-        fmu.step(end)
-        right = incremental(values, shape, PLACES[number][1], end)
-        assert np.linalg.norm(end * fmu["contact.mean_force"] - right) < 3e-3 * np.linalg.norm(right), part
+    values["contact.tangential_stiffness"] = (0.02, 0.5)[number % 2] * stiffness
+    fmu = start(opened(FMU[shape]), values)
+    fmu.step(end)
+    right = incremental(values, shape, PLACES[number][1], end)
+    assert np.linalg.norm(end * fmu["contact.mean_force"] - right) < 3e-3 * np.linalg.norm(right)
