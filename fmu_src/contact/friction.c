@@ -45,12 +45,6 @@ static bool has_dashpot(const struct friction_law *law)
     return law->damping > 0.0;
 }
 
-bool friction_acts(const struct friction_law *law)
-{
-    const double largest_factor = law->kind == FRICTION_ELASTIC ? law->static_coefficient : law->coefficient;
-    return law->kind != FRICTION_NONE && largest_factor > 0.0 && law->largest > 0.0;
-}
-
 double friction_limit(const struct friction_law *law, enum friction_regime regime, double normal_force)
 {
     switch (regime) {

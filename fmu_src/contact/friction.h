@@ -58,9 +58,6 @@ struct friction_slopes {
     double by_slip[3][3], by_spring[3][3];
 };
 
-/* Whether the law ever makes a force. */
-bool friction_acts(const struct friction_law *law);
-
 /* L [N]: what F_t has at most in a regime; of sticking, where it breaks away: min(mu_s F_n, F_max). */
 double friction_limit(const struct friction_law *law, enum friction_regime regime, double normal_force);
 

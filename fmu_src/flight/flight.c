@@ -79,7 +79,8 @@ static struct axis_motion prescribed_axis(const struct scene_state *q, struct ve
     path_shift(path.angular_velocity, 3, q->clock);
     path_shift(path.axis, 3, q->clock);
     const bool by_axis = path.turn_follows != TURN_FOLLOWS_VELOCITY && !vec3_is_zero(path.axis[0]);
-    return by_axis ? axis_motion_following(path.axis, 3) : axis_motion_driven(axis, path.angular_velocity, 3);
+    return by_axis ? axis_motion_following(path.axis, 3)
+                   : axis_motion_prescribed(axis, path.angular_velocity, 3);
 }
 
 struct axis_motion flight_axis_motion(const struct scene_values *v, const struct scene_state *q,
@@ -101,7 +102,7 @@ struct axis_motion flight_axis_motion(const struct scene_values *v, const struct
     struct vec3 lambda[ROTOR_RATES];
     torque_from_now(q, body, torque);
     rotor_rates_under_torque(&now, inertia.transverse, inertia.axial, torque, lambda);
-    return axis_motion_driven(axis, lambda, ROTOR_RATES);
+    return axis_motion_prescribed(axis, lambda, ROTOR_RATES);
 }
 
 /* Part of the terms of the discriminant below which the parabola may only touch zero, and its root has less

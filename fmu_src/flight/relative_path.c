@@ -177,8 +177,8 @@ bool relative_path_within(const struct relative_path *path, double s)
     if (!SCENE_ANY_CYLINDER || !path->has_ends) {
         return true;
     }
-    return s < path->ends_settle ? path->starts_within
-                                 : fabs(polynomial_at(&path->axial, s)) <= path->half_length;
+    return s < path->ends_dead_band ? path->starts_within
+                                    : fabs(polynomial_at(&path->axial, s)) <= path->half_length;
 }
 
 /* chi g' = 1, where Hunt and Crossley's damping would begin to pull: g' = side (c.w)/d, of a plane n.w,
@@ -308,8 +308,8 @@ int candidates_of_ends(const struct relative_path *path, double *candidates, int
         plane.a[0] += end * path->half_length;
         count = add_candidates(&plane, candidates, count);
     }
-    return path->ends_settle > 0.0 && path->ends_settle < 1.0
-               ? insert_candidate(path->ends_settle, candidates, count)
+    return path->ends_dead_band > 0.0 && path->ends_dead_band < 1.0
+               ? insert_candidate(path->ends_dead_band, candidates, count)
                : count;
 }
 

@@ -37,9 +37,10 @@ struct relative_path {
     double reach;            /* [scale] */
     double half_length;      /* [scale], where it has ends */
     bool has_ends;
-    bool starts_within; /* until s = ends_settle: whether the source is between the end planes (prediction.h)
+    bool
+        starts_within; /* until s = ends_dead_band: whether the source is between the end planes (prediction.h)
  * */
-    double ends_settle;
+    double ends_dead_band;
     int side;
 };
 

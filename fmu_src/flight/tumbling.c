@@ -33,7 +33,7 @@ static void copy_terms(struct axis_motion *motion, const struct vec3 *coefficien
     }
 }
 
-struct axis_motion axis_motion_driven(struct vec3 axis, const struct vec3 *rate, int count)
+struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *rate, int count)
 {
     if (is_steady_axis(rate, count)) {
         /* a sphere's free motion is a steady turn */
@@ -79,7 +79,7 @@ static struct rotor_axis following_axis_at(const struct axis_motion *motion, dou
     return now;
 }
 
-static struct rotor_axis driven_axis_at(const struct axis_motion *motion, double time)
+static struct rotor_axis prescribed_axis_at(const struct axis_motion *motion, double time)
 {
     const double since = time - motion->from;
     struct vec3 at[3];
@@ -94,7 +94,7 @@ struct rotor_axis axis_motion_at(const struct axis_motion *motion, double time)
     case AXIS_PRECESSES:
         return rotor_axis_at(&motion->rotor, time - motion->from);
     case AXIS_DRIVEN:
-        return driven_axis_at(motion, time);
+        return prescribed_axis_at(motion, time);
     case AXIS_FOLLOWS:
         return following_axis_at(motion, time);
     case AXIS_FIXED:
@@ -106,7 +106,7 @@ struct rotor_axis axis_motion_at(const struct axis_motion *motion, double time)
 void axis_motion_move_on(struct axis_motion *motion, double time)
 {
     if (motion->kind == AXIS_DRIVEN && time > motion->from) {
-        motion->axis = driven_axis_at(motion, time).axis;
+        motion->axis = prescribed_axis_at(motion, time).axis;
         rotor_rates_shift(motion->coefficient, AXIS_TERMS, time - motion->from);
         motion->from = time;
     }

@@ -28,7 +28,7 @@ struct axis_motion axis_motion_fixed(struct vec3 axis);
 struct axis_motion axis_motion_of_rotor(const struct rotor *rotor);
 
 /* `count` coefficients, up to AXIS_TERMS. Of a rate that is constant a steady turn. */
-struct axis_motion axis_motion_driven(struct vec3 axis, const struct vec3 *rate, int count);
+struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *rate, int count);
 struct axis_motion axis_motion_following(const struct vec3 *direction, int count);
 
 /* e_d and its rate, at a time no earlier than `from`. */

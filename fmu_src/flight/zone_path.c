@@ -588,7 +588,7 @@ double zone_change_touch(const struct scene_values *v, const struct scene_state 
     const struct separation_path path = separation_path_of(v, q, at, clock, contact);
     const double noise = rounding_of_gap(v, at, contact);
     const double *known = scene_gap_is_accumulated(q, at, contact) ? &at->geometry[contact].gap : NULL;
-    double time = fmax(0.0, q->contact[contact].schedule.settled_clock - clock);
+    double time = fmax(0.0, q->contact[contact].schedule.dead_band_clock - clock);
     bool near = fabs(at->geometry[contact].gap) <= noise;
     for (int i = 0; i < TRIALS && time <= horizon; ++i) {
         if (near) {

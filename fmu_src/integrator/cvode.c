@@ -316,7 +316,7 @@ static void book_counters(struct cvode *c, struct scene_state *q, struct advance
 
 /* CVODE places a root within 100 roundings of its time and step; four times that is beyond doubt in the new
  * regime. */
-static double settled_clock(struct cvode *c, double clock)
+static double dead_band_clock(struct cvode *c, double clock)
 {
     double step = 0.0;
     CVodeGetLastStep(c->memory, &step);
@@ -355,7 +355,7 @@ static void tidy_event(struct cvode *c, const struct scene_values *v, struct sce
         projection_close_gap(v, q, step->contact);
         projection_restore_energy(v, q, step->contact, c->problem.relative * speed + c->problem.absolute);
     }
-    q->contact[step->contact].schedule.settled_clock = settled_clock(c, q->clock);
+    q->contact[step->contact].schedule.dead_band_clock = dead_band_clock(c, q->clock);
 }
 
 /* Contacts that end, or begin, at almost the same time: when the first has ended the phase, the second may

@@ -777,7 +777,7 @@ static void tidy_end(struct general *g, const struct scene_values *v, struct sce
         projection_close_gap(v, q, step->contact);
         projection_restore_energy(v, q, step->contact, g->relative * speed + g->absolute);
     }
-    q->contact[step->contact].schedule.settled_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
+    q->contact[step->contact].schedule.dead_band_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
 }
 
 /* Contacts that end, or begin, at almost the same time: when the first has ended the phase, the second may

@@ -99,10 +99,10 @@ static inline void look_ahead(const struct scene_values *v, struct scene_state *
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct regime_change next;
         if (scene_turns(v)) {
-            const struct outlook outlook = outlook_of(v, q, at, j, horizon, step->budget);
-            next = outlook.next;
-            horizon = outlook.searched;
-            advance_spend(step, outlook.evaluations, outlook.evaluations);
+            const struct prediction prediction = prediction_of(v, q, at, j, horizon, step->budget);
+            next = prediction.next;
+            horizon = prediction.searched;
+            advance_spend(step, prediction.evaluations, prediction.evaluations);
         } else {
             next = next_regime_change(v, q, at, q->clock, j, horizon);
         }
@@ -201,7 +201,7 @@ struct synchronized_step {
 
 static bool has_segment(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    return contact_transmits(q, contact) && !contact_is_driven(v, contact);
+    return contact_transmits(q, contact) && !contact_is_prescribed(v, contact);
 }
 
 /* A segment that reaches this part of the time asked for reaches all of it but for rounding: the other pairs
@@ -266,7 +266,7 @@ static double integrate_prescribed(const struct scene_values *v, struct scene_st
     const double reached = prescribed_integrate(v, q, end, &step->budget);
     advance_spend(step, 0, PANEL_WORK * (before - step->budget));
     for (int j = 0; reached > q->clock && j < SCENE_CONTACTS; ++j) {
-        if (contact_is_driven(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
+        if (contact_is_prescribed(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
             regime_change_note_depth(v, q, advance_now(step, v, q), j, reached);
         }
     }
@@ -333,7 +333,7 @@ static double stored_in_separating(const struct scene_values *v, const struct sc
 {
     double sum = 0.0;
     for (int j = 0; SCENE_CONTACTS > 1 && j < SCENE_CONTACTS; ++j) {
-        if (q->contact[j].regime == REGIME_SEPARATING && !contact_is_driven(v, j)) {
+        if (q->contact[j].regime == REGIME_SEPARATING && !contact_is_prescribed(v, j)) {
             const struct contact_law law = scene_contact_law(v, q, j);
             const double gap = advance_now(step, v, q)->geometry[j].gap;
             sum += contact_stored_energy(&law, REGIME_SEPARATING, gap);

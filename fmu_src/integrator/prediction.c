@@ -14,24 +14,23 @@
 
 /* Rounding of the event function while separating. Of the rate: what it makes of n, from positions, and of
  * n.w. */
-static double settling_margin_rounding(const struct contact_shape *shape, const struct contact_law *law,
-                                       const struct contact_geometry *now, double gap_rounding,
-                                       double by_positions, const struct separation_path *separation);
+static double dead_band_rounding(const struct contact_shape *shape, const struct contact_law *law,
+                                 const struct contact_geometry *now, double gap_rounding, double by_positions,
+                                 const struct separation_path *separation);
 
 /* Until then, in s of the path, the present regime, whose boundary has just been crossed, is taken to last.
  * `gap_rounding` is that of the gap, `by_positions` what it would be from positions alone. `just_begun`: at
  * the event itself, where an integrator has left of the force what its tolerance allows. */
-static double settling_time(const struct relative_path *path, const struct contact_shape *shape,
-                            const struct contact_law *law, const struct contact_geometry *now,
-                            double gap_rounding, double by_positions,
-                            const struct separation_path *separation, enum contact_regime present,
-                            bool just_begun);
+static double dead_band_of(const struct relative_path *path, const struct contact_shape *shape,
+                           const struct contact_law *law, const struct contact_geometry *now,
+                           double gap_rounding, double by_positions, const struct separation_path *separation,
+                           enum contact_regime present, bool just_begun);
 
 /* As long as a source may be on either side of an end plane by rounding, which is `rounding` along the axis,
  * the path says that it is where the present regime has it. */
-static void settling_at_ends(struct relative_path *path, const struct contact_shape *shape,
-                             const struct contact_geometry *now, double rounding,
-                             const struct separation_path *separation, enum contact_regime present);
+static void dead_band_at_ends(struct relative_path *path, const struct contact_shape *shape,
+                              const struct contact_geometry *now, double rounding,
+                              const struct separation_path *separation, enum contact_regime present);
 
 /*
  * The first change of regime of a contact whose motion is given: neither body is free, so the path is the
@@ -43,23 +42,24 @@ static void settling_at_ends(struct relative_path *path, const struct contact_sh
  */
 
 /* Of the positions that the path starts from, and the speed at which they change. */
-struct driven_rounding {
+struct prescribed_rounding {
     double gap;   /* what rounding makes of the gap [m] */
     double axial; /* and of the place along a cylinder's axis [m] */
     double speed; /* |w| over the whole path at most [m/s] */
 };
 
-struct driven_change {
+struct prescribed_change {
     double s; /* of the path, INFINITY where nothing changes */
     enum contact_regime regime;
     double gap; /* then [m] */
 };
 
 /* `events`: `count` instants of the path, sorted, among them all at which the regime may change. */
-static struct driven_change driven_first_change(const struct relative_path *path,
-                                                const struct contact_law *law,
-                                                const struct driven_rounding *rounding, const double *events,
-                                                int count, enum contact_regime present);
+static struct prescribed_change prescribed_first_change(const struct relative_path *path,
+                                                        const struct contact_law *law,
+                                                        const struct prescribed_rounding *rounding,
+                                                        const double *events, int count,
+                                                        enum contact_regime present);
 
 /*
  * The first change of regime of a contact along a path that is known (relative_path.h), and what the path
@@ -108,9 +108,9 @@ static double margin_slope(const struct contact_shape *shape, const struct conta
     return slopes.by_gap * opening + slopes.by_rate * bend;
 }
 
-static double settling_margin_rounding(const struct contact_shape *shape, const struct contact_law *law,
-                                       const struct contact_geometry *now, double gap_rounding,
-                                       double by_positions, const struct separation_path *separation)
+static double dead_band_rounding(const struct contact_shape *shape, const struct contact_law *law,
+                                 const struct contact_geometry *now, double gap_rounding, double by_positions,
+                                 const struct separation_path *separation)
 {
     const double turn = 8.0 * DBL_EPSILON + (contact_turns(shape, now) ? by_positions / now->distance : 0.0);
     const struct contact_slopes slopes =
@@ -118,18 +118,17 @@ static double settling_margin_rounding(const struct contact_shape *shape, const 
     return slopes.by_gap * gap_rounding + fmin(turn, 1.0) * slopes.by_rate * vec3_norm(separation->w[0]);
 }
 
-static double settling_time(const struct relative_path *path, const struct contact_shape *shape,
-                            const struct contact_law *law, const struct contact_geometry *now,
-                            double gap_rounding, double by_positions,
-                            const struct separation_path *separation, enum contact_regime present,
-                            bool just_begun)
+static double dead_band_of(const struct relative_path *path, const struct contact_shape *shape,
+                           const struct contact_law *law, const struct contact_geometry *now,
+                           double gap_rounding, double by_positions, const struct separation_path *separation,
+                           enum contact_regime present, bool just_begun)
 {
     const double closing = vec3_dot(now->normal, separation->c[1]);
     double settle = leaving_time(now->gap, gap_rounding, closing, vec3_norm(separation->c[2]));
     if (present == REGIME_SEPARATING) {
         const double margin = contact_event(law, present, now->gap, now->gap_rate);
         const double slope = margin_slope(shape, law, now, separation);
-        double noise = settling_margin_rounding(shape, law, now, gap_rounding, by_positions, separation);
+        double noise = dead_band_rounding(shape, law, now, gap_rounding, by_positions, separation);
         if (just_begun && margin < 0.0 && slope > 0.0) {
             /* what the integrator left of the force that is now zero */
             noise = fmax(noise, -2.0 * margin);
@@ -139,13 +138,13 @@ static double settling_time(const struct relative_path *path, const struct conta
     return settle / path->horizon;
 }
 
-static void settling_at_ends(struct relative_path *path, const struct contact_shape *shape,
-                             const struct contact_geometry *now, double rounding,
-                             const struct separation_path *separation, enum contact_regime present)
+static void dead_band_at_ends(struct relative_path *path, const struct contact_shape *shape,
+                              const struct contact_geometry *now, double rounding,
+                              const struct separation_path *separation, enum contact_regime present)
 {
     const double beyond = fabs(now->axial) - shape->half_length;
     const double along = vec3_dot(separation->c[1], shape->axis);
-    path->ends_settle =
+    path->ends_dead_band =
         leaving_time(beyond, rounding, along, vec3_dot(separation->c[2], shape->axis)) / path->horizon;
     path->starts_within = present != REGIME_APART || (beyond <= 0.0 && !(now->gap < 0.0));
 }
@@ -228,7 +227,7 @@ static bool path_keeps_away(const struct relative_path *path)
 static const double ROUNDINGS = 8.0 * DBL_EPSILON;
 
 /* What the law sees at one place of the path, and what rounding makes of it. */
-struct driven_instant {
+struct prescribed_instant {
     double gap, rate, beyond;                   /* [m], [m/s], how far beyond a cylinder's end [m] */
     double gap_noise, rate_noise, beyond_noise; /* likewise */
     enum contact_regime regime;
@@ -253,8 +252,8 @@ static double size_of_path(const struct relative_path *path, double s)
     return size;
 }
 
-static struct driven_instant driven_at(const struct relative_path *path, const struct contact_law *law,
-                                       const struct driven_rounding *rounding, double s)
+static struct prescribed_instant driven_at(const struct relative_path *path, const struct contact_law *law,
+                                           const struct prescribed_rounding *rounding, double s)
 {
     double gap;
     double slope;
@@ -262,7 +261,7 @@ static struct driven_instant driven_at(const struct relative_path *path, const s
     const double speed_unit = path->scale / path->horizon;
     const double distance = relative_path_divisor(path, gap);
     const double along = polynomial_at(&path->half_rate, s);
-    struct driven_instant at = {.gap = path->scale * gap, .beyond = -1.0};
+    struct prescribed_instant at = {.gap = path->scale * gap, .beyond = -1.0};
     at.gap_noise = fmax(rounding->gap, ROUNDINGS * path->scale * (size_of_path(path, s) + path->reach));
     if (distance > 0.0) {
         at.rate = path->side * along / distance * speed_unit;
@@ -280,7 +279,7 @@ static struct driven_instant driven_at(const struct relative_path *path, const s
 }
 
 /* Whether the regime there is another one, whatever rounding does. */
-static bool has_changed(const struct driven_instant *at, const struct contact_law *law,
+static bool has_changed(const struct prescribed_instant *at, const struct contact_law *law,
                         enum contact_regime present)
 {
     if (at->regime == present) {
@@ -300,7 +299,7 @@ static bool has_changed(const struct driven_instant *at, const struct contact_la
 /* Candidate events of the law come from squared polynomials, which lose digits where the path is long. So the
  * change is located by bisection of the regime itself, between an instant before it and one after. */
 static double halve_to_change(const struct relative_path *path, const struct contact_law *law,
-                              const struct driven_rounding *rounding, double before, double after,
+                              const struct prescribed_rounding *rounding, double before, double after,
                               enum contact_regime next)
 {
     for (;;) {
@@ -316,10 +315,11 @@ static double halve_to_change(const struct relative_path *path, const struct con
     }
 }
 
-static struct driven_change driven_first_change(const struct relative_path *path,
-                                                const struct contact_law *law,
-                                                const struct driven_rounding *rounding, const double *events,
-                                                int count, enum contact_regime present)
+static struct prescribed_change prescribed_first_change(const struct relative_path *path,
+                                                        const struct contact_law *law,
+                                                        const struct prescribed_rounding *rounding,
+                                                        const double *events, int count,
+                                                        enum contact_regime present)
 {
     double from = 0.0;
     double before = -1.0;
@@ -329,7 +329,7 @@ static struct driven_change driven_first_change(const struct relative_path *path
             continue;
         }
         const double middle = 0.5 * (from + to);
-        const struct driven_instant at = driven_at(path, law, rounding, middle);
+        const struct prescribed_instant at = driven_at(path, law, rounding, middle);
         if (has_changed(&at, law, present)) {
             const bool by_law = present != REGIME_APART && at.regime != REGIME_APART;
             if (by_law && before >= 0.0) {
@@ -338,12 +338,12 @@ static struct driven_change driven_first_change(const struct relative_path *path
             double gap;
             double slope;
             relative_path_gap(path, from, &gap, &slope);
-            return (struct driven_change){from, at.regime, path->scale * gap};
+            return (struct prescribed_change){from, at.regime, path->scale * gap};
         }
         before = middle;
         from = to;
     }
-    return (struct driven_change){(double)INFINITY, present, 0.0};
+    return (struct prescribed_change){(double)INFINITY, present, 0.0};
 }
 
 /* The first touch of bodies that are apart at `settle`, INFINITY if there is none; compression follows. False
@@ -394,7 +394,7 @@ static bool head_on_change(const struct contact_shape *shape, const struct conta
         return true;
     }
     struct flight_regime_end end;
-    const double noise = settling_margin_rounding(shape, law, now, gap_rounding, by_positions, separation);
+    const double noise = dead_band_rounding(shape, law, now, gap_rounding, by_positions, separation);
     if (!flight_head_on_regime_end(shape, law, separation, now, gap_rounding, noise, &end)) {
         return false;
     }
@@ -429,16 +429,17 @@ static double speed_at_most(const struct separation_path *separation, double hor
 }
 
 /* Where neither body is free. */
-static struct regime_change driven_regime_change(const struct relative_path *path,
-                                                 const struct contact_shape *shape,
-                                                 const struct contact_law *law,
-                                                 const struct driven_rounding *rounding,
-                                                 enum contact_regime present)
+static struct regime_change prescribed_regime_change(const struct relative_path *path,
+                                                     const struct contact_shape *shape,
+                                                     const struct contact_law *law,
+                                                     const struct prescribed_rounding *rounding,
+                                                     enum contact_regime present)
 {
     double events[MAX_CANDIDATES];
     const struct extremes extremes = extremes_of(path);
     const int count = candidates_of_all(path, &extremes, shape, law, events);
-    const struct driven_change change = driven_first_change(path, law, rounding, events, count, present);
+    const struct prescribed_change change =
+        prescribed_first_change(path, law, rounding, events, count, present);
     const bool touches = present == REGIME_APART && fabs(change.gap) <= rounding->gap;
     return (struct regime_change){change.s * path->horizon, change.regime, touches ? 0.0 : change.gap,
                                   path_passes_centre(path, &extremes, change.s)};
@@ -479,7 +480,7 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
     const bool has_ends = relative_path_has_ends(&shape);
     const bool ends_only =
-        present != REGIME_APART && present != REGIME_SEPARATING && !contact_is_driven(v, contact);
+        present != REGIME_APART && present != REGIME_SEPARATING && !contact_is_prescribed(v, contact);
     if ((ends_only && !has_ends) || contact_is_coupled(v, q, contact)) {
         return (struct regime_change){(double)INFINITY, present, 0.0, true};
     }
@@ -494,7 +495,7 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
                                     : by_positions;
     struct regime_change next;
     if (!has_ends && (present == REGIME_APART || present == REGIME_SEPARATING) &&
-        !(q->contact[contact].schedule.settled_clock > clock) &&
+        !(q->contact[contact].schedule.dead_band_clock > clock) &&
         head_on_change(&shape, &law, &separation, &now, present, gap_rounding, by_positions, horizon,
                        &next)) {
         return next;
@@ -504,18 +505,19 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
         return first_touch_at((double)INFINITY);
     }
     const double axially = has_ends ? rounding_of_axial(v, at, contact, &shape) : 0.0;
-    if (contact_is_driven(v, contact)) {
-        const struct driven_rounding rounding = {by_positions, axially, speed_at_most(&separation, horizon)};
-        return driven_regime_change(&path, &shape, &law, &rounding, present);
+    if (contact_is_prescribed(v, contact)) {
+        const struct prescribed_rounding rounding = {by_positions, axially,
+                                                     speed_at_most(&separation, horizon)};
+        return prescribed_regime_change(&path, &shape, &law, &rounding, present);
     }
-    const double found = (q->contact[contact].schedule.settled_clock - clock) / horizon;
+    const double found = (q->contact[contact].schedule.dead_band_clock - clock) / horizon;
     /* Bodies that approach touch where g = 0; waiting for more than rounding would add penetration. */
     const bool approaches = present == REGIME_APART && now.gap_rate < -rounding_of_rate(at, contact);
     const double unclear = approaches ? 0.0 : gap_rounding;
-    const double settle = fmax(found, settling_time(&path, &shape, &law, &now, unclear, by_positions,
-                                                    &separation, present, clock == 0.0));
+    const double settle = fmax(found, dead_band_of(&path, &shape, &law, &now, unclear, by_positions,
+                                                   &separation, present, clock == 0.0));
     if (has_ends) {
-        settling_at_ends(&path, &shape, &now, axially, &separation, present);
+        dead_band_at_ends(&path, &shape, &now, axially, &separation, present);
     }
     if (ends_only) {
         double events[MAX_CANDIDATES];
@@ -542,7 +544,7 @@ static struct regime_change capped_regime_change(const struct scene_values *v, c
     const struct regime_change none = {(double)INFINITY, present, 0.0, true};
     const struct contact_shape shape = scene_contact_shape(v, q, contact);
     if (contact_is_coupled(v, q, contact) ||
-        (contact_transmits(q, contact) && !contact_is_driven(v, contact))) {
+        (contact_transmits(q, contact) && !contact_is_prescribed(v, contact))) {
         return none;
     }
     if (present == REGIME_APART) {
@@ -658,7 +660,7 @@ static double halve_to_regime(const struct tumbling_path *path, const struct con
 
 /* What the law changes before `until`, while the bodies go on touching. */
 static void look_for_law(const struct tumbling_path *from_now, const struct contact_law *law,
-                         enum contact_regime present, double until, long budget, struct outlook *found)
+                         enum contact_regime present, double until, long budget, struct prediction *found)
 {
     struct tumbling_path path = *from_now;
     const struct axis_bounds axis = axis_motion_bounds(&path.axis, 0.0, until);
@@ -681,9 +683,9 @@ static void look_for_law(const struct tumbling_path *from_now, const struct cont
     }
 }
 
-static struct outlook tumbling_outlook(const struct scene_values *v, const struct scene_state *q,
-                                       const struct scene_instant *at, int contact, double horizon,
-                                       long budget)
+static struct prediction tumbling_prediction(const struct scene_values *v, const struct scene_state *q,
+                                             const struct scene_instant *at, int contact, double horizon,
+                                             long budget)
 {
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
     const struct contact_law law = scene_contact_law(v, q, contact);
@@ -691,7 +693,8 @@ static struct outlook tumbling_outlook(const struct scene_values *v, const struc
     const bool apart = present == REGIME_APART;
     const struct tumbling_result change =
         tumbling_first(&path, apart ? TUMBLING_TOUCH : TUMBLING_PARTING, horizon, budget);
-    struct outlook found = {{change.after, present, change.gap, true}, change.searched, change.evaluations};
+    struct prediction found = {
+        {change.after, present, change.gap, true}, change.searched, change.evaluations};
     if (change.after < (double)INFINITY) {
         found.searched = horizon;
         found.next.regime = !apart              ? REGIME_APART
@@ -707,21 +710,22 @@ static struct outlook tumbling_outlook(const struct scene_values *v, const struc
     return found;
 }
 
-struct outlook outlook_of(const struct scene_values *v, const struct scene_state *q,
-                          const struct scene_instant *at, int contact, double horizon, long budget)
+struct prediction prediction_of(const struct scene_values *v, const struct scene_state *q,
+                                const struct scene_instant *at, int contact, double horizon, long budget)
 {
     if (scene_turns(v)) {
         const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
-        const struct outlook nothing = {{(double)INFINITY, present, 0.0, true}, horizon, 0};
-        if (contact_transmits(q, contact) && !contact_is_driven(v, contact)) {
+        const struct prediction nothing = {{(double)INFINITY, present, 0.0, true}, horizon, 0};
+        if (contact_transmits(q, contact) && !contact_is_prescribed(v, contact)) {
             return nothing;
         }
         if (SCENE_ANY_ROTATION && axis_turns(v, contact)) {
-            return is_loaded(v, q, contact) ? nothing : tumbling_outlook(v, q, at, contact, horizon, budget);
+            return is_loaded(v, q, contact) ? nothing
+                                            : tumbling_prediction(v, q, at, contact, horizon, budget);
         }
     }
     const struct regime_change next = next_regime_change(v, q, at, q->clock, contact, horizon);
-    return (struct outlook){next, horizon, 0};
+    return (struct prediction){next, horizon, 0};
 }
 
 /* Part of the terms of the discriminant below which the parabola may only touch zero: its root then has less

@@ -42,7 +42,7 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
  * where its axis keeps its direction, by a search that misses no touch (tumbling.h) where it turns.
  */
 
-struct outlook {
+struct prediction {
     struct regime_change next;
     double searched;  /* how far: the horizon, unless the budget ended the search [s] */
     long evaluations; /* of the budget, that the search took; none in closed form */
@@ -51,8 +51,8 @@ struct outlook {
 /* Within `horizon` seconds of the instant `at`, the present. Nothing is foreseen where the integrator watches
  * the change: in a contact that transmits a force while something turns or rubs, and where another contact
  * acts on its bodies. `budget` > 0. */
-struct outlook outlook_of(const struct scene_values *v, const struct scene_state *q,
-                          const struct scene_instant *at, int contact, double horizon, long budget);
+struct prediction prediction_of(const struct scene_values *v, const struct scene_state *q,
+                                const struct scene_instant *at, int contact, double horizon, long budget);
 
 /* Until when bodies in flight certainly do not touch, which is cheaper to tell than when they do. */
 

@@ -326,7 +326,7 @@ static bool contact_is_sound(const struct contact_state *contact, bool initializ
     /* Times up to which something was looked for may be infinite. */
     const struct contact_schedule *ahead = &contact->schedule;
     return known_regime(ahead->change_regime) && contact->record.onsets >= 0 && !isnan(ahead->change_clock) &&
-           !isnan(ahead->settled_clock) && isfinite(ahead->change_gap) &&
+           !isnan(ahead->dead_band_clock) && isfinite(ahead->change_gap) &&
            all_finite(contact, &contact->record.onsets);
 }
 

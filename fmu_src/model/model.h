@@ -139,9 +139,6 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
  * indicators: its outputs follow from its inputs.
  */
 
-/* Whether an integrator outside moves this model; see model_host. */
-bool model_is_exchange(const struct model *m);
-
 /* SCENE_STATES and SCENE_INDICATORS. */
 size_t model_exchange_states(void);
 size_t model_exchange_indicators(void);

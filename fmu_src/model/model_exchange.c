@@ -331,18 +331,13 @@ static double touch_after(const struct scene_values *v, const struct scene_state
     }
     double horizon = FIRST_HORIZON;
     for (int i = 0; i < HORIZONS && !isfinite(after); ++i) {
-        after = outlook_of(v, q, at, contact, horizon, MOST_EVALUATIONS).next.after;
+        after = prediction_of(v, q, at, contact, horizon, MOST_EVALUATIONS).next.after;
         horizon *= HORIZON_FACTOR;
     }
     return after;
 }
 
 /* The interface of model.h. */
-
-bool model_is_exchange(const struct model *m)
-{
-    return m->state.exchange != EXCHANGE_NONE;
-}
 
 size_t model_exchange_states(void)
 {

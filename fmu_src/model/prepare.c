@@ -103,7 +103,7 @@ static enum model_status check_restitution(struct model *m, int contact)
                             "without a spring there is no rebound (allowed: automatic, user_defined).",
                             name, name);
     }
-    if (contact_is_driven(v, contact) && !scene_is_hertz(v, contact)) {
+    if (contact_is_prescribed(v, contact) && !scene_is_hertz(v, contact)) {
         return model_report(
             m, MODEL_ERROR,
             "%s.viscous_control = restitution contradicts the motion of %s and %s: neither is "

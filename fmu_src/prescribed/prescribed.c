@@ -1031,7 +1031,7 @@ static void book_span(const struct span *s)
 
 static bool is_prescribed_touch(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    return contact_is_driven(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
+    return contact_is_prescribed(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART;
 }
 
 /* Books the integrals of all prescribed contacts; of none where the panels run out before `end`. Returns
@@ -1091,8 +1091,9 @@ static struct axis_motion axis_from(const struct span *s, const struct scene_ins
         struct body_path path = s->c.q->path[destination];
         path_shift(path.angular_velocity, 3, clock);
         path_shift(path.axis, 3, clock);
-        return path.turn_follows == TURN_FOLLOWS_VELOCITY ? axis_motion_driven(axis, path.angular_velocity, 3)
-                                                          : axis_motion_following(path.axis, 3);
+        return path.turn_follows == TURN_FOLLOWS_VELOCITY
+                   ? axis_motion_prescribed(axis, path.angular_velocity, 3)
+                   : axis_motion_following(path.axis, 3);
     }
 #else
     (void)destination, (void)clock;
@@ -1429,7 +1430,7 @@ bool prescribed_over(const struct scene_values *v, struct scene_state *q, double
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct span s = span_of(v, q, j, length, &panels);
         (void)s; /* used by scenes that turn or that have no free body */
-        if (!contact_is_driven(v, j)) {
+        if (!contact_is_prescribed(v, j)) {
             continue;
         }
 #if SCENE_ANY_TURNING

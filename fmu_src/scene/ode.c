@@ -908,7 +908,7 @@ void ode_events_at(const struct scene_ode *ode, double clock, const double *y, s
             out[ODE_EVENT_STICK] = out[ODE_EVENT_CAP] = out[ODE_EVENT_LIFT] = 1.0;
         }
         out[0] = out[1] = 1.0;
-        if (contact_transmits(ode->state, j) && !contact_is_driven(v, j)) {
+        if (contact_transmits(ode->state, j) && !contact_is_prescribed(v, j)) {
             out[0] = not_zero(ode->gap_offset[j] - g->gap);
             out[1] = not_zero(ode->margin_offset[j] + contact_event(&law, regime, g->gap, g->gap_rate));
         }

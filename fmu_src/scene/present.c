@@ -282,7 +282,7 @@ static void shift_clocks(struct scene_state *q)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].record.touch_clock -= q->clock;
         q->contact[j].schedule.change_clock -= q->clock;
-        q->contact[j].schedule.settled_clock -= q->clock;
+        q->contact[j].schedule.dead_band_clock -= q->clock;
         if (q->contact[j].regime == REGIME_APART || q->contact[j].regime == REGIME_SEPARATING) {
             /* Not known where it has flown on to, unless that was foreseen. */
             q->contact[j].physics.accumulated_gap =

@@ -77,12 +77,6 @@ bool contact_rubs_elastically(const struct scene_values *v, int contact)
     return SCENE_ANY_ELASTIC_FRICTION && contact_friction(v, contact) == FRICTION_ELASTIC;
 }
 
-bool contact_turns_or_rubs(const struct scene_values *v, int contact)
-{
-    return body_turns(v, contact_source(contact)) || body_turns(v, contact_destination(contact)) ||
-           contact_rubs(v, contact);
-}
-
 /* The bits of all choices together: asked for so often that no branch is spent on each. */
 static int turning_choices(const struct scene_values *v)
 {
@@ -107,7 +101,7 @@ void scene_state_copy(const struct scene_values *v, const struct scene_state *fr
     memcpy(to, from, scene_turns(v) ? sizeof *to : offsetof(struct scene_state, turning));
 }
 
-bool contact_is_driven(const struct scene_values *v, int contact)
+bool contact_is_prescribed(const struct scene_values *v, int contact)
 {
     const int source = contact_source(contact);
     const int destination = contact_destination(contact);
@@ -191,7 +185,7 @@ bool contact_is_coupled(const struct scene_values *v, const struct scene_state *
 
 bool contact_is_foreseen(const struct scene_values *v, const struct scene_state *q, int contact)
 {
-    return !scene_turns(v) || ((!contact_transmits(q, contact) || contact_is_driven(v, contact)) &&
+    return !scene_turns(v) || ((!contact_transmits(q, contact) || contact_is_prescribed(v, contact)) &&
                                !contact_is_coupled(v, q, contact));
 }
 

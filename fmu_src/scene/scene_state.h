@@ -125,7 +125,7 @@ struct contact_schedule {
     /* the regime changes at this clock in closed form; INFINITY: not before the horizon */
     double change_clock;
     /* until this clock a root finder cannot distinguish the regime from the one before */
-    double settled_clock;
+    double dead_band_clock;
     double change_gap;     /* g at change_clock, more accurate than positions give it [m] */
     int32_t change_regime; /* and becomes this */
     /* whether d comes down to its own rounding before the horizon, so that n may be undefined */
@@ -261,9 +261,6 @@ bool body_turns(const struct scene_values *v, int body);
 bool contact_rubs(const struct scene_values *v, int contact);
 bool contact_rubs_elastically(const struct scene_values *v, int contact);
 
-/* Whether the contact has a torque, a slip velocity or friction that count. */
-bool contact_turns_or_rubs(const struct scene_values *v, int contact);
-
 /* Whether any body turns or any contact rubs. Where none does, all is as in scenes without rotation. */
 bool scene_turns(const struct scene_values *v);
 
@@ -271,7 +268,7 @@ bool scene_turns(const struct scene_values *v);
 void scene_state_copy(const struct scene_values *v, const struct scene_state *from, struct scene_state *to);
 
 /* Whether neither body of the contact is free or turns freely: its motion is given. */
-bool contact_is_driven(const struct scene_values *v, int contact);
+bool contact_is_prescribed(const struct scene_values *v, int contact);
 
 /* Whether no body is free or turns freely: the scene is a force element and has no states of bodies. */
 bool scene_is_force_element(const struct scene_values *v);

@@ -49,7 +49,7 @@ static const struct change harmful[] = {
     {IN(motion.contact[0].physics.impulse.y), REAL, NOT_A_NUMBER},
     {IN(motion.contact[0].record.touch_clock), REAL, NOT_A_NUMBER},
     {IN(motion.contact[0].schedule.change_clock), REAL, NOT_A_NUMBER},
-    {IN(motion.contact[0].schedule.settled_clock), REAL, NOT_A_NUMBER},
+    {IN(motion.contact[0].schedule.dead_band_clock), REAL, NOT_A_NUMBER},
     {IN(motion.contact[0].schedule.change_regime), INTEGER, -1.0},
     {IN(motion.contact[0].schedule.change_regime), INTEGER, 99.0},
     {IN(motion.contact[0].record.onsets), INTEGER, -1.0},
@@ -76,7 +76,7 @@ static const struct change harmful[] = {
 static const struct change harmless[] = {
     {IN(motion.horizon_clock), REAL, ENDLESS},
     {IN(motion.contact[0].schedule.change_clock), REAL, ENDLESS},
-    {IN(motion.contact[0].schedule.settled_clock), REAL, -ENDLESS},
+    {IN(motion.contact[0].schedule.dead_band_clock), REAL, -ENDLESS},
     {IN(warned_of_direction[0]), FLAG, 1.0},
     {IN(motion.counters.steps), INTEGER, 2147483647.0},
 };

@@ -122,7 +122,7 @@ static struct scene_state random_motion(struct random *r)
     q.contact[0].record.touch_clock = random_between(r, -1.0, q.clock);
     q.contact[0].schedule.change_clock =
         random_index(r, 4) == 0 ? (double)INFINITY : random_between(r, 1.0, 2.0);
-    q.contact[0].schedule.settled_clock = random_between(r, 0.0, 1.0);
+    q.contact[0].schedule.dead_band_clock = random_between(r, 0.0, 1.0);
     q.contact[0].record.onsets = 3;
     return q;
 }
@@ -186,8 +186,8 @@ static void a_rebase_changes_nothing_but_the_origin(void)
         }
         CHECK_CLOSE("time to the horizon", after.horizon_clock, before.horizon_clock - before.clock,
                     2.0 * DBL_EPSILON);
-        CHECK_CLOSE("time to the settled clock", after.contact[0].schedule.settled_clock,
-                    before.contact[0].schedule.settled_clock - before.clock, 2.0 * DBL_EPSILON);
+        CHECK_CLOSE("time to the settled clock", after.contact[0].schedule.dead_band_clock,
+                    before.contact[0].schedule.dead_band_clock - before.clock, 2.0 * DBL_EPSILON);
         CHECK(after.contact[0].record.onsets == 3);
         for (int i = 0; i < SCENE_BODIES; ++i) {
             check_body(&before, &after, i, later);
