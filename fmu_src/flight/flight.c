@@ -3,7 +3,6 @@
 
 #include "flight/flight.h"
 #include "scene/evaluate.h"
-#include "scene/present.h"
 
 static bool is_under_torque(const struct scene_state *q, int body)
 {

@@ -7,7 +7,6 @@
 #include "math/polynomial.h"
 #include "math/series.h"
 #include "scene/evaluate.h"
-#include "scene/present.h"
 
 #if SCENE_ANY_CAPS
 

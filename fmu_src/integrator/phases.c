@@ -9,7 +9,6 @@
 #include "integrator/prediction.h"
 #include "prescribed/prescribed.h"
 #include "scene/evaluate.h"
-#include "scene/present.h"
 #include "touch/segment.h"
 
 bool integrator_open(struct integrator *s, const struct scene_values *v,

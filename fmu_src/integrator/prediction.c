@@ -8,7 +8,6 @@
 #include "integrator/prediction.h"
 #include "math/polynomial.h"
 #include "scene/evaluate.h"
-#include "scene/present.h"
 
 /* How long the regime of a contact in flight is taken to last although rounding says otherwise. */
 

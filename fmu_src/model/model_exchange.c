@@ -6,7 +6,6 @@
 #include "integrator/prediction.h"
 #include "model/state.h"
 #include "scene/evaluate.h"
-#include "scene/present.h"
 #include "scene/transition.h"
 
 static double *orientation_part(struct quaternion *q, int component)

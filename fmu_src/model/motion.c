@@ -7,7 +7,6 @@
 #include "model/state.h"
 #include "prescribed/prescribed.h"
 #include "scene/evaluate.h"
-#include "scene/present.h"
 #include "scene/transition.h"
 
 /* In a scene without a body that may be free the motion has no state but the clock: outputs are functions of

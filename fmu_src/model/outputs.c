@@ -4,7 +4,6 @@
 #include "contact/shape.h"
 #include "model/state.h"
 #include "scene/evaluate.h"
-#include "scene/present.h"
 #include "scene/scene_jet.h"
 
 /* Outputs of a contact that sum up a communication step or the run, energies and counters. */

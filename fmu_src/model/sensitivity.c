@@ -5,7 +5,7 @@
 
 #include "contact/law.h"
 #include "model/state.h"
-#include "scene/present.h"
+#include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
 /* The point about which outputs are differentiated, and a path through it. */

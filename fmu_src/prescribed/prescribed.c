@@ -10,7 +10,6 @@
 #include "math/polynomial.h"
 #include "scene/dense_output.h"
 #include "scene/evaluate.h"
-#include "scene/present.h"
 
 /* One contact. A search evaluates it in regimes and with springs that q does not have yet, so q serves as
  * working memory. */

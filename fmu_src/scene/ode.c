@@ -6,7 +6,6 @@
 #include "contact/slopes.h"
 #include "scene/evaluate.h"
 #include "scene/ode.h"
-#include "scene/present.h"
 
 enum { BODY_STATES = 6 };
 

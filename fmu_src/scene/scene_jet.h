@@ -109,4 +109,10 @@ double free_bodies_dissipated_power(const struct scene_values *v, const struct s
 double free_bodies_external_power(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_jet *along, int order);
 
+/* Coefficient `order` of the energies along the path [J/s^order]. */
+double jet_of_kinetic(const struct scene_values *v, const struct scene_jet *along, int order);
+double jet_of_potential(const struct scene_values *v, const struct scene_jet *along, int order);
+double jet_of_stored(const struct scene_values *v, const struct scene_state *q, const struct scene_jet *along,
+                     int order);
+
 #endif

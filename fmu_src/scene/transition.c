@@ -2,7 +2,6 @@
 
 #include "scene/evaluate.h"
 #include "scene/ode.h"
-#include "scene/present.h"
 #include "scene/transition.h"
 
 /* In bounds of the rounding error: the margin itself may be off by one of them on either side of

@@ -8,7 +8,6 @@
 
 #include "scene/evaluate.h"
 #include "scene/ode.h"
-#include "scene/present.h"
 
 /* The gap, or how far the source is beyond the ends of its cylinder where that is more [m]: positive without
  * contact, negative in contact. */

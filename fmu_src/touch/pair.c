@@ -4,7 +4,6 @@
 #include "flight/flight.h"
 #include "math/compiler.h"
 #include "scene/evaluate.h"
-#include "scene/present.h"
 #include "touch/pair.h"
 
 static struct pair_work work_on(const struct contact_pair *p, const struct scene_values *v,

@@ -7,7 +7,6 @@
 #include "math/nodes.h"
 #include "math/polynomial.h"
 #include "scene/evaluate.h"
-#include "scene/present.h"
 #include "touch/segment.h"
 
 /* The motion since the start, as the kind of segment gives it. */

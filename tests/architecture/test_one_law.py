@@ -35,7 +35,6 @@ FACTORS = {
     "fmu_src/model/outputs.c",
     "fmu_src/model/sensitivity.c",
     "fmu_src/integrator/general_step.c",  # whose depth to come is made with k_h
-    "fmu_src/scene/present.c",  # whose speed without load is made with k_h
 }
 
 # k g + c g', by whatever names.

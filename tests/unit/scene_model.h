@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "model/state.h"
-#include "scene/present.h"
+#include "scene/evaluate.h"
 
 enum { SOURCE = 0, DESTINATION = 1 };
 
