@@ -11,11 +11,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from rich.console import Console
-from rich.table import Table
 
 from contact_fmus.errors import UserError
 from contact_fmus.fmu.files import repository
 from contact_fmus.options import parse
+from contact_fmus.pages import Table, show
 
 from . import instructions, ratios
 from .instructions import Count
@@ -59,41 +59,32 @@ def run(*command: object) -> None:
 NOTICED = 0.05
 
 
-WIDTH = 130  # where no terminal says otherwise
-
-
 def print_rows(title: str, rows: Sequence[Comparison], console: Console | None = None) -> None:
-    table = Table(title=title, title_justify="left", title_style="bold", header_style="bold")
-    for head in ("", "time of", "divided by"):
-        table.add_column(head)
-    table.add_column("ratio", justify="right")
-    table.add_column("middle half", justify="right")
-    table.add_column("verdict")
-    for row in rows:
-        sides = (side(row, 0), side(row, 1))
-        table.add_row(row.what, *sides, number(row.ratio.median) if row.ratio else "–", spread(row), verdict(row))
-    (console or own_console()).print(table)
+    header = ["", "time of", "divided by", "ratio", "middle half", "verdict"]
+    cells = [
+        [
+            row.what,
+            side(row, 0),
+            side(row, 1),
+            number(row.ratio.median) if row.ratio else "–",
+            spread(row),
+            verdict(row),
+        ]
+        for row in rows
+    ]
+    show(Table(title, header, cells, 3), console)
 
 
-def own_console() -> Console:
-    console = Console()
-    return console if console.is_terminal else Console(width=WIDTH)
-
-
-def print_counts(counts: Sequence[Count], against: Path | None = None, console: Console | None = None) -> None:
+def print_counts(counts: Sequence[Count], against: Path | None = None) -> None:
     """A line for each case; with another build's counts, this build's share of them"""
     title = "Instructions in fmi2DoStep" + (f", beside the FMUs of {against}" if against else "")
-    table = Table(title=title, title_justify="left", title_style="bold", header_style="bold")
-    table.add_column("")
-    for head in ("instructions", *(["there", "here / there"] if against else []), "bound"):
-        table.add_column(head, justify="right")
-    table.add_column("verdict")
+    words = {True: "[green]holds[/]", False: "[red]does not hold[/]", None: "[red]no bound[/]"}
+    cells = []
     for one in counts:
         other = [f"{one.other:,}", f"{one.instructions / one.other:.4f}"] if one.other else []
         bound = f"{one.bound:,}" if one.bound is not None else "–"
-        verdict = {True: "[green]holds[/]", False: "[red]does not hold[/]", None: "[red]no bound[/]"}[one.good]
-        table.add_row(one.what, f"{one.instructions:,}", *other, bound, verdict)
-    (console or own_console()).print(table)
+        cells.append([one.what, f"{one.instructions:,}", *other, bound, words[one.good]])
+    show(Table(title, ["", "instructions", *(["there", "here / there"] if against else []), "bound", "verdict"], cells))
 
 
 def side(row: Comparison, which: int) -> str:

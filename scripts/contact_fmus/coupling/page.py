@@ -9,14 +9,11 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from rich.console import Console
-from rich.table import Table
 
-from contact_fmus.pages import read_words
+from contact_fmus.pages import Table, read_words, show
 from contact_fmus.scenarios.plots import STYLE
 
 FIGURE = "force_element"
-WIDTH = 170  # of the tables where no terminal says otherwise
 COLORS = {
     "at once": "#1f6fb4",
     "held": "#7f7f7f",
@@ -92,16 +89,9 @@ def _errors(data: dict[str, Any], name: str) -> dict[str, Any]:
 
 
 def print_tables(data: dict[str, Any]) -> None:
-    console = Console()
-    console = console if console.is_terminal else Console(width=WIDTH)
     for section in sections(data):
         for table in section["tables"]:
-            drawn = Table(title=table["caption"], title_justify="left", header_style="bold")
-            for number, head in enumerate(table["header"]):
-                drawn.add_column(head, justify="left" if number < 2 else "right")
-            for row in table["rows"]:
-                drawn.add_row(*row)
-            console.print(drawn)
+            show(Table(**table, numbers=2))
 
 
 def draw(data: dict[str, Any], folder: Path) -> None:

@@ -18,8 +18,10 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+import rich.table
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup, escape
+from rich.console import Console
 
 from contact_fmus.fmu.files import repository
 from contact_fmus.fmu.host import host_file
@@ -155,6 +157,24 @@ class Table:
     header: Sequence[str]
     rows: Sequence[Sequence[str]]
     numbers: int = 1
+
+
+WIDTH = 170  # of a terminal's tables where no terminal says otherwise
+
+
+def make_console() -> Console:
+    console = Console(highlight=False)
+    return console if console.is_terminal else Console(highlight=False, width=WIDTH)
+
+
+def show(table: Table, console: Console | None = None) -> None:
+    """Prints the table on the terminal"""
+    drawn = rich.table.Table(title=table.caption, title_justify="left", header_style="bold")
+    for place, head in enumerate(table.header):
+        drawn.add_column(head, justify="left" if place < table.numbers else "right")
+    for row in table.rows:
+        drawn.add_row(*row)
+    (console or make_console()).print(drawn)
 
 
 # The machine and the versions a report was made with; nothing that names a host, a user or a folder

@@ -16,6 +16,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from contact_fmus import pages
 from contact_fmus.errors import UserError
 from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
 from contact_fmus.fmu.files import fmus_folder, repository
@@ -176,13 +177,6 @@ def _constants(pinned: dict[str, Any]) -> dict[str, Any]:
 
 # Results as tables in the terminal, and the number formats that the HTML page shares
 
-WIDTH = 170  # of tables that do not go to a terminal
-
-
-def make_console() -> Console:
-    console = Console(highlight=False)
-    return console if console.is_terminal else Console(highlight=False, width=WIDTH)
-
 
 def format_value(value: Any, unit: str) -> str:
     values = np.atleast_1d(np.asarray(value, dtype=float))
@@ -232,19 +226,15 @@ def claims_table(results: list[ScenarioResult]) -> Table:
     return table
 
 
-def leave_out_table(sizes: list[FmuSize]) -> Table:
-    table = Table(title="Leave out: what a scene that pins choices is spared", title_justify="left")
-    table.add_column("FMU")
-    for name in ("variables", "library [bytes]", "state [bytes]", "time per step [µs]"):
-        table.add_column(name, justify="right")
-    table.add_column("same problem on the universal FMU [µs]", justify="right")
+def leave_out_table(sizes: list[FmuSize]) -> pages.Table:
+    header = ["FMU", "variables", "library [bytes]", "state [bytes]", "time per step [µs]"]
+    header.append("same problem on the universal FMU [µs]")
+    cells = []
     for size in sizes:
         other = f"{size.universal_time * 1e6:.2f} ({size.universal})" if size.universal else ""
-        table.add_row(
-            size.name, str(size.variables), f"{size.library:,}", f"{size.state:,}",
-            f"{size.time * 1e6:.2f}", other,
-        )  # fmt: skip
-    return table
+        numbers = str(size.variables), f"{size.library:,}", f"{size.state:,}", f"{size.time * 1e6:.2f}"
+        cells.append([size.name, *numbers, other])
+    return pages.Table("Leave out: what a scene that pins choices is spared", header, cells)
 
 
 # The HTML page of all scenarios
@@ -295,7 +285,7 @@ def run(arguments: list[str] | None = None) -> int:
         (repository() / "scripts" / "scenarios").glob("*.toml")
     )
     scenarios = [read_scenario(file) for file in files]
-    console = make_console()
+    console = pages.make_console()
     options.output.mkdir(parents=True, exist_ok=True)
     plot_folder = None if options.no_plots else options.output / "plots"
     results = run_scenarios(scenarios, plot_folder, console)
@@ -338,6 +328,6 @@ def leave_out(arguments: list[str] | None = None) -> int:
     sizes = measure_all()
     if not sizes:
         raise FileNotFoundError(f"no FMU in {fmus_folder()}: build first")
-    make_console().print(leave_out_table(sizes))
+    pages.show(leave_out_table(sizes))
     print("time per step: least of 5 averages over 1000 communication steps of 1 ms, in turns")
     return 0
