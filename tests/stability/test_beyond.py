@@ -40,7 +40,7 @@ def test_the_scenes_are_beyond_the_atlas():
 
 
 def test_what_is_wrong_or_refused_is_named_and_counted(monkeypatch, capsys):
-    monkeypatch.setattr(Figures, "wrong", lambda self, method: ["energy"])
+    monkeypatch.setattr(Figures, "failures", lambda self, method: ["energy"])
 
     class Here:
         """A pool that works in this process, where the change is"""

@@ -168,7 +168,7 @@ class Figures:
     work: float = math.nan  # internal steps by what they are bounded by
     fallbacks: int = 0
 
-    def wrong(self, method: str) -> list[str]:
+    def failures(self, method: str) -> list[str]:
         """The checks that it fails"""
         found = [] if self.finite else ["finite"]
         for name, limit in LIMITS[method].items():
@@ -282,9 +282,9 @@ PATIENCE = 300.0  # s for one scene with all its runs
 _driver: Driver | None = None
 
 
-@dataclass
-class SceneRun:
-    """One run"""
+@dataclass(kw_only=True)
+class SceneRun(Figures):
+    """One run with its figures"""
 
     family: str
     value: float
@@ -296,22 +296,8 @@ class SceneRun:
     step_size: float
     status: str
     wrong: str  # the checks it failed
-    finite: bool
-    error: float
-    rounding: float
-    balance: float
-    gain: float
-    momentum: float
-    touch: float
-    touch_rounding: float
-    through_middle: bool
-    work: float
-    onsets: int
-    expected_onsets: int
-    missed: bool
     steps: int
     events: int
-    fallbacks: int
     seconds: float
     bits: str  # of the end in the scene's own units
     message: str
@@ -356,7 +342,7 @@ def row_of(scene: Scene, method: str, steps: int, outcome: Outcome, found: Figur
         communication_steps=steps,
         step_size=motion.end / steps,
         status=outcome.status,
-        wrong=" ".join(found.wrong(method)),
+        wrong=" ".join(found.failures(method)),
         steps=counts.get("solver.steps", 0),
         events=counts.get("solver.events", 0),
         seconds=outcome.seconds,
