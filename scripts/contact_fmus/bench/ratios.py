@@ -1,5 +1,5 @@
 """Ratios of run times, each of two cases that took turns in one process. They are figures, not promises:
-how fast CVODE is beside event_driven (best.py) differs between processors. instructions.py counts what is
+how fast CVODE is beside event_driven differs between processors. instructions.py counts what is
 promised.
 
 A ratio is the median over pairs of runs that followed each other (A B B A A B B A ...), so that what slows

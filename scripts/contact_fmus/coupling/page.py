@@ -1,4 +1,4 @@
-"""What force_element.py measured, as the sections of the report page, tables on the terminal and a figure"""
+"""The measurements of study.py as sections of the report's page, tables on the terminal and a figure"""
 
 from __future__ import annotations
 

@@ -1,11 +1,6 @@
-"""Error against communication step of a contact FMU used as a force element, and the stable step.
-
-    python -m contact_fmus force-element --output DIR [--quick]
-
-writes force_element.json, .svg and .png into DIR and prints the tables. outer_integrators.py says what the
-integrators and couplings are, problems.py what is computed. The "sections" of the JSON file are the
-report page's (measure.py).
-"""
+"""The command force-element: error against communication step of a contact FMU used as a force element, and the
+stable step. It writes force_element.json, .svg and .png and prints the tables. outer_integrators.py has the
+integrators and couplings, problems.py the problems, page.py the report's sections."""
 
 from __future__ import annotations
 

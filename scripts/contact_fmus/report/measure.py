@@ -6,7 +6,7 @@ import csv
 import json
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +33,7 @@ from contact_fmus.fmu.host import HostError, HostTimeout, Result, run_host
 #
 #     "versions": {"exudyn": "1.13.6", ...}          added to the table of versions
 #     "sections": [{"title": "...",
-#                   "paragraphs": ["...", ...],        text, formulas between $ (pages/formula.py)
+#                   "paragraphs": ["...", ...],        text, formulas between $ (pages)
 #                   "tables": [{"caption": "...", "header": ["...", ...], "rows": [["...", ...], ...]}],
 #                   "figures": [{"name": "force_element", "caption": "..."}]}]
 #
@@ -43,42 +43,31 @@ from contact_fmus.fmu.host import HostError, HostTimeout, Result, run_host
 THIS_FMU, PEER = "this FMU", "peer"
 SAME, SIMILAR = "same", "similar"  # force law of the problem
 RELATIVE_TOLERANCE = "relative tolerance"
-COLUMNS = (
-    "problem",  # P1, P2, P3, P3b, one of them with another shape or law, F1 to F4, or a stiffness family
-    "group",  # THIS_FMU or PEER
-    "solver",  # event_driven, cvode_bdf, cvode_adams; a peer's name and integrator
-    "law",  # SAME or SIMILAR
-    "setting",  # what `parameter` is: relative tolerance, step size in s, ...
-    "parameter",
-    "communication_steps",  # for the whole time; empty where there are none
-    "time_s",  # median of the runs, stepping only
-    "time_min_s",
-    "error_m",  # distance of the source's position at the end from the reference
-    "onsets",  # contacts counted, where the solver can tell
-    "note",
-)
 
 
 @dataclass(frozen=True)
 class Row:
     """A line of results.csv or peers.csv; numbers that are missing are None"""
 
-    problem: str
-    group: str
-    solver: str
-    law: str
-    setting: str
+    problem: str  # P1, P2, P3, P3b, one of them with another shape or law, F1 to F4, or a stiffness family
+    group: str  # THIS_FMU or PEER
+    solver: str  # event_driven, cvode_bdf, cvode_adams; a peer's name and integrator
+    law: str  # SAME or SIMILAR
+    setting: str  # what `parameter` is: relative tolerance, step size in s, ...
     parameter: float | None
-    communication_steps: int | None
-    time_s: float | None
+    communication_steps: int | None  # for the whole time; None where there are none
+    time_s: float | None  # median of the runs, stepping only
     time_min_s: float | None
-    error_m: float | None
-    onsets: int | None
+    error_m: float | None  # distance of the source's position at the end from the reference
+    onsets: int | None  # contacts counted, where the solver can tell
     note: str = ""
 
     @property
     def measured(self) -> bool:
         return self.time_s is not None and self.error_m is not None
+
+
+COLUMNS = tuple(field.name for field in fields(Row))
 
 
 def write_rows(file: Path, rows: list[Row]) -> None:

@@ -286,8 +286,7 @@ def automatic_factor(run: Recording, variable: str) -> Outcome:
     return Outcome(run.value(variable), *expected[variable])
 
 
-# Checks of bodies that turn: as in claims.py, the expected values come from closed forms
-# (closed_forms.py).
+# Checks of bodies that turn
 
 
 @check
