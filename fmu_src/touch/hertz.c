@@ -246,9 +246,7 @@ static struct coasting coasting_to(const struct contact_pair *from, double time)
                              load + 6.0 * cubic + 12.0 * quartic};
 }
 
-/* Whether bodies that part at this speed come back before the gap grows to the depth at which the force is
- * negligible beside the load, so that an oscillation that touches zero has no events by rounding. */
-static bool hardly_parts(const struct contact_pair *from, double speed)
+bool hertz_hardly_parts(const struct contact_pair *from, double speed)
 {
     const double load = pair_pressing_load(from);
     return load > 0.0 && speed * speed <= 2.0 * load * hertz_depth_under(from, NO_FORCE * load);
@@ -278,24 +276,6 @@ double hertz_coasting_time(const struct segment *p)
     return time;
 }
 
-void hertz_find_terminal_event(struct segment *p, double parting)
-{
-    const int last = p->output.count - 1;
-    if (parting > 0.0 && parting <= p->end &&
-        hardly_parts(&p->pair, p->output.at[last].of[PAIR_GAP_RATE][0])) {
-        parting = (double)INFINITY;
-    }
-    const struct terminal_event parts = {parting, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
-    p->terminal = parts;
-    if (terminal_event_by_law(p)) {
-        const struct event_function margin = terminal_event_margin(p);
-        const double s = dense_output_first_event(&p->output, &margin);
-        if (s < parting) {
-            p->terminal = (struct terminal_event){s, margin, contact_regime_after(&p->pair.law, p->regime)};
-        }
-    }
-}
-
 bool hertz_elastic_applies(const struct segment *p)
 {
     return contact_is_hertz(&p->pair.law) && p->pair.chi == 0.0 && !contact_is_rim(&p->pair.shape);
@@ -317,7 +297,7 @@ bool hertz_elastic_make(struct segment *p)
         dense_output_add(&p->output, -made->start);
     }
     dense_output_add(&p->output, p->end);
-    hertz_find_terminal_event(p, parts ? p->end : (double)INFINITY);
+    p->parting = parts ? p->end : (double)INFINITY;
     return p->end > 0.0;
 }
 
@@ -1063,7 +1043,7 @@ bool quasi_static_applies(const struct segment *p)
     const struct slow_scales scales = slow_scales_of(from);
     /* bodies without a load that presses leave a deep overlap at the speed 1/chi; under a law with events
      * that speed is its end, to rounding */
-    const bool leaves = scales.creep > 0.0 && !terminal_event_by_law(p);
+    const bool leaves = scales.creep > 0.0 && !contact_has_events(&from->law);
     return (scales.load > 0.0 || leaves) && scales.fast * p->longest >= SLOW_SHORTEST;
 }
 
@@ -1096,7 +1076,7 @@ bool quasi_static_make(struct segment *p)
             for (int k = 0; k < RADAU_POINTS; ++k) {
                 dense_output_add(&p->output, 1.0 + radau.node[k]);
             }
-            hertz_find_terminal_event(p, (double)INFINITY);
+            p->parting = (double)INFINITY;
             return true;
         }
         step *= 0.5;

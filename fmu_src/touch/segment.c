@@ -76,7 +76,8 @@ static double terminal_event_gap_tolerance(const struct segment *p)
     return part >= most ? most : fmin(most, fmax(part, fmax(terminal_event_gap_noise(&p->pair), DIED_AWAY)));
 }
 
-bool terminal_event_by_law(const struct segment *p)
+/* Whether the law can end the regime before the gap opens. */
+static bool terminal_event_by_law(const struct segment *p)
 {
     return contact_has_events(&p->pair.law);
 }
@@ -110,7 +111,8 @@ static double separating_speed(const struct segment *p, struct contact_coefficie
     return fmax(open, fmin(full.k * p->tolerance, IDLE_DASHPOT * pair_load(&p->pair))) / full.c;
 }
 
-struct event_function terminal_event_margin(const struct segment *p)
+/* The law's event function (contact_event): the regime lasts while factor quantity + offset > 0. */
+static struct event_function terminal_event_margin(const struct segment *p)
 {
     const struct contact_law *law = &p->pair.law;
     const double rate = p->pair.rate_rounding;
@@ -141,10 +143,23 @@ static bool comes_back_at_once(const struct segment *p, double speed)
     return pressing > 0.0 && speed * speed <= 2.0 * pressing * GAP_HYSTERESIS * largest_size(p, PAIR_GAP);
 }
 
+/* The release at p->parting, unless the bodies come back at once. */
+static struct terminal_event known_parting(const struct segment *p)
+{
+    const double speed = p->output.at[p->output.count - 1].of[PAIR_GAP_RATE][0];
+    const bool ends = p->parting > 0.0 && p->parting <= p->end;
+    const bool lasts = ends && hertz_hardly_parts(&p->pair, speed);
+    return (struct terminal_event){
+        lasts ? (double)INFINITY : p->parting, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
+}
+
 /* The release, by the gap. */
 static struct terminal_event parting(struct segment *p)
 {
     struct terminal_event terminal = {(double)INFINITY, {PAIR_GAP, -1.0, 0.0}, REGIME_APART};
+    if (SCENE_ANY_HERTZ && !isnan(p->parting)) {
+        return known_parting(p);
+    }
     terminal.s = dense_output_first_event(&p->output, &terminal.function);
     if (terminal.s < (double)INFINITY) {
         const struct pair_sample *then = dense_output_at(&p->output, terminal.s);
@@ -1435,7 +1450,7 @@ static bool make_kind(struct segment *p, enum segment_kind kind)
     /* contact in a hollow body ends before the centre */
     p->clear_of_centre = !contact_may_reach_centre(&p->pair.shape);
     p->largest_gap = p->largest_rate = 0.0;
-    p->terminal.s = (double)NAN;
+    p->terminal.s = p->parting = (double)NAN;
     p->output.sampler = kinds[kind].sample;
     p->output.segment = &p->as;
     p->output.worth_a_search = DENSE_OUTPUT_WORTH_A_SEARCH;

@@ -99,6 +99,7 @@ struct segment {
     double end;          /* the segment covers s from 0 to `end` */
     int work;            /* cost of making it, in steps in closed form (integrator/phases.h) */
     struct dense_output output;
+    double parting; /* s of the release, if `make` finds it; INFINITY: none; NaN: the samples tell */
     struct terminal_event terminal;
     bool leaves_zone; /* the terminal event leaves the zone of a capped cylinder; the regime goes on */
     bool may_be_quasi_static; /* quasi_static_applies: the first coefficients of the series decide */
@@ -142,14 +143,14 @@ void segment_advance(struct segment *p, double s, const struct scene_values *v, 
 
 /* Any contact. False where p->may_be_quasi_static and the first coefficients show that it is. From rest at
  * the touch under Hertz's law p->longest becomes the time for which the force is negligible beside the load.
- * Under that law p->terminal is found. */
+ * Under that law p->parting is found. */
 bool series_make(struct segment *p);
 void series_sample(const void *pair_series, double s, struct pair_sample *sample);
 struct pair_change series_advance(const void *pair_series, double s);
 double series_time(const struct segment *p, double s);
 double series_place(const struct segment *p, double time);
 
-/* Hertz's law without damping, head-on: up to the release. p->terminal is found. */
+/* Hertz's law without damping, head-on: up to the release. p->parting is found. */
 bool hertz_elastic_applies(const struct segment *p);
 bool hertz_elastic_make(struct segment *p);
 void hertz_elastic_sample(const void *hertz_elastic, double s, struct pair_sample *sample);
@@ -177,13 +178,9 @@ double hertz_depth_to_come(const struct contact_pair *from, double opening);
  * elsewhere. */
 double hertz_coasting_time(const struct segment *p);
 
-/* Sets p->terminal of a sampled segment whose bodies part at s = `parting`. */
-void hertz_find_terminal_event(struct segment *p, double parting);
-
-/* Whether the law can end the regime before the gap opens, and its event function (contact_event): the regime
- * lasts while factor quantity + offset > 0. */
-bool terminal_event_by_law(const struct segment *p);
-struct event_function terminal_event_margin(const struct segment *p);
+/* Whether bodies that part at this speed come back before the gap grows to the depth at which the force is
+ * negligible beside the load, so that an oscillation that touches zero has no events by rounding. */
+bool hertz_hardly_parts(const struct contact_pair *from, double speed);
 
 /* Whether the terminal event is the end of the zone of a capped cylinder, after which the regime goes on in
  * the next zone. */

@@ -770,7 +770,7 @@ bool series_make(struct segment *p)
         dense_output_add(&p->output, p->end * i / (places - 1));
     }
     if (SCENE_ANY_HERTZ && by_root) {
-        hertz_find_terminal_event(p, parting);
+        p->parting = parting;
     }
     return true;
 }
