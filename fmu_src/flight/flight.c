@@ -104,11 +104,11 @@ struct axis_motion flight_axis_motion(const struct scene_values *v, const struct
     return axis_motion_prescribed(axis, lambda, ROTOR_RATES);
 }
 
-/* Part of the terms of the discriminant below which the parabola may only touch zero, and its root has less
- * than half of its digits. */
+/* Part of its terms below which a discriminant says that the parabola may only touch zero; its root would
+ * have less than half of its digits. */
 static const double LEAST_DISCRIMINANT = 1e-8;
 
-/* Part of the reach. Nearer to the centre the gap does not tell on which side of it the source is. */
+/* Part of the reach. Nearer to the centre the gap does not show on which side of the centre the source is. */
 static const double CLEAR_OF_CENTRE = 1e-9;
 
 static bool is_along(struct vec3 normal, struct vec3 a)
@@ -134,7 +134,7 @@ static bool rates_agree(const struct contact_shape *shape, const struct separati
            vec3_is_zero(vec3_axpy(contact_across(shape, w[1]), -2.0, bend));
 }
 
-/* With a plane the motion in it plays no part: that along n must have the terms of a parabola alone. */
+/* Whether the motion along a plane's normal is a parabola; the motion along the plane does not count. */
 static bool is_parabola_over_plane(const struct separation_path *separation, struct vec3 normal)
 {
     const struct vec3 *c = separation->c;
@@ -174,15 +174,16 @@ struct parabola {
     double value, rate, bend;
 };
 
-/* Above zero beyond rounding: by its value, or because it rises and returns later than rounding matters. */
+/* Whether it is above zero beyond rounding, by its value or because it rises by more than rounding before it
+ * returns. */
 static bool is_clearly_above(const struct parabola *p, double rounding)
 {
     return p->value > rounding ||
            (p->value >= 0.0 && p->rate > 0.0 && p->rate * p->rate > -4.0 * p->bend * rounding);
 }
 
-/* The first zero at which it falls from value >= 0, by the one of the two formulas that does not cancel, and
- * a step of Newton's method. */
+/* The first zero at which it falls from value >= 0, by the formula that does not cancel and a step of
+ * Newton's method. */
 static double first_zero(const struct parabola *p, double discriminant)
 {
     const double root = sqrt(discriminant);
@@ -225,8 +226,7 @@ bool flight_head_on_touch(const struct contact_shape *shape, const struct separa
                           const struct contact_geometry *now, double rounding, double horizon, double *touch)
 {
     const struct parabola gap = gap_of(shape, separation, now);
-    /* Bodies that approach touch where the gap is zero, however small it is; rounding affects only the
-     * time. */
+    /* bodies that approach touch however small the gap is; rounding affects only the time */
     const double unclear = gap.value > 0.0 && gap.rate < 0.0 ? 0.0 : rounding;
     if (now->degenerate || !first_fall(&gap, unclear, touch)) {
         return false;
@@ -317,7 +317,8 @@ struct body_state flight_from(const struct scene_values *v, int body, struct bod
                                path_at(velocity, terms, time)};
 }
 
-/* Force times velocity has degree five: exact with three Gauss-Legendre nodes, 0 and +-sqrt(3/5). */
+/* Force times velocity has degree five, for which three Gauss-Legendre nodes, 0 and +-sqrt(3/5), are
+ * exact. */
 double flight_work_along(const struct vec3 *velocity, int terms, const struct vec3 force[3], double time)
 {
     const double node = 0.77459666924148338;
@@ -352,7 +353,7 @@ static bool is_forced(const struct scene_state *q, int body)
     return !(vec3_is_zero(force[0]) && vec3_is_zero(force[1]) && vec3_is_zero(force[2]));
 }
 
-/* From the present to another clock. */
+/* Work of the external force from the present to another clock. */
 static double work_until(const struct scene_values *v, const struct scene_state *q, int body, double clock)
 {
     struct vec3 force[3];
@@ -393,7 +394,7 @@ static bool contact_is_deferrable(const struct contact_state *state)
            vec3_is_zero(vec3_sub(state->physics.impulse, state->record.impulse_mark));
 }
 
-/* No external force, and speed, displacement and kinetic energy far from the range of numbers. */
+/* Whether a body has no external force, and speed, displacement and kinetic energy far from overflow. */
 static bool body_is_deferrable(const struct scene_values *v, const struct scene_state *q, int body,
                                double clock)
 {
@@ -469,7 +470,7 @@ void flight_restore(const struct scene_values *v, struct scene_state *q)
         }
     }
     if (SCENE_ANY_CYLINDER) {
-        /* friction acts along the axis, and an axis that turns keeps nothing */
+        /* friction acts along the axis, and an axis that turns conserves no component */
         for (int j = 0; !scene_turns(v) && j < SCENE_CONTACTS; ++j) {
             if (scene_ends_suddenly(v, j) && contact_transmits(q, j)) {
                 restore_axial(v, q, j, contact_source(j));

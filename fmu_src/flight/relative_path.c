@@ -31,7 +31,6 @@ static void add_prescribed(const struct scene_state *q, double clock, int body, 
     }
 }
 
-/* Without contact force. */
 struct separation_path separation_path_of(const struct scene_values *v, const struct scene_state *q,
                                           const struct scene_instant *at, double clock, int contact)
 {
@@ -75,7 +74,7 @@ static struct polynomial dot_product(const struct vec3 *a, int a_degree, const s
     return p;
 }
 
-/* Without the highest coefficients that are zero. */
+/* The degree without leading coefficients of zero. */
 static int degree_of(const struct vec3 *a, int degree)
 {
     while (degree > 0 && vec3_max_abs(a[degree]) == 0.0) {
@@ -107,7 +106,7 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
             path.c[i] = vec3_make(-vec3_dot(path.c[i], shape->axis), 0.0, 0.0);
         }
         factor *= horizon;
-        factor = factor < DBL_MAX ? factor : DBL_MAX; /* for coefficients that are zero */
+        factor = factor < DBL_MAX ? factor : DBL_MAX; /* keeps a product with a zero coefficient finite */
         if (i < SEPARATION_DEGREE) {
             w[i] = vec3_scale(factor, separation->w[i]);
             if (path.flat) {
@@ -120,7 +119,7 @@ struct relative_path relative_path_make(const struct contact_shape *shape,
     }
     path.reach = contact_reach(shape) / path.scale;
     if (relative_path_has_ends(shape)) {
-        /* both divided alike, so that a source in the plane of an end is in it here, too */
+        /* dividing both alike keeps a source in the plane of an end there */
         path.axial.a[0] = vec3_dot(separation->c[0], shape->axis) / path.scale;
         path.half_length = shape->half_length / path.scale;
         path.has_ends = true;
@@ -181,8 +180,8 @@ bool relative_path_within(const struct relative_path *path, double s)
                                     : fabs(polynomial_at(&path->axial, s)) <= path->half_length;
 }
 
-/* chi g' = 1, where Hunt and Crossley's damping would begin to pull: g' = side (c.w)/d, of a plane n.w,
- * squared. */
+/* chi g' = 1, squared, where Hunt and Crossley's damping would begin to pull: g' = side (c.w)/d, or n.w of a
+ * plane. */
 static struct polynomial hertz_condition(const struct relative_path *path, const struct contact_law *law)
 {
     const double unit = contact_factors_of(law).c * path->scale / path->horizon;
@@ -195,7 +194,7 @@ static struct polynomial hertz_condition(const struct relative_path *path, const
     return polynomial_add(&sum, -fmin(1.0 / (unit * unit), 1.0), &distance2);
 }
 
-/* k g + c g' of a plane: a polynomial as it stands. */
+/* k g + c g' of a plane, which is a polynomial. */
 static struct polynomial law_condition_of_plane(const struct relative_path *path,
                                                 const struct contact_law *law)
 {
@@ -211,7 +210,7 @@ static struct polynomial law_condition_of_plane(const struct relative_path *path
     return polynomial_add(&sum, scaled_damping / unit, &path->half_rate);
 }
 
-/* k (d - reach) + c d' = 0, times d, with the root squared: (k d^2 + c d d')^2 = k^2 reach^2 d^2. */
+/* k (d - reach) + c d' = 0 as a polynomial: (k d^2 + c d d')^2 = k^2 reach^2 d^2. */
 static struct polynomial law_condition(const struct relative_path *path, const struct contact_law *law)
 {
     const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
@@ -227,8 +226,8 @@ static struct polynomial law_condition(const struct relative_path *path, const s
     return polynomial_add(&squared_sum, -reach_term * reach_term, &offset2);
 }
 
-/* k (d - reach) + c d' = 0 times d + reach, with reach / d for 1 where the gap is small: exact the closer the
- * bodies are, where the squares above have lost the gap to rounding. */
+/* k (d - reach) + c d' = 0 times d + reach, with reach / d taken as 1. This is the more exact the closer the
+ * bodies are, where the squares of law_condition have lost the gap to rounding. */
 static struct polynomial law_condition_nearby(const struct relative_path *path, const struct contact_law *law)
 {
     const struct contact_coefficients full = contact_coefficients_of(law, REGIME_COMPRESSION);
@@ -284,7 +283,7 @@ double candidates_least_gap(const struct relative_path *path)
     return path->scale * least;
 }
 
-/* Where the gap passes zero. */
+/* Adds the places where the gap passes zero. */
 static int touching_candidates(const struct relative_path *path, const struct extremes *extremes,
                                double *candidates, int count)
 {
@@ -313,7 +312,6 @@ int candidates_of_ends(const struct relative_path *path, double *candidates, int
                : count;
 }
 
-/* All instants at which the regime may change: a superset, sorted. */
 int candidates_of_all(const struct relative_path *path, const struct extremes *extremes,
                       const struct contact_shape *shape, const struct contact_law *law, double *candidates)
 {

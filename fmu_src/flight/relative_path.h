@@ -20,26 +20,24 @@ struct separation_path {
     struct vec3 offset;
 };
 
-/* The same over a horizon, s = time / horizon in [0, 1], lengths in units of `scale`; of a cylinder the part
- * across its axis. */
+/* The separation path over a horizon: s = time / horizon in [0, 1], lengths in units of `scale`, across a
+ * cylinder's axis. */
 struct relative_path {
     struct vec3 c[SEPARATION_DEGREE + 1];
-    int degree;                /* of c: two for constant forces */
+    int degree;                /* degree of c: two for constant forces */
     double start;              /* |c| at the start [scale] */
-    double gap;                /* at the start; may be more accurate than |c| gives it [scale] */
-    struct polynomial closing; /* c.c': its roots are the extremes of the distance */
-    /* c.w, what the law sees; equal to `closing` for consistent motion */
+    double gap;                /* at the start, with more digits than |c| has [scale] */
+    struct polynomial closing; /* c.c', whose roots are the extremes of the distance */
+    /* c.w, the rate as the law sees it; equals `closing` for consistent motion */
     struct polynomial half_rate;
-    /* whether the destination is a plane: c is then (d, 0, 0), and `closing`, `half_rate` are d' and n.w */
+    /* the destination is a plane: c is (d, 0, 0), `closing` is d' and `half_rate` is n.w */
     bool flat;
-    struct polynomial axial; /* c.e_d of a cylinder */
+    struct polynomial axial; /* c.e_d where the destination is a cylinder [scale] */
     double scale, horizon;   /* [m], [s] */
     double reach;            /* [scale] */
-    double half_length;      /* [scale], where it has ends */
+    double half_length;      /* of a cylinder with ends [scale] */
     bool has_ends;
-    bool
-        starts_within; /* until s = ends_dead_band: whether the source is between the end planes (prediction.h)
- * */
+    bool starts_within; /* the source is between the end planes until s = ends_dead_band (prediction.h) */
     double ends_dead_band;
     int side;
 };
@@ -48,35 +46,36 @@ struct relative_path {
 struct separation_path separation_path_of(const struct scene_values *v, const struct scene_state *q,
                                           const struct scene_instant *at, double clock, int contact);
 
-/* `gap` as it is known at the start [m]. */
+/* `gap` is the gap at the start [m], which may have more digits than the positions. */
 struct relative_path relative_path_make(const struct contact_shape *shape,
                                         const struct separation_path *separation, double gap, double horizon);
 
-/* |c|^2 and |c|^2 - reach^2, the latter as fine as the gap [scale^2] */
+/* |c|^2, and |c|^2 - reach^2 with the digits of the gap [scale^2] */
 struct polynomial relative_path_distance_squared(const struct relative_path *path);
 struct polynomial relative_path_squared_deviation(const struct relative_path *path);
 
-/* By what half_rate is to be divided for the rate n.w, where the gap is `gap` [scale]: d, 1 for a plane. */
+/* half_rate divided by this is the rate n.w at a gap of `gap` [scale]: d, or 1 for a plane. */
 double relative_path_divisor(const struct relative_path *path, double gap);
 
 /* Whether the destination has ends to pass: false at compile time in scenes of spheres. */
 bool relative_path_has_ends(const struct contact_shape *shape);
 
-/* Gap [scale] and its slope in s; a root_function of a struct relative_path. Computed from the growth of the
+/* Gap [scale] and its slope in s; a root_function of a struct relative_path. It comes from the growth of the
  * distance since the start, so that it is as accurate as the gap there, and from vectors: a difference of
- * squares would lose all digits for bodies from further away than 1e8 times their size. */
+ * squares would lose all digits of bodies farther away than 1e8 times their size. */
 void relative_path_gap(const void *data, double s, double *gap, double *slope);
 
 /* Whether the source is between the end planes. */
 bool relative_path_within(const struct relative_path *path, double s);
 
-/* Candidate events of a contact in flight: roots of polynomials among which the next change of regime is. */
+/* Candidate events of a contact in flight: roots of polynomials, one of which is the next change of
+ * regime. */
 
-/* Touching, two ends and where their rounding ends, gap rate, law twice: so many roots together at most, as
- * none of them has the highest degree but the law. */
+/* Most roots in all: of the touch, the two ends, the end of their rounding, the gap rate and two conditions
+ * of the law, of which only the law's have the highest degree. */
 enum { MAX_CANDIDATES = 6 * POLYNOMIAL_MAX_DEGREE };
 
-/* Where the distance has its extremes: between them it is monotone. */
+/* Extremes of the distance, between which it is monotone. */
 struct extremes {
     double at[POLYNOMIAL_MAX_DEGREE];
     int count;
@@ -90,8 +89,8 @@ double candidates_least_gap(const struct relative_path *path);
 /* The gap and its slope at s. */
 struct root_bracket_end flight_gap_bracket_end(const struct relative_path *path, double s);
 
-/* Passages of a cylinder's ends, sorted into `candidates` (MAX_CANDIDATES of them), of which there are
- * `count`; returns how many there are. */
+/* Sorts the passages of a cylinder's ends into the `count` `candidates` (room for MAX_CANDIDATES); returns
+ * the new count. */
 int candidates_of_ends(const struct relative_path *path, double *candidates, int count);
 
 /* All instants at which the regime may change: a superset, sorted. */

@@ -112,7 +112,7 @@ void axis_motion_move_on(struct axis_motion *motion, double time)
     }
 }
 
-/* A polynomial's size and its first two derivatives' over some time, at most; of itself at least, too. */
+/* Bounds of the size of a polynomial (least and most) and of its first two derivatives over some time. */
 struct vector_sizes {
     double least, most, first, second;
 };
@@ -141,7 +141,7 @@ struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double t
     }
     const struct vector_sizes size = sizes_within(motion->coefficient, time - motion->from, length);
     if (motion->kind == AXIS_DRIVEN) {
-        /* e x e'' = e x (lambda' x e) - (lambda.e) lambda x e, whose last part is |lambda|^2/2 at most */
+        /* e x e'' = e x (lambda' x e) - (lambda.e) lambda x e; the last part is at most |lambda|^2/2 */
         return (struct axis_bounds){size.most, size.first + 0.5 * size.most * size.most};
     }
     /* e = a/|a|: |e'| <= |a'|/|a| and |e x e''| <= (|a''| + 2 |a'| |e'|)/|a| */
@@ -152,7 +152,7 @@ struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double t
     return (struct axis_bounds){speed, (size.second + 2.0 * size.first * speed) / size.least};
 }
 
-/* Roundings of a sum of products of vectors, as a gap is: as many as rounding_of_gap grants. */
+/* Rounding of a gap, a sum of products of vectors: as in rounding_of_gap. */
 static const double TUMBLING_ROUNDINGS = 8.0 * DBL_EPSILON;
 
 bool tumbling_has_reach(const struct tumbling_path *path)
@@ -185,7 +185,7 @@ static void separation_at(const struct tumbling_path *path, double time, struct 
     }
 }
 
-/* The shape with its axis there; a capped cylinder as the solid that it is, in whatever zone it is met. */
+/* The shape with an axis; a capped cylinder as a solid, whatever its zone. */
 static struct contact_shape shape_with(const struct tumbling_path *path, struct vec3 axis)
 {
     struct contact_shape shape = path->shape;
@@ -197,14 +197,14 @@ static struct contact_shape shape_with(const struct tumbling_path *path, struct 
     return shape;
 }
 
-/* Inside a shell the change is that d grows through the reach at a touch, outside at a parting. */
+/* Whether the change is that d grows through the reach: a touch inside a shell, a parting outside. */
 static bool distance_grows(const struct tumbling_path *path, enum tumbling_change change)
 {
     return (change == TUMBLING_TOUCH) == (path->shape.side < 0);
 }
 
-/* The distance whose square is smooth wherever the source is, and its reach: to an axis, or to a capped
- * solid, of which the source's centre is r_s away as they part. */
+/* A distance whose square is smooth wherever the source is, and its value as the bodies part: from an axis,
+ * or from a capped solid, at r_s. */
 static double smooth_reach(const struct contact_shape *shape)
 {
     return contact_is_capped(shape) ? shape->source_radius : contact_reach(shape);
@@ -215,7 +215,7 @@ static double smooth_distance(const struct contact_shape *shape, const struct co
     return contact_is_capped(shape) ? fmax(g->gap + shape->source_radius, 0.0) : g->distance;
 }
 
-/* (reach^2 - d^2)/(2 reach) in place of reach - d where d grows; of a plane d itself. */
+/* The gap, or (reach^2 - d^2)/(2 reach) in place of reach - d where d grows; a plane keeps d. */
 static struct falling gap_function(const struct tumbling_path *path, enum tumbling_change change,
                                    const struct contact_shape *shape, const struct contact_geometry *g)
 {
@@ -352,9 +352,9 @@ static void decision(const void *data, double time, double *value, double *slope
     *slope = f->slope;
 }
 
-/* The longest time from an instant on in which nothing changes by more than rounding, as far as the bends of
- * that instant tell. Never zero: where all is within rounding it is so short that no more than three eighths
- * of it can be missed. */
+/* The longest time from an instant on in which nothing changes by more than rounding, by the bends of that
+ * instant. It is never zero: if all is within rounding, no more than three eighths of the noise can be missed
+ * in it. */
 static double unchanged_for(const struct tumbling_search *search, const struct tumbling_instant *at)
 {
     double time = falling_stays_above(&at->of[0], at->noise[0]);
@@ -367,7 +367,7 @@ static double unchanged_for(const struct tumbling_search *search, const struct t
     return fmax(time, quarter / (fabs(gap->slope) + sqrt(gap->bend * quarter)));
 }
 
-/* How far to go from an instant on; `*length` is how far the bends are made to hold, and adapts. */
+/* The next step from an instant. `*length` is the time over which the bends hold; it adapts. */
 static double step_from(const struct tumbling_search *search, struct tumbling_instant *at, double time,
                         double horizon, double *length)
 {
@@ -385,7 +385,7 @@ static double step_from(const struct tumbling_search *search, struct tumbling_in
     const double within = fmin(*length, rest);
     tumbling_bend(search->path, search->change, time, within, at);
     if (!(at->of[TUMBLING_GAP].bend < (double)INFINITY)) {
-        *length = 0.25 * within; /* the direction of an axis that vanishes in between has no bound */
+        *length = 0.25 * within; /* an axis polynomial that passes zero has no bound */
         return 0.0;
     }
     const double step = fmin(unchanged_for(search, at), within);
@@ -393,8 +393,8 @@ static double step_from(const struct tumbling_search *search, struct tumbling_in
     return step;
 }
 
-/* The root of the deciding function between an instant without the change and one with it; at the start where
- * there is none before (before < 0). */
+/* The root of the deciding function between an instant without the change and one with it; the start if
+ * before < 0. */
 static struct tumbling_result located(const struct tumbling_search *search, double before, double after,
                                       long evaluations)
 {
@@ -405,8 +405,8 @@ static struct tumbling_result located(const struct tumbling_search *search, doub
     return (struct tumbling_result){root, by_gap ? 0.0 : at.geometry.gap, root, evaluations};
 }
 
-/* At the start the opposite change may just have been made, at an instant that is not right to rounding: it
- * lasts as long as the functions then rise. Returns how long by the slope of the deciding one, 0: not so. */
+/* If the opposite change has just been made, at an instant not exact to rounding, the functions rise at the
+ * start. Returns how long they need, by the slope of the deciding function; 0: they do not rise. */
 static double still_rising_for(const struct tumbling_search *search, const struct tumbling_instant *at)
 {
     const struct falling *f = &at->of[deciding(search, at)];
@@ -416,10 +416,10 @@ static double still_rising_for(const struct tumbling_search *search, const struc
 struct tumbling_result tumbling_first(const struct tumbling_path *path, enum tumbling_change change,
                                       double horizon, long budget)
 {
-    struct tumbling_path moving = *path; /* what it holds of the axis moves on with the search */
+    struct tumbling_path moving = *path; /* its axis motion moves on with the search */
     const struct tumbling_search search = {&moving, change, tumbling_functions(path)};
     double time = 0.0;
-    double before = -1.0; /* the last instant at which the deciding function was not negative; none yet */
+    double before = -1.0; /* the last time at which the deciding function was not negative; -1: none */
     double length = horizon;
     for (long evaluations = 1; evaluations <= budget; ++evaluations) {
         struct tumbling_instant at;
@@ -436,13 +436,13 @@ struct tumbling_result tumbling_first(const struct tumbling_path *path, enum tum
                 axis_motion_move_on(&moving.axis, time);
             }
             step = step_from(&search, &at, time, horizon, &length);
-            /* where rounding has it below zero at the start: half-way it is above, or it stays within that */
+            /* a function below zero by rounding at the start is above half-way, or stays within rounding */
             step *= before < 0.0 ? 0.5 : 1.0;
         }
         if (!(time < horizon)) {
             return (struct tumbling_result){(double)INFINITY, 0.0, horizon, evaluations};
         }
-        /* no shorter than the rounding of time itself, once no bound can be had over a longer time */
+        /* no shorter than the rounding of time, once there is no bound over a longer time */
         const double least = step > 0.0 || !(length > DBL_EPSILON * horizon) ? 4.0 * DBL_EPSILON * time : 0.0;
         time = fmin(time + fmax(step, fmax(least, DBL_MIN)), horizon);
         length = fmax(length, DBL_EPSILON * horizon);

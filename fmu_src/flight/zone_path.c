@@ -44,7 +44,7 @@ static double plane_touch(const struct separation_path *path, struct vec3 n, dou
     return polynomial_sign_changes(&along, roots) > 0 ? left * roots[0] : (double)INFINITY;
 }
 
-/* A quadratic path is solved as such: exact however short the time is beside the horizon. */
+/* plane_touch of a quadratic path, exact however short the time is beside the horizon. */
 static double steady_touch(const struct separation_path *path, struct vec3 n, double gap, double left)
 {
     const double speed = vec3_dot(n, path->c[1]);
@@ -59,7 +59,7 @@ static double steady_touch(const struct separation_path *path, struct vec3 n, do
     return time <= left ? time : (double)INFINITY;
 }
 
-/* Near a touch that is a graze the steps grow no longer than the rounding of the gap asks for. */
+/* Most steps: near a graze they are as short as the rounding of the gap. */
 enum { TOUCH_STEPS = 10000 };
 
 double zone_path_first_touch(const struct contact_shape *shape, const struct separation_path *path,
@@ -86,13 +86,13 @@ double zone_path_first_touch(const struct contact_shape *shape, const struct sep
         const double before = time;
         time += step;
         if (!(time > before) || (closes && above <= zone_path_rounding(&shape->solid, &from))) {
-            return time; /* another step would know no more */
+            return time; /* another step would be rounding */
         }
     }
     return (double)INFINITY;
 }
 
-/* rho^2 - (radius + sign z - height)^2 and the like: rho^2 = (offset + slope z)^2, in the path's unit. */
+/* rho^2 - (offset + slope z)^2, in the path's unit. */
 static struct polynomial edge_cone(const struct relative_path *path, double offset, double slope)
 {
     const struct polynomial rho2 = relative_path_distance_squared(path);
@@ -162,11 +162,12 @@ int zone_path_edges(const struct contact_solid *solid, const struct separation_p
 
 typedef double zone_margin(const struct contact_solid *solid, struct vec3 c);
 
-/* Places between two edges. An edge polynomial, of degree eight at most, touches zero without a change of
- * sign in four of them at most, as where a path turns back just at an edge: one of five is clear of it. */
+/* Places that are tried between two edges. An edge polynomial has degree eight at most and touches zero
+ * without a change of sign at four of them at most, as where a path turns back just at an edge: one of five
+ * is clear of it. */
 enum { CLEAR_PLACES = 5 };
 
-/* Of those the one that is clearest of an edge. */
+/* The place among CLEAR_PLACES that is clearest of an edge. */
 static double zone_clear_place(const struct contact_solid *solid, const struct separation_path *path,
                                double horizon, double from, double to, zone_margin *margin)
 {
@@ -219,7 +220,7 @@ static double whole_margin(const struct contact_solid *solid, struct vec3 c)
     return contact_zone_margin(solid, solid->zone, c);
 }
 
-/* Of side and cap, without regard to how deep the centre is. */
+/* Distance of the centre from the outer edge of a side or cap, whatever its depth. */
 static double face_margin(const struct contact_solid *solid, struct vec3 c)
 {
     const struct solid_place place = contact_place_at(solid, c);
@@ -233,7 +234,7 @@ double zone_path_end(const struct contact_solid *solid, const struct separation_
     return zone_first_end(solid, path, horizon, edges, count, whole_margin);
 }
 
-/* Whether a path so short stays clear of the outer edge. */
+/* Whether a path is too short to reach the outer edge. */
 static bool stays_on_face(const struct contact_solid *solid, const struct separation_path *path,
                           double horizon)
 {
@@ -265,22 +266,19 @@ double zone_path_leaves_face(const struct contact_solid *solid, const struct sep
     return zone_first_end(solid, path, horizon, edges, count, face_margin);
 }
 
-#endif
-
-#if SCENE_ANY_CAPS
-
 /* Length of a step, as a part of the distance from the circle: no quantity has two extrema in it. */
 static const double RIM_STEP = 0.05;
 
-/* After so many steps, some milliseconds, they are no shorter than this part of the whole: a path
- * along the circle itself takes no end of short ones. A pass of it at a distance of 1e-9 takes a thousand. */
+/* After RIM_SHORT_STEPS steps, some milliseconds of work, a step is at least RIM_LONG_STEP of the whole,
+ * because a path along the circle itself needs any number of short ones. A pass at a distance of 1e-9 takes a
+ * thousand steps. */
 enum { RIM_SHORT_STEPS = 20000 };
 static const double RIM_LONG_STEP = 1e-4;
 
 /* Roundings of sums of products of vectors (prediction.c). */
 static const double RIM_ROUNDINGS = 8.0 * DBL_EPSILON;
 
-/* What the law sees at one time. */
+/* Arguments of the law at one time. */
 struct rim_instant {
     double gap, rate, slope; /* [m], [m/s], and dg/dt [m/s] */
     double distance;         /* from the circle [m] */
@@ -317,7 +315,7 @@ static struct rim_instant rim_instant_at(const struct rim_search *search, double
     return now;
 }
 
-/* Whether the regime there is another one, whatever rounding does. */
+/* Whether the regime has changed by more than rounding. */
 static bool rim_has_changed(const struct rim_search *search, const struct rim_instant *at,
                             enum contact_regime present)
 {
@@ -330,13 +328,13 @@ static bool rim_has_changed(const struct rim_search *search, const struct rim_in
     if (at->gap > at->gap_noise) {
         return true;
     }
-    /* where they part to rounding, too: the dashpot may have been clipped before */
+    /* also where they part to rounding, because the dashpot may have been clipped before */
     const struct contact_slopes slopes = contact_event_slopes(search->law, present, at->gap, at->rate);
     return contact_event(search->law, present, at->gap, at->rate) <
            -(fabs(slopes.by_gap) * at->gap_noise + fabs(slopes.by_rate) * at->rate_noise);
 }
 
-/* From a time and a distance on; `count` steps have been made. */
+/* Length of the next step [s] from a time and a distance; `count` steps have been made. */
 static double rim_step_length(const struct rim_search *search, double time, double distance, double longest,
                               int count)
 {
@@ -453,26 +451,25 @@ double rim_least_gap(const struct contact_shape *shape, const struct separation_
 
 #if SCENE_ANY_CAPS
 
-/* The distance from the axis less r_d, that along it less L / 2, and the gap, as Taylor series of time. The
- * square of a distance is a polynomial of degree eight: one whose terms are all zero stays as it is. */
+/* rho - r_d, |z| - L/2 and the gap as Taylor series of time, up to the degree eight of a squared distance. */
 enum { GAP_TERMS = 2 * SEPARATION_DEGREE + 1 };
 
 struct gap_series {
     double radial[GAP_TERMS], axial[GAP_TERMS], gap[GAP_TERMS];
-    double rounding; /* of the first terms [m] */
-    /* A term of order i is rounding below `rounding` rate[i]^i: the inverse of the time in which the terms of
-     * the path up to that order move it by its distance from what it turns about [1/s] */
+    double rounding; /* rounding bound of the first terms [m] */
+    /* Rate at which the terms of the path up to an order move it by its distance [1/s]: a term of order i is
+     * rounding below `rounding` rate[i]^i. */
     double rate[GAP_TERMS];
 };
 
-/* Whether the rate alone closes the gap, and by less than rounding: it turns back at once. */
+/* Whether only the rate closes the gap, and by less than rounding before the gap opens again. */
 static bool is_graze(const struct gap_series *series)
 {
     return series->gap[1] < 0.0 && series->gap[2] > 0.0 &&
            series->gap[1] * series->gap[1] <= 4.0 * series->gap[2] * series->rounding;
 }
 
-/* The first term that is more than rounding; 0 where none is, too. */
+/* Order of the first term above rounding; 0 if there is none. */
 static int first_term(const struct gap_series *series, const double *terms)
 {
     for (int i = 0; i < GAP_TERMS; ++i) {
@@ -483,7 +480,8 @@ static int first_term(const struct gap_series *series, const double *terms)
     return 0;
 }
 
-/* The part across the axis is projected by itself, so that a path along the axis has none. */
+/* Puts the radial and axial series. The part across the axis is projected by itself, so that a path along the
+ * axis has none. */
 static void put_solid_place(struct gap_series *series, const struct contact_solid *solid,
                             const struct separation_path *path)
 {
@@ -501,7 +499,7 @@ static void put_solid_place(struct gap_series *series, const struct contact_soli
              ++k) {
             square[i] += vec3_dot(across[k], across[i - k]);
         }
-        /* over the middle of a cap it is less than r_d, whatever follows */
+        /* over the middle of a cap rho is less than r_d in all of the path that counts */
         rho[i] = square[0] > 0.0 ? taylor_root(square, rho, i) : 0.0;
         series->radial[i] = rho[i] - (i == 0 ? solid->radius : 0.0);
     }
@@ -515,7 +513,7 @@ static void put_term_rates(struct gap_series *series, const struct separation_pa
     }
 }
 
-/* The gap in the zone into which the path goes, whichever it is in. */
+/* The series of the gap in the zone that the path enters. */
 static struct gap_series gap_series_of(const struct contact_shape *shape, const struct separation_path *path,
                                        double rounding)
 {
@@ -540,16 +538,15 @@ static struct gap_series gap_series_of(const struct contact_shape *shape, const 
     return series;
 }
 
-/* How bodies that meet, to rounding, go on. */
+/* How bodies that touch to rounding go on. */
 struct meeting {
-    bool closes; /* they overlap */
-    /* else they stay met for so long: until the gap is more than rounding, or back at zero [s] */
-    double leaving;
+    bool closes;    /* they overlap */
+    double leaving; /* else the time until the gap is more than rounding, or back at zero [s] */
 };
 
-/* Positions tell the gap to `noise`. `known` points to a gap that is known better, as where a contact has
- * just ended: its sign and that of its rate then count however small they are, for a ball may hop by less
- * than rounding. */
+/* Positions give the gap to `noise`. `known` points to a gap with more digits, as where a contact has just
+ * ended, or is NULL. The signs of such a gap and its rate count however small they are, because a ball may
+ * hop by less than rounding. */
 static struct meeting meeting_of(const struct contact_shape *shape, const struct separation_path *path,
                                  double noise, const double *known)
 {
@@ -577,7 +574,7 @@ static struct meeting meeting_of(const struct contact_shape *shape, const struct
     return meeting;
 }
 
-/* Rounding of a gap that stays at zero may be met more than once. */
+/* Most trials: a gap that stays at zero may come within rounding more than once. */
 enum { TRIALS = 1000 };
 
 double zone_change_touch(const struct scene_values *v, const struct scene_state *q,
@@ -598,7 +595,7 @@ double zone_change_touch(const struct scene_values *v, const struct scene_state 
                 return time;
             }
             if (!(meeting.leaving < horizon)) {
-                return (double)INFINITY; /* they stay as they are */
+                return (double)INFINITY; /* the bodies stay as they are */
             }
             time += meeting.leaving;
         }

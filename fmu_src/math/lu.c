@@ -1,168 +1,154 @@
 #include <math.h>
+#include <stddef.h>
 
+#include "math/compiler.h"
 #include "math/lu.h"
 #include "math/nodes.h"
 
-/* to -= factor from, of the elements [first, end). */
-static void subtract_scaled(double *to, const double *from, double factor, int first, int end)
-{
-    for (int i = first; i < end; i += LANES) {
-        double2_put(to, i, double2_at(to, i) - double2_at(from, i) * factor);
-    }
-}
+/* A column of the matrix or a right side. In the functions below `is_complex` is a constant: the code of a
+ * real matrix does not touch imaginary parts. */
+struct column {
+    double *re, *im;
+};
 
-static int largest_below(const double *column, int first, int end)
+static inline struct column column_of(const struct lu_matrix *m, int k, bool is_complex)
 {
-    int best = first;
-    double largest = -1.0;
-    for (int i = first; i < end; ++i) {
-        const double size = fabs(column[i]);
-        best = size > largest ? i : best;
-        largest = size > largest ? size : largest;
-    }
-    return best;
-}
-
-bool dense_lu_factor(struct dense_matrix m)
-{
-    const int n = m.rows;
-    for (int k = 0; k < n; ++k) {
-        double *column = m.at + k * m.stride;
-        const int pivot = largest_below(column, k, n);
-        m.pivot[k] = pivot;
-        for (int j = 0; j < n && pivot != k; ++j) {
-            double *other = m.at + j * m.stride;
-            const double kept = other[k];
-            other[k] = other[pivot];
-            other[pivot] = kept;
-        }
-        if (column[k] == 0.0 || !isfinite(column[k])) {
-            return false;
-        }
-        column[k] = 1.0 / column[k];
-        for (int i = k + 1; i < n; ++i) {
-            column[i] *= column[k];
-        }
-        for (int j = k + 1; j < n; ++j) {
-            double *other = m.at + j * m.stride;
-            if (other[k] != 0.0) {
-                subtract_scaled(other, column, other[k], k + 1, n);
-            }
-        }
-    }
-    return true;
-}
-
-void dense_lu_solve(struct dense_matrix m, double *side)
-{
-    const int n = m.rows;
-    for (int k = 0; k < n; ++k) {
-        const double kept = side[k];
-        side[k] = side[m.pivot[k]];
-        side[m.pivot[k]] = kept;
-    }
-    for (int k = 0; k < n; ++k) {
-        subtract_scaled(side, m.at + k * m.stride, side[k], k + 1, n);
-    }
-    for (int k = n - 1; k >= 0; --k) {
-        const double solved = side[k] * m.at[k * m.stride + k];
-        side[k] = solved;
-        subtract_scaled(side, m.at + k * m.stride, solved, 0, k);
-        side[k] = solved; /* the last pair may have changed it */
-    }
+    return (struct column){m->re + k * m->stride, is_complex ? m->im + k * m->stride : NULL};
 }
 
 /* to -= (re + i im) from, of the elements [first, end). */
-static void subtract_column(double *to_re, double *to_im, const double *from_re, const double *from_im,
-                            double re, double im, int first, int end)
+static inline void subtract_column(struct column to, struct column from, double re, double im, int first,
+                                   int end, bool is_complex)
 {
     for (int i = first; i < end; i += LANES) {
-        const double2 a = double2_at(from_re, i);
-        const double2 b = double2_at(from_im, i);
-        double2_put(to_re, i, double2_at(to_re, i) - (a * re - b * im));
-        double2_put(to_im, i, double2_at(to_im, i) - (a * im + b * re));
+        const double2 a = double2_at(from.re, i);
+        if (is_complex) {
+            const double2 b = double2_at(from.im, i);
+            double2_put(to.re, i, double2_at(to.re, i) - (a * re - b * im));
+            double2_put(to.im, i, double2_at(to.im, i) - (a * im + b * re));
+        } else {
+            double2_put(to.re, i, double2_at(to.re, i) - a * re);
+        }
     }
 }
 
-static void swap_elements(double *a, int i, int k)
+static inline void swap_elements(double *a, int i, int k)
 {
     const double kept = a[i];
     a[i] = a[k];
     a[k] = kept;
 }
 
-static int largest_of_column(const double *re, const double *im, int first, int end)
+static inline void swap_rows(struct column column, int i, int k, bool is_complex)
+{
+    swap_elements(column.re, i, k);
+    if (is_complex) {
+        swap_elements(column.im, i, k);
+    }
+}
+
+static inline int largest_of_column(struct column column, int first, int end, bool is_complex)
 {
     int best = first;
     double largest = -1.0;
     for (int i = first; i < end; ++i) {
-        const double size = fabs(re[i]) + fabs(im[i]);
+        const double size = is_complex ? fabs(column.re[i]) + fabs(column.im[i]) : fabs(column.re[i]);
         best = size > largest ? i : best;
         largest = size > largest ? size : largest;
     }
     return best;
 }
 
-bool complex_lu_factor(struct complex_matrix m)
+/* column[i] *= column[k] */
+static inline void scale_element(struct column column, int i, int k, bool is_complex)
 {
-    const int n = m.rows;
+    const double re = column.re[k];
+    if (is_complex) {
+        const double a = column.re[i];
+        column.re[i] = a * re - column.im[i] * column.im[k];
+        column.im[i] = a * column.im[k] + column.im[i] * re;
+    } else {
+        column.re[i] *= re;
+    }
+}
+
+/* Replaces a pivot by its reciprocal. */
+static inline bool invert_pivot(struct column column, int k, bool is_complex)
+{
+    if (!is_complex) {
+        const double pivot = column.re[k];
+        column.re[k] = 1.0 / pivot;
+        return pivot != 0.0 && isfinite(pivot);
+    }
+    const double square = column.re[k] * column.re[k] + column.im[k] * column.im[k];
+    column.re[k] = column.re[k] / square;
+    column.im[k] = -column.im[k] / square;
+    return square > 0.0 && isfinite(square);
+}
+
+static inline bool factor_matrix(const struct lu_matrix *m, bool is_complex)
+{
+    const int n = m->rows;
     for (int k = 0; k < n; ++k) {
-        double *re = m.re + k * m.stride;
-        double *im = m.im + k * m.stride;
-        const int pivot = largest_of_column(re, im, k, n);
-        m.pivot[k] = pivot;
+        const struct column column = column_of(m, k, is_complex);
+        const int pivot = largest_of_column(column, k, n, is_complex);
+        m->pivot[k] = pivot;
         for (int j = 0; j < n && pivot != k; ++j) {
-            swap_elements(m.re + j * m.stride, k, pivot);
-            swap_elements(m.im + j * m.stride, k, pivot);
+            swap_rows(column_of(m, j, is_complex), k, pivot, is_complex);
         }
-        const double square = re[k] * re[k] + im[k] * im[k];
-        if (!(square > 0.0) || !isfinite(square)) {
+        if (!invert_pivot(column, k, is_complex)) {
             return false;
         }
-        const double inverse_re = re[k] / square;
-        const double inverse_im = -im[k] / square;
-        re[k] = inverse_re;
-        im[k] = inverse_im;
         for (int i = k + 1; i < n; ++i) {
-            const double a = re[i];
-            re[i] = a * inverse_re - im[i] * inverse_im;
-            im[i] = a * inverse_im + im[i] * inverse_re;
+            scale_element(column, i, k, is_complex);
         }
         for (int j = k + 1; j < n; ++j) {
-            double *to_re = m.re + j * m.stride;
-            double *to_im = m.im + j * m.stride;
-            if (to_re[k] != 0.0 || to_im[k] != 0.0) {
-                subtract_column(to_re, to_im, re, im, to_re[k], to_im[k], k + 1, n);
+            const struct column other = column_of(m, j, is_complex);
+            if (other.re[k] != 0.0 || (is_complex && other.im[k] != 0.0)) {
+                subtract_column(other, column, other.re[k], is_complex ? other.im[k] : 0.0, k + 1, n,
+                                is_complex);
             }
         }
     }
     return true;
 }
 
-void complex_lu_solve(struct complex_matrix m, double *re, double *im)
+static inline void solve_matrix(const struct lu_matrix *m, struct column side, bool is_complex)
 {
-    const int n = m.rows;
+    const int n = m->rows;
     for (int k = 0; k < n; ++k) {
-        if (m.pivot[k] != k) {
-            swap_elements(re, k, m.pivot[k]);
-            swap_elements(im, k, m.pivot[k]);
-        }
+        swap_rows(side, k, m->pivot[k], is_complex);
     }
     for (int k = 0; k < n; ++k) {
-        subtract_column(re, im, m.re + k * m.stride, m.im + k * m.stride, re[k], im[k], k + 1, n);
+        subtract_column(side, column_of(m, k, is_complex), side.re[k], is_complex ? side.im[k] : 0.0, k + 1,
+                        n, is_complex);
     }
     for (int k = n - 1; k >= 0; --k) {
-        const double *column_re = m.re + k * m.stride;
-        const double *column_im = m.im + k * m.stride;
-        const double a = re[k];
-        re[k] = a * column_re[k] - im[k] * column_im[k];
-        im[k] = a * column_im[k] + im[k] * column_re[k];
-        const double b = re[k];
-        const double c = im[k];
-        subtract_column(re, im, column_re, column_im, b, c, 0, k);
-        if (k % LANES != 0) { /* the last of them was not meant */
-            re[k] = b;
-            im[k] = c;
+        const struct column column = column_of(m, k, is_complex);
+        double re = side.re[k] * column.re[k];
+        double im = 0.0;
+        if (is_complex) {
+            re -= side.im[k] * column.im[k];
+            im = side.re[k] * column.im[k] + side.im[k] * column.re[k];
         }
+        subtract_column(side, column, re, im, 0, k, is_complex);
+        side.re[k] = re; /* the last pair may have changed it */
+        if (is_complex) {
+            side.im[k] = im;
+        }
+    }
+}
+
+CONTACT_FLATTEN bool lu_factor(struct lu_matrix m)
+{
+    return m.im != NULL ? factor_matrix(&m, true) : factor_matrix(&m, false);
+}
+
+CONTACT_FLATTEN void lu_solve(struct lu_matrix m, double *re, double *im)
+{
+    if (m.im != NULL) {
+        solve_matrix(&m, (struct column){re, im}, true);
+    } else {
+        solve_matrix(&m, (struct column){re, NULL}, false);
     }
 }

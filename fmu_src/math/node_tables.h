@@ -5,8 +5,9 @@
 
 /* Both ends are nodes, so that the load is exact at the start, where the free oscillation is separated from
  * the particular solution. Twelve points integrate about one radian of a slow motion to full accuracy; more
- * would need more sweeps. A sweep costs the square of their number: eight reach half as far, four a tenth.
- * Multiples of four, because nodes.c computes four sums at a time. */
+ * points would need more sweeps. The cost of a sweep is the square of the number of points. Eight points
+ * reach half as far, four a tenth. The numbers are multiples of four, because nodes.c computes four sums at a
+ * time. */
 enum lobatto_size { LOBATTO_FOUR, LOBATTO_EIGHT, LOBATTO_TWELVE, LOBATTO_SIZES };
 
 enum { LOBATTO_MAX = 12 };
@@ -14,16 +15,17 @@ enum { LOBATTO_MAX = 12 };
 struct lobatto {
     int points;
     const double *node; /* [i], ascending */
-    /* [j points + i]: from -1 to node i, of the polynomial that is 1 at node j and 0 at the others */
+    /* [j points + i]: the integral from -1 to node i of the polynomial that is 1 at node j and 0 at the
+     * others */
     const double *integral;
     const double *monomial; /* [j points + k]: the coefficient of sigma^k in that polynomial */
 };
 
 extern const struct lobatto lobatto[LOBATTO_SIZES];
 
-/* The right Radau nodes of [-1, 1]. Radau IIA with so many stages has order 23 and damps away what is too
- * fast for a step. The start is no node: the collocation polynomial goes on from there in spite of what is
- * fast there. */
+/* The right Radau nodes of [-1, 1]. Radau IIA with twelve stages has order 23 and damps away motion that is
+ * too fast for a step. The start is no node, so the collocation polynomial does not follow fast motion at the
+ * start. */
 enum { RADAU_POINTS = 12 };
 
 extern const struct lobatto radau;

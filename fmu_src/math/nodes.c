@@ -20,7 +20,7 @@ static void multiply_block(int points, const double *matrix, const double *value
     sum[1] = high;
 }
 
-/* Of the differences from the first value, so that a function that hardly changes loses no digits. */
+/* By differences from the first value, so that a function that hardly changes loses no digits. */
 void nodal_coefficients(const struct lobatto *nodes, const double *values, double *a)
 {
     nodal_values grown;

@@ -13,15 +13,13 @@ static const double GAUSS_NODE[GAUSS_NODES] = {-0.90617984593866399, -0.53846931
 static const double GAUSS_WEIGHT[GAUSS_NODES] = {
     0.23692688505618909, 0.47862867049936647, 0.56888888888888889, 0.47862867049936647, 0.23692688505618909};
 
-/* A place in a panel from 0 to 2, and what its weight is multiplied with. */
+/* A node's place in a panel from 0 to 2, and the factor of its weight. */
 struct gauss_place {
     double at, factor;
 };
 
-/*
- * Of node i. `graded`: the variable is u with t = u^2 (3 - 2 u), so that nodes crowd at both ends of the
- * panel and roots of t there, as in a force that begins with t^(3/2), become polynomials of u.
- */
+/* The place of node i. `graded`: the variable is u with t = u^2 (3 - 2 u), so that nodes crowd at both ends
+ * of the panel, and roots of t there, as in a force that begins with t^(3/2), become polynomials of u. */
 static inline struct gauss_place gauss_place(int i, int graded)
 {
     const double u = 0.5 * (1.0 + GAUSS_NODE[i]);
@@ -64,11 +62,12 @@ double nodal_polynomial_at(const double *a, int terms, double s);
 double nodal_slope(const double *a, int terms, double s);
 void nodal_derivatives(const double *a, int terms, double s, double out[4]);
 
-/* Of values at the nodes: the integrals from the start to each node; returns the largest change of `sum`. */
+/* Integrals of values at the nodes from the start to each node, into `sum`; returns the largest change of
+ * `sum`. */
 double nodal_integrate(const struct lobatto *nodes, const double *rate, double *sum);
 
-/* The integral to s, where `sum` at the nodes is known: exact at the step's end to the order of the nodes'
- * quadrature. */
+/* The integral to s by `rate` and its integrals `sum` at the nodes. At the step's end it has the order of the
+ * nodes' quadrature. */
 double nodal_integral_to(const struct lobatto *nodes, const double *sum, const double *rate, double s);
 
 /* The integral from 0 to s of the polynomial with coefficients a. */

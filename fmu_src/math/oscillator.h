@@ -14,7 +14,7 @@ struct oscillator {
     double omega2, damping_rate;
 };
 
-/* What y and y' are at z for y(0) = 1, y'(0) = 0 and for y(0) = 0, y'(0) = 1. */
+/* y and y' at z for y(0) = 1, y'(0) = 0 (of_y) and for y(0) = 0, y'(0) = 1 (of_rate). */
 struct oscillator_basis {
     double y_of_y, y_of_rate;
     double rate_of_y, rate_of_rate;
@@ -22,21 +22,21 @@ struct oscillator_basis {
 
 struct oscillator_basis oscillator_basis_at(const struct oscillator *o, double z);
 
-/* y alone, at 1 + offset for an even number of ascending offsets in [-1, 1] that are symmetric about zero:
- * half the cost. */
+/* y alone, at 1 + offset for an even number of ascending offsets in [-1, 1], at half the cost because they
+ * are symmetric about zero. */
 void oscillator_basis_about_one(const struct oscillator *o, const double *offset, int count, double *y_of_y,
                                 double *y_of_rate);
 
-/* The two rates at which y decays; both sqrt(omega2), the rate of oscillation, up to critical damping. */
+/* The two decay rates of y. Up to critical damping both are sqrt(omega2), the rate of oscillation. */
 struct oscillator_rates {
     double slower, faster;
 };
 
 struct oscillator_rates oscillator_rates_of(const struct oscillator *o);
 
-/* |y| <= amplitude exp(-decay_rate z) for the free oscillation that starts with y and y'. Any sum of y and y'
- * solves the same equation, so the bound serves for it too. The least possible amplitude below critical
- * damping; near it and beyond, the sum of the two parts. */
+/* |y| <= amplitude exp(-decay_rate z) for the free oscillation that starts with y and y'. The bound also
+ * serves for sums of y and y', which solve the same equation. Below critical damping the amplitude is the
+ * least possible one; near it and beyond it is the sum of both decays. */
 struct oscillator_envelope {
     double amplitude, decay_rate;
 };
@@ -60,7 +60,7 @@ struct oscillator_increment oscillator_increment(const struct oscillator *o, dou
  * k! / rate^k below. */
 void oscillator_particular(const struct oscillator *o, const double *load, double *s, int terms);
 
-/* The same for x' + rate x = load. */
+/* The particular solution of x' + rate x = load. */
 void relaxation_particular(double rate, const double *load, double *s, int terms);
 
 /*
@@ -95,15 +95,15 @@ struct overdamped overdamped_of_dashpot(double y, double y_rate, double drift);
 /* y and its derivatives. */
 void overdamped_at(const struct overdamped *d, double s, double y[1 + OVERDAMPED_DERIVATIVES]);
 
-/* How much y and y' have changed since the start. */
+/* Changes of y and y' since the start. */
 struct overdamped_change {
     double y, y_rate;
 };
 
 struct overdamped_change overdamped_since(const struct overdamped *d, double s);
 
-/* The s at which the derivative of an order is zero, as each is once at most: negative before the start,
- * INFINITY nowhere. Approximate where it is so close to critical damping that y oscillates. */
+/* The s at which the derivative of an order is zero; each has one zero at most. Negative: before the start.
+ * INFINITY: nowhere. The s is approximate so close to critical damping that y oscillates. */
 double overdamped_zero(const struct overdamped *d, int order);
 
 #endif

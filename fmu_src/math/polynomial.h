@@ -38,16 +38,16 @@ typedef void root_function(const void *data, double s, double *value, double *sl
  * s. */
 double root_in_bracket(root_function *f, const void *data, double low, double high);
 
-/* An end of a bracket with what is known there. */
+/* An end of a bracket, with value and slope there. */
 struct root_bracket_end {
     double s, value, slope;
 };
 
-/* A first guess of the root: of the cubic through both ends, or of half a cosine where both ends are
+/* A first guess of the root: the root of the cubic through both ends, or of half a cosine if both ends are
  * extrema. */
 double root_guess(struct root_bracket_end low, struct root_bracket_end high);
 
-/* The root where f is known at both ends, other than zero at the first. */
+/* The root in a bracket with f at both ends; f is not zero at the first. */
 double root_between(root_function *f, const void *data, struct root_bracket_end low,
                     struct root_bracket_end high);
 
@@ -56,31 +56,31 @@ struct root_place {
     double s, value;
 };
 
-/* Whether a function that is positive at three ascending places, and lowest at the second, may fall below
- * zero about it: where the parabola through the three falls by at least half of that value. */
+/* Whether a function that is positive at three ascending places and lowest at the second may fall below zero
+ * about it: the parabola through the three falls below the second value by at least half of it. */
 bool root_may_dip(const struct root_place place[3]);
 
-/* Then where it is lowest between the first and the third, by golden sections, or below zero. */
+/* A place between the first and the third where the function is lowest, by golden sections, or below zero. */
 double root_lowest(root_function *f, const void *data, const struct root_place place[3]);
 
 /* Where a polynomial, given by its Bernstein coefficients on [0, 1], first falls through zero. */
 
 enum { BERNSTEIN_MOST = 13 }; /* coefficients */
 
-/* A bracket of that place, in which the polynomial and `offset` have no other change of sign; low =
- * INFINITY: it falls nowhere. */
+/* A bracket of the place where the polynomial plus `offset` falls through zero, with no other change of sign
+ * in it; low = INFINITY: it falls nowhere. */
 struct bernstein_fall {
     double low, high, offset;
 };
 
-/* What is known of the polynomial is known to `noise`: a dip below zero that is not deeper is none, a deeper
- * one begins where it passes that; unless the end is not above zero. */
+/* The coefficients are accurate to `noise`. A dip below zero that is not deeper than `noise` does not count,
+ * and a deeper one begins where it passes -noise, unless the polynomial ends at or below zero. */
 struct bernstein_fall bernstein_first_fall(const double *coefficients, int count, double noise);
 
-/* The place itself, to rounding. */
+/* The place in the bracket, to rounding. */
 double bernstein_root(const double *coefficients, int count, struct bernstein_fall fall);
 
-/* Makes them those of the polynomial between two places of [0, 1]. */
+/* Restricts Bernstein coefficients to the polynomial between two places of [0, 1]. */
 void bernstein_restrict(double *coefficients, int count, double from, double to);
 
 double bernstein_at(const double *coefficients, int count, double place);

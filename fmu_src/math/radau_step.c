@@ -6,9 +6,8 @@
 #include "math/nodes.h"
 #include "math/radau_step.h"
 
-/* Rows of numbers as radau_step.c keep them. */
-
-/* Rows end with at least one zero and are so many numbers long, for loops that take some at a time. */
+/* Rows end with at least one zero, and their length is a multiple of this, for loops that take several
+ * numbers at a time. */
 enum { RADAU_ROW_BLOCK = 4 };
 
 static inline int radau_padded(int count)
@@ -43,8 +42,7 @@ static inline void radau_polynomials_at(int count, double part, double *of)
     }
 }
 
-/* Of a row of all forces, for loops that take four at a time: columns of the matrix are as much longer than
- * its rows, which are a multiple of the stages. */
+/* Length of a row of all forces, for loops that take four numbers at a time. */
 static inline int radau_padded_forces(const struct radau_problem *problem)
 {
     return (problem->forces + 2 * LANES - 1) / (2 * LANES) * (2 * LANES);
@@ -60,24 +58,24 @@ static inline double radau_product(const double *a, const double *b, int count)
     return sum;
 }
 
-/* The parts of p->jacobian that are kept as by_others and by_places. */
+/* Copies the parts of p->jacobian by the states left and by the places. */
 static void radau_take_jacobian(const struct radau_step *p, double *by_others, double *by_places);
 
-/* What follows for the places, h A times their speeds; the residual h f - A^-1 change. */
+/* The places, h A times their speeds; the residual h f - A^-1 change. */
 static void radau_move_places(struct radau_step *p);
 static void radau_evaluate_residual(struct radau_step *p);
 
-/* P->stage_others and p->stage_places at what is known of a stage. */
+/* p->stage_others and p->stage_places at the present values of a stage. */
 static void radau_take_stage_jacobian(struct radau_step *p, int stage);
 
-/* Factors of the system of the forces at what is known of the stages, false where there are
- * none. Changes of the states left by the residual, into p->side. */
+/* The system of the forces: memory, factors at the present values of the stages (false where it is singular),
+ * and the correction of the states left by the residual, into p->side. */
 static size_t radau_forces_memory(const struct radau_problem *problem);
 static void radau_forces_place(struct radau_step *p, double *memory);
 static bool radau_forces_factor(struct radau_step *p);
 static void radau_forces_correct(struct radau_step *p);
 
-/* Of a quaternion: as many turn it by ten radians. */
+/* Most sweeps for a quaternion: they turn it by ten radians. */
 enum { MOST_SWEEPS = 60 };
 
 /* Rows of the system of all stages. */
@@ -104,7 +102,7 @@ static double *take(double **from, int count)
     return taken;
 }
 
-/* Which of the coupled states remain once places are eliminated. */
+/* Lists the coupled states that remain once places are eliminated. */
 static void list_others(struct radau_step *p)
 {
     const struct radau_problem *problem = &p->problem;
@@ -154,7 +152,7 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     p->stage_places = take(&next, n * n);
     p->side = take(&next, all);
     p->whole = take(&next, n * n);
-    p->all = (struct dense_matrix){.stride = all, .at = take(&next, all * all)};
+    p->all = (struct lu_matrix){.stride = all, .re = take(&next, all * all)};
     radau_forces_place(p, take(&next, (int)radau_forces_memory(problem)));
     int *whole = (int *)(void *)next;
     p->other = whole;
@@ -212,8 +210,8 @@ static void divide_quaternions(const double *a, const double *b, double *quotien
     multiply_quaternions(a, inverse, quotient);
 }
 
-/* Change of a quaternion whose rates are known as if it stayed as it was at the start: by sweeps, which
- * converge as the series of the exponential function does. */
+/* Change of a quaternion whose rates are given for its value at the start: by sweeps, which converge as the
+ * series of the exponential function does. */
 static void turn_quaternion(struct radau_step *p, int first)
 {
     const int s = p->stages->stages;
@@ -305,8 +303,9 @@ void radau_step_at(const struct radau_step *p, double part, double *y)
     }
 }
 
-/* Of an oscillation, by as much as its last Chebyshev coefficients have decreased within four (of four
- * stages, two), to the power 0.45 to 0.6 anywhere, 1.5 to 2 at the end (measured for 0.5 to 8 radians). */
+/* The error of an oscillation is its last Chebyshev coefficients times the ratio by which they have decreased
+ * within four (with four stages two), to the power 0.45 to 0.6 within the step and 1.5 to 2 at its end,
+ * measured for 0.5 to 8 radians. */
 static const double DECREASE_WITHIN = 0.45;
 static const double DECREASE_AT_END = 1.5;
 
@@ -319,7 +318,7 @@ struct radau_error radau_step_error(const struct radau_step *p)
     double before = 0.0;
     for (int j = 0; j < p->problem.size; ++j) {
         const double *of = p->chebyshev + j;
-        if (!isfinite(of[s * n])) { /* a quaternion's sweeps diverge where it turns much too far */
+        if (!isfinite(of[s * n])) { /* the sweeps of a quaternion that turns much too far diverge */
             return (struct radau_error){(double)INFINITY, (double)INFINITY};
         }
         last = fmax(last, fmax(fabs(of[s * n]), fabs(of[(s - 1) * n])) * p->weight[j]);
@@ -328,8 +327,6 @@ struct radau_error radau_step_error(const struct radau_step *p)
     const double ratio = before > 0.0 ? fmin(last / before, 1.0) : 0.0;
     return (struct radau_error){last * pow(ratio, DECREASE_WITHIN), last * pow(ratio, DECREASE_AT_END)};
 }
-
-/* First guesses of a step that is solved with the Jacobian at every stage (math/radau_step.c). */
 
 static void guess_steady(struct radau_step *p)
 {
@@ -341,8 +338,8 @@ static void guess_steady(struct radau_step *p)
     }
 }
 
-/* Up to which coefficient the last polynomial is worth its while at a part of its step: the contributions
- * of later ones grow. */
+/* Number of coefficients of the last polynomial that are of use at a part of its step; the contributions of
+ * later ones grow. */
 static int coefficients_worth(const struct radau_step *p, const double *of)
 {
     int best = 1;
@@ -399,15 +396,13 @@ void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages
     radau_move_places(p);
 }
 
-/* What a step does not see before its first stage. */
-
-/* h (rates at the start less those of the polynomial there), of those left. */
+/* h times the rates at the start less the slopes of the polynomial there, of the states left. */
 static void put_start_defect(struct radau_step *p)
 {
     const int s = p->stages->stages;
     for (int i = 0; i < p->others; ++i) {
         const int j = p->other[i];
-        double slope = 0.0; /* T_k' = -(-1)^k k^2 there, and the step is two long */
+        double slope = 0.0; /* T_k' = -(-1)^k k^2 at the start, and the step has length two */
         for (int k = 1; k <= s; ++k) {
             slope += (k % 2 == 0 ? -2.0 : 2.0) * k * k * p->chebyshev[k * p->stride + j];
         }
@@ -416,49 +411,49 @@ static void put_start_defect(struct radau_step *p)
     p->side[p->others] = 0.0;
 }
 
-/* I - h J, of those left, factored; where `by_places` is not NULL with what they feel through the places. */
-static bool factor_dying(struct radau_step *p, struct dense_matrix system, const double *by_others,
+/* Factors I - h J of the states left; with the effect of the places, if `by_places` is not NULL. */
+static bool factor_dying(struct radau_step *p, struct lu_matrix system, const double *by_others,
                          const double *by_places)
 {
     const int m = system.rows;
     for (int column = 0; column < m; ++column) {
-        double *to = system.at + column * system.stride;
+        double *to = system.re + column * system.stride;
         for (int i = 0; i < m; ++i) {
             to[i] = (i == column ? 1.0 : 0.0) - p->length * by_others[column * m + i];
         }
         to[m] = 0.0;
     }
     for (int k = 0; k < p->problem.paired && by_places; ++k) {
-        double *to = system.at + p->speed_among[k] * system.stride;
+        double *to = system.re + p->speed_among[k] * system.stride;
         for (int i = 0; i < m; ++i) {
             to[i] -= p->length * p->length * by_places[k * m + i];
         }
     }
-    return dense_lu_factor(system);
+    return lu_factor(system);
 }
 
-/* What dies away is the defect less what is left of it, (1 - 1/(1 + h lambda)) of it, and leaves behind
- * as much as it acts for, 1/(1 + h lambda) of that. */
+/* A part with the rate lambda decays by 1 - 1/(1 + h lambda) of the defect, and leaves an error of 1/(1 + h
+ * lambda) of that. */
 double radau_step_start_error(struct radau_step *p)
 {
     const int m = p->others;
-    struct dense_matrix system = p->all;
+    struct lu_matrix system = p->all;
     system.rows = m;
     put_start_defect(p);
     if (!factor_dying(p, system, p->by_others, NULL)) {
         return (double)INFINITY;
     }
     memcpy(p->point, p->side, (size_t)m * sizeof *p->side);
-    dense_lu_solve(system, p->side);
+    lu_solve(system, p->side, NULL);
     for (int i = 0; i < m; ++i) {
         p->side[i] = p->point[i] - p->side[i];
     }
-    dense_lu_solve(system, p->side);
+    lu_solve(system, p->side, NULL);
     radau_take_stage_jacobian(p, p->stages->stages - 1);
     if (!factor_dying(p, system, p->stage_others, p->stage_places)) {
         return (double)INFINITY;
     }
-    dense_lu_solve(system, p->side);
+    lu_solve(system, p->side, NULL);
     double largest = 0.0;
     for (int i = 0; i < m; ++i) {
         const double size = fabs(p->side[i]) * p->weight[p->other[i]];
@@ -467,18 +462,16 @@ double radau_step_start_error(struct radau_step *p)
     return largest;
 }
 
-/* Simplified Newton iterations of a step: its systems, a first guess, corrections. */
-
-/* More are dearer than two steps of half the length. */
+/* Most iterations: more cost more than two steps of half the length. */
 static const int MOST_ITERATIONS = 12;
 
-/* Corrections that shrink no faster do not get there within those. */
+/* Corrections that shrink by no more than this do not converge within MOST_ITERATIONS. */
 static const double SLOWEST_CONTRACTION = 0.5;
 
-/* Unless they are rounding, by which they are below this part of the error allowed. */
+/* Corrections below this part of the error allowed are rounding. */
 static const double ROUNDING_SHARE = 0.25;
 
-/* lambda - h J of those left, with what they feel through the places: those change by h/lambda of their
+/* Factors lambda - h J of the states left, with the effect of the places, which change by h/lambda of their
  * speeds. */
 static bool factor(struct radau_step *p, const struct radau_stages *stages, double length)
 {
@@ -492,7 +485,7 @@ static bool factor(struct radau_step *p, const struct radau_stages *stages, doub
         const double re = stages->eigenvalue[2 * k];
         const double im = stages->eigenvalue[2 * k + 1];
         const double scale = length * length / (re * re + im * im);
-        const struct complex_matrix system = p->system[k];
+        const struct lu_matrix system = p->system[k];
         memset(system.im, 0, (size_t)(m * system.stride) * sizeof(double));
         memset(system.re, 0, (size_t)(m * system.stride) * sizeof(double));
         for (int j = 0; j < m; ++j) {
@@ -513,7 +506,7 @@ static bool factor(struct radau_step *p, const struct radau_stages *stages, doub
             system.re[i * system.stride + i] += re;
             system.im[i * system.stride + i] += im;
         }
-        if (!complex_lu_factor(system)) {
+        if (!lu_factor(system)) {
             return false;
         }
     }
@@ -522,18 +515,18 @@ static bool factor(struct radau_step *p, const struct radau_stages *stages, doub
     return true;
 }
 
-/* One correction from p->residual; its largest entry by the weights. */
+/* One correction from p->residual; returns its largest entry by the weights. */
 static double correct(struct radau_step *p)
 {
     const struct radau_stages *stages = p->stages;
     const int s = stages->stages;
     const int width = p->width;
-    double *parts = p->scratch; /* of the solutions: all real parts, all imaginary ones */
+    double *parts = p->scratch; /* the solutions: all real parts, then all imaginary parts */
     for (int k = 0; k < s / 2; ++k) {
         double *re = parts + 2 * k * width;
         radau_combine(re, stages->into + 2 * k * s, s, p->residual, width, width);
         radau_combine(re + width, stages->into + (2 * k + 1) * s, s, p->residual, width, width);
-        complex_lu_solve(p->system[k], re, re + width);
+        lu_solve(p->system[k], re, re + width);
     }
     double largest = 0.0;
     for (int i = 0; i < s; ++i) {
@@ -541,13 +534,12 @@ static double correct(struct radau_step *p)
         for (int j = 0; j < p->others; ++j) {
             p->others_change[i * width + j] += p->re[j];
             const double size = fabs(p->re[j]) * p->weight[p->other[j]];
-            largest = size <= largest ? largest : size; /* no number is larger than any */
+            largest = size <= largest ? largest : size; /* NaN counts as the largest */
         }
     }
     return largest;
 }
 
-/* What follows for the places: h A times their speeds. */
 static void radau_move_places(struct radau_step *p)
 {
     const struct radau_problem *problem = &p->problem;
@@ -576,7 +568,7 @@ bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, d
     }
     memset(p->others_change, 0, (size_t)(stages->stages * p->width) * sizeof(double));
     memset(p->residual, 0, (size_t)(stages->stages * p->width) * sizeof(double));
-    for (int i = 0; i < p->others; ++i) { /* places move on at first */
+    for (int i = 0; i < p->others; ++i) { /* the places move with their speeds at the start */
         double moved = 0.0;
         for (int j = 0; j < p->problem.paired; ++j) {
             moved += p->by_places[j * p->others + i] * p->y[p->problem.speed[j]];
@@ -621,7 +613,6 @@ void radau_step_stage(const struct radau_step *p, int stage, double *y)
     }
 }
 
-/* h f - A^-1 change */
 static void radau_evaluate_residual(struct radau_step *p)
 {
     const struct radau_problem *problem = &p->problem;
@@ -666,19 +657,19 @@ bool radau_step_solve(struct radau_step *p, double tolerance)
         }
         if (p->problem.forces > 0 && p->iterations > 2 && size > ROUNDING_SHARE &&
             pow(factor, MOST_ITERATIONS - p->iterations) * size > tolerance) {
-            return false; /* not within as many iterations as there may be */
+            return false; /* will not converge within MOST_ITERATIONS */
         }
         last = size;
     }
     return false;
 }
 
-/* Newton's method for a step with the Jacobian at every stage (math/radau_step.c), where the states are
- * coupled by a few forces only: their changes at all stages are the unknowns of the system, of which there
- * are fewer than of the states. What a state feels of its own kind, as the direction of a force does of the
- * place where it acts, is left out: that is not stiff, and the iterations make up for it. */
+/* Newton's method with the Jacobian at every stage for states that a few forces couple. The unknowns of the
+ * system are the changes of the forces at all stages, which are fewer than the states. The direct effect of
+ * the states on each other, as of a place on the direction of a force, is left out: it is not stiff, and the
+ * iterations make up for it. */
 
-/* Doubles of memory for the parts of the Jacobians and what follows from a force. */
+/* Number of doubles that struct radau_forces needs. */
 static size_t radau_forces_memory(const struct radau_problem *problem)
 {
     const size_t s = RADAU_MOST_STAGES;
@@ -686,13 +677,6 @@ static size_t radau_forces_memory(const struct radau_problem *problem)
     const size_t n = (size_t)radau_padded(problem->coupled);
     const size_t t = (size_t)problem->tipping;
     return f > 0 ? 2 * n * f + s * (2 * n * f + t * n + t * f + 3 * n + f + 1) + s * s * (t * f + 1) : 0;
-}
-
-static double *take_some(double **from, int count)
-{
-    double *taken = *from;
-    *from += count;
-    return taken;
 }
 
 static void radau_forces_place(struct radau_step *p, double *memory)
@@ -706,23 +690,23 @@ static void radau_forces_place(struct radau_step *p, double *memory)
     if (f == 0) {
         return;
     }
-    to->by_forces = take_some(&memory, n * f);
-    to->of_forces = take_some(&memory, n * f);
-    to->by = take_some(&memory, s * n * f);
-    to->of = take_some(&memory, s * n * f);
-    to->own = take_some(&memory, s * t * n);
-    to->row = take_some(&memory, s * t * f);
-    to->change = take_some(&memory, s * n);
-    to->places = take_some(&memory, s * n);
-    to->moved = take_some(&memory, s * n);
-    to->side = take_some(&memory, s * f + s);
-    to->tips = take_some(&memory, s * s * t * f);
-    to->twice = take_some(&memory, s * s);
+    to->by_forces = take(&memory, n * f);
+    to->of_forces = take(&memory, n * f);
+    to->by = take(&memory, s * n * f);
+    to->of = take(&memory, s * n * f);
+    to->own = take(&memory, s * t * n);
+    to->row = take(&memory, s * t * f);
+    to->change = take(&memory, s * n);
+    to->places = take(&memory, s * n);
+    to->moved = take(&memory, s * n);
+    to->side = take(&memory, s * f + s);
+    to->tips = take(&memory, s * s * t * f);
+    to->twice = take(&memory, s * s);
 }
 
-/* The parts of the Jacobian at a stage: what a force does to the states left, a row a force; how forces
- * depend on them and on the places, a row a state; how tipping states depend on those left, a row a
- * state. */
+/* The parts of the Jacobian at a stage: the states left by the forces, one row for each force; the forces by
+ * the states left and the places, one row for each state; and tipping states by the states left, one row for
+ * each tipping state. */
 static void take_split_stage(struct radau_step *p, int stage)
 {
     const struct radau_problem *problem = &p->problem;
@@ -757,7 +741,7 @@ static void take_split_stage(struct radau_step *p, int stage)
     }
 }
 
-/* A^2 of the method, unless it is there. */
+/* A^2 of the method, computed once for each number of stages. */
 static void put_twice(struct radau_step *p)
 {
     const int s = p->stages->stages;
@@ -777,7 +761,7 @@ static void put_twice(struct radau_step *p)
     }
 }
 
-/* What tipping states at all stages follow of the forces at one: h^2 sum A_ik A_kj own_k by_j. */
+/* Tipping states at all stages by the forces at one stage: h^2 sum A_ik A_kj own_k by_j. */
 static void put_tips(struct radau_step *p, int stage)
 {
     const struct radau_forces *to = &p->forces;
@@ -807,8 +791,8 @@ static void put_tips(struct radau_step *p, int stage)
     }
 }
 
-/* Four numbers from `e` on of the sum of rows `of` [count][wide], each times its own of `by`: each `apart`-th
- * of them, or those that `among` says. */
+/* Numbers e to e + 3 of the sum of the rows `of` [count][wide], row k times by[apart k], or times
+ * by[among[k]]. */
 struct four_sums {
     double2 low, high;
 };
@@ -826,8 +810,8 @@ static inline struct four_sums sum_rows(const double *of, int wide, int e, int c
     return sum;
 }
 
-/* 1 - of h A by, of one pair of stages, places and tipping states included. Rows beyond the forces of a stage
- * are those of the next one, which comes later, or behind the matrix. */
+/* 1 - of h A by, for one pair of stages, with places and tipping states. Rows behind the forces of a stage
+ * belong to the next stage, which is written later, or lie behind the matrix. */
 static void put_block(struct radau_step *p, int i, int j)
 {
     const struct radau_forces *to = &p->forces;
@@ -844,7 +828,7 @@ static void put_block(struct radau_step *p, int i, int j)
     const double *tips = to->tips + (i * s + j) * t * f;
     for (int g = 0; g < f; ++g) {
         const double *by = to->by + (j * f + g) * n;
-        double *column = p->all.at + (j * f + g) * p->all.stride + i * f;
+        double *column = p->all.re + (j * f + g) * p->all.stride + i * f;
         for (int e = 0; e < wide; e += 2 * LANES) {
             const struct four_sums a = sum_rows(of, wide, e, m, by, 1, NULL);
             const struct four_sums b = sum_rows(places, wide, e, p->problem.paired, by, 0, p->speed_among);
@@ -873,14 +857,13 @@ static bool radau_forces_factor(struct radau_step *p)
         }
     }
     for (int k = 0; k < p->all.rows; ++k) { /* the zero behind each column */
-        p->all.at[k * p->all.stride + p->all.rows] = 0.0;
+        p->all.re[k * p->all.stride + p->all.rows] = 0.0;
     }
-    return dense_lu_factor(p->all);
+    return lu_factor(p->all);
 }
 
-/* Corrections of the states by the system of the forces (math/radau_step.c). */
-
-/* Changes of the states left, of tipping ones by the others too: A of the residual; h A of the speeds. */
+/* Changes by the residual without forces: A times the residual of the states left, also of tipping states by
+ * the others, and h A times the speeds of the places. */
 static void change_without_forces(struct radau_step *p)
 {
     const struct radau_forces *to = &p->forces;
@@ -914,7 +897,7 @@ static void change_without_forces(struct radau_step *p)
     }
 }
 
-/* By how much the forces at a stage change with those. */
+/* Changes of the forces at a stage by these changes. */
 static void put_changes_of_forces(struct radau_step *p, int stage, double *side)
 {
     const struct radau_forces *to = &p->forces;
@@ -951,7 +934,7 @@ static void radau_forces_correct(struct radau_step *p)
         put_changes_of_forces(p, i, to->side + i * f);
     }
     to->side[s * f] = 0.0;
-    dense_lu_solve(p->all, to->side);
+    lu_solve(p->all, to->side, NULL);
     for (int i = 0; i < s; ++i) {
         double *moved = to->moved + i * width;
         memset(moved, 0, (size_t)width * sizeof *moved);
@@ -1009,17 +992,17 @@ static void radau_take_stage_jacobian(struct radau_step *p, int stage)
     radau_take_jacobian(p, p->stage_others, p->stage_places);
 }
 
-/* A^-1 - h J_stage (of those left) - h^2 A J_stage (of places), into the rows of one stage. */
+/* Puts A^-1 - h J (by the states left) - h^2 A J (by the places) into the rows of one stage. */
 static void put_stage(struct radau_step *p, int stage)
 {
     const struct radau_stages *stages = p->stages;
     const int s = stages->stages;
     const int m = p->others;
-    const struct dense_matrix all = p->all;
+    const struct lu_matrix all = p->all;
     for (int j = 0; j < s; ++j) {
         const double weight = p->length * p->length * stages->integral[stage * s + j];
         for (int column = 0; column < m; ++column) {
-            double *to = all.at + (j * m + column) * all.stride + stage * m;
+            double *to = all.re + (j * m + column) * all.stride + stage * m;
             memset(to, 0, (size_t)m * sizeof *to);
             to[column] = stages->inverse[stage * s + j];
             for (int i = 0; i < m && j == stage; ++i) {
@@ -1027,7 +1010,7 @@ static void put_stage(struct radau_step *p, int stage)
             }
         }
         for (int k = 0; k < p->problem.paired; ++k) {
-            double *to = all.at + (j * m + p->speed_among[k]) * all.stride + stage * m;
+            double *to = all.re + (j * m + p->speed_among[k]) * all.stride + stage * m;
             for (int i = 0; i < m; ++i) {
                 to[i] -= weight * p->stage_places[k * m + i];
             }
@@ -1035,7 +1018,7 @@ static void put_stage(struct radau_step *p, int stage)
     }
 }
 
-/* Factors of the system at what is known of the stages; false where there are none. */
+/* Factors of the system at the present values of the stages; false where it is singular. */
 static bool factor_fully(struct radau_step *p)
 {
     const int s = p->stages->stages;
@@ -1048,12 +1031,12 @@ static bool factor_fully(struct radau_step *p)
         put_stage(p, i);
     }
     for (int k = 0; k < p->all.rows; ++k) { /* the zero behind each column */
-        p->all.at[k * p->all.stride + p->all.rows] = 0.0;
+        p->all.re[k * p->all.stride + p->all.rows] = 0.0;
     }
-    return dense_lu_factor(p->all);
+    return lu_factor(p->all);
 }
 
-/* One correction from the residual, by the factors; its largest entry by the weights. */
+/* One correction from the residual; returns its largest entry by the weights. */
 static double correct_fully(struct radau_step *p)
 {
     const int s = p->stages->stages;
@@ -1066,7 +1049,7 @@ static double correct_fully(struct radau_step *p)
             memcpy(side + i * m, p->residual + i * p->width, (size_t)m * sizeof *side);
         }
         side[s * m] = 0.0;
-        dense_lu_solve(p->all, side);
+        lu_solve(p->all, side, NULL);
     }
     double largest = 0.0;
     for (int i = 0; i < s; ++i) {
@@ -1079,7 +1062,7 @@ static double correct_fully(struct radau_step *p)
     return largest;
 }
 
-/* By how much the last corrections move a place at a stage. */
+/* The change of a place at a stage by the last corrections. */
 static double place_moved(const struct radau_step *p, int stage, int place)
 {
     const int s = p->stages->stages;
@@ -1090,9 +1073,9 @@ static double place_moved(const struct radau_step *p, int stage, int place)
     return p->length * sum;
 }
 
-/* The rates of the integrals, known before the last corrections, after them. A stiff force is all but
- * rounding where it is evaluated: its argument is a small difference of states. The corrections take that
- * away, so that integrals of it are as smooth as the states. */
+/* Updates the rates of the integrals by the last corrections. The evaluated value of a stiff force is nearly
+ * all rounding, because its argument is a small difference of states. The corrections remove that rounding,
+ * so that integrals of the force are as smooth as the states. */
 static void move_integrals(struct radau_step *p)
 {
     const struct radau_problem *problem = &p->problem;
@@ -1115,10 +1098,10 @@ static void move_integrals(struct radau_step *p)
     p->evaluations += p->stages->stages;
 }
 
-/* Newton's method. The Jacobians are made anew where corrections with those at hand shrink too little. A
- * `quick` one is given up where the first ones do while they are more than the error allowed: below that they
- * are rounding, or as good as done, and new Jacobians cost less than another guess. `*moved` is what has been
- * corrected since. */
+/* Newton's method. New Jacobians are made where corrections shrink too little. A `quick` solution is given up
+ * if the first corrections shrink too little and exceed the error allowed; smaller ones are rounding or
+ * nearly done, and new Jacobians cost less than another guess. `*moved` is the sum of the corrections since
+ * the last Jacobians. */
 static bool iterate_fully(struct radau_step *p, double tolerance, bool quick, double *moved)
 {
     double last = (double)INFINITY;
@@ -1156,7 +1139,7 @@ static bool iterate_fully(struct radau_step *p, double tolerance, bool quick, do
     return false;
 }
 
-/* What the rates of the integrals miss, about: that of the states left, by the weights. */
+/* Estimate of the error in the rates of the integrals: the residual of the states left, by the weights. */
 static double missed_by_integrals(const struct radau_step *p)
 {
     double largest = 0.0;
@@ -1168,9 +1151,8 @@ static double missed_by_integrals(const struct radau_step *p)
     return largest;
 }
 
-/* Goes on until the integrals miss nothing. Where rounding does not let that happen, only corrections by the
- * Jacobians as they are say what they miss: those at hand, if no more than the error allowed has been
- * corrected since. */
+/* Iterates until the error of the integrals is negligible. If rounding prevents that, one more correction
+ * gives the error. It needs new Jacobians if the corrections since the last ones exceed the error allowed. */
 static bool complete_integrals(struct radau_step *p, double moved)
 {
     double last = (double)INFINITY;

@@ -240,12 +240,12 @@ static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NOD
         double m[UNKNOWNS][COLUMN] = {{0.0}};
         double by[COLUMN] = {0.0};
         int pivot[UNKNOWNS];
-        const struct dense_matrix matrix = {UNKNOWNS, COLUMN, &m[0][0], pivot};
+        const struct lu_matrix matrix = {UNKNOWNS, COLUMN, &m[0][0], pivot, NULL};
         put_equations(p, x, m, by);
-        if (!dense_lu_factor(matrix)) {
+        if (!lu_factor(matrix)) {
             return false;
         }
-        dense_lu_solve(matrix, by);
+        lu_solve(matrix, by, NULL);
         double change = 0.0;
         double size = vec3_norm(p->start);
         for (int i = 0; i < GAUSS_NODES; ++i) {

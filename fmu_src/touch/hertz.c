@@ -639,9 +639,9 @@ struct slow_newton {
     int pivot[QUASI_STATIC_N];
 };
 
-static struct dense_matrix slow_system(struct slow_newton *newton)
+static struct lu_matrix slow_system(struct slow_newton *newton)
 {
-    return (struct dense_matrix){QUASI_STATIC_N, SLOW_STRIDE, newton->at, newton->pivot};
+    return (struct lu_matrix){QUASI_STATIC_N, SLOW_STRIDE, newton->at, newton->pivot, NULL};
 }
 
 /* d/ds at node i of the polynomial that is 1 at node j and 0 at the start and the other nodes.
@@ -664,7 +664,7 @@ static bool slow_matrix(const struct quasi_static *p, struct slow_newton *newton
                                               (i == j ? law[2] : 0.0);
         }
     }
-    return dense_lu_factor(slow_system(newton));
+    return lu_factor(slow_system(newton));
 }
 
 /* delta and its rate from d2 delta/ds2; false where the bodies would part. */
@@ -758,7 +758,7 @@ static bool slow_iterate(struct quasi_static *p, double depth_tolerance)
             slow_law(p, p->depth[j], p->rate[j], law);
             error[j] = load[j] - law[0] - p->bend[j] - (i == 0 ? law[1] * apart[j] : 0.0);
         }
-        dense_lu_solve(slow_system(&newton), error);
+        lu_solve(slow_system(&newton), error, NULL);
         for (int j = 0; j < QUASI_STATIC_N; ++j) {
             for (int k = 0; k < QUASI_STATIC_N; ++k) {
                 p->bend[j] += slow_derivative(j, k) * error[k];

@@ -22,6 +22,8 @@ integral of l_j from 0 to c_i:
     bernstein    from values at 0 and at the nodes to the s + 1 Bernstein coefficients; by places
 """
 
+import textwrap
+
 import mpmath
 
 LOBATTO = (4, 8, 12)
@@ -107,16 +109,15 @@ def to_bernstein(monomials: list) -> list:
 
 
 def table(name: str, rows: list) -> str:
-    """A C array, row after row, in lines of four numbers."""
-    flat = [x for row in rows for x in row]
+    """A C array, row after row, in lines of up to 110 columns."""
+    flat = [number(x) for row in rows for x in row]
     lines = [f"static const double {name}[{len(flat)}] = {{"]
-    for first in range(0, len(flat), 4):
-        lines.append("    " + ", ".join(number(x) for x in flat[first : first + 4]) + ",")
+    lines += textwrap.wrap(", ".join(flat) + ",", 110, initial_indent="    ", subsequent_indent="    ")
     return "\n".join([*lines, "};\n"])
 
 
 def stage_tables(stages: int) -> str:
-    """Those of so many stages, and the struct of them."""
+    """The tables of a number of stages, and the struct of them."""
     at = [(x + 1) / 2 for x in radau_nodes(stages)]
     basis = [lagrange(at, j) for j in range(stages)]
     a = mpmath.matrix([[integral(b, 0, x) for b in basis] for x in at])
@@ -143,7 +144,7 @@ def stage_tables(stages: int) -> str:
 
 
 def node_tables(name: str, at: list) -> str:
-    """Those of some nodes of [-1, 1]."""
+    """The tables of some nodes of [-1, 1]."""
     basis = [lagrange(at, j) for j in range(len(at))]
     return "\n".join(
         [
@@ -155,7 +156,7 @@ def node_tables(name: str, at: list) -> str:
 
 
 def members(name: str, points: int) -> str:
-    """The values of a struct of them."""
+    """The values of the struct of some nodes."""
     return f"{{{points}, node_{name}, integral_{name}, monomial_{name}}}"
 
 
