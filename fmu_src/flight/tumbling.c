@@ -42,7 +42,7 @@ struct axis_motion axis_motion_prescribed(struct vec3 axis, const struct vec3 *r
         rotor.axis = axis;
         return axis_motion_of_rotor(&rotor);
     }
-    struct axis_motion motion = {.kind = AXIS_DRIVEN, .axis = axis};
+    struct axis_motion motion = {.kind = AXIS_PRESCRIBED, .axis = axis};
     copy_terms(&motion, rate, count);
     return motion;
 }
@@ -93,7 +93,7 @@ struct rotor_axis axis_motion_at(const struct axis_motion *motion, double time)
     switch (motion->kind) {
     case AXIS_PRECESSES:
         return rotor_axis_at(&motion->rotor, time - motion->from);
-    case AXIS_DRIVEN:
+    case AXIS_PRESCRIBED:
         return prescribed_axis_at(motion, time);
     case AXIS_FOLLOWS:
         return following_axis_at(motion, time);
@@ -105,7 +105,7 @@ struct rotor_axis axis_motion_at(const struct axis_motion *motion, double time)
 
 void axis_motion_move_on(struct axis_motion *motion, double time)
 {
-    if (motion->kind == AXIS_DRIVEN && time > motion->from) {
+    if (motion->kind == AXIS_PRESCRIBED && time > motion->from) {
         motion->axis = prescribed_axis_at(motion, time).axis;
         rotor_rates_shift(motion->coefficient, AXIS_TERMS, time - motion->from);
         motion->from = time;
@@ -140,7 +140,7 @@ struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double t
         return (struct axis_bounds){0.0, 0.0};
     }
     const struct vector_sizes size = sizes_within(motion->coefficient, time - motion->from, length);
-    if (motion->kind == AXIS_DRIVEN) {
+    if (motion->kind == AXIS_PRESCRIBED) {
         /* e x e'' = e x (lambda' x e) - (lambda.e) lambda x e; the last part is at most |lambda|^2/2 */
         return (struct axis_bounds){size.most, size.first + 0.5 * size.most * size.most};
     }

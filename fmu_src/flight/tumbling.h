@@ -15,15 +15,15 @@
 
 enum { AXIS_TERMS = ROTOR_RATES };
 
-enum axis_motion_kind { AXIS_FIXED, AXIS_PRECESSES, AXIS_DRIVEN, AXIS_FOLLOWS };
+enum axis_motion_kind { AXIS_FIXED, AXIS_PRECESSES, AXIS_PRESCRIBED, AXIS_FOLLOWS };
 
 struct axis_motion {
     enum axis_motion_kind kind;
     struct vec3 axis; /* e_d at time `from`; for AXIS_FIXED at any time */
-    /* origin of the times below [s]; for AXIS_DRIVEN it moves on with the search */
+    /* origin of the times below [s]; for AXIS_PRESCRIBED it moves on with the search */
     double from;
     struct rotor rotor; /* AXIS_PRECESSES */
-    /* polynomial of the time since `from`: for AXIS_DRIVEN lambda in e' = lambda x e, for AXIS_FOLLOWS the
+    /* polynomial of the time since `from`: for AXIS_PRESCRIBED lambda in e' = lambda x e, for AXIS_FOLLOWS the
      * direction */
     struct vec3 coefficient[AXIS_TERMS];
 };
