@@ -6,8 +6,8 @@
 #ifndef CONTACT_FLIGHT_FLIGHT_H
 #define CONTACT_FLIGHT_FLIGHT_H
 
+#include "flight/conservative_advancement.h"
 #include "flight/relative_path.h"
-#include "flight/tumbling.h"
 #include "scene/evaluate.h"
 
 /* The rotation of a body that turns freely, at a clock no earlier than the present. */

@@ -1,9 +1,9 @@
 #include <float.h>
 #include <math.h>
 
+#include "flight/conservative_advancement.h"
 #include "flight/flight.h"
 #include "flight/relative_path.h"
-#include "flight/tumbling.h"
 #include "flight/zone_path.h"
 #include "integrator/prediction.h"
 #include "math/polynomial.h"
@@ -618,30 +618,30 @@ static bool is_loaded(const struct scene_values *v, const struct scene_state *q,
     return false;
 }
 
-static struct tumbling_path tumbling_path_of(const struct scene_values *v, const struct scene_state *q,
-                                             const struct scene_instant *at, int contact)
+static struct advancement_path advancement_path_of(const struct scene_values *v, const struct scene_state *q,
+                                                   const struct scene_instant *at, int contact)
 {
     const struct separation_path separation = separation_path_of(v, q, at, q->clock, contact);
     const int destination = contact_destination(contact);
-    struct tumbling_path path = {.shape = scene_contact_shape_at(v, q, at, contact),
-                                 .rounding = rounding_of_gap(v, at, contact)};
-    for (int i = 0; i < TUMBLING_TERMS; ++i) {
+    struct advancement_path path = {.shape = scene_contact_shape_at(v, q, at, contact),
+                                    .rounding = rounding_of_gap(v, at, contact)};
+    for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
         path.c[i] = separation.c[i];
     }
     path.axis = flight_axis_motion(v, q, &at->turning.body[destination], destination);
     return path;
 }
 
-static enum contact_regime regime_at_time(const struct tumbling_path *path, const struct contact_law *law,
+static enum contact_regime regime_at_time(const struct advancement_path *path, const struct contact_law *law,
                                           double time)
 {
-    struct tumbling_instant at;
-    tumbling_at(path, TUMBLING_TOUCH, time, &at);
+    struct advancement_instant at;
+    advancement_at(path, ADVANCEMENT_TOUCH, time, &at);
     return contact_regime_of(law, at.geometry.gap, at.geometry.gap_rate,
                              contact_within_extents(&path->shape, at.geometry.axial));
 }
 
-static double halve_to_regime(const struct tumbling_path *path, const struct contact_law *law,
+static double halve_to_regime(const struct advancement_path *path, const struct contact_law *law,
                               enum contact_regime present, double before, double after)
 {
     for (;;) {
@@ -658,10 +658,10 @@ static double halve_to_regime(const struct tumbling_path *path, const struct con
 }
 
 /* What the law changes before `until`, while the bodies go on touching. */
-static void look_for_law(const struct tumbling_path *from_now, const struct contact_law *law,
+static void look_for_law(const struct advancement_path *from_now, const struct contact_law *law,
                          enum contact_regime present, double until, long budget, struct prediction *found)
 {
-    struct tumbling_path path = *from_now;
+    struct advancement_path path = *from_now;
     const struct axis_bounds axis = axis_motion_bounds(&path.axis, 0.0, until);
     const double wanted = LEAST_LAW_INSTANTS + LAW_INSTANTS_PER_RADIAN * axis.speed * until;
     const long count = (long)fmin(wanted, fmin(MOST_LAW_INSTANTS, fmax(LEAST_LAW_INSTANTS, (double)budget)));
@@ -672,8 +672,8 @@ static void look_for_law(const struct tumbling_path *from_now, const struct cont
         found->evaluations += 1;
         if (then != present && then != REGIME_APART) {
             const double change = halve_to_regime(&path, law, present, before, time);
-            struct tumbling_instant at;
-            tumbling_at(&path, TUMBLING_TOUCH, change, &at);
+            struct advancement_instant at;
+            advancement_at(&path, ADVANCEMENT_TOUCH, change, &at);
             found->next = (struct regime_change){change, then, at.geometry.gap, true};
             return;
         }
@@ -682,16 +682,16 @@ static void look_for_law(const struct tumbling_path *from_now, const struct cont
     }
 }
 
-static struct prediction tumbling_prediction(const struct scene_values *v, const struct scene_state *q,
-                                             const struct scene_instant *at, int contact, double horizon,
-                                             long budget)
+static struct prediction advancement_prediction(const struct scene_values *v, const struct scene_state *q,
+                                                const struct scene_instant *at, int contact, double horizon,
+                                                long budget)
 {
     const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
     const struct contact_law law = scene_contact_law(v, q, contact);
-    const struct tumbling_path path = tumbling_path_of(v, q, at, contact);
+    const struct advancement_path path = advancement_path_of(v, q, at, contact);
     const bool apart = present == REGIME_APART;
-    const struct tumbling_result change =
-        tumbling_first(&path, apart ? TUMBLING_TOUCH : TUMBLING_PARTING, horizon, budget);
+    const struct advancement_result change =
+        advancement_first(&path, apart ? ADVANCEMENT_TOUCH : ADVANCEMENT_PARTING, horizon, budget);
     struct prediction found = {
         {change.after, present, change.gap, true}, change.searched, change.evaluations};
     if (change.after < (double)INFINITY) {
@@ -720,7 +720,7 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
         }
         if (SCENE_ANY_ROTATION && axis_turns(v, contact)) {
             return is_loaded(v, q, contact) ? nothing
-                                            : tumbling_prediction(v, q, at, contact, horizon, budget);
+                                            : advancement_prediction(v, q, at, contact, horizon, budget);
         }
     }
     const struct regime_change next = next_regime_change(v, q, at, q->clock, contact, horizon);

@@ -39,7 +39,7 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
 
 /*
  * When a contact's regime changes next, as far as that can be foreseen: in closed form
- * where its axis keeps its direction, by a search that misses no touch (tumbling.h) where it turns.
+ * where its axis keeps its direction, by a search that misses no touch (conservative_advancement.h) where it turns.
  */
 
 struct prediction {

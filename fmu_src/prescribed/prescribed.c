@@ -2,8 +2,8 @@
 
 #include <float.h>
 
+#include "flight/conservative_advancement.h"
 #include "flight/relative_path.h"
-#include "flight/tumbling.h"
 #include "flight/zone_path.h"
 #include "math/lu.h"
 #include "math/nodes.h"
@@ -1101,15 +1101,15 @@ static struct axis_motion axis_from(const struct span *s, const struct scene_ins
 }
 
 /* The motion from a clock on. */
-static struct tumbling_path path_from(const struct span *s, double clock)
+static struct advancement_path path_from(const struct span *s, double clock)
 {
     struct scene_instant at;
     kinematics_at(&s->c, clock, &at);
     const struct separation_path separation = separation_path_of(s->c.v, s->c.q, &at, clock, s->c.contact);
-    struct tumbling_path path = {.shape = scene_contact_shape_at(s->c.v, s->c.q, &at, s->c.contact),
-                                 .axis = axis_from(s, &at, clock),
-                                 .rounding = rounding_of_gap(s->c.v, &at, s->c.contact)};
-    for (int i = 0; i < TUMBLING_TERMS; ++i) {
+    struct advancement_path path = {.shape = scene_contact_shape_at(s->c.v, s->c.q, &at, s->c.contact),
+                                    .axis = axis_from(s, &at, clock),
+                                    .rounding = rounding_of_gap(s->c.v, &at, s->c.contact)};
+    for (int i = 0; i < ADVANCEMENT_TERMS; ++i) {
         path.c[i] = separation.c[i];
     }
     return path;
@@ -1120,14 +1120,14 @@ static struct tumbling_path path_from(const struct span *s, double clock)
 static const long SEARCH_BUDGET = 1000000;
 
 /* The clock of the next change, `end` where there is none. False where that is not found out. */
-static bool finds_change(const struct span *s, double clock, double end, enum tumbling_change change,
+static bool finds_change(const struct span *s, double clock, double end, enum advancement_change change,
                          double *next)
 {
-    const struct tumbling_path path = path_from(s, clock);
+    const struct advancement_path path = path_from(s, clock);
     if (*s->evaluations <= 0) {
         return false;
     }
-    const struct tumbling_result found = tumbling_first(&path, change, end - clock, *s->evaluations);
+    const struct advancement_result found = advancement_first(&path, change, end - clock, *s->evaluations);
     *s->evaluations -= found.evaluations;
     *next = found.after < end - clock ? clock + found.after : end;
     return *next < end || !(found.searched < end - clock);
@@ -1184,7 +1184,7 @@ static bool integrate_located(struct span *s)
         const bool touches = q->contact[j].regime != (int32_t)REGIME_APART;
         double next;
         if ((*s->panels)-- <= 0 || /* any number of changes ends */
-            !finds_change(s, clock, end, touches ? TUMBLING_PARTING : TUMBLING_TOUCH, &next) ||
+            !finds_change(s, clock, end, touches ? ADVANCEMENT_PARTING : ADVANCEMENT_TOUCH, &next) ||
             (touches && integrate_between(s, clock, next) < next)) {
             return false;
         }

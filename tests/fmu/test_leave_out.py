@@ -212,7 +212,7 @@ def test_scenes_of_spheres_have_no_code_for_cylinders(variables, scene):
     found = code_of_lines(scene, geometry)
     if "source.rotation" in variables(scene):  # any body that turns has a frame, and that a third axis
         turns = "evaluate|inputs|model_exchange|ode|outputs|prescribed|rotor|scene_jet|sensitivity"
-        turns += "|tumbling"
+        turns += "|conservative_advancement"
         found = [line for line in found if not re.match(turns, line)]
     assert found == []
     assert matching(functions(scene), "cylinder") == []

@@ -1,7 +1,7 @@
 #include <float.h>
 
 #include "contact/shape.h"
-#include "flight/tumbling.h"
+#include "flight/conservative_advancement.h"
 #include "math/polynomial.h"
 
 struct axis_motion axis_motion_fixed(struct vec3 axis)
@@ -153,40 +153,42 @@ struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double t
 }
 
 /* Rounding of a gap, a sum of products of vectors: as in rounding_of_gap. */
-static const double TUMBLING_ROUNDINGS = 8.0 * DBL_EPSILON;
+static const double ADVANCEMENT_ROUNDINGS = 8.0 * DBL_EPSILON;
 
-bool tumbling_has_reach(const struct tumbling_path *path)
-{
-    return path->shape.side > 0 && (tumbling_functions(path) > 1 || contact_is_capped(&path->shape));
-}
-
-int tumbling_functions(const struct tumbling_path *path)
+/* Number of functions: without ends only the gap. */
+static int functions_of(const struct advancement_path *path)
 {
     const bool has_ends = contact_is_cylinder(&path->shape) && isfinite(path->shape.half_length);
-    return has_ends ? TUMBLING_FUNCTIONS : 1;
+    return has_ends ? ADVANCEMENT_FUNCTIONS : 1;
+}
+
+/* Whether bodies touch only where their centres are near. */
+static bool has_reach(const struct advancement_path *path)
+{
+    return path->shape.side > 0 && (functions_of(path) > 1 || contact_is_capped(&path->shape));
 }
 
 /* The separation and its derivatives, by Horner's scheme. */
-static void separation_at(const struct tumbling_path *path, double time, struct vec3 at[TUMBLING_TERMS])
+static void separation_at(const struct advancement_path *path, double time, struct vec3 at[ADVANCEMENT_TERMS])
 {
-    for (int k = 0; k < TUMBLING_TERMS; ++k) {
+    for (int k = 0; k < ADVANCEMENT_TERMS; ++k) {
         at[k] = vec3_make(0.0, 0.0, 0.0);
     }
-    for (int i = TUMBLING_TERMS - 1; i >= 0; --i) {
-        for (int k = TUMBLING_TERMS - 1 - i; k > 0; --k) {
+    for (int i = ADVANCEMENT_TERMS - 1; i >= 0; --i) {
+        for (int k = ADVANCEMENT_TERMS - 1 - i; k > 0; --k) {
             at[k] = vec3_axpy(at[k - 1], time, at[k]);
         }
         at[0] = vec3_axpy(path->c[i], time, at[0]);
     }
     double factorial = 1.0;
-    for (int k = 2; k < TUMBLING_TERMS; ++k) {
+    for (int k = 2; k < ADVANCEMENT_TERMS; ++k) {
         factorial *= k;
         at[k] = vec3_scale(factorial, at[k]);
     }
 }
 
 /* The shape with an axis; a capped cylinder as a solid, whatever its zone. */
-static struct contact_shape shape_with(const struct tumbling_path *path, struct vec3 axis)
+static struct contact_shape shape_with(const struct advancement_path *path, struct vec3 axis)
 {
     struct contact_shape shape = path->shape;
     shape.axis = axis;
@@ -198,9 +200,9 @@ static struct contact_shape shape_with(const struct tumbling_path *path, struct 
 }
 
 /* Whether the change is that d grows through the reach: a touch inside a shell, a parting outside. */
-static bool distance_grows(const struct tumbling_path *path, enum tumbling_change change)
+static bool distance_grows(const struct advancement_path *path, enum advancement_change change)
 {
-    return (change == TUMBLING_TOUCH) == (path->shape.side < 0);
+    return (change == ADVANCEMENT_TOUCH) == (path->shape.side < 0);
 }
 
 /* A distance whose square is smooth wherever the source is, and its value as the bodies part: from an axis,
@@ -216,10 +218,10 @@ static double smooth_distance(const struct contact_shape *shape, const struct co
 }
 
 /* The gap, or (reach^2 - d^2)/(2 reach) in place of reach - d where d grows; a plane keeps d. */
-static struct falling gap_function(const struct tumbling_path *path, enum tumbling_change change,
+static struct falling gap_function(const struct advancement_path *path, enum advancement_change change,
                                    const struct contact_shape *shape, const struct contact_geometry *g)
 {
-    const double sign = change == TUMBLING_TOUCH ? 1.0 : -1.0;
+    const double sign = change == ADVANCEMENT_TOUCH ? 1.0 : -1.0;
     struct falling gap = {sign * g->gap, sign * g->gap_rate, 0.0};
     if (distance_grows(path, change) && !contact_is_plane(shape)) {
         const double part = smooth_distance(shape, g) / smooth_reach(shape);
@@ -230,8 +232,8 @@ static struct falling gap_function(const struct tumbling_path *path, enum tumbli
     return gap;
 }
 
-void tumbling_at(const struct tumbling_path *path, enum tumbling_change change, double time,
-                 struct tumbling_instant *at)
+void advancement_at(const struct advancement_path *path, enum advancement_change change, double time,
+                    struct advancement_instant *at)
 {
     separation_at(path, time, at->c);
     const struct rotor_axis axis = axis_motion_at(&path->axis, time);
@@ -241,32 +243,33 @@ void tumbling_at(const struct tumbling_path *path, enum tumbling_change change, 
     const struct vec3 rate = vec3_sub(at->c[1], vec3_cross(omega, at->c[0]));
     at->geometry = contact_geometry_at(&shape, at->c[0], rate, path->shape.axis);
     at->axial_rate = vec3_dot(rate, axis.axis);
-    at->of[TUMBLING_GAP] = gap_function(path, change, &shape, &at->geometry);
+    at->of[ADVANCEMENT_GAP] = gap_function(path, change, &shape, &at->geometry);
     const double distance = vec3_norm(at->c[0]);
-    at->noise[TUMBLING_GAP] =
-        fmax(path->rounding, TUMBLING_ROUNDINGS * (distance + shape.source_radius + shape.other_radius));
-    for (int i = TUMBLING_UPPER_END; i < tumbling_functions(path); ++i) {
-        const double end = i == TUMBLING_UPPER_END ? 1.0 : -1.0;
-        const double sign = change == TUMBLING_TOUCH ? 1.0 : -1.0;
+    at->noise[ADVANCEMENT_GAP] =
+        fmax(path->rounding, ADVANCEMENT_ROUNDINGS * (distance + shape.source_radius + shape.other_radius));
+    for (int i = ADVANCEMENT_UPPER_END; i < functions_of(path); ++i) {
+        const double end = i == ADVANCEMENT_UPPER_END ? 1.0 : -1.0;
+        const double sign = change == ADVANCEMENT_TOUCH ? 1.0 : -1.0;
         at->of[i] = (struct falling){sign * (end * at->geometry.axial - shape.half_length),
                                      sign * end * at->axial_rate, 0.0};
-        at->noise[i] = fmax(path->rounding, TUMBLING_ROUNDINGS * (distance + shape.half_length));
+        at->noise[i] = fmax(path->rounding, ADVANCEMENT_ROUNDINGS * (distance + shape.half_length));
     }
 }
 
 /* sum over i of |c^(first + i)| length^i / i! */
-static double size_within(const struct vec3 c[TUMBLING_TERMS], int first, double length)
+static double size_within(const struct vec3 c[ADVANCEMENT_TERMS], int first, double length)
 {
     double size = 0.0;
-    for (int i = TUMBLING_TERMS - 1; i >= first; --i) {
+    for (int i = ADVANCEMENT_TERMS - 1; i >= first; --i) {
         const double norm = vec3_norm(c[i]);
         size = norm + (size > 0.0 ? size * length / (i - first + 1) : 0.0);
     }
     return size;
 }
 
-void tumbling_bend(const struct tumbling_path *path, enum tumbling_change change, double time, double length,
-                   struct tumbling_instant *at)
+/* Bounds of the second derivatives over `length` seconds from an instant on; INFINITY: there is no bound. */
+static void bound_bends(const struct advancement_path *path, enum advancement_change change, double time,
+                        double length, struct advancement_instant *at)
 {
     const struct axis_bounds axis = axis_motion_bounds(&path->axis, time, length);
     double bend = size_within(at->c, 2, length);
@@ -276,17 +279,19 @@ void tumbling_bend(const struct tumbling_path *path, enum tumbling_change change
         bend += 2.0 * axis.speed * speed + (axis.turn + axis.speed * axis.speed) * separation;
         speed += axis.speed * separation;
     }
-    for (int i = 0; i < tumbling_functions(path); ++i) {
+    for (int i = 0; i < functions_of(path); ++i) {
         at->of[i].bend = bend;
     }
     const struct contact_shape shape = shape_with(path, path->axis.axis);
     if (distance_grows(path, change) && !contact_is_plane(&shape)) {
-        at->of[TUMBLING_GAP].bend += speed * speed / smooth_reach(&shape);
+        at->of[ADVANCEMENT_GAP].bend += speed * speed / smooth_reach(&shape);
     }
 }
 
-struct falling tumbling_beyond_reach(const struct tumbling_path *path, const struct tumbling_instant *at,
-                                     double length)
+/* Distance of the centres beyond the farthest place of a touch, over `length` seconds, for any motion of the
+ * axis. */
+static struct falling beyond_reach(const struct advancement_path *path, const struct advancement_instant *at,
+                                   double length)
 {
     const double distance = vec3_norm(at->c[0]);
     const struct contact_shape shape = shape_with(path, path->axis.axis);
@@ -298,7 +303,8 @@ struct falling tumbling_beyond_reach(const struct tumbling_path *path, const str
     return (struct falling){distance - farthest, slope, size_within(at->c, 2, length)};
 }
 
-double falling_stays_above(const struct falling *f, double noise)
+/* Time for which a function surely stays above -noise [s]. */
+static double stays_above(const struct falling *f, double noise)
 {
     const double height = f->value + noise;
     if (!(height > 0.0) || !(f->bend < (double)INFINITY)) {
@@ -311,27 +317,27 @@ double falling_stays_above(const struct falling *f, double noise)
     return 2.0 * height / (root - f->slope);
 }
 
-struct tumbling_search {
-    const struct tumbling_path *path;
-    enum tumbling_change change;
+struct advancement_search {
+    const struct advancement_path *path;
+    enum advancement_change change;
     int count; /* of functions */
 };
 
 /* The function that decides: of a touch the highest, of a parting the lowest. */
-static int deciding(const struct tumbling_search *search, const struct tumbling_instant *at)
+static int deciding(const struct advancement_search *search, const struct advancement_instant *at)
 {
     int found = 0;
     for (int i = 1; i < search->count; ++i) {
         const bool higher = at->of[i].value > at->of[found].value;
-        found = higher == (search->change == TUMBLING_TOUCH) ? i : found;
+        found = higher == (search->change == ADVANCEMENT_TOUCH) ? i : found;
     }
     return found;
 }
 
 /* Whether the change has taken place, whatever rounding does. */
-static bool surely_changed(const struct tumbling_search *search, const struct tumbling_instant *at)
+static bool surely_changed(const struct advancement_search *search, const struct advancement_instant *at)
 {
-    const bool touch = search->change == TUMBLING_TOUCH;
+    const bool touch = search->change == ADVANCEMENT_TOUCH;
     for (int i = 0; i < search->count; ++i) {
         const bool beyond = at->of[i].value < -at->noise[i];
         if (beyond != touch) {
@@ -344,9 +350,9 @@ static bool surely_changed(const struct tumbling_search *search, const struct tu
 /* A root_function of time. */
 static void decision(const void *data, double time, double *value, double *slope)
 {
-    const struct tumbling_search *search = data;
-    struct tumbling_instant at;
-    tumbling_at(search->path, search->change, time, &at);
+    const struct advancement_search *search = data;
+    struct advancement_instant at;
+    advancement_at(search->path, search->change, time, &at);
     const struct falling *f = &at.of[deciding(search, &at)];
     *value = f->value;
     *slope = f->slope;
@@ -355,26 +361,26 @@ static void decision(const void *data, double time, double *value, double *slope
 /* The longest time from an instant on in which nothing changes by more than rounding, by the bends of that
  * instant. It is never zero: if all is within rounding, no more than three eighths of the noise can be missed
  * in it. */
-static double unchanged_for(const struct tumbling_search *search, const struct tumbling_instant *at)
+static double unchanged_for(const struct advancement_search *search, const struct advancement_instant *at)
 {
-    double time = falling_stays_above(&at->of[0], at->noise[0]);
+    double time = stays_above(&at->of[0], at->noise[0]);
     for (int i = 1; i < search->count; ++i) {
-        const double other = falling_stays_above(&at->of[i], at->noise[i]);
-        time = (other > time) == (search->change == TUMBLING_TOUCH) ? other : time;
+        const double other = stays_above(&at->of[i], at->noise[i]);
+        time = (other > time) == (search->change == ADVANCEMENT_TOUCH) ? other : time;
     }
-    const struct falling *gap = &at->of[TUMBLING_GAP];
-    const double quarter = 0.25 * at->noise[TUMBLING_GAP];
+    const struct falling *gap = &at->of[ADVANCEMENT_GAP];
+    const double quarter = 0.25 * at->noise[ADVANCEMENT_GAP];
     return fmax(time, quarter / (fabs(gap->slope) + sqrt(gap->bend * quarter)));
 }
 
 /* The next step from an instant. `*length` is the time over which the bends hold; it adapts. */
-static double step_from(const struct tumbling_search *search, struct tumbling_instant *at, double time,
+static double step_from(const struct advancement_search *search, struct advancement_instant *at, double time,
                         double horizon, double *length)
 {
     const double rest = horizon - time;
-    if (search->change == TUMBLING_TOUCH && tumbling_has_reach(search->path)) {
-        const struct falling beyond = tumbling_beyond_reach(search->path, at, rest);
-        const double away = falling_stays_above(&beyond, 0.0);
+    if (search->change == ADVANCEMENT_TOUCH && has_reach(search->path)) {
+        const struct falling beyond = beyond_reach(search->path, at, rest);
+        const double away = stays_above(&beyond, 0.0);
         if (away >= rest) {
             return rest;
         }
@@ -383,8 +389,8 @@ static double step_from(const struct tumbling_search *search, struct tumbling_in
         }
     }
     const double within = fmin(*length, rest);
-    tumbling_bend(search->path, search->change, time, within, at);
-    if (!(at->of[TUMBLING_GAP].bend < (double)INFINITY)) {
+    bound_bends(search->path, search->change, time, within, at);
+    if (!(at->of[ADVANCEMENT_GAP].bend < (double)INFINITY)) {
         *length = 0.25 * within; /* an axis polynomial that passes zero has no bound */
         return 0.0;
     }
@@ -395,35 +401,35 @@ static double step_from(const struct tumbling_search *search, struct tumbling_in
 
 /* The root of the deciding function between an instant without the change and one with it; the start if
  * before < 0. */
-static struct tumbling_result located(const struct tumbling_search *search, double before, double after,
-                                      long evaluations)
+static struct advancement_result located(const struct advancement_search *search, double before, double after,
+                                         long evaluations)
 {
     const double root = before < 0.0 ? 0.0 : root_in_bracket(decision, search, before, after);
-    struct tumbling_instant at;
-    tumbling_at(search->path, search->change, root, &at);
-    const bool by_gap = deciding(search, &at) == TUMBLING_GAP;
-    return (struct tumbling_result){root, by_gap ? 0.0 : at.geometry.gap, root, evaluations};
+    struct advancement_instant at;
+    advancement_at(search->path, search->change, root, &at);
+    const bool by_gap = deciding(search, &at) == ADVANCEMENT_GAP;
+    return (struct advancement_result){root, by_gap ? 0.0 : at.geometry.gap, root, evaluations};
 }
 
 /* If the opposite change has just been made, at an instant not exact to rounding, the functions rise at the
  * start. Returns how long they need, by the slope of the deciding function; 0: they do not rise. */
-static double still_rising_for(const struct tumbling_search *search, const struct tumbling_instant *at)
+static double still_rising_for(const struct advancement_search *search, const struct advancement_instant *at)
 {
     const struct falling *f = &at->of[deciding(search, at)];
     return f->slope > 0.0 ? -2.0 * f->value / f->slope : 0.0;
 }
 
-struct tumbling_result tumbling_first(const struct tumbling_path *path, enum tumbling_change change,
-                                      double horizon, long budget)
+struct advancement_result advancement_first(const struct advancement_path *path,
+                                            enum advancement_change change, double horizon, long budget)
 {
-    struct tumbling_path moving = *path; /* its axis motion moves on with the search */
-    const struct tumbling_search search = {&moving, change, tumbling_functions(path)};
+    struct advancement_path moving = *path; /* its axis motion moves on with the search */
+    const struct advancement_search search = {&moving, change, functions_of(path)};
     double time = 0.0;
     double before = -1.0; /* the last time at which the deciding function was not negative; -1: none */
     double length = horizon;
     for (long evaluations = 1; evaluations <= budget; ++evaluations) {
-        struct tumbling_instant at;
-        tumbling_at(&moving, change, time, &at);
+        struct advancement_instant at;
+        advancement_at(&moving, change, time, &at);
         double step = 0.0;
         if (surely_changed(&search, &at)) {
             step = before < 0.0 ? still_rising_for(&search, &at) : 0.0;
@@ -440,12 +446,12 @@ struct tumbling_result tumbling_first(const struct tumbling_path *path, enum tum
             step *= before < 0.0 ? 0.5 : 1.0;
         }
         if (!(time < horizon)) {
-            return (struct tumbling_result){(double)INFINITY, 0.0, horizon, evaluations};
+            return (struct advancement_result){(double)INFINITY, 0.0, horizon, evaluations};
         }
         /* no shorter than the rounding of time, once there is no bound over a longer time */
         const double least = step > 0.0 || !(length > DBL_EPSILON * horizon) ? 4.0 * DBL_EPSILON * time : 0.0;
         time = fmin(time + fmax(step, fmax(least, DBL_MIN)), horizon);
         length = fmax(length, DBL_EPSILON * horizon);
     }
-    return (struct tumbling_result){(double)INFINITY, 0.0, time, budget};
+    return (struct advancement_result){(double)INFINITY, 0.0, time, budget};
 }

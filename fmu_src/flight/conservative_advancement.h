@@ -1,14 +1,14 @@
 /*
  * Conservative advancement to the first touch of a sphere with a destination whose axis turns: a cylinder
  * that tumbles, a plane that tilts. No touch deeper than rounding is missed, however long the flight
- * (docs/tumbling.md).
+ * (docs/conservative_advancement.md).
  *
  * The axis stands still; or turns steadily about a fixed direction (the precession of a torque-free body, a
  * constant angular velocity); or turns with a rate that is polynomial in time (a torque, a prescribed angular
  * velocity); or is a polynomial itself, of any length but zero.
  */
-#ifndef CONTACT_FLIGHT_TUMBLING_H
-#define CONTACT_FLIGHT_TUMBLING_H
+#ifndef CONTACT_FLIGHT_CONSERVATIVE_ADVANCEMENT_H
+#define CONTACT_FLIGHT_CONSERVATIVE_ADVANCEMENT_H
 
 #include "contact/shape.h"
 #include "math/rotor.h"
@@ -53,21 +53,22 @@ struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double t
 
 /*
  * Gap and distances from the end planes at one time, as functions whose second derivative is bounded from
- * below. The separation is a polynomial of time, the gap is not. docs/tumbling.md derives the bounds.
+ * below. The separation is a polynomial of time, the gap is not. docs/conservative_advancement.md derives the bounds.
  */
 
 /* Coefficients of the separation: displacements are of degree four at most. */
-enum { TUMBLING_TERMS = 5 };
+enum { ADVANCEMENT_TERMS = 5 };
 
-struct tumbling_path {
-    struct contact_shape shape;    /* with the axis at the start; `axis` gives the axis at any time */
-    struct vec3 c[TUMBLING_TERMS]; /* separation, by powers of the time from the present on [m, m/s, ...] */
+struct advancement_path {
+    struct contact_shape shape; /* with the axis at the start; `axis` gives the axis at any time */
+    struct vec3
+        c[ADVANCEMENT_TERMS]; /* separation, by powers of the time from the present on [m, m/s, ...] */
     struct axis_motion axis;
     double rounding; /* rounding bound of c at the start [m] */
 };
 
 /* The change that is searched: the bodies come into contact, or contact ends. */
-enum tumbling_change { TUMBLING_TOUCH, TUMBLING_PARTING };
+enum advancement_change { ADVANCEMENT_TOUCH, ADVANCEMENT_PARTING };
 
 /* A function that is positive before the change; its second derivative is at least -bend. */
 struct falling {
@@ -76,17 +77,21 @@ struct falling {
 
 /* The gap and the distances of the source beyond either end plane. A touch is where all are negative. For a
  * parting all have the other sign, and one negative function is enough. */
-enum { TUMBLING_GAP, TUMBLING_UPPER_END, TUMBLING_LOWER_END, TUMBLING_FUNCTIONS };
+enum { ADVANCEMENT_GAP, ADVANCEMENT_UPPER_END, ADVANCEMENT_LOWER_END, ADVANCEMENT_FUNCTIONS };
 
-struct tumbling_instant {
-    struct vec3 c[TUMBLING_TERMS]; /* separation and its time derivatives [m, m/s, ...] */
+struct advancement_instant {
+    struct vec3 c[ADVANCEMENT_TERMS]; /* separation and its time derivatives [m, m/s, ...] */
     struct contact_geometry geometry;
     double axial_rate; /* rate of c.e_d [m/s] */
-    struct falling of[TUMBLING_FUNCTIONS];
-    double noise[TUMBLING_FUNCTIONS]; /* rounding bound of each function [m] */
+    struct falling of[ADVANCEMENT_FUNCTIONS];
+    double noise[ADVANCEMENT_FUNCTIONS]; /* rounding bound of each function [m] */
 };
 
-struct tumbling_result {
+/* Functions and their slopes at a time, without bounds of their second derivatives. */
+void advancement_at(const struct advancement_path *path, enum advancement_change change, double time,
+                    struct advancement_instant *at);
+
+struct advancement_result {
     double after;     /* seconds from the present to the change; INFINITY: none before `searched` */
     double gap;       /* at the change; zero unless the source passes an end plane [m] */
     double searched;  /* nothing else changes up to here [s] */
@@ -95,7 +100,7 @@ struct tumbling_result {
 
 /* The first change within `horizon` seconds that is deeper than rounding, located to rounding. After `budget`
  * > 0 evaluations the search ends early, at `searched` < horizon. */
-struct tumbling_result tumbling_first(const struct tumbling_path *path, enum tumbling_change change,
-                                      double horizon, long budget);
+struct advancement_result advancement_first(const struct advancement_path *path,
+                                            enum advancement_change change, double horizon, long budget);
 
 #endif
