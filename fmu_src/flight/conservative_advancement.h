@@ -23,8 +23,8 @@ struct axis_motion {
     /* origin of the times below [s]; for AXIS_PRESCRIBED it moves on with the search */
     double from;
     struct rotor rotor; /* AXIS_PRECESSES */
-    /* polynomial of the time since `from`: for AXIS_PRESCRIBED lambda in e' = lambda x e, for AXIS_FOLLOWS the
-     * direction */
+    /* polynomial of the time since `from`: lambda in e' = lambda x e for AXIS_PRESCRIBED, the direction for
+     * AXIS_FOLLOWS */
     struct vec3 coefficient[AXIS_TERMS];
 };
 
@@ -53,7 +53,8 @@ struct axis_bounds axis_motion_bounds(const struct axis_motion *motion, double t
 
 /*
  * Gap and distances from the end planes at one time, as functions whose second derivative is bounded from
- * below. The separation is a polynomial of time, the gap is not. docs/conservative_advancement.md derives the bounds.
+ * below. The separation is a polynomial of time, the gap is not. docs/conservative_advancement.md derives the
+ * bounds.
  */
 
 /* Coefficients of the separation: displacements are of degree four at most. */

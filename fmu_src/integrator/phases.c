@@ -243,6 +243,7 @@ static bool synchronized_step_make(struct synchronized_step *all, const struct s
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         all->segment[j].kind = SEGMENT_CLOSED_FORM; /* defined where there is none, too */
         all->segment[j].unit = all->segment[j].end = 0.0;
+        all->segment[j].work = 0;
     }
     for (double before = (double)INFINITY; all->time < before;) {
         before = SCENE_CONTACTS > 1 ? all->time : 0.0;
@@ -341,12 +342,11 @@ static double stored_in_separating(const struct scene_values *v, const struct sc
     return sum;
 }
 
-static long work_of_pairs(const struct synchronized_step *all, const struct scene_values *v,
-                          const struct scene_state *q)
+static long work_of_pairs(const struct synchronized_step *all)
 {
     long sum = 0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        sum += has_segment(v, q, j) ? all->segment[j].work : 0;
+        sum += all->segment[j].work;
     }
     return sum;
 }
@@ -366,7 +366,7 @@ static enum advance_result advance_pairs(struct integrator *s, const struct scen
             /* with the budget it came with: CVODE takes a budget of 0 as its default */
             return ADVANCE_FAILED;
         }
-        advance_spend(step, 1, work_of_pairs(&all, v, q));
+        advance_spend(step, 1, work_of_pairs(&all));
         const bool whole = synchronized_step_integrate(&all, v, q, step);
         const double stored = stored_in_separating(v, q, step);
         step->is_now = false;

@@ -38,8 +38,8 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
                               const struct scene_instant *at, int contact, double until);
 
 /*
- * When a contact's regime changes next, as far as that can be foreseen: in closed form
- * where its axis keeps its direction, by a search that misses no touch (conservative_advancement.h) where it turns.
+ * When a contact's regime changes next, as far as that can be foreseen: in closed form where its axis keeps
+ * its direction, and by conservative advancement, which misses no touch, where the axis turns.
  */
 
 struct prediction {

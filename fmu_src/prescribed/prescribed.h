@@ -5,8 +5,8 @@
  *
  * Where nothing turns or rubs the separation is a polynomial of time, and so are the conditions at which
  * the law changes: their roots are the events. Where a body turns or a contact rubs, touches come from
- * conservative advancement, which misses none (conservative_advancement.h), and the events of law and friction are located
- * between the nodes.
+ * conservative advancement, which misses none, and the events of law and friction are located between the
+ * nodes.
  */
 #ifndef CONTACT_PRESCRIBED_PRESCRIBED_H
 #define CONTACT_PRESCRIBED_PRESCRIBED_H
