@@ -76,9 +76,9 @@ def refused(done, *words):
 
 @pytest.mark.parametrize("case", BAD)
 def test_a_bad_scene_file_is_refused_in_one_line(answer, tmp_path, case):
-    old, new = BAD[case]["old"], BAD[case]["new"]
+    old, new, says = BAD[case]
     assert old in GOOD
-    refused(answer(GOOD.replace(old, new, 1)), "scenes/Pair.toml: ", *BAD[case]["says"])
+    refused(answer(GOOD.replace(old, new, 1)), "scenes/Pair.toml: ", *says)
     assert not (tmp_path / "out").exists()
 
 
