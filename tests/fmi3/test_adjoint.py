@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from support.fmi3 import raw
-from support.fmi3.prototypes import DISCARD, ERROR
-from support.fmi3.raw import Instance, reals, references
+from support.fmi3.raw import DISCARD, ERROR, Instance, reals, references
 
 SCENES = ["SphereSphere", "SphereCylinder", "ForceElement"]
 

@@ -9,8 +9,7 @@ import pytest
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError
 from contact_fmus.fmu.files import fmu_file
 from support.fmi3 import raw
-from support.fmi3.prototypes import DISCARD, ERROR, OK, TYPES
-from support.fmi3.raw import Instance, reals, references
+from support.fmi3.raw import DISCARD, ERROR, OK, TYPES, Instance, reals, references
 
 UNKNOWN = 4_000_000_000
 OWN = {

@@ -8,8 +8,7 @@ import pytest
 from support.fmi2.blob import PHASES, forge
 from support.fmi3 import raw
 from support.fmi3.call_table import FOREIGN, FUNCTIONS, NUMBERS, STATES, allowed
-from support.fmi3.prototypes import ARGUMENTS, ERROR, OK, WITHOUT_INSTANCE
-from support.fmi3.raw import Instance
+from support.fmi3.raw import ARGUMENTS, ERROR, OK, WITHOUT_INSTANCE, Instance
 from support.outside import Outside
 
 NAMES = {

@@ -11,7 +11,7 @@ from fmpy.validation import validate_fmu
 
 from contact_fmus.fmu.files import fmu_file, unpack
 from support.fmi3 import raw
-from support.fmi3.prototypes import ARGUMENTS
+from support.fmi3.raw import ARGUMENTS
 
 # and what is settled at each onset
 SUMS_UP = {

@@ -7,8 +7,7 @@ import pytest
 
 from support.checks import METHODS, check_close
 from support.fmi3 import raw
-from support.fmi3.prototypes import ERROR, OK
-from support.fmi3.raw import Instance
+from support.fmi3.raw import ERROR, OK, Instance
 from support.scenes.head_on import FMU, GAP, GEOMETRIES, SPEED, head_on
 
 TOLERANCE = 1e-10

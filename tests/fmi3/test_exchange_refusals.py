@@ -14,7 +14,7 @@ import pytest
 from support.fmi2 import raw as raw2
 from support.fmi2.call_table import EXCHANGE
 from support.fmi3 import raw
-from support.fmi3.prototypes import DISCARD, ERROR, OK
+from support.fmi3.raw import DISCARD, ERROR, OK
 from support.outside import Outside
 
 SCENE = "SphereSphere"

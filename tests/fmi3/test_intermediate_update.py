@@ -7,8 +7,7 @@ import pytest
 
 from support.checks import check_close
 from support.fmi3 import raw
-from support.fmi3.prototypes import ERROR, OK
-from support.fmi3.raw import Instance, reals, references
+from support.fmi3.raw import ERROR, OK, Instance, reals, references
 from support.scenes.head_on import GAP, SPEED, head_on
 
 BEGINS = GAP / SPEED

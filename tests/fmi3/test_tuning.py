@@ -4,8 +4,7 @@ import pytest
 
 from support.checks import check_close
 from support.fmi3 import raw
-from support.fmi3.prototypes import ERROR, OK
-from support.fmi3.raw import Instance
+from support.fmi3.raw import ERROR, OK, Instance
 
 DROPPED = {"source.center": [0.0, 0.0, 0.599], "contact.method": "penalty", "gravity": [0.0, 0.0, -9.81]}
 CHANGED = {"contact.penalty_factor": 3e5, "gravity": [0.0, 1.0, 2.0], "contact.dashpot": "unclamped"}

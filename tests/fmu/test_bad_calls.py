@@ -8,6 +8,7 @@ from ctypes import c_double, c_int, c_uint
 
 import pytest
 
+from contact_fmus.fmu.files import fmus_folder
 from support.fmi2 import raw
 from support.fmi2.raw import CO_SIMULATION, DISCARD, ERROR, WARNING, array
 
@@ -89,7 +90,7 @@ def test_an_fmu_in_a_folder_with_an_odd_name_works(fmu, tmp_path):
     folder = tmp_path / "50 % große Kugel #1 %s"
     folder.mkdir()
     path = folder / "a b%d ü.fmu"
-    path.write_bytes((raw.fmus_folder() / f"{fmu.name}.fmu").read_bytes())
+    path.write_bytes((fmus_folder() / f"{fmu.name}.fmu").read_bytes())
     moved = raw.Fmu(path)
     with raw.Instance(moved, resources=(moved.folder / "resources").as_uri().encode()) as instance:
         assert len(instance.initialize().run([0.1])) == 1

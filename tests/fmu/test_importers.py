@@ -9,7 +9,7 @@ import pytest
 
 from contact_fmus.errors import UserError
 from contact_fmus.importers.command import AGREE, IMPORTERS, Given, Trial, page, table, tried
-from support.fmi2.raw_fmu import KINDS
+from support.fmi2.raw import KINDS
 
 ROOT = Path(__file__).resolve().parents[2]
 # One of each kind, and one that rolls

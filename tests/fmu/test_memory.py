@@ -1,8 +1,6 @@
 """The importer's memory functions are used, all memory comes back, and too little of it is told."""
 
 import os
-import shutil
-import subprocess
 from ctypes import byref, c_int, c_void_p
 from pathlib import Path
 
@@ -12,7 +10,6 @@ from support.fmi2 import raw
 from support.fmi2.heap import Heap
 from support.fmi2.raw import ALLOCATE, DISCARD, ERROR, FREE, OK
 from support.fmi2.runs import RUNS, begin, go_on
-from support.programs import PATIENCE
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -127,74 +124,6 @@ def test_instances_come_and_go_without_growth(fmu):
 
 def _resident() -> int:
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-
-
-# every allocation of the library, SUNDIALS' included
-
-
-@pytest.fixture(scope="session")
-def faults(tmp_path_factory) -> Path:
-    """The C program that lets any allocation of the process fail"""
-    compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
-    assert compiler, "a C compiler is needed"
-    program = tmp_path_factory.mktemp("faults") / "allocation_faults"
-    source = Path(__file__).with_name("allocation_faults.c")
-    subprocess.run(
-        [
-            *compiler.split(),
-            "-std=c11",
-            "-D_GNU_SOURCE",
-            "-Wall",
-            "-Wextra",
-            "-Werror",
-            "-rdynamic",
-            str(source),
-            "-o",
-            str(program),
-            "-ldl",
-        ],
-        check=True,
-        capture_output=True,
-    )
-    return program
-
-
-def life(faults: Path, what: str, fmu: raw.Fmu, method: int = 0) -> dict[str, int]:
-    """What the program counted; a claim of its own that broke shows in its exit code and output"""
-    reference = fmu.variables["solver.method"].reference if method else 0
-    command = [str(faults), what, str(fmu.library_file), fmu.guid, str(reference), str(method)]
-    result = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
-    assert (result.returncode, result.stderr) == (0, ""), result.stdout
-    return {name: int(count) for name, count in (part.split("=") for part in result.stdout.split())}
-
-
-def runs_with_cvode() -> list[tuple[str, int]]:
-    """cvode_adams is explicit: at slip velocities of 1e-5 m/s or less a second takes it 1e6 steps or more."""
-    stiff = [("GolfersDilemma", 3), ("Turntable", 3)]
-    scenes = [name for name in raw.SOLVER_SCENES if name not in raw.WITHOUT_CVODE]
-    return [(scene, method) for scene in scenes for method in (2, 3) if (scene, method) not in stiff]
-
-
-@pytest.mark.parametrize("scene,method", runs_with_cvode())
-def test_nothing_is_allocated_in_steps_and_nothing_is_kept(faults, scene, method):
-    """Counts the integrator's memory too, which is not the importer's."""
-    counts = life(faults, "count", raw.load(scene), method)
-    assert counts["allocations"] > 10
-    assert (counts["during_steps"], counts["left"]) == (0, 0)
-
-
-@pytest.mark.parametrize("scene", raw.WITHOUT_CVODE)
-def test_nothing_but_the_models_own_memory_is_allocated_without_cvode(faults, scene):
-    counts = life(faults, "count", raw.load(scene))
-    assert (counts["during_steps"], counts["left"]) == (0, 0)
-    assert counts["allocations"] <= 10
-
-
-def test_every_failed_allocation_is_survived(faults):
-    """Each allocation fails alone, then all from each on: a refusal, no leak, and it works afterwards."""
-    counts = life(faults, "fail", raw.load("ForceElement"))
-    assert counts["allocations"] >= 3
-    assert (counts["during_steps"], counts["left"]) == (0, 0)
 
 
 def test_a_state_of_a_running_instance_opens_a_solver_in_a_fresh_one(universal):

@@ -11,6 +11,7 @@ from libcosimpy.CosimObserver import CosimObserver
 from libcosimpy.CosimSlave import CosimLocalSlave
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
+from contact_fmus.fmu.files import fmus_folder
 from support.fmi2 import raw
 
 STEPS = 2000
@@ -63,7 +64,7 @@ def with_fmpy(path: str) -> Iterator[Row]:
 def test_libcosim_computes_what_fmpy_computes(scene):
     """Silently too: libcosim itself would tell errors only, and an FMU never writes to a stream."""
     log_output_level(CosimLogLevel.ERROR)
-    path = str(raw.fmus_folder() / f"{scene}.fmu")
+    path = str(fmus_folder() / f"{scene}.fmu")
     there = list(with_libcosim(raw.load(scene), path))
     here = list(with_fmpy(path))
     assert len(there) == len(here) == STEPS

@@ -17,7 +17,7 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from support.fmi2 import elf, vdmcheck
-from support.fmi2.raw_fmu import KINDS, SCENES
+from support.fmi2.raw import KINDS, SCENES
 
 ROOT = Path(__file__).resolve().parents[2]
 FMPY = Path(fmpy.__file__).parent

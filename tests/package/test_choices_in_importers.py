@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from contact_fmus.fmu.files import fmus_folder
 from contact_fmus.importers.command import AGREE, IMPORTERS, Given, installed, tried
-from support.fmi2 import raw
 from support.sources import ROOT
 
 SCENE = "BallOnSphere"
@@ -33,7 +33,7 @@ def asked(settings):
 
 def test_a_choice_set_as_an_integer_computes_what_the_enumeration_does(with_integers):
     fmpy = IMPORTERS[0]
-    enumeration = raw.fmus_folder() / f"{SCENE}.fmu"
+    enumeration = fmus_folder() / f"{SCENE}.fmu"
     reference = tried(fmpy, enumeration, asked(CHOICE))
     assert reference.problem == ""
     assert tried(fmpy, enumeration, asked({})).difference(reference) > 1e-3, "the choice changes nothing"

@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from support.fmi2.raw_fmu import SCENES
+from support.fmi2.raw import SCENES
 from support.scenes.benchmarks import BENCHMARKS
 from support.sources import BUILD
 

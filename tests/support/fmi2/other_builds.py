@@ -7,9 +7,10 @@ import subprocess
 from collections.abc import Iterable
 from pathlib import Path
 
+from contact_fmus.fmu.files import fmus_folder
 from support.fmi2 import raw
 
-BUILD = Path(os.environ.get("CONTACT_BUILD") or raw.fmus_folder().parent).resolve()
+BUILD = Path(os.environ.get("CONTACT_BUILD") or fmus_folder().parent).resolve()
 # Both compilers optimize whole programs in ways of their own; without that the code is one unit all the same.
 LEFT_OUT = ("-flto", "-fno-fat-lto", "-fwhole-program", "-O", "-M", "-g")
 

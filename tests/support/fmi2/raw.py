@@ -1,74 +1,152 @@
-"""FMI 2.0 calls by ctypes, without an importer's kindness: any function, any arguments, statuses as they are.
-
-An Instance records what the FMU told its logger; it never raises for a refused call, `ok` does. What the FMU
-is as a file comes from raw_fmu.py, types and numbers from prototypes.py; the tests take all names from here.
-"""
+"""FMI 2.0 calls by ctypes, without an importer's kindness: any function, any arguments, any status."""
 
 from __future__ import annotations
 
-import contextlib
+import copy
 import ctypes
+import functools
 import struct
 from collections.abc import Iterable
-from ctypes import c_double, c_int, c_size_t, c_uint, c_void_p
+from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from pathlib import Path
 from typing import Any, NamedTuple
 
-from contact_fmus.fmu.files import fmus_folder
-from support.fmi2.prototypes import (
-    ALLOCATE,
-    ARGUMENTS,
-    CO_SIMULATION,
-    DISCARD,
-    DO_STEP_STATUS,
-    ERROR,
-    FATAL,
-    FREE,
-    LAST_SUCCESSFUL_TIME,
-    LOGGER,
-    MODEL_EXCHANGE,
-    OK,
-    PENDING_STATUS,
-    TERMINATED,
-    WARNING,
-    Callbacks,
-    EventInfo,
-    array,
-)
-from support.fmi2.raw_fmu import KINDS, SCENES, SOLVER_SCENES, WITHOUT_CVODE, Fmu, Variable, load
+from contact_fmus.fmu.files import fmu_file, repository, unpack
+from support import prototypes
 
-__all__ = [
-    "ALLOCATE",
-    "ARGUMENTS",
-    "CO_SIMULATION",
-    "DISCARD",
-    "DO_STEP_STATUS",
-    "ERROR",
-    "FATAL",
-    "FREE",
-    "KINDS",
-    "LAST_SUCCESSFUL_TIME",
-    "LOGGER",
-    "MODEL_EXCHANGE",
-    "OK",
-    "PENDING_STATUS",
-    "SCENES",
-    "SOLVER_SCENES",
-    "TERMINATED",
-    "WARNING",
-    "WITHOUT_CVODE",
-    "Callbacks",
-    "EventInfo",
-    "Fmu",
-    "Instance",
-    "Message",
-    "Variable",
-    "array",
-    "c_double",
-    "c_int",
-    "c_uint",
-    "fmus_folder",
-    "load",
-]
+OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
+MODEL_EXCHANGE, CO_SIMULATION = range(2)
+DO_STEP_STATUS, PENDING_STATUS, LAST_SUCCESSFUL_TIME, TERMINATED = range(4)
+
+LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
+ALLOCATE = ctypes.CFUNCTYPE(c_void_p, c_size_t, c_size_t)
+FREE = ctypes.CFUNCTYPE(None, c_void_p)
+
+
+class Callbacks(ctypes.Structure):
+    """fmi2CallbackFunctions"""
+
+    _fields_ = [("logger", LOGGER), ("allocate", ALLOCATE), ("free", FREE)]
+    _fields_ += [("finished", c_void_p), ("environment", c_void_p)]
+
+
+class EventInfo(ctypes.Structure):
+    """fmi2EventInfo"""
+
+    _fields_ = [(flag, c_int) for flag in ("again", "terminate", "nominals_changed", "states_changed")]
+    _fields_ += [("next_event_defined", c_int), ("next_event", c_double)]
+
+
+PROTOTYPES = prototypes.read(2, {"fmi2CallbackFunctions": Callbacks, "fmi2EventInfo": EventInfo})
+ARGUMENTS = {name: prototype.arguments for name, prototype in PROTOTYPES.items()}
+
+
+def array(kind: Any, values: Iterable) -> Any:
+    values = list(values)
+    return (kind * len(values))(*values)
+
+
+SCENES = sorted(path.stem for path in (repository() / "modelDescription" / "scenes").glob("*.toml"))
+# Every choice open; bodies that cannot move freely; everything pinned, and no CVODE.
+KINDS = ("SphereCylinder", "ForceElement", "PinnedEvent")
+# A body may move freely: every choice open, pinned, Hertz's law, friction, no CVODE.
+SOLVER_SCENES = ("SphereCylinder", "BallOffRoller", "HertzImpact", "GolfersDilemma", "PinnedEvent")
+WITHOUT_CVODE = ("BouncingBall", "PinnedEvent")  # pinned to event_driven, no body in two contacts
+
+
+class Variable(NamedTuple):
+    """A ScalarVariable of the model description"""
+
+    name: str
+    reference: int
+    type: str  # Real | Integer | Boolean | Enumeration
+    causality: str
+    start: str | None
+    minimum: float
+    maximum: float
+    items: tuple[str, ...]  # an enumeration's item names; their values run from `minimum` on
+    variability: str
+
+    @property
+    def call_type(self) -> str:
+        """The part of fmi2Get... and fmi2Set... that fits"""
+        return "Integer" if self.type == "Enumeration" else self.type
+
+    @property
+    def settable(self) -> bool:
+        return self.causality in ("parameter", "input")
+
+    @property
+    def start_value(self) -> float | int:
+        return _number(self.start, self.type)
+
+
+def _number(text: str, kind: str) -> float | int:
+    if kind == "Real":
+        return float(text)
+    return {"true": 1, "false": 0}[text] if kind == "Boolean" else int(text)
+
+
+class Fmu:
+    """An unpacked FMU with its loaded library"""
+
+    def __init__(self, path: Path):
+        self.folder, description = unpack(path)
+        self.name = description.coSimulation.modelIdentifier
+        self.guid = description.guid
+        self.variables = {one.name: _variable(one) for one in description.modelVariables}
+        self.roles = _roles(description)
+        self._open(next(self.folder.glob(f"binaries/*/{self.name}.so")))
+
+    def _open(self, library_file: Path) -> None:
+        self.library_file = library_file
+        self.library = prototypes.bind(library_file, PROTOTYPES)
+
+    def with_library(self, library_file: Path) -> Fmu:
+        """The same FMU with another build of its code"""
+        other = copy.copy(self)
+        other._open(library_file)
+        return other
+
+    def select(self, *causalities: str, kind: str | None = None) -> list[Variable]:
+        return [
+            variable
+            for variable in self.variables.values()
+            if variable.causality in causalities and kind in (None, variable.type)
+        ]
+
+
+def _roles(description: Any) -> dict[str, list[str]]:
+    """Names of the states, of their rates, and of the event indicators, in the order of their vectors"""
+    rates = [entry.variable for entry in description.derivatives]
+    indicators = [one.name for one in description.modelVariables if one.name.endswith("_indicator")]
+    assert len(indicators) == description.numberOfEventIndicators
+    return {
+        "state": [rate.derivative.name for rate in rates],
+        "rate": [rate.name for rate in rates],
+        "indicator": indicators,
+    }
+
+
+def _variable(scalar: Any) -> Variable:
+    declared, enumeration = scalar.declaredType, scalar.type == "Enumeration"
+    items = declared.items if enumeration else []
+    values = [int(item.value) for item in items] or [0, 1]
+    wide = (-1.8e308, 1.8e308) if scalar.type in ("Real", "Integer") else (values[0], values[-1])
+    low, high = (
+        next(
+            (one for one in (getattr(scalar, name), getattr(declared, name, None)) if one is not None), limit
+        )
+        for name, limit in zip(("min", "max"), wide, strict=True)
+    )
+    names = tuple(item.name for item in items)
+    about = (scalar.name, scalar.valueReference, scalar.type, scalar.causality, scalar.start)
+    return Variable(*about, float(low), float(high), names, scalar.variability)
+
+
+@functools.cache
+def load(name: str) -> Fmu:
+    return Fmu(fmu_file(name))
 
 
 class Message(NamedTuple):
@@ -83,8 +161,10 @@ class Message(NamedTuple):
         return self.raw.replace("%%", "%").replace("##", "#")
 
 
-class Instance:
+class Instance(prototypes.AnyInstance):
     """An instance and everything its logger was told"""
+
+    prefix, state = "fmi2", "FMUstate"
 
     def __init__(
         self,
@@ -110,7 +190,7 @@ class Instance:
             kind,
             fmu.guid.encode() if guid == b"" else guid,
             resources,
-            ctypes.byref(self.callbacks),
+            byref(self.callbacks),
             0,
             int(logging),
         )
@@ -118,39 +198,6 @@ class Instance:
     def _log(self, _environment, name, status, category, message) -> None:
         self.loggers.append(name)
         self.messages.append(Message(status, category.decode(), message.decode()))
-
-    def __enter__(self) -> Instance:
-        return self
-
-    def __exit__(self, *_exception) -> None:
-        self.free()
-
-    def free(self) -> None:
-        if self.component is not None:
-            self.fmu.library.fmi2FreeInstance(self.component)
-            self.component = None
-
-    def call(self, function: str, *arguments: Any) -> int:
-        """The status of fmi2<function>(component, ...)"""
-        return getattr(self.fmu.library, f"fmi2{function}")(self.component, *arguments)
-
-    def ok(self, function: str, *arguments: Any) -> None:
-        status = self.call(function, *arguments)
-        assert status <= WARNING, f"fmi2{function}{arguments}: status {status}, {self.texts()}"
-
-    def texts(self) -> list[str]:
-        return [message.text for message in self.messages]
-
-    @contextlib.contextmanager
-    def expect(self, status: int, *words: str):
-        """`with instance.expect(DISCARD, "radius") as got: got(status)`: one message, with the words"""
-        del self.messages[:]
-        got: list[int] = []
-        yield got.append
-        assert got == [status], f"status {got}, expected {status}: {self.texts()}"
-        assert [message.status for message in self.messages] == [status], self.messages
-        missing = [word for word in words if word not in self.messages[0].text]
-        assert not missing, f"{missing} not in '{self.messages[0].text}'"
 
     # by names
 
@@ -231,7 +278,7 @@ class Instance:
     def time(self) -> float:
         """Where the last step ended"""
         time = c_double()
-        self.ok("GetRealStatus", LAST_SUCCESSFUL_TIME, ctypes.byref(time))
+        self.ok("GetRealStatus", LAST_SUCCESSFUL_TIME, byref(time))
         return time.value
 
     # Model Exchange
@@ -241,31 +288,21 @@ class Instance:
     def update_discrete_states(self) -> tuple[bool, bool, float | None]:
         """Whether that has to be done again, whether a state has jumped, when the next event will be"""
         news = EventInfo()
-        self.ok("NewDiscreteStates", ctypes.byref(news))
+        self.ok("NewDiscreteStates", byref(news))
         scheduled = news.next_event if news.next_event_defined else None
         return bool(news.again), bool(news.states_changed), scheduled
 
     def complete_step(self) -> None:
-        self.ok("CompletedIntegratorStep", 1, ctypes.byref(c_int()), ctypes.byref(c_int()))
+        self.ok("CompletedIntegratorStep", 1, byref(c_int()), byref(c_int()))
 
     # states
 
-    def save(self) -> bytes:
-        state = c_void_p()
-        size = c_size_t()
-        self.ok("GetFMUstate", ctypes.byref(state))
-        self.ok("SerializedFMUstateSize", state, ctypes.byref(size))
-        buffer = ctypes.create_string_buffer(size.value)
-        self.ok("SerializeFMUstate", state, buffer, size)
-        self.ok("FreeFMUstate", ctypes.byref(state))
-        return buffer.raw
-
     def deserialize(self, blob: bytes) -> tuple[int, c_void_p]:
         state = c_void_p()
-        return self.call("DeSerializeFMUstate", blob, len(blob), ctypes.byref(state)), state
+        return self.call("DeSerializeFMUstate", blob, len(blob), byref(state)), state
 
     def restore(self, blob: bytes) -> None:
         status, state = self.deserialize(blob)
         assert status == OK, self.texts()
         self.ok("SetFMUstate", state)
-        self.ok("FreeFMUstate", ctypes.byref(state))
+        self.ok("FreeFMUstate", byref(state))

@@ -1,9 +1,10 @@
 """Lives of an FMU in which one allocation fails, SUNDIALS' own included. Run with failing_malloc.c preloaded:
 
-    python -m support.fmi2.solver_faults LIBRARY GUID METHOD_REFERENCE METHOD
+    python -m support.fmi2.solver_faults count|fail LIBRARY GUID GAP_REFERENCE METHOD_REFERENCE METHOD
 
-Each life is a child process, for some end in a crash. Prints a line of JSON for each allocation: where it was
-asked for, and how the life ended: "survived", "signal N" or what was wrong.
+Prints a line of JSON for each allocation. "count": where it was asked for, in one life with all memory.
+"fail": also how a life ended in which it alone failed, and one in which all failed from it on: "survived",
+"signal N" or what was wrong; these lives are child processes, for some end in a crash.
 """
 
 import ctypes
@@ -12,22 +13,24 @@ import os
 import sys
 from ctypes import byref, c_char_p, c_double, c_int, c_long, c_size_t, c_uint, c_ulong, c_void_p
 
-from support.fmi2.prototypes import OK, WARNING, Callbacks, array, bind
+from support import prototypes
+from support.fmi2.raw import OK, PROTOTYPES, WARNING, Callbacks, array
 
 ALL_FROM = 1_000_000
+STEPS = 100
 
 
 class Life:
     """A process has one: an instance without callbacks, so that libc's memory is used"""
 
-    def __init__(self, library: str, guid: str, reference: int, method: int):
+    def __init__(self, library: str, guid: str, gap: int, reference: int, method: int):
         self.shim = ctypes.CDLL(None)
         self.shim.failing_malloc_watch.argtypes = [c_void_p, c_long, c_long]
         self.shim.failing_malloc_count.restype = c_long
         self.shim.failing_malloc_living.restype = c_long
         self.shim.failing_malloc_caller.restype = c_ulong
-        self.fmu = bind(library)
-        self.guid, self.reference, self.method = guid.encode(), reference, method
+        self.fmu = prototypes.bind(library, PROTOTYPES)
+        self.guid, self.gap, self.reference, self.method = guid.encode(), gap, reference, method
 
     def again(self, function, *arguments):
         """A call that may be refused for want of memory, and works once there is some"""
@@ -55,12 +58,12 @@ class Life:
         self.again(fmu.fmi2EnterInitializationMode, one)
         self.again(fmu.fmi2ExitInitializationMode, one)
         before = self.shim.failing_malloc_count()
-        for index in range(50):
+        for index in range(STEPS):
             assert fmu.fmi2DoStep(one, index / 64, 1 / 64, 1) == OK
         assert self.shim.failing_malloc_count() == before, "allocated during steps"
         other = self.copy(one)
         for instance in (one, other):
-            assert fmu.fmi2DoStep(instance, 50 / 64, 1 / 64, 1) == OK
+            assert fmu.fmi2DoStep(instance, STEPS / 64, 1 / 64, 1) == OK
         assert self.position(one) == self.position(other), "the copy goes another way"
         self.again(fmu.fmi2Reset, one)
         for instance in (one, other):
@@ -82,7 +85,7 @@ class Life:
 
     def position(self, instance) -> float:
         value = array(c_double, [0.0])
-        assert self.fmu.fmi2GetReal(instance, array(c_uint, [231]), 1, value) == OK  # contact.gap
+        assert self.fmu.fmi2GetReal(instance, array(c_uint, [self.gap]), 1, value) == OK
         return value[0]
 
 
@@ -103,18 +106,16 @@ def ending(life: Life, first: int, last: int) -> str:
 
 
 def main() -> None:
-    life = Life(sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
+    what, library, guid, *numbers = sys.argv[1:]
+    life = Life(library, guid, *map(int, numbers))
     life.run(-1, -1)
     life.run(-1, -1)  # what libc keeps from a first time has been taken
     total = life.shim.failing_malloc_count()
     callers = [life.shim.failing_malloc_caller(index) for index in range(total)]
     for index in range(total):
-        row = {
-            "index": index,
-            "caller": callers[index],
-            "alone": ending(life, index, index),
-            "and all after": ending(life, index, ALL_FROM),
-        }
+        row = {"index": index, "caller": callers[index]}
+        if what == "fail":
+            row |= {"alone": ending(life, index, index), "and all after": ending(life, index, ALL_FROM)}
         print(json.dumps(row), flush=True)
 
 

@@ -8,7 +8,7 @@ Scheduled Execution, dependencies of elements, fmi3EvaluateDiscreteStates), or o
 order.
 """
 
-from support.fmi3.prototypes import ARGUMENTS, TYPES, WITHOUT_INSTANCE
+from support.fmi3.raw import ARGUMENTS, TYPES, WITHOUT_INSTANCE
 
 COMMON = ("instantiated", "initialization", "event")
 AFTER = ("terminated", "error", "fatal")

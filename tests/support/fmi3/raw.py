@@ -1,24 +1,42 @@
-"""FMI 3.0 calls by ctypes, without an importer's kindness: any function, any arguments, statuses as they are.
-
-An Instance records what the FMU told its logger; it never raises for a refused call, `ok` does.
-"""
+"""FMI 3.0 calls by ctypes, without an importer's kindness: any function, any arguments, any status."""
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
 import functools
 import os
+import re
 from collections.abc import Callable, Iterable
-from ctypes import byref, c_bool, c_double, c_int32, c_size_t, c_uint32, c_void_p
+from ctypes import POINTER, byref, c_bool, c_char_p, c_double, c_int, c_int32, c_uint32, c_void_p
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from contact_fmus.fmu.files import repository, unpack
-from support.fmi2.raw_fmu import KINDS, SCENES
-from support.fmi3.prototypes import ERROR, INTERMEDIATE, LOGGER, OK, TYPES, WARNING, bind
+from support import prototypes
+from support.fmi2 import raw as fmi2
+
+KINDS, SCENES = fmi2.KINDS, fmi2.SCENES
+OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
+INTERMEDIATE = ctypes.CFUNCTYPE(
+    None, c_void_p, c_double, c_bool, c_bool, c_bool, c_bool, POINTER(c_bool), POINTER(c_double)
+)
+OTHERS = ("fmi3ClockUpdateCallback", "fmi3LockPreemptionCallback", "fmi3UnlockPreemptionCallback")
+CALLBACKS = {"fmi3LogMessageCallback": LOGGER, "fmi3IntermediateUpdateCallback": INTERMEDIATE}
+PROTOTYPES = prototypes.read(3, CALLBACKS | dict.fromkeys(OTHERS, c_void_p))
+
+_NAMES = [name.removeprefix("fmi3") for name in PROTOTYPES]
+WITHOUT_INSTANCE = [name for name in _NAMES if name.startswith(("GetVersion", "Instantiate"))]
+# Without the instance, which comes first in all but those of WITHOUT_INSTANCE.
+ARGUMENTS = {name: PROTOTYPES[f"fmi3{name}"].arguments[name not in WITHOUT_INSTANCE :] for name in _NAMES}
+# C type of the elements by the name in fmi3Get..., fmi3Set...
+TYPES: dict[str, Any] = {
+    name.removeprefix("Get"): ARGUMENTS[name][2]._type_
+    for name in _NAMES
+    if re.fullmatch(r"Get(Float|U?Int|Boolean|String)\d*", name)
+}
 
 BUILD = Path(os.environ.get("CONTACT_BUILD", repository() / "build")).resolve()
 FMUS = BUILD / "fmus-fmi3"
@@ -48,7 +66,7 @@ class Fmu:
         self.name = self.description.coSimulation.modelIdentifier
         self.token = self.description.instantiationToken
         self.library_file = next(self.folder.glob(f"binaries/*/{self.name}.so"))
-        self.library = bind(self.library_file)
+        self.library = prototypes.bind(self.library_file, PROTOTYPES)
         self.variables = {one.name: _variable(one) for one in self.description.modelVariables}
         self.roles = _roles(self.description)
 
@@ -104,8 +122,10 @@ def reals(values: Iterable[float]) -> Any:
     return (c_double * len(values))(*values)
 
 
-class Instance:
+class Instance(prototypes.AnyInstance):
     """An instance and everything its logger was told"""
+
+    prefix = "fmi3"
 
     def __init__(
         self,
@@ -120,7 +140,7 @@ class Instance:
         exchange: bool = False,
     ):
         self.fmu, self.exchange = fmu, exchange
-        self.messages: list[tuple[int, str, str]] = []  # status, category, text
+        self.messages: list[prototypes.Message] = []
         self.logger = LOGGER(self._log)
         self.update = INTERMEDIATE(functools.partial(self._update, update)) if update else INTERMEDIATE()
         required = list(required)
@@ -135,7 +155,7 @@ class Instance:
         )
 
     def _log(self, _environment, status, category, message) -> None:
-        self.messages.append((status, category.decode(), message.decode()))
+        self.messages.append(prototypes.Message(status, category.decode(), message.decode()))
 
     def _update(self, update, _environment, time, *told) -> None:
         """`update(time, set_requested, get_allowed, finished, can_return)` answers when to return, or None"""
@@ -143,39 +163,6 @@ class Instance:
         answer = update(time, *flags)
         if answer is not None:
             requested[0], when[0] = True, answer
-
-    def __enter__(self) -> Instance:
-        return self
-
-    def __exit__(self, *_exception) -> None:
-        self.free()
-
-    def free(self) -> None:
-        if self.component is not None:
-            self.fmu.library.fmi3FreeInstance(self.component)
-            self.component = None
-
-    def call(self, function: str, *arguments: Any) -> int:
-        """The status of fmi3<function>(instance, ...)"""
-        return getattr(self.fmu.library, f"fmi3{function}")(self.component, *arguments)
-
-    def ok(self, function: str, *arguments: Any) -> None:
-        status = self.call(function, *arguments)
-        assert status <= WARNING, f"fmi3{function}{arguments}: status {status}, {self.texts()}"
-
-    def texts(self) -> list[str]:
-        return [text for _, _, text in self.messages]
-
-    @contextlib.contextmanager
-    def expect(self, status: int, *words: str):
-        """`with instance.expect(DISCARD, "radius") as got: got(status)`: one message, with the words"""
-        del self.messages[:]
-        got: list[int] = []
-        yield got.append
-        assert got == [status], f"status {got}, expected {status}: {self.texts()}"
-        assert [told for told, _, _ in self.messages] == [status], self.messages
-        missing = [word for word in words if word not in self.messages[0][2]]
-        assert not missing, f"{missing} not in '{self.messages[0][2]}'"
 
     # by names
 
@@ -268,15 +255,6 @@ class Instance:
 
     # states
 
-    def save(self) -> bytes:
-        state, size = c_void_p(), c_size_t()
-        self.ok("GetFMUState", byref(state))
-        self.ok("SerializedFMUStateSize", state, byref(size))
-        buffer = ctypes.create_string_buffer(size.value)
-        self.ok("SerializeFMUState", state, buffer, size)
-        self.ok("FreeFMUState", byref(state))
-        return buffer.raw
-
     def restore(self, blob: bytes) -> int:
         state = c_void_p()
         status = self.call("DeserializeFMUState", blob, len(blob), byref(state))
@@ -284,6 +262,3 @@ class Instance:
             self.ok("SetFMUState", state)
             self.ok("FreeFMUState", byref(state))
         return status
-
-
-__all__ = ["BUILD", "ERROR", "FMUS", "KINDS", "OK", "SCENES", "Fmu", "Instance", "Step", "Variable", "load"]

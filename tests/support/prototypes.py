@@ -1,0 +1,122 @@
+"""What calls by ctypes have in common for FMI 2.0 and FMI 3.0: the functions and their types, read from the
+headers of the standard, and an instance that records what its logger was told.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import re
+from ctypes import POINTER, byref, c_char_p, c_int, c_size_t, c_uint, c_void_p
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from support.sources import fmi_headers
+
+OK, WARNING = range(2)
+
+
+class Prototype(NamedTuple):
+    result: Any
+    arguments: list
+
+
+def read(version: int, known: dict[str, Any]) -> dict[str, Prototype]:
+    """By the names of the functions; `known`: callbacks and structures by their names in the header"""
+    platform = {2: "fmi2TypesPlatform.h", 3: "fmi3PlatformTypes.h"}[version]
+    files = [fmi_headers() / name for name in (platform, f"fmi{version}FunctionTypes.h")]
+    text = re.sub(r"/\*.*?\*/", "", "".join(file.read_text() for file in files), flags=re.DOTALL)
+    types = {"char": ctypes.c_char, "size_t": c_size_t, "unsigned int": c_uint} | known
+    for target, name in re.findall(r"typedef\s+([\w ]+?\*?)\s+(fmi\d\w+)\s*;", text):
+        types[name] = _plain(target, types)
+    types |= dict.fromkeys(re.findall(r"typedef enum \{[^}]*\}\s*(\w+);", text), c_int)
+    return {
+        name: Prototype(
+            _plain(result, types) if result != "void" else None,
+            [_argument(one, types) for one in arguments.split(",") if one.strip() != "void"],
+        )
+        for result, name, arguments in re.findall(
+            r"typedef\s+([\w ]+?\*?)\s+(fmi\d\w+)TYPE\s*\(([^)]*)\);", text
+        )
+    }
+
+
+def _plain(target: str, types: dict[str, Any]) -> Any:
+    if target.endswith("*"):
+        return c_char_p if re.search(r"char", target, re.IGNORECASE) else c_void_p
+    return types.get(target) or getattr(ctypes, f"c_{target.removesuffix('_t')}")
+
+
+def _argument(text: str, types: dict[str, Any]) -> Any:
+    base, star, array = re.fullmatch(r"\s*(?:const )?(\w+)\s*(\*?)\s*\w*\s*(\[\])?\s*", text).groups()
+    if not star and not array:
+        return types[base]
+    return c_char_p if base.endswith("Byte") else POINTER(types[base])
+
+
+def bind(library_file: str | Path, prototypes: dict[str, Prototype]) -> ctypes.CDLL:
+    """The library with the prototypes of its functions"""
+    library = ctypes.CDLL(str(library_file))
+    for name, prototype in prototypes.items():
+        function = getattr(library, name)
+        function.restype, function.argtypes = prototype
+    return library
+
+
+class Message(NamedTuple):
+    """One call of the logger"""
+
+    status: int
+    category: str
+    text: str
+
+
+class AnyInstance:
+    """`fmu.library` has its functions, `prefix` begins their names; it never raises for a refused call, `ok`
+    does. `messages` have a status and a text.
+    """
+
+    prefix = "fmi"
+    state = "FMUState"  # how the version writes it
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_exception) -> None:
+        self.free()
+
+    def free(self) -> None:
+        if self.component is not None:
+            getattr(self.fmu.library, f"{self.prefix}FreeInstance")(self.component)
+            self.component = None
+
+    def call(self, function: str, *arguments: Any) -> int:
+        """The status of fmi<version><function>(instance, ...)"""
+        return getattr(self.fmu.library, f"{self.prefix}{function}")(self.component, *arguments)
+
+    def ok(self, function: str, *arguments: Any) -> None:
+        status = self.call(function, *arguments)
+        assert status <= WARNING, f"{self.prefix}{function}{arguments}: status {status}, {self.texts()}"
+
+    def texts(self) -> list[str]:
+        return [message.text for message in self.messages]
+
+    @contextlib.contextmanager
+    def expect(self, status: int, *words: str):
+        """`with instance.expect(DISCARD, "radius") as got: got(status)`: one message, with the words"""
+        del self.messages[:]
+        got: list[int] = []
+        yield got.append
+        assert got == [status], f"status {got}, expected {status}: {self.texts()}"
+        assert [message.status for message in self.messages] == [status], self.messages
+        missing = [word for word in words if word not in self.messages[0].text]
+        assert not missing, f"{missing} not in '{self.messages[0].text}'"
+
+    def save(self) -> bytes:
+        state, size = c_void_p(), c_size_t()
+        self.ok(f"Get{self.state}", byref(state))
+        self.ok(f"Serialized{self.state}Size", state, byref(size))
+        buffer = ctypes.create_string_buffer(size.value)
+        self.ok(f"Serialize{self.state}", state, buffer, size)
+        self.ok(f"Free{self.state}", byref(state))
+        return buffer.raw
