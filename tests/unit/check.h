@@ -1,6 +1,7 @@
 /*
- * Claims of the C unit tests. A failed claim is printed with its values and the test goes on; check_summary
- * says how many held and is what main returns.
+ * Claims of the C unit tests. A failed claim is printed with its values and the test goes on; in the end it is
+ * said how many held. A program consists of functions TEST(what_it_claims), which run in their order; one that
+ * runs them several times has its own main (CHECK_OWN_MAIN).
  */
 #ifndef CHECK_H
 #define CHECK_H
@@ -52,9 +53,9 @@ static inline void check_close(const char *name, long double got, long double ex
     }
 }
 
-static inline int check_summary(const char *program)
+static inline int check_summary(void)
 {
-    printf("%s: %ld claims, %ld failed\n", program, check_state.claims, check_state.failures);
+    printf("%s: %ld claims, %ld failed\n", __BASE_FILE__, check_state.claims, check_state.failures);
     return check_state.failures == 0 && check_state.claims > 0 ? 0 : 1;
 }
 
@@ -65,7 +66,38 @@ static inline int check_summary(const char *program)
 #define CHECK_CLOSE(name, got, expected, tolerance)                                                          \
     check_close((name), (got), (expected), (tolerance), __FILE__, __LINE__)
 
-/* Runs a test, a function without arguments whose name is what it claims. */
-#define CHECK_TEST(function) (check_state.test = #function, (function)())
+enum { CHECK_MOST_TESTS = 32 };
+
+static struct {
+    const char *name;
+    void (*run)(void);
+} check_tests[CHECK_MOST_TESTS];
+static int check_test_count;
+
+/* A test, known to main before it begins. */
+#define TEST(claim)                                                                                          \
+    static void claim(void);                                                                                 \
+    __attribute__((constructor)) static void check_know_##claim(void)                                        \
+    {                                                                                                        \
+        check_tests[check_test_count].name = #claim;                                                         \
+        check_tests[check_test_count++].run = claim;                                                         \
+    }                                                                                                        \
+    static void claim(void)
+
+static inline void check_run(void)
+{
+    for (int i = 0; i < check_test_count; ++i) {
+        check_state.test = check_tests[i].name;
+        check_tests[i].run();
+    }
+}
+
+#ifndef CHECK_OWN_MAIN
+int main(void)
+{
+    check_run();
+    return check_summary();
+}
+#endif
 
 #endif

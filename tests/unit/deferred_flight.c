@@ -91,7 +91,7 @@ static void check_same(const struct scene_values *a, const struct scene_values *
     }
 }
 
-static void every_variable_is_the_same_however_a_flight_is_followed(void)
+TEST(every_variable_is_the_same_however_a_flight_is_followed)
 {
     struct random r = {29};
     long deferred = 0;
@@ -119,7 +119,7 @@ static void every_variable_is_the_same_however_a_flight_is_followed(void)
 
 /* Thrown up from 0.4 m above a cylinder with 3 m/s the source is back after 0.73 s: in steps of 1 ms only the
  * first asks when. */
-static void a_flight_that_cannot_touch_is_deferred_throughout(void)
+TEST(a_flight_that_cannot_touch_is_deferred_throughout)
 {
     for (int ends = ENDS_OPEN; ends <= ENDS_CAPPED; ++ends) {
         const struct model_host host = {.allocate = scene_allocate, .release = free};
@@ -141,7 +141,7 @@ static void a_flight_that_cannot_touch_is_deferred_throughout(void)
     }
 }
 
-static void a_saved_deferred_flight_goes_on_with_the_same_bits(void)
+TEST(a_saved_deferred_flight_goes_on_with_the_same_bits)
 {
     struct random r = {31};
     unsigned char *bytes = malloc(model_state_size());
@@ -160,7 +160,7 @@ static void a_saved_deferred_flight_goes_on_with_the_same_bits(void)
     free(bytes);
 }
 
-static void a_refused_step_leaves_a_deferred_flight_where_it_is(void)
+TEST(a_refused_step_leaves_a_deferred_flight_where_it_is)
 {
     struct random r = {37};
     int deferred = 0;
@@ -192,7 +192,7 @@ static void a_refused_step_leaves_a_deferred_flight_where_it_is(void)
 
 /* At the axis of a hollow cylinder n is that of the communication point before, which a deferred flight would
  * not know: here the source comes there at 7/16 s along x = (7/16 - t) / 2, y = (7/16 - t)^2. */
-static void the_last_direction_is_that_of_the_step_before_the_axis(void)
+TEST(the_last_direction_is_that_of_the_step_before_the_axis)
 {
     const struct model_host host = {.allocate = scene_allocate, .release = free};
     struct model *m = model_create(&host);
@@ -212,14 +212,4 @@ static void the_last_direction_is_that_of_the_step_before_the_axis(void)
     CHECK_CLOSE("direction x", scene_read(m, named("contact.direction[1]")), 8.0L / sqrtl(65.0L), 1e-15);
     CHECK_CLOSE("direction y", scene_read(m, named("contact.direction[2]")), 1.0L / sqrtl(65.0L), 1e-15);
     model_destroy(m);
-}
-
-int main(void)
-{
-    CHECK_TEST(every_variable_is_the_same_however_a_flight_is_followed);
-    CHECK_TEST(a_flight_that_cannot_touch_is_deferred_throughout);
-    CHECK_TEST(a_saved_deferred_flight_goes_on_with_the_same_bits);
-    CHECK_TEST(a_refused_step_leaves_a_deferred_flight_where_it_is);
-    CHECK_TEST(the_last_direction_is_that_of_the_step_before_the_axis);
-    return check_summary("deferred_flight");
 }

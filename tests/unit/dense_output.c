@@ -97,7 +97,7 @@ static double expected_fall(const struct watched_wave *wave, const struct dense_
     return s <= w->s[w->count - 1] ? s : (double)INFINITY;
 }
 
-static void the_first_fall_of_a_wave_is_found(void)
+TEST(the_first_fall_of_a_wave_is_found)
 {
     struct random r = {1};
     int fallen = 0, begun = 0, none = 0;
@@ -125,7 +125,7 @@ static double expected_largest(const struct watched_wave *wave, const struct den
     return wave->size * (highest + wave->level);
 }
 
-static void the_largest_value_of_a_wave_is_found_up_to_any_end(void)
+TEST(the_largest_value_of_a_wave_is_found_up_to_any_end)
 {
     struct random r = {2};
     for (int k = 0; k < 20000; ++k) {
@@ -170,7 +170,7 @@ static double fall_of(const struct parabola *p)
 }
 
 /* Down and up again between two places, which see it by the slope alone. */
-static void a_dip_between_two_places_is_seen_if_it_reaches_zero(void)
+TEST(a_dip_between_two_places_is_seen_if_it_reaches_zero)
 {
     for (int k = 1; k <= 12; ++k) {
         const double depth = pow(10.0, -k);
@@ -184,7 +184,7 @@ static void a_dip_between_two_places_is_seen_if_it_reaches_zero(void)
     }
 }
 
-static void a_hump_between_two_places_is_seen_if_it_rises_above_zero(void)
+TEST(a_hump_between_two_places_is_seen_if_it_rises_above_zero)
 {
     for (int k = 1; k <= 12; ++k) {
         const double height = pow(10.0, -k);
@@ -198,7 +198,7 @@ static void a_hump_between_two_places_is_seen_if_it_rises_above_zero(void)
 }
 
 /* A contact begins at a gap of zero: it rises from there, or falls at once. */
-static void what_begins_at_zero_falls_at_once_or_after_its_hump(void)
+TEST(what_begins_at_zero_falls_at_once_or_after_its_hump)
 {
     const struct parabola rising = {0.75, -1.0, 0.5625};   /* s (1.5 - s) */
     const struct parabola sinking = {-0.75, -1.0, 0.5625}; /* -s (1.5 + s) */
@@ -206,21 +206,10 @@ static void what_begins_at_zero_falls_at_once_or_after_its_hump(void)
     CHECK(fall_of(&sinking) == 0.0);
 }
 
-static void a_fall_just_at_the_last_sample_belongs_to_the_segment(void)
+TEST(a_fall_just_at_the_last_sample_belongs_to_the_segment)
 {
     const struct parabola at_end = {0.0, -1.0, 4.0};
     const struct parabola later = {0.0, -1.0, 4.0 + 1e-12};
     CHECK_CLOSE("fall", fall_of(&at_end), 2.0L, 2.0L * DBL_EPSILON);
     CHECK(fall_of(&later) == (double)INFINITY);
-}
-
-int main(void)
-{
-    CHECK_TEST(the_first_fall_of_a_wave_is_found);
-    CHECK_TEST(the_largest_value_of_a_wave_is_found_up_to_any_end);
-    CHECK_TEST(a_dip_between_two_places_is_seen_if_it_reaches_zero);
-    CHECK_TEST(a_hump_between_two_places_is_seen_if_it_rises_above_zero);
-    CHECK_TEST(what_begins_at_zero_falls_at_once_or_after_its_hump);
-    CHECK_TEST(a_fall_just_at_the_last_sample_belongs_to_the_segment);
-    return check_summary("watch");
 }

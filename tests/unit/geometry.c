@@ -21,7 +21,7 @@ static struct contact_shape random_shape(struct random *r, double scale)
     return shape;
 }
 
-static void sums_products_and_components(void)
+TEST(sums_products_and_components)
 {
     struct random r = {1};
     for (int i = 0; i < CONFIGURATIONS; ++i) {
@@ -42,7 +42,7 @@ static void sums_products_and_components(void)
     }
 }
 
-static void the_norm_neither_overflows_nor_underflows(void)
+TEST(the_norm_neither_overflows_nor_underflows)
 {
     struct random r = {2};
     for (int i = 0; i < CONFIGURATIONS; ++i) {
@@ -59,7 +59,7 @@ static void the_norm_neither_overflows_nor_underflows(void)
 
 /* d - r_s - r_d and r_d - d - r_s without a rounding: what is subtracted is within a factor of two
  * (Sterbenz). */
-static void the_gap_of_bodies_that_almost_touch_has_no_rounding(void)
+TEST(the_gap_of_bodies_that_almost_touch_has_no_rounding)
 {
     struct random r = {4};
     for (int i = 0; i < CONFIGURATIONS; ++i) {
@@ -78,7 +78,7 @@ static void the_gap_of_bodies_that_almost_touch_has_no_rounding(void)
     }
 }
 
-static void the_normal_is_perpendicular_to_a_cylinders_axis(void)
+TEST(the_normal_is_perpendicular_to_a_cylinders_axis)
 {
     struct random r = {5};
     for (int i = 0; i < CONFIGURATIONS; ++i) {
@@ -102,7 +102,7 @@ static void the_normal_is_perpendicular_to_a_cylinders_axis(void)
 
 /* Where c is along the axis to rounding, what the projection leaves points anywhere; a normal made of it must
  * not push along the axis. */
-static void near_the_axis_the_normal_still_lies_across(void)
+TEST(near_the_axis_the_normal_still_lies_across)
 {
     struct random r = {11};
     int on_the_axis = 0;
@@ -122,7 +122,7 @@ static void near_the_axis_the_normal_still_lies_across(void)
     CHECK(on_the_axis > 0 && on_the_axis < CONFIGURATIONS / 2);
 }
 
-static void on_the_axis_or_at_the_centre_the_fallback_is_the_normal(void)
+TEST(on_the_axis_or_at_the_centre_the_fallback_is_the_normal)
 {
     const enum shape shapes[] = {SHAPE_SPHERE, SHAPE_CYLINDER};
     for (int i = 0; i < 4; ++i) {
@@ -142,7 +142,7 @@ static void on_the_axis_or_at_the_centre_the_fallback_is_the_normal(void)
     }
 }
 
-static void the_default_normal_is_the_documented_one(void)
+TEST(the_default_normal_is_the_documented_one)
 {
     struct contact_shape shape = {.destination = SHAPE_SPHERE, .side = 1};
     const struct vec3 down = contact_default_normal(&shape);
@@ -161,16 +161,4 @@ static void the_default_normal_is_the_documented_one(void)
         const double lowest = fmin(n.x, fmin(n.y, n.z));
         CHECK_CLOSE("along the axis least aligned", lowest, -sqrt(1.0 - least * least), 8.0 * DBL_EPSILON);
     }
-}
-
-int main(void)
-{
-    CHECK_TEST(sums_products_and_components);
-    CHECK_TEST(the_norm_neither_overflows_nor_underflows);
-    CHECK_TEST(the_gap_of_bodies_that_almost_touch_has_no_rounding);
-    CHECK_TEST(the_normal_is_perpendicular_to_a_cylinders_axis);
-    CHECK_TEST(near_the_axis_the_normal_still_lies_across);
-    CHECK_TEST(on_the_axis_or_at_the_centre_the_fallback_is_the_normal);
-    CHECK_TEST(the_default_normal_is_the_documented_one);
-    return check_summary("geometry");
 }

@@ -3,6 +3,7 @@
 
 #include <float.h>
 
+#define CHECK_OWN_MAIN
 #include "check.h"
 #include "random.h"
 
@@ -28,7 +29,7 @@ static double integral(int j, int i)
     return table->integral[j * table->points + i];
 }
 
-static void the_nodes_are_ascending_and_symmetric(void)
+TEST(the_nodes_are_ascending_and_symmetric)
 {
     CHECK(table->node[0] == -1.0 && table->node[table->points - 1] == 1.0);
     for (int i = 0; i < table->points; ++i) {
@@ -37,7 +38,7 @@ static void the_nodes_are_ascending_and_symmetric(void)
     }
 }
 
-static void a_basis_polynomial_is_one_at_its_node_and_zero_at_the_others(void)
+TEST(a_basis_polynomial_is_one_at_its_node_and_zero_at_the_others)
 {
     for (int j = 0; j < table->points; ++j) {
         for (int i = 0; i < table->points; ++i) {
@@ -51,7 +52,7 @@ static void a_basis_polynomial_is_one_at_its_node_and_zero_at_the_others(void)
 }
 
 /* sigma^k from -1 to each node, up to the degree that the values determine. */
-static void integrals_to_each_node_are_exact_as_far_as_the_values_determine_them(void)
+TEST(integrals_to_each_node_are_exact_as_far_as_the_values_determine_them)
 {
     for (int k = 0; k < table->points; ++k) {
         for (int i = 0; i < table->points; ++i) {
@@ -65,7 +66,7 @@ static void integrals_to_each_node_are_exact_as_far_as_the_values_determine_them
     }
 }
 
-static void integrals_over_the_whole_are_exact_to_twice_the_degree_and_no_further(void)
+TEST(integrals_over_the_whole_are_exact_to_twice_the_degree_and_no_further)
 {
     for (int k = 0; k <= 2 * table->points - 2; ++k) {
         long double sum = 0.0L;
@@ -111,7 +112,7 @@ static long double integral_to(const double *a, long double s)
     return sum;
 }
 
-static void a_polynomial_is_evaluated_with_its_derivatives(void)
+TEST(a_polynomial_is_evaluated_with_its_derivatives)
 {
     struct random r = {1};
     for (int n = 0; n < 500; ++n) {
@@ -134,7 +135,7 @@ static void a_polynomial_is_evaluated_with_its_derivatives(void)
     }
 }
 
-static void values_and_coefficients_are_two_forms_of_one_polynomial(void)
+TEST(values_and_coefficients_are_two_forms_of_one_polynomial)
 {
     struct random r = {2};
     for (int n = 0; n < 500; ++n) {
@@ -152,7 +153,7 @@ static void values_and_coefficients_are_two_forms_of_one_polynomial(void)
     }
 }
 
-static void a_large_constant_costs_a_small_change_no_digits(void)
+TEST(a_large_constant_costs_a_small_change_no_digits)
 {
     double values[MOST];
     double a[MOST];
@@ -168,7 +169,7 @@ static void a_large_constant_costs_a_small_change_no_digits(void)
 }
 
 /* The sums start from elsewhere, to see what changed most. */
-static void rates_at_the_nodes_are_integrated(void)
+TEST(rates_at_the_nodes_are_integrated)
 {
     struct random r = {3};
     for (int n = 0; n < 500; ++n) {
@@ -192,7 +193,7 @@ static void rates_at_the_nodes_are_integrated(void)
     }
 }
 
-static void at_the_end_the_integral_is_the_sum_itself(void)
+TEST(at_the_end_the_integral_is_the_sum_itself)
 {
     const double rate[MOST] = {5.0};
     double sum[MOST] = {0.0};
@@ -200,7 +201,7 @@ static void at_the_end_the_integral_is_the_sum_itself(void)
     CHECK(nodal_integral_to(table, sum, rate, 2.0) == 3.0);
 }
 
-static void a_vector_is_put_at_its_node(void)
+TEST(a_vector_is_put_at_its_node)
 {
     struct nodal_vec3 row = {{0.0}, {0.0}, {0.0}};
     nodal_put_vec3(&row, 2, vec3_make(5.0, 6.0, 7.0));
@@ -208,7 +209,7 @@ static void a_vector_is_put_at_its_node(void)
 }
 
 /* T_k at the nodes: the tail is what of the last two there is, nothing of the lower ones. */
-static void the_tail_is_that_of_chebyshev_polynomials(void)
+TEST(the_tail_is_that_of_chebyshev_polynomials)
 {
     for (int k = 0; k < table->points; ++k) {
         double values[MOST];
@@ -230,17 +231,7 @@ int main(void)
 {
     for (int size = 0; size < LOBATTO_SIZES; ++size) {
         table = &lobatto[size];
-        CHECK_TEST(the_nodes_are_ascending_and_symmetric);
-        CHECK_TEST(a_basis_polynomial_is_one_at_its_node_and_zero_at_the_others);
-        CHECK_TEST(integrals_to_each_node_are_exact_as_far_as_the_values_determine_them);
-        CHECK_TEST(integrals_over_the_whole_are_exact_to_twice_the_degree_and_no_further);
-        CHECK_TEST(a_polynomial_is_evaluated_with_its_derivatives);
-        CHECK_TEST(values_and_coefficients_are_two_forms_of_one_polynomial);
-        CHECK_TEST(a_large_constant_costs_a_small_change_no_digits);
-        CHECK_TEST(rates_at_the_nodes_are_integrated);
-        CHECK_TEST(at_the_end_the_integral_is_the_sum_itself);
-        CHECK_TEST(a_vector_is_put_at_its_node);
-        CHECK_TEST(the_tail_is_that_of_chebyshev_polynomials);
+        check_run();
     }
-    return check_summary("lobatto");
+    return check_summary();
 }

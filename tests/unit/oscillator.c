@@ -61,7 +61,7 @@ static void check_basis(const struct oscillator *o, double z)
     }
 }
 
-static void the_basis_is_the_closed_form(void)
+TEST(the_basis_is_the_closed_form)
 {
     struct random r = {1};
     for (int k = 0; k < 20000; ++k) {
@@ -72,7 +72,7 @@ static void the_basis_is_the_closed_form(void)
     }
 }
 
-static void the_basis_is_the_closed_form_about_critical_damping(void)
+TEST(the_basis_is_the_closed_form_about_critical_damping)
 {
     struct random r = {2};
     for (int k = 0; k < 5000; ++k) {
@@ -83,7 +83,7 @@ static void the_basis_is_the_closed_form_about_critical_damping(void)
     }
 }
 
-static void without_a_spring_the_basis_is_that_of_the_dashpot_alone(void)
+TEST(without_a_spring_the_basis_is_that_of_the_dashpot_alone)
 {
     struct random r = {3};
     for (int k = 0; k < 1000; ++k) {
@@ -98,7 +98,7 @@ static void without_a_spring_the_basis_is_that_of_the_dashpot_alone(void)
     }
 }
 
-static void the_basis_starts_as_it_says(void)
+TEST(the_basis_starts_as_it_says)
 {
     for (int k = 0; k < 4; ++k) {
         const struct oscillator o = {4.0, 2.0 * k};
@@ -109,7 +109,7 @@ static void the_basis_starts_as_it_says(void)
 }
 
 /* Two decays multiply to the omega2 and add to the damping_rate; a turning one has one rate. */
-static void the_rates_are_the_roots(void)
+TEST(the_rates_are_the_roots)
 {
     struct random r = {4};
     for (int k = 0; k < 5000; ++k) {
@@ -133,7 +133,7 @@ static void the_rates_are_the_roots(void)
 enum { TERMS = 12 };
 
 /* s'' + damping_rate s' + omega2 s = load, coefficient by coefficient, to roundings of what is added. */
-static void what_follows_the_load_solves_the_equation(void)
+TEST(what_follows_the_load_solves_the_equation)
 {
     struct random r = {5};
     for (int k = 0; k < 2000; ++k) {
@@ -157,7 +157,7 @@ static void what_follows_the_load_solves_the_equation(void)
     }
 }
 
-static void what_relaxes_to_the_load_solves_the_equation(void)
+TEST(what_relaxes_to_the_load_solves_the_equation)
 {
     struct random r = {6};
     for (int k = 0; k < 2000; ++k) {
@@ -194,7 +194,7 @@ static long double largest_part(const struct oscillator *o, double y, double rat
 }
 
 /* Tight: reached by one that turns, at most four times the need where the parts cancel. */
-static void the_envelope_bounds_the_oscillation_tightly(void)
+TEST(the_envelope_bounds_the_oscillation_tightly)
 {
     struct random r = {7};
     for (int k = 0; k < 600; ++k) {
@@ -216,7 +216,7 @@ static void the_envelope_bounds_the_oscillation_tightly(void)
 
 /* Under a load that alone would take it to load / omega2, 1e6 times as far as it is: what it moves does not
  * lack digits of that. */
-static void what_has_hardly_begun_keeps_its_digits(void)
+TEST(what_has_hardly_begun_keeps_its_digits)
 {
     struct random r = {29};
     for (int k = 0; k < 20000; ++k) {
@@ -247,18 +247,4 @@ static void what_has_hardly_begun_keeps_its_digits(void)
         CHECK_CLOSE("moved", begun.x, moved, 4.0L * DBL_EPSILON * z * (fabs(x_rate) + z * speeds_up));
         CHECK_CLOSE("rate", begun.x_rate, gained, 8.0L * DBL_EPSILON * z * speeds_up);
     }
-}
-
-int main(void)
-{
-    CHECK_TEST(the_basis_is_the_closed_form);
-    CHECK_TEST(the_basis_is_the_closed_form_about_critical_damping);
-    CHECK_TEST(without_a_spring_the_basis_is_that_of_the_dashpot_alone);
-    CHECK_TEST(the_basis_starts_as_it_says);
-    CHECK_TEST(the_rates_are_the_roots);
-    CHECK_TEST(what_follows_the_load_solves_the_equation);
-    CHECK_TEST(what_relaxes_to_the_load_solves_the_equation);
-    CHECK_TEST(the_envelope_bounds_the_oscillation_tightly);
-    CHECK_TEST(what_has_hardly_begun_keeps_its_digits);
-    return check_summary("oscillator");
 }

@@ -81,7 +81,7 @@ static void check_factors(const struct factors *f)
     check_roots(&p, inside, count);
 }
 
-static void every_root_of_a_random_product_is_found(void)
+TEST(every_root_of_a_random_product_is_found)
 {
     struct random r = {41};
     int tried = 0;
@@ -96,7 +96,7 @@ static void every_root_of_a_random_product_is_found(void)
     CHECK(tried > 30000);
 }
 
-static void close_roots_are_told_apart(void)
+TEST(close_roots_are_told_apart)
 {
     for (double apart = 1e-1; apart > 1e-7; apart /= 10.0) {
         const struct factors pair = {.roots = {0.4, 0.4 + apart, 2.0},
@@ -115,7 +115,7 @@ static void close_roots_are_told_apart(void)
     }
 }
 
-static void roots_near_zero_keep_their_relative_accuracy(void)
+TEST(roots_near_zero_keep_their_relative_accuracy)
 {
     for (double root = 1e-3; root > 1e-100; root /= 1e3) {
         const struct factors near_zero = {.roots = {0.5, root, 3.0 * root},
@@ -133,7 +133,7 @@ static void roots_near_zero_keep_their_relative_accuracy(void)
 }
 
 /* Powers of two, so that the coefficients, and the roots of the derivatives, are exact. */
-static void touching_roots_are_not_reported(void)
+TEST(touching_roots_are_not_reported)
 {
     const struct polynomial touch = {{0.25, -1.0, 1.0}, 2};
     check_roots(&touch, 0, 0);
@@ -155,7 +155,7 @@ static void touching_roots_are_not_reported(void)
 
 /* Rounding may make three roots of a triple one, and zeros of the derivative's double one; the sign changes
  * all the same. */
-static void a_triple_root_anywhere_is_found_an_odd_number_of_times(void)
+TEST(a_triple_root_anywhere_is_found_an_odd_number_of_times)
 {
     struct random r = {43};
     for (int i = 0; i < 20000; ++i) {
@@ -171,7 +171,7 @@ static void a_triple_root_anywhere_is_found_an_odd_number_of_times(void)
     }
 }
 
-static void the_ends_of_the_interval_are_not_inside(void)
+TEST(the_ends_of_the_interval_are_not_inside)
 {
     const double half = 0.5;
     const struct polynomial at_zero = {{0.0, -0.5, 1.0}, 2};
@@ -182,7 +182,7 @@ static void the_ends_of_the_interval_are_not_inside(void)
     check_roots(&at_both, 0, 0);
 }
 
-static void constants_have_no_roots_and_zero_leading_coefficients_are_no_degree(void)
+TEST(constants_have_no_roots_and_zero_leading_coefficients_are_no_degree)
 {
     for (int degree = 0; degree <= POLYNOMIAL_MAX_DEGREE; ++degree) {
         struct polynomial p = {{0.0}, degree};
@@ -199,7 +199,7 @@ static void constants_have_no_roots_and_zero_leading_coefficients_are_no_degree(
 
 /* Chebyshev's polynomial of degree 16 moved to [0, 1]: integer coefficients below 2^53, sixteen roots, all
  * inside. */
-static void all_sixteen_roots_of_degree_sixteen_are_found(void)
+TEST(all_sixteen_roots_of_degree_sixteen_are_found)
 {
     struct polynomial before = {{1.0}, 0};
     struct polynomial p = {{-1.0, 2.0}, 1};
@@ -219,7 +219,7 @@ static void all_sixteen_roots_of_degree_sixteen_are_found(void)
     check_roots(&p, expected, POLYNOMIAL_MAX_DEGREE);
 }
 
-static void products_sums_and_derivatives_evaluate_to_those_of_the_values(void)
+TEST(products_sums_and_derivatives_evaluate_to_those_of_the_values)
 {
     struct random r = {42};
     for (int n = 0; n < 10000; ++n) {
@@ -244,18 +244,4 @@ static void products_sums_and_derivatives_evaluate_to_those_of_the_values(void)
         CHECK_CLOSE("a b", polynomial_at(&product, s), at_a * at_b, 4096.0 * DBL_EPSILON);
         CHECK_CLOSE("a'", polynomial_at(&slope, s), (near - far) / (12.0L * h), 1e-11);
     }
-}
-
-int main(void)
-{
-    CHECK_TEST(every_root_of_a_random_product_is_found);
-    CHECK_TEST(close_roots_are_told_apart);
-    CHECK_TEST(roots_near_zero_keep_their_relative_accuracy);
-    CHECK_TEST(touching_roots_are_not_reported);
-    CHECK_TEST(a_triple_root_anywhere_is_found_an_odd_number_of_times);
-    CHECK_TEST(the_ends_of_the_interval_are_not_inside);
-    CHECK_TEST(constants_have_no_roots_and_zero_leading_coefficients_are_no_degree);
-    CHECK_TEST(all_sixteen_roots_of_degree_sixteen_are_found);
-    CHECK_TEST(products_sums_and_derivatives_evaluate_to_those_of_the_values);
-    return check_summary("polynomial");
 }

@@ -48,7 +48,7 @@ static struct long_vec3 long_of(struct vec3 a)
     return (struct long_vec3){a.x, a.y, a.z};
 }
 
-static void a_rotation_vector_turns_as_rodrigues_says(void)
+TEST(a_rotation_vector_turns_as_rodrigues_says)
 {
     struct random r = {1};
     for (int i = 0; i < CASES; ++i) {
@@ -64,7 +64,7 @@ static void a_rotation_vector_turns_as_rodrigues_says(void)
     CHECK(none.w == 1.0 && none.x == 0.0 && none.y == 0.0 && none.z == 0.0);
 }
 
-static void a_product_turns_by_the_second_first(void)
+TEST(a_product_turns_by_the_second_first)
 {
     struct random r = {2};
     for (int i = 0; i < CASES; ++i) {
@@ -78,7 +78,7 @@ static void a_product_turns_by_the_second_first(void)
     }
 }
 
-static void the_rate_is_that_of_the_turned_vector(void)
+TEST(the_rate_is_that_of_the_turned_vector)
 {
     struct random r = {3};
     for (int i = 0; i < CASES; ++i) {
@@ -93,7 +93,7 @@ static void the_rate_is_that_of_the_turned_vector(void)
     }
 }
 
-static void any_length_but_zero_is_made_unit(void)
+TEST(any_length_but_zero_is_made_unit)
 {
     struct random r = {4};
     for (int i = 0; i < CASES; ++i) {
@@ -117,7 +117,7 @@ static void check_smallest(struct vec3 a, struct vec3 b)
     CHECK_CLOSE("across a", vec3_dot(quaternion_vector(q), a), 0.0L, 8.0L * DBL_EPSILON);
 }
 
-static void the_smallest_rotation_takes_one_vector_to_the_other(void)
+TEST(the_smallest_rotation_takes_one_vector_to_the_other)
 {
     struct random r = {5};
     for (int i = 0; i < CASES; ++i) {
@@ -131,7 +131,7 @@ static void the_smallest_rotation_takes_one_vector_to_the_other(void)
     }
 }
 
-static void antiparallel_vectors_turn_about_x(void)
+TEST(antiparallel_vectors_turn_about_x)
 {
     const struct vec3 up = {0.0, 0.0, 1.0};
     const struct quaternion q = quaternion_between(up, vec3_make(0.0, 0.0, -1.0));
@@ -139,15 +139,4 @@ static void antiparallel_vectors_turn_about_x(void)
     const struct quaternion none = quaternion_between(up, up);
     CHECK(none.w == 1.0 && none.x == 0.0 && none.y == 0.0 && none.z == 0.0);
     check_smallest(vec3_make(1.0, 0.0, 0.0), vec3_make(-1.0, 0.0, 0.0));
-}
-
-int main(void)
-{
-    CHECK_TEST(a_rotation_vector_turns_as_rodrigues_says);
-    CHECK_TEST(a_product_turns_by_the_second_first);
-    CHECK_TEST(the_rate_is_that_of_the_turned_vector);
-    CHECK_TEST(any_length_but_zero_is_made_unit);
-    CHECK_TEST(the_smallest_rotation_takes_one_vector_to_the_other);
-    CHECK_TEST(antiparallel_vectors_turn_about_x);
-    return check_summary("quaternion");
 }

@@ -60,7 +60,7 @@ static void *begin(struct radau_step *p, const double *damping)
     return memory;
 }
 
-static void an_oscillation_is_right_at_the_end_and_within(void)
+TEST(an_oscillation_is_right_at_the_end_and_within)
 {
     static const struct {
         const struct radau_stages *stages;
@@ -96,7 +96,7 @@ static void an_oscillation_is_right_at_the_end_and_within(void)
 }
 
 /* Rates 1e8 and 1e-8: in a step of 100 seconds x follows v = -x / damping, whatever v was. */
-static void what_is_too_fast_is_damped_away(void)
+TEST(what_is_too_fast_is_damped_away)
 {
     const double damping = 1e8;
     struct radau_step p;
@@ -111,7 +111,7 @@ static void what_is_too_fast_is_damped_away(void)
 }
 
 /* Millions of radians in one step are no solution, whatever its sweeps end with. */
-static void a_quaternion_that_turns_too_far_has_no_small_error(void)
+TEST(a_quaternion_that_turns_too_far_has_no_small_error)
 {
     const double y[SIZE] = {[SPEED] = 2e7, [TURN] = 1.0};
     const double damping = 0.0;
@@ -206,7 +206,7 @@ static void solve_tipping(int forces, double damping, double length, double y[CO
 
 /* With a force as the unknown as with all states; a = x + x^2 / 2 always. Where it is stiff x moves by
  * v / damping and creeps back, x' = -6 x / damping. */
-static void forces_as_unknowns_give_the_same_step(void)
+TEST(forces_as_unknowns_give_the_same_step)
 {
     static const double dampings[3] = {0.0, 10.0, 1e8};
     for (int k = 0; k < 3; ++k) {
@@ -226,7 +226,7 @@ static void forces_as_unknowns_give_the_same_step(void)
 }
 
 /* A cubic by its Bernstein coefficients. */
-static void a_fall_is_the_first_change_from_above_to_below(void)
+TEST(a_fall_is_the_first_change_from_above_to_below)
 {
     /* (0.2 - s)(0.7 - s)(0.9 - s): falls at 0.2, rises at 0.7, falls at 0.9 */
     const double monomial[4] = {0.126, -0.95, 1.8, -1.0};
@@ -256,7 +256,7 @@ static void a_fall_is_the_first_change_from_above_to_below(void)
 
 /* The first secant of a straight line rounds to its root, on either side; the bracket is closed all the
  * same. */
-static void a_straight_line_falls_where_it_does(void)
+TEST(a_straight_line_falls_where_it_does)
 {
     for (int k = 1; k < 1000; ++k) {
         const double root = k / 1000.0;
@@ -270,7 +270,7 @@ static void a_straight_line_falls_where_it_does(void)
 }
 
 /* (1 - 2 s)^2 = 1 - 4 s + 4 s^2 between a quarter and a half is (1 - u)^2 / 4, at u of that part. */
-static void coefficients_between_two_places_are_those_of_the_same_polynomial(void)
+TEST(coefficients_between_two_places_are_those_of_the_same_polynomial)
 {
     double of[3] = {1.0, -1.0, 1.0};
     bernstein_restrict(of, 3, 0.25, 0.5);
@@ -280,16 +280,4 @@ static void coefficients_between_two_places_are_those_of_the_same_polynomial(voi
     double whole[3] = {1.0, -1.0, 1.0};
     bernstein_restrict(whole, 3, 0.0, 1.0);
     CHECK(whole[0] == 1.0 && whole[1] == -1.0 && whole[2] == 1.0);
-}
-
-int main(void)
-{
-    CHECK_TEST(an_oscillation_is_right_at_the_end_and_within);
-    CHECK_TEST(what_is_too_fast_is_damped_away);
-    CHECK_TEST(forces_as_unknowns_give_the_same_step);
-    CHECK_TEST(a_quaternion_that_turns_too_far_has_no_small_error);
-    CHECK_TEST(a_fall_is_the_first_change_from_above_to_below);
-    CHECK_TEST(a_straight_line_falls_where_it_does);
-    CHECK_TEST(coefficients_between_two_places_are_those_of_the_same_polynomial);
-    return check_summary("radau_step");
 }

@@ -146,7 +146,7 @@ static int check_by_sampling(const struct model *m, double horizon)
     return at.doubtful ? 0 : 1;
 }
 
-static void no_change_is_missed_and_none_is_invented(void)
+TEST(no_change_is_missed_and_none_is_invented)
 {
     struct random r = {81};
     int changes = 0;
@@ -160,10 +160,4 @@ static void no_change_is_missed_and_none_is_invented(void)
         }
     }
     CHECK(changes > 1000);
-}
-
-int main(void)
-{
-    CHECK_TEST(no_change_is_missed_and_none_is_invented);
-    return check_summary("regime_change_sampled");
 }

@@ -242,7 +242,7 @@ static void check_regime(struct random *r, struct choice choice, struct model *m
     check_pair(r, choice, m);
 }
 
-static void every_regime_in_touch_has_an_event_that_ends_it(void)
+TEST(every_regime_in_touch_has_an_event_that_ends_it)
 {
     struct random r = {23};
     for (int i = 0; i < CHOICES; ++i) {
@@ -258,7 +258,7 @@ static void every_regime_in_touch_has_an_event_that_ends_it(void)
 }
 
 /* Where no dashpot pulls, friction acts in all of a contact. */
-static void nothing_lifts_friction_where_nothing_pulls(void)
+TEST(nothing_lifts_friction_where_nothing_pulls)
 {
     struct random r = {29};
     for (int i = 0; i < CHOICES; ++i) {
@@ -272,11 +272,4 @@ static void nothing_lifts_friction_where_nothing_pulls(void)
             CHECK(q->contact[0].friction_regime != (int32_t)FRICTION_LIFTED);
         }
     }
-}
-
-int main(void)
-{
-    CHECK_TEST(every_regime_in_touch_has_an_event_that_ends_it);
-    CHECK_TEST(nothing_lifts_friction_where_nothing_pulls);
-    return check_summary("regimes");
 }

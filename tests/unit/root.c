@@ -59,7 +59,7 @@ static struct curve random_curve(struct random *r, double root)
     return (struct curve){root, random_sign(r), random_power(r, -3.0, 9.0), 2 + random_index(r, 15)};
 }
 
-static void the_root_is_found_to_rounding_whatever_the_slope(void)
+TEST(the_root_is_found_to_rounding_whatever_the_slope)
 {
     root_function *const functions[] = {line, arctangent, square_root, without_slope};
     struct random r = {51};
@@ -74,7 +74,7 @@ static void the_root_is_found_to_rounding_whatever_the_slope(void)
     }
 }
 
-static void powers_are_solved_to_the_rounding_of_their_value(void)
+TEST(powers_are_solved_to_the_rounding_of_their_value)
 {
     struct random r = {52};
     for (int i = 0; i < 20000; ++i) {
@@ -85,7 +85,7 @@ static void powers_are_solved_to_the_rounding_of_their_value(void)
     }
 }
 
-static void tiny_roots_keep_their_relative_accuracy(void)
+TEST(tiny_roots_keep_their_relative_accuracy)
 {
     root_function *const functions[] = {line, arctangent, square_root, without_slope};
     struct random r = {53};
@@ -99,7 +99,7 @@ static void tiny_roots_keep_their_relative_accuracy(void)
     CHECK_CLOSE("root", root_in_bracket(power, &sixteenth, 0.0, 1.0) / 1e-18, 1.0, 4.0 * DBL_EPSILON);
 }
 
-static void the_root_lies_inside_even_the_smallest_bracket(void)
+TEST(the_root_lies_inside_even_the_smallest_bracket)
 {
     struct random r = {54};
     for (int i = 0; i < 20000; ++i) {
@@ -129,7 +129,7 @@ static struct root_place on_parabola(const struct root_place *lowest, double s)
 }
 
 /* Three places about a dip, positive at each: it is found if and only if the parabola goes below zero. */
-static void a_dip_between_places_is_found(void)
+TEST(a_dip_between_places_is_found)
 {
     struct random r = {55};
     for (int i = 0; i < 2000; ++i) {
@@ -148,14 +148,4 @@ static void a_dip_between_places_is_found(void)
             CHECK(lowest.value < 0.0 ? found.value < 0.0 : found.value - lowest.value < 1e-14);
         }
     }
-}
-
-int main(void)
-{
-    CHECK_TEST(the_root_is_found_to_rounding_whatever_the_slope);
-    CHECK_TEST(powers_are_solved_to_the_rounding_of_their_value);
-    CHECK_TEST(tiny_roots_keep_their_relative_accuracy);
-    CHECK_TEST(the_root_lies_inside_even_the_smallest_bracket);
-    CHECK_TEST(a_dip_between_places_is_found);
-    return check_summary("bracket");
 }

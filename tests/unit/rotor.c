@@ -30,7 +30,7 @@ static struct rotor_state random_start(struct random *r)
     return (struct rotor_state){quaternion_of_rotation(turn), random_vector(r, random_power(r, -6.0, 6.0))};
 }
 
-static void angular_momentum_and_unit_length_last(void)
+TEST(angular_momentum_and_unit_length_last)
 {
     struct random r = {1};
     for (int i = 0; i < 2000; ++i) {
@@ -48,7 +48,7 @@ static void angular_momentum_and_unit_length_last(void)
     }
 }
 
-static void the_orientation_is_continuous_in_sign(void)
+TEST(the_orientation_is_continuous_in_sign)
 {
     struct random r = {2};
     for (int i = 0; i < 50; ++i) {
@@ -64,7 +64,7 @@ static void the_orientation_is_continuous_in_sign(void)
     }
 }
 
-static void one_turn_of_a_sphere_changes_the_sign(void)
+TEST(one_turn_of_a_sphere_changes_the_sign)
 {
     const struct rotor_state start = {quaternion_identity(), {0.0, 0.0, 2.0}};
     const struct rotor rotor = rotor_from(start, 0.4, 0.4);
@@ -74,7 +74,7 @@ static void one_turn_of_a_sphere_changes_the_sign(void)
 }
 
 /* omega x e_3 by central differences of the axis. */
-static void the_rate_of_the_axis_is_its_derivative(void)
+TEST(the_rate_of_the_axis_is_its_derivative)
 {
     struct random r = {3};
     for (int i = 0; i < 500; ++i) {
@@ -93,7 +93,7 @@ static void the_rate_of_the_axis_is_its_derivative(void)
     }
 }
 
-static void what_does_not_turn_stays(void)
+TEST(what_does_not_turn_stays)
 {
     const struct rotor_state start = {quaternion_of_rotation(vec3_make(0.3, -1.0, 2.0)), {0.0, 0.0, 0.0}};
     const struct rotor rotor = rotor_from(start, 1.0, 0.5);
@@ -104,7 +104,7 @@ static void what_does_not_turn_stays(void)
 }
 
 /* Sizes at the ends of the range of numbers leave unit orientations and speeds. */
-static void extreme_sizes_stay_numbers(void)
+TEST(extreme_sizes_stay_numbers)
 {
     for (int i = -300; i <= 300; i += 50) {
         for (int j = -300; j <= 300; j += 50) {
@@ -116,15 +116,4 @@ static void extreme_sizes_stay_numbers(void)
             CHECK_CLOSE("speed", vec3_norm(end.angular_velocity), size, 16.0L * DBL_EPSILON * size);
         }
     }
-}
-
-int main(void)
-{
-    CHECK_TEST(angular_momentum_and_unit_length_last);
-    CHECK_TEST(the_orientation_is_continuous_in_sign);
-    CHECK_TEST(one_turn_of_a_sphere_changes_the_sign);
-    CHECK_TEST(the_rate_of_the_axis_is_its_derivative);
-    CHECK_TEST(what_does_not_turn_stays);
-    CHECK_TEST(extreme_sizes_stay_numbers);
-    return check_summary("rotor");
 }

@@ -34,7 +34,7 @@ static struct rotor_state random_start(struct random *r)
 }
 
 /* A hundred radians, each with a rounding or two. */
-static void without_a_torque_it_is_the_closed_form(void)
+TEST(without_a_torque_it_is_the_closed_form)
 {
     struct random r = {1};
     for (int i = 0; i < 200; ++i) {
@@ -53,7 +53,7 @@ static void without_a_torque_it_is_the_closed_form(void)
 }
 
 /* About the axis itself: omega_3 is the integral of the torque over I_3, the angle that of omega_3. */
-static void a_torque_about_the_axis_spins_it_up(void)
+TEST(a_torque_about_the_axis_spins_it_up)
 {
     const struct rotor_state start = {quaternion_of_rotation(vec3_make(0.3, -0.2, 0.7)), {0.0, 0.0, 0.0}};
     const struct vec3 axis = quaternion_third_axis(start.orientation);
@@ -117,7 +117,7 @@ static struct motion runge_kutta(struct motion m, double transverse, double axia
                            vec3_axpy(m.momentum, step / 6.0, torques)};
 }
 
-static void under_any_torque_it_obeys_eulers_equations(void)
+TEST(under_any_torque_it_obeys_eulers_equations)
 {
     struct random r = {3};
     for (int i = 0; i < 20; ++i) {
@@ -140,7 +140,7 @@ static void under_any_torque_it_obeys_eulers_equations(void)
 }
 
 /* In one go or in parts. */
-static void the_result_does_not_depend_on_how_it_is_cut(void)
+TEST(the_result_does_not_depend_on_how_it_is_cut)
 {
     struct random r = {4};
     for (int i = 0; i < 50; ++i) {
@@ -157,13 +157,4 @@ static void the_result_does_not_depend_on_how_it_is_cut(void)
         const double speed = 1.0 + vec3_norm(whole.angular_velocity);
         check_states(&now, &whole, (200.0L + 10.0L * speed) * DBL_EPSILON, speed); /* of so many radians */
     }
-}
-
-int main(void)
-{
-    CHECK_TEST(without_a_torque_it_is_the_closed_form);
-    CHECK_TEST(a_torque_about_the_axis_spins_it_up);
-    CHECK_TEST(under_any_torque_it_obeys_eulers_equations);
-    CHECK_TEST(the_result_does_not_depend_on_how_it_is_cut);
-    return check_summary("rotor_series");
 }

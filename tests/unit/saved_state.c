@@ -131,7 +131,7 @@ static void begin(struct model *m, struct heard *heard)
     CHECK(model_step(m, 0.5) == MODEL_OK);
 }
 
-static void a_state_with_one_wrong_value_is_refused_and_changes_nothing(void)
+TEST(a_state_with_one_wrong_value_is_refused_and_changes_nothing)
 {
     struct heard heard;
     struct model m;
@@ -152,7 +152,7 @@ static void a_state_with_one_wrong_value_is_refused_and_changes_nothing(void)
     integrator_close(&m.integrator);
 }
 
-static void what_may_be_without_end_is_taken(void)
+TEST(what_may_be_without_end_is_taken)
 {
     struct heard heard;
     struct model m;
@@ -170,7 +170,7 @@ static void what_may_be_without_end_is_taken(void)
     integrator_close(&m.integrator);
 }
 
-static void counters_stay_at_the_largest_integer_and_can_be_restored(void)
+TEST(counters_stay_at_the_largest_integer_and_can_be_restored)
 {
     struct heard heard = {MODEL_OK, 0};
     struct model m = scene_model();
@@ -189,17 +189,8 @@ static void counters_stay_at_the_largest_integer_and_can_be_restored(void)
     integrator_close(&m.integrator);
 }
 
-static void a_model_that_is_not_there_can_be_destroyed(void)
+TEST(a_model_that_is_not_there_can_be_destroyed)
 {
     model_destroy(NULL);
     CHECK(true);
-}
-
-int main(void)
-{
-    CHECK_TEST(a_state_with_one_wrong_value_is_refused_and_changes_nothing);
-    CHECK_TEST(what_may_be_without_end_is_taken);
-    CHECK_TEST(counters_stay_at_the_largest_integer_and_can_be_restored);
-    CHECK_TEST(a_model_that_is_not_there_can_be_destroyed);
-    return check_summary("saved_state");
 }

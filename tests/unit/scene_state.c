@@ -40,7 +40,7 @@ static void check_time_after_many_rebases(double start, double segment)
     CHECK(fabs(q.base_tail) <= 0.5 * DBL_EPSILON * fabs(q.base));
 }
 
-static void a_million_rebases_keep_time_to_rounding(void)
+TEST(a_million_rebases_keep_time_to_rounding)
 {
     check_time_after_many_rebases(0.0, 1e-7);
     check_time_after_many_rebases(1.0, 1e-7);
@@ -49,7 +49,7 @@ static void a_million_rebases_keep_time_to_rounding(void)
     check_time_after_many_rebases(1e5, 1e-13); /* far below the last bit of base */
 }
 
-static void the_present_time_counts_the_clock(void)
+TEST(the_present_time_counts_the_clock)
 {
     struct scene_state q;
     memset(&q, 0, sizeof q);
@@ -76,7 +76,7 @@ static void check_vector(const char *name, struct vec3 got, struct long_vec3 exp
     CHECK_CLOSE(name, got.z, expected.z, tolerance);
 }
 
-static void a_shifted_path_is_the_same_path(void)
+TEST(a_shifted_path_is_the_same_path)
 {
     struct random r = {61};
     for (int i = 0; i < 20000; ++i) {
@@ -128,7 +128,7 @@ static struct scene_state random_motion(struct random *r)
 }
 
 /* Components of equal size must not hide each other where a path is asked whether it is constant. */
-static void a_path_moves_whatever_the_sizes_and_signs_of_its_components(void)
+TEST(a_path_moves_whatever_the_sizes_and_signs_of_its_components)
 {
     for (int i = 0; i < 27; ++i) {
         const struct vec3 rate = vec3_make(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1);
@@ -164,7 +164,7 @@ static void check_body(const struct scene_state *before, const struct scene_stat
     }
 }
 
-static void a_rebase_changes_nothing_but_the_origin(void)
+TEST(a_rebase_changes_nothing_but_the_origin)
 {
     const struct scene_values v = one_free_one_prescribed();
     struct random r = {62};
@@ -196,14 +196,4 @@ static void a_rebase_changes_nothing_but_the_origin(void)
         scene_rebase(&v, &after);
         CHECK(memcmp(&once, &after, sizeof once) == 0);
     }
-}
-
-int main(void)
-{
-    CHECK_TEST(a_million_rebases_keep_time_to_rounding);
-    CHECK_TEST(the_present_time_counts_the_clock);
-    CHECK_TEST(a_shifted_path_is_the_same_path);
-    CHECK_TEST(a_path_moves_whatever_the_sizes_and_signs_of_its_components);
-    CHECK_TEST(a_rebase_changes_nothing_but_the_origin);
-    return check_summary("motion");
 }

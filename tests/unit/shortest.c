@@ -9,7 +9,7 @@
 #include "check.h"
 #include "random.h"
 
-static void everyday_numbers_are_as_a_user_writes_them(void)
+TEST(everyday_numbers_are_as_a_user_writes_them)
 {
     CHECK(strcmp(shortest_digits(0.7).text, "0.7") == 0);
     CHECK(strcmp(shortest_digits(0.1 + 0.2).text, "0.30000000000000004") == 0);
@@ -32,7 +32,7 @@ static int digits_of(const char *text)
 }
 
 /* Doubles of random bits, so that every exponent comes up. */
-static void any_number_reads_back_and_has_no_digit_too_many(void)
+TEST(any_number_reads_back_and_has_no_digit_too_many)
 {
     struct random random = {1};
     for (int i = 0; i < 20000; ++i) {
@@ -51,11 +51,4 @@ static void any_number_reads_back_and_has_no_digit_too_many(void)
                  value); /* one before the point */
         CHECK(digits <= 15 || strtod(fewer, NULL) != value);
     }
-}
-
-int main(void)
-{
-    CHECK_TEST(everyday_numbers_are_as_a_user_writes_them);
-    CHECK_TEST(any_number_reads_back_and_has_no_digit_too_many);
-    return check_summary("shortest");
 }

@@ -20,7 +20,7 @@ static void check_series(const char *name, const double *got, const double *expe
     }
 }
 
-static void root_product_and_quotient_are_binomial_series(void)
+TEST(root_product_and_quotient_are_binomial_series)
 {
     const long double ratios[] = {-0.9L, -0.25L, 0.5L, 1.0L};
     for (int k = 0; k < 4; ++k) {
@@ -40,7 +40,7 @@ static void root_product_and_quotient_are_binomial_series(void)
     }
 }
 
-static void sum_and_integral_are_those_of_the_function(void)
+TEST(sum_and_integral_are_those_of_the_function)
 {
     double a[TAYLOR_TERMS];
     binomial(-1.0L, -0.2L, a);
@@ -50,11 +50,4 @@ static void sum_and_integral_are_those_of_the_function(void)
         CHECK_CLOSE("sum", taylor_at(a, TAYLOR_TERMS, s), inverse, 1e-15L);
         CHECK_CLOSE("integral", taylor_integral(a, TAYLOR_TERMS, s), -5.0L * logl(1.0L - 0.2L * s), 1e-15L);
     }
-}
-
-int main(void)
-{
-    CHECK_TEST(root_product_and_quotient_are_binomial_series);
-    CHECK_TEST(sum_and_integral_are_those_of_the_function);
-    return check_summary("series");
 }
