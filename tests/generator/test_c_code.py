@@ -97,7 +97,7 @@ def test_header_and_table_compile_without_a_warning(scene_folder, tmp_path, comp
 
 
 def load(folder):
-    library = folder / "table.so"
+    library = folder.with_suffix(".so")  # beside the folder, whose files are texts
     if not library.exists():
         compiled(COMPILERS[0], folder, folder / "scene_variables.c", library, "-shared", "-fPIC")
     loaded = ctypes.CDLL(str(library))
