@@ -14,7 +14,7 @@ from support.checks import METHODS, differences, run
 from support.reference import hertz
 from support.scenes.law_scenes import law_pair, law_scene
 
-COUNT = int(os.environ.get("CONTACT_SCENES", "20"))
+COUNT = int(os.environ.get("CONTACT_SCENES", "12"))
 FIRST = int(os.environ.get("CONTACT_FIRST_SCENE", "0"))
 STEPS = (1, 3, 29)  # communication steps of a run, by the seed
 # m, m/s, J; CVODE holds its tolerance of 1e-10 by the step, and its steps add up.

@@ -54,12 +54,7 @@ def scene(law, dashpot, miss):
     return values | {"contact.penalty_factor": float(f"{height:.1g}")}, end
 
 
-# Each miss with each law and each dashpot, though not with each pair of them
-NEAR = [(law, DASHPOTS[(LAWS.index(law) + k) % 3], miss)
-        for law in LAWS for k, miss in enumerate([1e-12, 1e-8, 1e-3])]  # fmt: skip
-
-
-@pytest.mark.parametrize("law, dashpot, miss", NEAR)
+@pytest.mark.parametrize("law, dashpot, miss", zip(LAWS, DASHPOTS, [1e-12, 1e-8, 1e-3], strict=True))
 def test_a_near_miss_of_a_tilted_axis_ends_where_the_taylor_reference_does(opened, law, dashpot, miss):
     values, end = scene(law, dashpot, miss)
     with localcontext(prec=40):

@@ -1,7 +1,7 @@
 /*
- * Claims of the C unit tests. A failed claim is printed with its values and the test goes on; in the end it is
- * said how many held. A program consists of functions TEST(what_it_claims), which run in their order; one that
- * runs them several times has its own main (CHECK_OWN_MAIN).
+ * Claims of the C unit tests. A failed claim is printed with its values and the test goes on; the last line
+ * says how many held. A program consists of functions TEST(what_it_claims), which run in their order; one
+ * that runs them several times has its own main (CHECK_OWN_MAIN).
  */
 #ifndef CHECK_H
 #define CHECK_H

@@ -16,7 +16,7 @@ from support.scenes.scene_parts import even
 from support.scenes.turning_checks import TERMS, failures
 from support.scenes.turning_scenes import random_turning_scene
 
-COUNT = int(os.environ.get("CONTACT_SCENES", "40"))
+COUNT = int(os.environ.get("CONTACT_SCENES", "30"))
 FIRST = int(os.environ.get("CONTACT_FIRST_SCENE", "0"))
 SEEDS = range(FIRST, FIRST + COUNT)
 
