@@ -1,13 +1,13 @@
 """Every function in every state of the standard: allowed calls work, others are refused in words."""
 
-import ctypes
-from ctypes import byref, c_bool, c_double, c_size_t, c_void_p
+from ctypes import byref, c_void_p
 
 import pytest
 
+from support.caller import Caller, nothing
 from support.fmi2.blob import PHASES, forge
 from support.fmi3 import raw
-from support.fmi3.call_table import FOREIGN, FUNCTIONS, NUMBERS, STATES, allowed
+from support.fmi3.call_table import FOREIGN, FUNCTIONS, STATES, allowed
 from support.fmi3.raw import ARGUMENTS, ERROR, OK, WITHOUT_INSTANCE, Instance
 from support.outside import Outside
 
@@ -30,12 +30,6 @@ REASONS = {
     "Evaluate": "providesEvaluateDiscreteStates is false",
     "Dependencies": "providesPerElementDependencies is false",
 }
-VECTORS = (
-    "SetContinuousStates",
-    "GetContinuousStates",
-    "GetContinuousStateDerivatives",
-    "GetNominalsOfContinuousStates",
-)
 SCENES = ["SphereCylinder", "PinnedEvent"]
 KINDS = {"CoSimulation": "Co-Simulation", "ModelExchange": "Model Exchange"}
 EVERY_STATE = [(kind, state) for kind, states in STATES.items() for state in states]
@@ -68,42 +62,6 @@ def enter_forged(instance, state):
     instance.ok("SetFMUState", handle)
 
 
-def arguments_of(instance, function, kept):
-    """Arguments with which the call is in order in some state; no values where they are values"""
-    flags = [byref(c_bool()) for _ in range(5)]
-    special = {
-        "SetDebugLogging": (False, 0, None),
-        "EnterInitializationMode": (False, 0.0, 0.0, False, 0.0),
-        "UpdateDiscreteStates": (*flags, byref(c_double())),
-        "CompletedIntegratorStep": (True, *flags[:2]),
-        "SetTime": (1e-3,),
-        **dict.fromkeys(NUMBERS, (byref(c_size_t()),)),
-        **dict.fromkeys(VECTORS, vector(instance, "state")),
-        "GetEventIndicators": vector(instance, "indicator"),
-        "DoStep": (0.001, 0.001, True, *flags[:3], byref(c_double())),
-        "GetFMUState": (byref(c_void_p()),),
-        "SetFMUState": (kept["state"],),
-        "FreeFMUState": (byref(c_void_p()),),
-        "SerializedFMUStateSize": (kept["state"], byref(c_size_t())),
-        "SerializeFMUState": (
-            kept["state"],
-            ctypes.create_string_buffer(len(kept["blob"])),
-            len(kept["blob"]),
-        ),
-        "DeserializeFMUState": (kept["blob"], len(kept["blob"]), byref(c_void_p())),
-    }
-    return special.get(function, [nothing(kind) for kind in ARGUMENTS[function]])
-
-
-def vector(instance, role):
-    count = len(instance.fmu.roles[role])
-    return (c_double * count)(), count
-
-
-def nothing(kind):
-    return 0 if kind in (c_bool, c_double, c_size_t, ctypes.c_uint32, ctypes.c_int) else None
-
-
 def instance_of(fmu, kind):
     events = kind == "CoSimulation"
     return Instance(fmu, event_mode=events, early_return=events, exchange=not events)
@@ -113,21 +71,13 @@ def fault_of(fmu, kind, state, function):
     """What is wrong about the answer, or None"""
     with instance_of(fmu, kind) as instance:
         bring_to(instance, state)
-        kept = {"state": c_void_p(), "blob": instance.save()}
-        instance.ok("GetFMUState", byref(kept["state"]))
+        caller = Caller(instance)
         if state in ("error", "fatal"):
             enter_forged(instance, state)
-        arguments = arguments_of(instance, function, kept)
-        del instance.messages[:]
-        status = instance.call(function, *arguments)
-        if allowed(function, state, kind):
-            return None if status == OK else f"{function}: status {status}, {instance.texts()}"
-        if status != ERROR or len(instance.texts()) != 1:
-            return f"{function}: status {status}, messages {instance.texts()}"
-        words = f"fmi3{function} called in phase {NAMES[state]}"
+        where = f"in phase {NAMES[state]}"
         if function in FOREIGN[kind]:
-            words = f"fmi3{function} called on an instance of {KINDS[kind]}, allowed: of "
-        return None if words in instance.texts()[0] else f"{function}: {instance.texts()}"
+            where = f"on an instance of {KINDS[kind]}, allowed: of "
+        return caller.fault(function, allowed(function, state, kind), where)
 
 
 @pytest.mark.parametrize("kind, state", EVERY_STATE)

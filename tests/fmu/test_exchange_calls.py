@@ -3,86 +3,12 @@
 import numpy as np
 import pytest
 
+from support.caller import Caller
 from support.fmi2 import raw
 from support.fmi2.call_table import EXCHANGE
-from support.fmi2.caller import Caller
 from support.fmi2.jacobian import jacobian
-from support.fmi2.raw import ERROR, MODEL_EXCHANGE, OK
+from support.fmi2.raw import ERROR, MODEL_EXCHANGE
 from support.outside import Outside
-
-# FMI 2.0.5, section 3.2.3: instantiated, Initialization Mode, Event Mode, Continuous-Time Mode, terminated.
-PHASES = {
-    "instantiated": "instantiated",
-    "initialization": "initialization mode",
-    "event": "event mode",
-    "continuous": "continuous-time mode",
-    "terminated": "terminated",
-}
-TABLE = {
-    "SetupExperiment": "x....",
-    "EnterInitializationMode": "x....",
-    "ExitInitializationMode": ".x...",
-    "Terminate": "..xx.",
-    "SetReal": "xxxx.",
-    "SetInteger": "xxx..",
-    "SetBoolean": "xxx..",
-    "GetReal": "xxxxx",
-    "GetFMUstate": "xxxxx",
-    "EnterEventMode": "..xx.",
-    "NewDiscreteStates": "..x..",
-    "EnterContinuousTimeMode": "..x..",
-    "CompletedIntegratorStep": "...x.",
-    "SetTime": "..xx.",
-    "SetContinuousStates": "...x.",
-    "GetDerivatives": ".xxxx",
-    "GetEventIndicators": ".xxxx",
-    "GetContinuousStates": ".xxxx",
-    "GetNominalsOfContinuousStates": "xxxxx",
-    "DoStep": ".....",
-    "SetRealInputDerivatives": ".....",
-    "GetRealOutputDerivatives": ".....",
-    "GetStatus": ".....",
-}
-
-
-def bring_to(instance: raw.Instance, phase: str) -> None:
-    calls = [
-        ("SetupExperiment", 0, 0.0, 0.0, 0, 0.0),
-        ("EnterInitializationMode",),
-        ("ExitInitializationMode",),
-        ("EnterContinuousTimeMode",),
-        ("Terminate",),
-    ]
-    for call in calls[: {"instantiated": 0, "initialization": 2}.get(phase, list(PHASES).index(phase) + 1)]:
-        instance.ok(*call)
-
-
-def arguments_of(instance: raw.Instance, function: str) -> tuple:
-    if function.startswith(("GetReal", "SetReal", "SetInteger", "SetBoolean")):
-        return (None, 0, None) if "Derivatives" not in function else (None, 0, None, None)
-    if function == "DoStep":
-        return 0.0, 1e-3, 1
-    return getattr(Caller(instance), function, tuple)()
-
-
-@pytest.mark.parametrize("phase", PHASES)
-@pytest.mark.parametrize("scene", ["SphereCylinder", "ForceElement"])
-def test_every_function_of_model_exchange_in_every_phase(scene, phase):
-    faults = []
-    for function, marks in TABLE.items():
-        with raw.Instance(raw.load(scene), kind=MODEL_EXCHANGE) as instance:
-            bring_to(instance, phase)
-            status = instance.call(function, *arguments_of(instance, function))
-            if function == "SetupExperiment" and status == OK:
-                instance.ok("EnterInitializationMode")
-            allowed = marks[list(PHASES).index(phase)] == "x"
-            if function == "EnterInitializationMode" and allowed:
-                continue  # needs an experiment first
-            texts = instance.texts()
-            named = PHASES[phase] in "".join(texts) or "on an instance of Model Exchange" in "".join(texts)
-            if (status == OK) != allowed or (not allowed and (status != ERROR or not named)):
-                faults.append(f"{function}: {status} {texts}")
-    assert faults == []
 
 
 @pytest.mark.parametrize("function", EXCHANGE)

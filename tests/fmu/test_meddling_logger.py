@@ -5,9 +5,9 @@ from ctypes import byref, c_double, c_int, c_size_t, c_uint, c_void_p
 
 import pytest
 
+from support.caller import Caller
 from support.fmi2 import raw
 from support.fmi2.call_table import FUNCTIONS, allowed
-from support.fmi2.caller import Caller
 from support.fmi2.raw import DISCARD, ERROR, OK, WARNING, array
 from support.fmi2.runs import RUNS, begin, step
 from support.fmi2.states import bring_to
@@ -29,10 +29,8 @@ class Meddler(raw.Instance):
     depth = 0
 
     def prepare(self) -> None:
-        caller = Caller(self)
-        caller.prepare()
-        self.caller = caller
-        self.arguments = {name: getattr(caller, name, tuple)() for name in FUNCTIONS}
+        self.caller = Caller(self)
+        self.arguments = {name: self.caller.arguments(name) for name in FUNCTIONS}
         for name in ("SetReal", "SetInteger", "SetBoolean"):
             self.arguments[name] = self._first_input(name)
         del self.messages[:]

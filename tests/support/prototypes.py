@@ -77,7 +77,7 @@ class AnyInstance:
     """
 
     prefix = "fmi"
-    state = "FMUState"  # how the version writes it
+    STATE = "FMUState"  # how the version writes it
 
     def __enter__(self):
         return self
@@ -114,9 +114,9 @@ class AnyInstance:
 
     def save(self) -> bytes:
         state, size = c_void_p(), c_size_t()
-        self.ok(f"Get{self.state}", byref(state))
-        self.ok(f"Serialized{self.state}Size", state, byref(size))
+        self.ok(f"Get{self.STATE}", byref(state))
+        self.ok(f"Serialized{self.STATE}Size", state, byref(size))
         buffer = ctypes.create_string_buffer(size.value)
-        self.ok(f"Serialize{self.state}", state, buffer, size)
-        self.ok(f"Free{self.state}", byref(state))
+        self.ok(f"Serialize{self.STATE}", state, buffer, size)
+        self.ok(f"Free{self.STATE}", byref(state))
         return buffer.raw

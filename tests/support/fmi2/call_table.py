@@ -1,4 +1,5 @@
-"""The calling sequence of FMI 2.0.5 for co-simulation (section 4.2.4), transcribed from the standard's table.
+"""The calling sequence of FMI 2.0.5 for co-simulation (section 4.2.4), transcribed from the standard's table,
+and that of the main functions for Model Exchange (section 3.2.3).
 
 Columns: start/end, instantiated, Initialization Mode, stepComplete, stepFailed, terminated, error, fatal. The
 columns stepInProgress and stepCanceled are left out: no fmi2DoStep here runs asynchronously. 'x': allowed,
@@ -42,6 +43,33 @@ GetBooleanStatus          . . . x x x . .
 GetStringStatus           . . . x x x . .
 """
 
+EXCHANGE_STATES = ("instantiated", "initialization", "event", "continuous", "terminated")
+_EXCHANGE = """
+SetupExperiment               x . . . .
+EnterInitializationMode       x . . . .
+ExitInitializationMode        . x . . .
+Terminate                     . . x x .
+SetReal                       x x x x .
+SetInteger                    x x x . .
+SetBoolean                    x x x . .
+GetReal                       x x x x x
+GetFMUstate                   x x x x x
+EnterEventMode                . . x x .
+NewDiscreteStates             . . x . .
+EnterContinuousTimeMode       . . x . .
+CompletedIntegratorStep       . . . x .
+SetTime                       . . x x .
+SetContinuousStates           . . . x .
+GetDerivatives                . x x x x
+GetEventIndicators            . x x x x
+GetContinuousStates           . x x x x
+GetNominalsOfContinuousStates x x x x x
+DoStep                        . . . . .
+SetRealInputDerivatives       . . . . .
+GetRealOutputDerivatives      . . . . .
+GetStatus                     . . . . .
+"""
+
 # Of Model Exchange alone: refused on an instance of Co-Simulation, whatever its state.
 EXCHANGE = (
     "EnterEventMode", "NewDiscreteStates", "EnterContinuousTimeMode", "CompletedIntegratorStep", "SetTime",
@@ -59,13 +87,19 @@ _LENIENT = {
     "error": {"GetStatus", "GetRealStatus", "GetIntegerStatus", "GetBooleanStatus", "GetStringStatus"},
 }
 
-STANDARD: dict[str, dict[str, bool]] = {}
-for _line in _STANDARD.split("\n"):
-    if _line:
-        _function, *_marks = _line.split()
-        STANDARD[_function] = {state: mark == "x" for state, mark in zip(STATES, _marks, strict=True)}
 
-STANDARD |= {function: dict.fromkeys(STATES, False) for function in EXCHANGE}
+def _table(text: str, states: tuple[str, ...]) -> dict[str, dict[str, bool]]:
+    rows = [line.split() for line in text.split("\n") if line]
+    return {
+        function: {state: mark == "x" for state, mark in zip(states, marks, strict=True)}
+        for function, *marks in rows
+    }
+
+
+STANDARD = _table(_STANDARD, STATES) | {function: dict.fromkeys(STATES, False) for function in EXCHANGE}
+IN_EXCHANGE = _table(_EXCHANGE, EXCHANGE_STATES)
+# Of Co-Simulation alone: refused on an instance of Model Exchange.
+FOREIGN = {function for function, marks in IN_EXCHANGE.items() if not any(marks.values())}
 FUNCTIONS = tuple(STANDARD)
 
 

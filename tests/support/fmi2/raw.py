@@ -164,7 +164,7 @@ class Message(NamedTuple):
 class Instance(prototypes.AnyInstance):
     """An instance and everything its logger was told"""
 
-    prefix, state = "fmi2", "FMUstate"
+    prefix, STATE = "fmi2", "FMUstate"
 
     def __init__(
         self,

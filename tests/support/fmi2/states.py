@@ -1,10 +1,16 @@
-"""Brings an instance into any state of the call table"""
+"""Brings an instance into any state of the call tables"""
 
 from ctypes import byref
 
 from support.fmi2 import raw
 from support.fmi2.blob import PHASES, forge
 from support.fmi2.raw import DISCARD, OK
+
+NAMES = {
+    "instantiated": "instantiated", "initialization": "initialization mode", "complete": "step mode",
+    "failed": "step mode", "event": "event mode", "continuous": "continuous-time mode",
+    "terminated": "terminated", "error": "error", "fatal": "fatal",
+}  # fmt: skip
 
 
 def bring_to(instance: raw.Instance, state: str) -> None:
