@@ -6,21 +6,12 @@ import pytest
 
 from support.caller import Caller, nothing
 from support.fmi2.blob import PHASES, forge
+from support.fmi2.states import NAMES
 from support.fmi3 import raw
 from support.fmi3.call_table import FOREIGN, FUNCTIONS, STATES, allowed
 from support.fmi3.raw import ARGUMENTS, ERROR, OK, WITHOUT_INSTANCE, Instance
 from support.outside import Outside
 
-NAMES = {
-    "instantiated": "instantiated",
-    "initialization": "initialization mode",
-    "event": "event mode",
-    "step": "step mode",
-    "continuous": "continuous-time mode",
-    "terminated": "terminated",
-    "error": "error",
-    "fatal": "fatal",
-}
 REASONS = {
     "Clock": "no clocks",
     "Interval": "no clocks",

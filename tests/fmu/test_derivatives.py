@@ -6,28 +6,15 @@ u = (F0 t^2/2 + F1 t^3/6 + F2 t^4/24)/m.
 """
 
 import math
-from ctypes import c_double, c_int, c_uint
 
 import pytest
 
 from support.fmi2 import raw
-from support.fmi2.raw import array
 
 FREE = {"gravity": [0.0, 0.0, 0.0], "source.center": [0.0, 0.0, 50.0], "source.mass": 2.0}
 # Both solvers run at this tolerance; a hundred times of it is allowed on numbers of the order of one.
 TOLERANCE = 1e-10
 METHODS = ["event_driven", "cvode_bdf", "cvode_adams"]
-
-
-def feed(instance: raw.Instance, name: str, order: int, values: list[float]) -> None:
-    references = [instance.fmu.variables[f"{name}[{index}]"].reference for index in (1, 2, 3)]
-    instance.ok(
-        "SetRealInputDerivatives",
-        array(c_uint, references),
-        3,
-        array(c_int, [order] * 3),
-        array(c_double, values),
-    )
 
 
 def close(found: list[float], expected: list[float], scale: float = 1.0) -> None:
@@ -45,7 +32,7 @@ def test_a_polynomial_force_is_followed_inside_one_step(method, orders):
             {**FREE, "solver.method": method, "source.external_force": force[0]}, tolerance=TOLERANCE
         )
         for order in orders[1:]:
-            feed(instance, "source.external_force", order, force[order])
+            instance.feed("source.external_force", order, force[order])
         instance.ok("DoStep", 0.0, t, 1)
         close(
             instance.get("source.velocity"),
@@ -68,7 +55,7 @@ def test_one_step_with_a_derivative_equals_many_with_values(method):
             for index in range(steps):
                 time = index * t / steps
                 instance.set({"source.external_force": [rate * time for rate in ramp]})
-                feed(instance, "source.external_force", 1, ramp)
+                instance.feed("source.external_force", 1, ramp)
                 instance.ok("DoStep", time, t / steps, 1)
             ends.append(instance.get("source.displacement"))
     close(*ends)
@@ -78,7 +65,7 @@ def test_one_step_with_a_derivative_equals_many_with_values(method):
 def test_a_value_without_derivatives_ends_the_old_ones():
     with raw.Instance(raw.load("SphereSphere")) as instance:
         instance.initialize(FREE, tolerance=TOLERANCE)
-        feed(instance, "source.external_force", 1, [4.0, 0.0, 0.0])
+        instance.feed("source.external_force", 1, [4.0, 0.0, 0.0])
         instance.ok("DoStep", 0.0, 0.5, 1)
         close(instance.get("source.velocity"), [4.0 * 0.5**2 / 2 / 2.0, 0.0, 0.0])
         instance.set({"source.external_force": [0.0, 0.0, 0.0]})
@@ -91,7 +78,7 @@ def test_derivatives_go_on_where_nothing_new_is_set():
     """Two steps of one ramp: the second starts with the value the first has reached."""
     with raw.Instance(raw.load("SphereSphere")) as instance:
         instance.initialize(FREE, tolerance=TOLERANCE)
-        feed(instance, "source.external_force", 1, [4.0, 0.0, 0.0])
+        instance.feed("source.external_force", 1, [4.0, 0.0, 0.0])
         instance.ok("DoStep", 0.0, 0.5, 1)
         instance.ok("DoStep", 0.5, 0.5, 1)
         close(instance.get("source.velocity"), [4.0 / 2 / 2.0, 0.0, 0.0])
@@ -106,7 +93,7 @@ def test_value_and_derivative_may_come_in_either_order():
                 if what == "value":
                     instance.set({"source.external_force": [1.0, 0.0, 0.0]})
                 else:
-                    feed(instance, "source.external_force", 1, [4.0, 0.0, 0.0])
+                    instance.feed("source.external_force", 1, [4.0, 0.0, 0.0])
             instance.ok("DoStep", 0.0, 0.5, 1)
             ends.append(instance.bits("output"))
     assert ends[0] == ends[1]
@@ -127,7 +114,7 @@ def test_a_prescribed_body_goes_on_by_its_derivatives_or_its_velocity(scene, ord
             }
         )
         for order in orders:
-            feed(instance, "destination.prescribed_displacement", order, given[order])
+            instance.feed("destination.prescribed_displacement", order, given[order])
         instance.ok("DoStep", 0.0, t, 1)
         zero = [0.0, 0.0, 0.0]
         rate = given[1] if 1 in orders else zero
@@ -149,10 +136,7 @@ def test_only_given_derivatives_move_a_force_element(orders):
             {"source.center": [0.0, 0.9, 0.0], "source.prescribed_velocity": [0.0, -5.0, 0.0]}
         )
         for order in orders:
-            feed(instance, "source.prescribed_displacement", order, [0.0, given[order], 0.0])
+            instance.feed("source.prescribed_displacement", order, [0.0, given[order], 0.0])
         instance.ok("DoStep", 0.0, t, 1)
         moved = sum(given[order] * t**order / math.factorial(order) for order in orders)
         assert instance.get("contact.gap") == pytest.approx(0.9 + moved - 0.1 - 0.5, rel=1e-14)
-
-
-# outputs

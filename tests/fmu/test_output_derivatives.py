@@ -21,31 +21,8 @@ NOISE = 1e-14 / STEP
 RELATIVE = 1e-6
 
 
-def derivatives(instance: raw.Instance, variables, order: int) -> np.ndarray:
-    values = array(c_double, [0.0] * len(variables))
-    instance.ok(
-        "GetRealOutputDerivatives",
-        array(c_uint, [one.reference for one in variables]),
-        len(variables),
-        array(c_int, [order] * len(variables)),
-        values,
-    )
-    return np.array(values)
-
-
 def provided(fmu: raw.Fmu) -> list[raw.Variable]:
     return [one for one in fmu.select("output", kind="Real") if not one.name.startswith(SUMMED_UP)]
-
-
-def feed(instance: raw.Instance, name: str, order: int, values) -> None:
-    references = [instance.fmu.variables[f"{name}[{k}]"].reference for k in (1, 2, 3)]
-    instance.ok(
-        "SetRealInputDerivatives",
-        array(c_uint, references),
-        3,
-        array(c_int, [order] * 3),
-        array(c_double, values),
-    )
 
 
 def keep_promises(instance: raw.Instance) -> None:
@@ -60,9 +37,9 @@ def keep_promises(instance: raw.Instance) -> None:
         velocity = instance.get(f"{given}_velocity")
         for row in ("displacement", "velocity"):  # from here, wherever earlier derivatives have led
             instance.set({f"{given}_{row}": instance.get(f"{given}_{row}")})
-        feed(instance, f"{given}_displacement", 1, velocity)
-        feed(instance, f"{given}_displacement", 2, sign * acceleration)
-        feed(instance, f"{given}_velocity", 1, sign * acceleration)
+        instance.feed(f"{given}_displacement", 1, velocity)
+        instance.feed(f"{given}_displacement", 2, sign * acceleration)
+        instance.feed(f"{given}_velocity", 1, sign * acceleration)
 
 
 def follow(instance: raw.Instance, time: float, variables):
@@ -70,19 +47,11 @@ def follow(instance: raw.Instance, time: float, variables):
     rows = []
     kinds = set()
     for k in range(5):
-        rows.append(
-            [instance_read(instance, variables), *(derivatives(instance, variables, n) for n in (1, 2))]
-        )
+        rows.append([instance.reals(variables), *(instance.output_derivatives(variables, n) for n in (1, 2))])
         names = ("contact.active", "solver.events")
         kinds.add(tuple(instance.get(name) for name in names if name in instance.fmu.variables))
         instance.ok("DoStep", time + k * STEP, STEP, 1)
     return np.array(rows) if len(kinds) == 1 else None
-
-
-def instance_read(instance: raw.Instance, variables) -> np.ndarray:
-    values = array(c_double, [0.0] * len(variables))
-    instance.ok("GetReal", array(c_uint, [one.reference for one in variables]), len(variables), values)
-    return np.array(values)
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -120,11 +89,12 @@ def test_flight_has_the_derivatives_of_its_polynomial():
     mass, force = 2.0, np.array([[0.4, 0.0, -0.3], [1.5, -2.0, 0.7], [-3.0, 1.0, 2.5]])
     fmu = raw.load("SphereSphere")
     with raw.Instance(fmu) as instance:
+        given = instance.output_derivatives
         instance.initialize(
             {"source.mass": mass, "source.center": [0.0, 0.0, 50.0], "source.external_force": force[0]}
         )
         for order in (1, 2):
-            feed(instance, "source.external_force", order, force[order])
+            instance.feed("source.external_force", order, force[order])
         t = 0.75
         instance.ok("DoStep", 0.0, t, 1)
         gravity = np.array([0.0, 0.0, -9.81])
@@ -139,7 +109,7 @@ def test_flight_has_the_derivatives_of_its_polynomial():
         for name, rows in expected.items():
             variables = [fmu.variables[f"{name}[{k}]"] for k in (1, 2, 3)]
             for order, row in enumerate(rows, start=1):
-                assert derivatives(instance, variables, order) == pytest.approx(row, rel=1e-14, abs=1e-14)
+                assert given(variables, order) == pytest.approx(row, rel=1e-14, abs=1e-14)
         energies = [
             fmu.variables[f"energy.{name}"] for name in ("kinetic", "potential", "external_work", "total")
         ]
@@ -157,7 +127,7 @@ def test_flight_has_the_derivatives_of_its_polynomial():
             0.0,
         ]
         for order, row in ((1, first), (2, second)):
-            assert derivatives(instance, energies, order) == pytest.approx(row, rel=1e-13, abs=1e-12)
+            assert given(energies, order) == pytest.approx(row, rel=1e-13, abs=1e-12)
 
 
 @pytest.mark.parametrize("dashpot", ["non_adhesive", "unclamped", "approach_only"])
@@ -167,6 +137,7 @@ def test_a_head_on_contact_has_the_derivatives_of_its_oscillator(dashpot):
     fmu = raw.load("SphereSphere")
     seen = set()
     with raw.Instance(fmu) as instance:
+        given = instance.output_derivatives
         instance.initialize({
             "source.mass": mass, "source.center": [0.0, 0.0, 0.62], "contact.penalty_factor": k,
             "contact.viscous_penalty_factor": c, "contact.dashpot": dashpot,
@@ -192,7 +163,7 @@ def test_a_head_on_contact_has_the_derivatives_of_its_oscillator(dashpot):
             expected = [(rate, bend), (bend, first / mass), (first, second), (first, second), (0.0, 0.0)]
             for order in (1, 2):
                 wanted = [row[order - 1] for row in expected]
-                assert derivatives(instance, variables, order) == pytest.approx(wanted, rel=1e-11, abs=1e-9)
+                assert given(variables, order) == pytest.approx(wanted, rel=1e-11, abs=1e-9)
             assert force == pytest.approx(-(stiffness * gap + damping * rate), rel=1e-12, abs=1e-9)
     assert {(True, True, c), (False, False, c)} <= seen
 
@@ -204,8 +175,8 @@ def test_a_duration_grows_with_the_time_while_bodies_touch():
         for index in range(run.steps):
             go_on(instance, run, index, index + 1)
             touching = float(instance.get("contact.active"))
-            assert list(derivatives(instance, variables, 1)) == [touching, 0.0]
-            assert list(derivatives(instance, variables, 2)) == [0.0, 0.0]
+            assert list(instance.output_derivatives(variables, 1)) == [touching, 0.0]
+            assert list(instance.output_derivatives(variables, 2)) == [0.0, 0.0]
         assert instance.get("contact.onsets") >= 1
 
 
@@ -229,6 +200,6 @@ def test_asking_changes_nothing(fmu):
             instance.initialize()
         time = 0.0
         for size in SIZES * 3:
-            derivatives(asked, provided(fmu), 2)
+            asked.output_derivatives(provided(fmu), 2)
             assert asked.run([size], start=time) == plain.run([size], start=time)
             time += size

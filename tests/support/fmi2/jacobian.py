@@ -28,16 +28,10 @@ def jacobian(instance: raw.Instance, unknowns, knowns) -> np.ndarray:
     return np.array(columns).T
 
 
-def read(instance: raw.Instance, variables) -> np.ndarray:
-    values = array(c_double, [0.0] * len(variables))
-    instance.ok("GetReal", array(c_uint, [one.reference for one in variables]), len(variables), values)
-    return np.array(values)
-
-
 def moved(instance: raw.Instance, known, by: float, unknowns, blob: bytes) -> np.ndarray:
     value = instance.get_one(known)
     assert instance.set_one(known, value + by) == OK
-    values = read(instance, unknowns)
+    values = np.array(instance.reals(unknowns))
     instance.restore(blob)
     return values
 
@@ -59,7 +53,7 @@ def checked_jacobian(instance: raw.Instance, unknowns, knowns) -> np.ndarray:
     given = jacobian(instance, unknowns, knowns)
     expected = differences(instance, unknowns, knowns)
     # Rounding of the values over the step, and the formula's own error on slopes as large as the largest.
-    size = np.abs(read(instance, unknowns))[:, None] * 1e-15 / STEP
+    size = np.abs(instance.reals(unknowns))[:, None] * 1e-15 / STEP
     allowed = 100 * size + 1e-7 * np.max(np.abs(expected), axis=1, keepdims=True) + 1e-9
     wrong = [
         f"d {unknowns[i].name} / d {knowns[j].name}: {given[i, j]}, differences {expected[i, j]}"

@@ -243,6 +243,25 @@ class Instance(prototypes.AnyInstance):
             for variable in chosen
         }
 
+    def reals(self, variables: Iterable[Variable]) -> list[float]:
+        """Values of Real variables in one call"""
+        references = [variable.reference for variable in variables]
+        values = array(c_double, [0.0] * len(references))
+        self.ok("GetReal", array(c_uint, references), len(references), values)
+        return list(values)
+
+    def output_derivatives(self, variables: Iterable[Variable], order: int) -> list[float]:
+        references = [variable.reference for variable in variables]
+        values, count = array(c_double, [0.0] * len(references)), len(references)
+        orders = array(c_int, [order] * count)
+        self.ok("GetRealOutputDerivatives", array(c_uint, references), count, orders, values)
+        return list(values)
+
+    def feed(self, name: str, order: int, values: Iterable[float]) -> None:
+        """A derivative of an input that is a vector"""
+        references = array(c_uint, [self.fmu.variables[f"{name}[{k}]"].reference for k in (1, 2, 3)])
+        self.ok("SetRealInputDerivatives", references, 3, array(c_int, [order] * 3), array(c_double, values))
+
     # life cycle
 
     def initialize(

@@ -8,7 +8,7 @@ from support.fmi2.raw import DISCARD, OK
 
 NAMES = {
     "instantiated": "instantiated", "initialization": "initialization mode", "complete": "step mode",
-    "failed": "step mode", "event": "event mode", "continuous": "continuous-time mode",
+    "failed": "step mode", "step": "step mode", "event": "event mode", "continuous": "continuous-time mode",
     "terminated": "terminated", "error": "error", "fatal": "fatal",
 }  # fmt: skip
 
