@@ -2,6 +2,7 @@
 motion.
 """
 
+import os
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ VECTORS = {
 BOUNDED = settings(
     derandomize=True,
     deadline=None,
-    max_examples=100,
+    max_examples=int(os.environ.get("CONTACT_SCENES", "40")),
     database=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
