@@ -109,10 +109,7 @@ struct contact_law {
 
 /* Whether it is Hertz's law; never, at compile time, where the build knows of the linear law only
  * (ContactFmu.cmake). */
-static inline bool contact_is_hertz(const struct contact_law *law)
-{
-    return CONTACT_ANY_HERTZ && law->law == LAW_HERTZ;
-}
+bool contact_is_hertz(const struct contact_law *law);
 
 enum contact_regime {
     REGIME_APART,       /* no contact: g >= 0 or beyond a cylinder's end */
@@ -132,10 +129,7 @@ struct contact_coefficients contact_coefficients_of(const struct contact_law *la
                                                     enum contact_regime regime);
 
 /* -(k g + c g') [N]: the law, which stands nowhere else. */
-static inline double contact_linear_force(struct contact_coefficients linear, double gap, double gap_rate)
-{
-    return -(linear.k * gap + linear.c * gap_rate);
-}
+double contact_linear_force(struct contact_coefficients linear, double gap, double gap_rate);
 
 /* The factors of either law: p_n and p_nv, or k_h and chi. */
 struct contact_coefficients contact_factors_of(const struct contact_law *law);

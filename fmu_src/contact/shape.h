@@ -60,52 +60,28 @@ struct contact_geometry {
 
 /* Whether the destination is a cylinder, a plane; never, at compile time, where the build has none
  * (ContactFmu.cmake). */
-static inline bool contact_is_cylinder(const struct contact_shape *shape)
-{
-    return CONTACT_ANY_CYLINDER && shape->destination == SHAPE_CYLINDER;
-}
+bool contact_is_cylinder(const struct contact_shape *shape);
 
-static inline bool contact_is_plane(const struct contact_shape *shape)
-{
-    return CONTACT_ANY_PLANE && shape->destination == SHAPE_PLANE;
-}
+bool contact_is_plane(const struct contact_shape *shape);
 
 /* Whether it is the rim of a capped cylinder; whether it is a capped cylinder, or a part of one. */
-static inline bool contact_is_rim(const struct contact_shape *shape)
-{
-    return CONTACT_ANY_CAPS && shape->destination == SHAPE_RIM;
-}
+bool contact_is_rim(const struct contact_shape *shape);
 
-static inline bool contact_is_capped(const struct contact_shape *shape)
-{
-    return CONTACT_ANY_CAPS && shape->solid.half_height > 0.0;
-}
+bool contact_is_capped(const struct contact_shape *shape);
 
 /* Whether its axis is against the body's: a zone at the end of a capped cylinder to which -e_d points. */
-static inline bool contact_is_upside_down(const struct contact_shape *shape)
-{
-    return contact_is_capped(shape) && shape->solid.zone < 0;
-}
+bool contact_is_upside_down(const struct contact_shape *shape);
 
 /* Whether penetration may come to a centre or axis, where n has no direction: outside, but for a plane. The
  * zone of a rim ends before. */
-static inline bool contact_may_reach_centre(const struct contact_shape *shape)
-{
-    return shape->side > 0 && !contact_is_plane(shape) && !contact_is_rim(shape);
-}
+bool contact_may_reach_centre(const struct contact_shape *shape);
 
 /* Whether n turns as the source moves across it, by 1/d. A plane's normal never does. */
-static inline bool contact_turns(const struct contact_shape *shape, const struct contact_geometry *at)
-{
-    return !at->degenerate && !contact_is_plane(shape);
-}
+bool contact_turns(const struct contact_shape *shape, const struct contact_geometry *at);
 
 /* Whether the part of a vector across the axis, `across`, is so small beside its part along the axis that a
  * single projection leaves it less than about half of its digits. */
-static inline bool contact_is_near_axis(struct vec3 across, double axial)
-{
-    return fabs(across.x) + fabs(across.y) + fabs(across.z) < 1e-8 * fabs(axial);
-}
+bool contact_is_near_axis(struct vec3 across, double axial);
 
 /* Near the axis what is left of c by one projection, `once`, is rounding, which points anywhere, along the
  * axis too: projected once more it lies across, to rounding of its own size. Zero where nothing is left
@@ -113,37 +89,18 @@ static inline bool contact_is_near_axis(struct vec3 across, double axial)
 struct vec3 contact_across_again(const struct contact_shape *shape, struct vec3 once);
 
 /* The part of c across a cylinder's axis, near the axis too; `axial` is c.e_d. */
-static inline struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial)
-{
-    const struct vec3 once = vec3_axpy(c, -axial, shape->axis);
-    return contact_is_near_axis(once, axial) ? contact_across_again(shape, once) : once;
-}
+struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial);
 
 /* c without its part along a cylinder's axis. */
-static inline struct vec3 contact_across(const struct contact_shape *shape, struct vec3 c)
-{
-    return contact_is_cylinder(shape) ? contact_across_axis(shape, c, vec3_dot(c, shape->axis)) : c;
-}
+struct vec3 contact_across(const struct contact_shape *shape, struct vec3 c);
 
 /* The part of a vector along n; with a plane zero where that is the rounding of its products: what lies in
  * the plane stays in it. */
-static inline double contact_along_plane(struct vec3 normal, struct vec3 a)
-{
-    const double along = vec3_dot(normal, a);
-    const double terms = fabs(normal.x * a.x) + fabs(normal.y * a.y) + fabs(normal.z * a.z);
-    return fabs(along) > 4.0 * DBL_EPSILON * terms ? along : 0.0;
-}
+double contact_along_plane(struct vec3 normal, struct vec3 a);
 
 /* The part of a vector across n, in a plane; zero where that is rounding: what is along n stays along it. One
  * projection leaves rounding of the size of what it takes away, which the second takes away too. */
-static inline struct vec3 contact_across_plane(struct vec3 normal, struct vec3 a)
-{
-    const struct vec3 once = vec3_axpy(a, -vec3_dot(normal, a), normal);
-    if (vec3_max_abs(once) <= 4.0 * DBL_EPSILON * vec3_max_abs(a)) {
-        return vec3_make(0.0, 0.0, 0.0);
-    }
-    return vec3_axpy(once, -vec3_dot(normal, once), normal);
-}
+struct vec3 contact_across_plane(struct vec3 normal, struct vec3 a);
 
 /* The distance at which the bodies touch: r_s + r_d outside, r_d - r_s inside [m]. */
 double contact_reach(const struct contact_shape *shape);

@@ -10,6 +10,14 @@
 
 #include "scene.h"
 
+inline bool step_plainly_in_order(const struct instance *instance, double point, double size)
+{
+    const double time = model_time(instance->model);
+    const double end = point + size;
+    return instance->phase == PHASE_STEP && instance->step_status == MODEL_OK &&
+           fabs(point - time) <= STEP_SLACK * size && end > time && end <= instance->experiment.stop_time;
+}
+
 /* Messages to the importer's logger. */
 
 /* Longest message; an instance name or a message beyond it is cut. */

@@ -202,13 +202,7 @@ enum model_status instance_product(struct instance *instance, const struct call 
  * wider. A size of zero, below zero or NaN never passes. An infinite one passes where there is no stop time,
  * but model_step_deferred refuses it.
  */
-static inline bool step_plainly_in_order(const struct instance *instance, double point, double size)
-{
-    const double time = model_time(instance->model);
-    const double end = point + size;
-    return instance->phase == PHASE_STEP && instance->step_status == MODEL_OK &&
-           fabs(point - time) <= STEP_SLACK * size && end > time && end <= instance->experiment.stop_time;
-}
+bool step_plainly_in_order(const struct instance *instance, double point, double size);
 
 /* Takes a communication step from `point` to `point + size`, or refuses one of no length or from or to a
  * wrong time. `request` says how, all but end_time. */

@@ -6,7 +6,12 @@
 
 #include "model/state.h"
 
-/* Messages to the owner of a model. */
+inline void model_forget_outputs(struct model *m)
+{
+    if (m->outputs > OUTPUTS_FIXED) {
+        m->outputs = OUTPUTS_FIXED;
+    }
+}
 
 /* The life of a model, and its steps. */
 

@@ -89,6 +89,9 @@ static double indicator_of(const struct scene_values *v, const struct scene_stat
                            const struct scene_instant *at, const struct variable *indicator)
 {
     const int j = indicator->element;
+    if (!SCENE_ANY_FREE) {
+        return 0.0;
+    }
     switch (indicator->row) {
     case ROW_contact_touch_indicator:
         return regime_touch_margin(v, q, at, j);

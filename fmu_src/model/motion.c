@@ -279,7 +279,7 @@ static void foresee_reading(struct model *m, double clock)
 /* Apart from motion_defer, which need not save registers for it. */
 CONTACT_NOINLINE static bool defer_further(struct model *m, double end_time)
 {
-    return integrator_defer_further(&m->state.values, &m->state.motion, end_time);
+    return SCENE_ANY_FREE && integrator_defer_further(&m->state.values, &m->state.motion, end_time);
 }
 
 bool motion_defer(struct model *m, double end_time)

@@ -61,16 +61,9 @@ struct contact_law scene_contact_law(const struct scene_values *v, const struct 
 
 /* Whether a contact has Hertz's law; and one whose damping is made from the speed of each onset. Constant
  * false in scenes without. */
-static inline bool scene_is_hertz(const struct scene_values *v, int contact)
-{
-    return SCENE_ANY_HERTZ && contact_law(v, contact) == LAW_HERTZ;
-}
+bool scene_is_hertz(const struct scene_values *v, int contact);
 
-static inline bool scene_damps_by_onset(const struct scene_values *v, int contact)
-{
-    return SCENE_ANY_RESTITUTION && scene_is_hertz(v, contact) &&
-           contact_viscous_control(v, contact) == VISCOUS_CONTROL_RESTITUTION;
-}
+bool scene_damps_by_onset(const struct scene_values *v, int contact);
 
 /* One body at the present state of q. */
 struct body_instant scene_body_now(const struct scene_values *v, const struct scene_state *q, int body);
@@ -354,15 +347,8 @@ CONTACT_COLD double onset_damping_slope(const struct scene_values *v, const stru
 /* Before a contact enters the regime `next` at the instant `at`: the regime that it enters with the damping
  * of its onset. Nothing is done, and that is `next`, where it touches already, where it remains apart, or
  * where damping knows no onset. */
-static inline enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
-                                             const struct scene_instant *at, int contact,
-                                             enum contact_regime next)
-{
-    if (SCENE_ANY_RESTITUTION && SCENE_ANY_HERTZ) {
-        return scene_damps_by_onset(v, contact) ? onset_take_damping(v, q, at, contact, next) : next;
-    }
-    return next;
-}
+enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
+                               const struct scene_instant *at, int contact, enum contact_regime next);
 
 /* Energies of the scene [J]. kinetic + potential + contact + dissipated - external work stays constant; with
  * what turns and rubs, kinetic + rotational + potential + contact + tangential + dissipated + friction -

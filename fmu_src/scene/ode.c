@@ -407,7 +407,8 @@ void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int co
 {
     double events[ODE_EVENTS_EACH];
     ode->stick_offset[contact] = ode->cap_offset[contact] = ode->lift_offset[contact] = 0.0;
-    if (!contact_transmits(ode->state, contact) || !contact_rubs(ode->values, contact)) {
+    if (!SCENE_ANY_FRICTION || !contact_transmits(ode->state, contact) ||
+        !contact_rubs(ode->values, contact)) {
         return;
     }
     turning_friction_events(ode, at, contact, tolerated, events);

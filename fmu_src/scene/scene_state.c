@@ -5,6 +5,26 @@
 #include "scene/evaluate.h"
 #include "scene/scene_state.h"
 
+inline void contact_peaks_note(struct contact_peaks *peaks, double force, double penetration)
+{
+    peaks->force = force > peaks->force ? force : peaks->force;
+    peaks->penetration = penetration > peaks->penetration ? penetration : peaks->penetration;
+}
+
+inline void scene_state_look(const struct scene_state *from, struct scene_state *to)
+{
+    memcpy(to, from, offsetof(struct scene_state, unfinished));
+}
+
+inline bool path_is_steady(const struct vec3 *coefficients, int count)
+{
+    double sum = 0.0;
+    for (int i = 1; i < count; ++i) {
+        sum += fabs(coefficients[i].x) + fabs(coefficients[i].y) + fabs(coefficients[i].z);
+    }
+    return sum == 0.0;
+}
+
 void counter_add(int32_t *counter, long more)
 {
     const long room = (long)INT32_MAX - *counter;

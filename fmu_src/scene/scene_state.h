@@ -114,11 +114,7 @@ struct contact_peaks {
 };
 
 /* Whoever knows of a force and a penetration notes them here. */
-static inline void contact_peaks_note(struct contact_peaks *peaks, double force, double penetration)
-{
-    peaks->force = force > peaks->force ? force : peaks->force;
-    peaks->penetration = penetration > peaks->penetration ? penetration : peaks->penetration;
-}
+void contact_peaks_note(struct contact_peaks *peaks, double force, double penetration);
 
 /* What has been foreseen. */
 struct contact_schedule {
@@ -213,10 +209,7 @@ struct scene_state {
 };
 
 /* Copies all but the unfinished step, for whoever looks at the motion and does not go on with it. */
-static inline void scene_state_look(const struct scene_state *from, struct scene_state *to)
-{
-    memcpy(to, from, offsetof(struct scene_state, unfinished));
-}
+void scene_state_look(const struct scene_state *from, struct scene_state *to);
 
 /* The present time [s]. */
 double scene_time(const struct scene_state *q);
@@ -233,14 +226,7 @@ void scene_rebase(const struct scene_values *v, struct scene_state *q);
 struct vec3 path_at(const struct vec3 *coefficients, int count, double clock);
 
 /* Whether nothing but the first coefficient counts, as of most paths. */
-static inline bool path_is_steady(const struct vec3 *coefficients, int count)
-{
-    double sum = 0.0;
-    for (int i = 1; i < count; ++i) {
-        sum += fabs(coefficients[i].x) + fabs(coefficients[i].y) + fabs(coefficients[i].z);
-    }
-    return sum == 0.0;
-}
+bool path_is_steady(const struct vec3 *coefficients, int count);
 
 /* The same path with its origin moved to `clock`. */
 void path_shift(struct vec3 *coefficients, int count, double clock);

@@ -48,9 +48,10 @@ struct series_work {
     series_row impulse;        /* F_n dt/ds / unit */
     series_back time_back, opened_back, square_back, rate_back;
     series_back n_back[FRAME], r_rate_back[FRAME];
-    series_row across[2], rho_squared, rho, a[2]; /* c across the axis; a */
-    double normal[FRAME];                         /* n at the start */
-    double inverse_distance, side_by_mass;        /* 1/d at the start [1/m], side/m_red [1/kg] */
+    /* the part of c across the axis, its square and length, and the acceleration */
+    series_row across[2], rho_squared, rho, a[2];
+    double normal[FRAME];                  /* n at the start */
+    double inverse_distance, side_by_mass; /* 1/d at the start [1/m], side/m_red [1/kg] */
 };
 
 /* The first coefficients, by which quasi-static motion is recognized, are made before the rest. */

@@ -181,10 +181,10 @@ def test_a_wrong_answer_is_found():
     """Of each check, the least that is too much"""
     for method in METHODS:
         for name, limit in LIMITS[method].items():
-            assert Figures(**{name: 1.01 * limit}).wrong(method) == [name]
-            assert Figures(**{name: 0.99 * limit}).wrong(method) == []
-        assert Figures(missed=True).wrong(method) == ["onsets"]
-        assert Figures(finite=False).wrong(method) == ["finite"]
+            assert Figures(**{name: 1.01 * limit}).failures(method) == [name]
+            assert Figures(**{name: 0.99 * limit}).failures(method) == []
+        assert Figures(missed=True).failures(method) == ["onsets"]
+        assert Figures(finite=False).failures(method) == ["finite"]
 
 
 def test_a_scene_of_another_law_is_told_apart(monkeypatch):
