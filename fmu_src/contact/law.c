@@ -7,12 +7,12 @@
 #include "math/compiler.h"
 #include "math/series.h"
 
-inline bool contact_is_hertz(const struct contact_law *law)
+bool contact_is_hertz(const struct contact_law *law)
 {
     return CONTACT_ANY_HERTZ && law->law == LAW_HERTZ;
 }
 
-inline double contact_linear_force(struct contact_coefficients linear, double gap, double gap_rate)
+double contact_linear_force(struct contact_coefficients linear, double gap, double gap_rate)
 {
     return -(linear.k * gap + linear.c * gap_rate);
 }

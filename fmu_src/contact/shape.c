@@ -1,64 +1,64 @@
 #include "contact/shape.h"
 
-inline bool contact_is_cylinder(const struct contact_shape *shape)
+bool contact_is_cylinder(const struct contact_shape *shape)
 {
     return CONTACT_ANY_CYLINDER && shape->destination == SHAPE_CYLINDER;
 }
 
-inline bool contact_is_plane(const struct contact_shape *shape)
+bool contact_is_plane(const struct contact_shape *shape)
 {
     return CONTACT_ANY_PLANE && shape->destination == SHAPE_PLANE;
 }
 
-inline bool contact_is_rim(const struct contact_shape *shape)
+bool contact_is_rim(const struct contact_shape *shape)
 {
     return CONTACT_ANY_CAPS && shape->destination == SHAPE_RIM;
 }
 
-inline bool contact_is_capped(const struct contact_shape *shape)
+bool contact_is_capped(const struct contact_shape *shape)
 {
     return CONTACT_ANY_CAPS && shape->solid.half_height > 0.0;
 }
 
-inline bool contact_is_upside_down(const struct contact_shape *shape)
+bool contact_is_upside_down(const struct contact_shape *shape)
 {
     return contact_is_capped(shape) && shape->solid.zone < 0;
 }
 
-inline bool contact_may_reach_centre(const struct contact_shape *shape)
+bool contact_may_reach_centre(const struct contact_shape *shape)
 {
     return shape->side > 0 && !contact_is_plane(shape) && !contact_is_rim(shape);
 }
 
-inline bool contact_turns(const struct contact_shape *shape, const struct contact_geometry *at)
+bool contact_turns(const struct contact_shape *shape, const struct contact_geometry *at)
 {
     return !at->degenerate && !contact_is_plane(shape);
 }
 
-inline bool contact_is_near_axis(struct vec3 across, double axial)
+bool contact_is_near_axis(struct vec3 across, double axial)
 {
     return fabs(across.x) + fabs(across.y) + fabs(across.z) < 1e-8 * fabs(axial);
 }
 
-inline struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial)
+struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c, double axial)
 {
     const struct vec3 once = vec3_axpy(c, -axial, shape->axis);
     return contact_is_near_axis(once, axial) ? contact_across_again(shape, once) : once;
 }
 
-inline struct vec3 contact_across(const struct contact_shape *shape, struct vec3 c)
+struct vec3 contact_across(const struct contact_shape *shape, struct vec3 c)
 {
     return contact_is_cylinder(shape) ? contact_across_axis(shape, c, vec3_dot(c, shape->axis)) : c;
 }
 
-inline double contact_along_plane(struct vec3 normal, struct vec3 a)
+double contact_along_plane(struct vec3 normal, struct vec3 a)
 {
     const double along = vec3_dot(normal, a);
     const double terms = fabs(normal.x * a.x) + fabs(normal.y * a.y) + fabs(normal.z * a.z);
     return fabs(along) > 4.0 * DBL_EPSILON * terms ? along : 0.0;
 }
 
-inline struct vec3 contact_across_plane(struct vec3 normal, struct vec3 a)
+struct vec3 contact_across_plane(struct vec3 normal, struct vec3 a)
 {
     const struct vec3 once = vec3_axpy(a, -vec3_dot(normal, a), normal);
     if (vec3_max_abs(once) <= 4.0 * DBL_EPSILON * vec3_max_abs(a)) {

@@ -10,7 +10,7 @@
 
 #include "scene.h"
 
-inline bool step_plainly_in_order(const struct instance *instance, double point, double size)
+bool step_plainly_in_order(const struct instance *instance, double point, double size)
 {
     const double time = model_time(instance->model);
     const double end = point + size;

@@ -11,17 +11,6 @@
 #include "scene/evaluate.h"
 #include "touch/segment.h"
 
-inline void advance_spend(struct advance *step, long steps, long work)
-{
-    step->budget -= steps;
-    step->work -= work;
-}
-
-inline bool advance_is_spent(const struct advance *step)
-{
-    return step->budget <= 0 || step->work <= 0;
-}
-
 bool integrator_open(struct integrator *s, const struct scene_values *v,
                      const struct integrator_memory *memory)
 {

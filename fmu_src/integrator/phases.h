@@ -44,9 +44,16 @@ struct advance {
 enum { EVALUATION_WORK = 4, CVODE_STEP_WORK = 25, PANEL_WORK = 35 };
 
 /* Takes internal steps and the work that they took off what is left. */
-void advance_spend(struct advance *step, long steps, long work);
+static inline void advance_spend(struct advance *step, long steps, long work)
+{
+    step->budget -= steps;
+    step->work -= work;
+}
 
-bool advance_is_spent(const struct advance *step);
+static inline bool advance_is_spent(const struct advance *step)
+{
+    return step->budget <= 0 || step->work <= 0;
+}
 
 enum integrator_status {
     INTEGRATOR_DONE,       /* arrived at the end time */

@@ -74,10 +74,4 @@ enum { LANES = 1 };
 
 static const double PI = 3.141592653589793;
 
-/* The larger number; b where one of them is NaN. C11's fmax is a call. */
-static inline double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 #endif

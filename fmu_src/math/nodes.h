@@ -27,6 +27,12 @@ static inline struct gauss_place gauss_place(int i, int graded)
                   : (struct gauss_place){1.0 + GAUSS_NODE[i], 1.0};
 }
 
+/* The larger number; b where one of them is NaN. C11's fmax is a call. */
+static inline double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 /* Functions known at the Lobatto nodes of a step, s in [0, 2]; as coefficients they are polynomials of s -
  * 1. */
 

@@ -6,13 +6,6 @@
 
 #include "model/state.h"
 
-inline void model_forget_outputs(struct model *m)
-{
-    if (m->outputs > OUTPUTS_FIXED) {
-        m->outputs = OUTPUTS_FIXED;
-    }
-}
-
 /* The life of a model, and its steps. */
 
 struct model *model_create(const struct model_host *host)

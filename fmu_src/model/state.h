@@ -85,7 +85,12 @@ struct model {
 bool model_reports(const struct model *m, enum model_status status);
 
 /* The outputs that change are no longer those of the present. */
-void model_forget_outputs(struct model *m);
+static inline void model_forget_outputs(struct model *m)
+{
+    if (m->outputs > OUTPUTS_FIXED) {
+        m->outputs = OUTPUTS_FIXED;
+    }
+}
 
 /* Formats and sends a message when the host wants the category. */
 enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)

@@ -7,19 +7,19 @@
 #include "math/compiler.h"
 #include "scene/evaluate.h"
 
-inline bool scene_is_hertz(const struct scene_values *v, int contact)
+bool scene_is_hertz(const struct scene_values *v, int contact)
 {
     return SCENE_ANY_HERTZ && contact_law(v, contact) == LAW_HERTZ;
 }
 
-inline bool scene_damps_by_onset(const struct scene_values *v, int contact)
+bool scene_damps_by_onset(const struct scene_values *v, int contact)
 {
     return SCENE_ANY_RESTITUTION && scene_is_hertz(v, contact) &&
            contact_viscous_control(v, contact) == VISCOUS_CONTROL_RESTITUTION;
 }
 
-inline enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
-                                      const struct scene_instant *at, int contact, enum contact_regime next)
+enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
+                               const struct scene_instant *at, int contact, enum contact_regime next)
 {
     if (SCENE_ANY_RESTITUTION && SCENE_ANY_HERTZ) {
         return scene_damps_by_onset(v, contact) ? onset_take_damping(v, q, at, contact, next) : next;

@@ -5,18 +5,18 @@
 #include "scene/evaluate.h"
 #include "scene/scene_state.h"
 
-inline void contact_peaks_note(struct contact_peaks *peaks, double force, double penetration)
+void contact_peaks_note(struct contact_peaks *peaks, double force, double penetration)
 {
     peaks->force = force > peaks->force ? force : peaks->force;
     peaks->penetration = penetration > peaks->penetration ? penetration : peaks->penetration;
 }
 
-inline void scene_state_look(const struct scene_state *from, struct scene_state *to)
+void scene_state_look(const struct scene_state *from, struct scene_state *to)
 {
     memcpy(to, from, offsetof(struct scene_state, unfinished));
 }
 
-inline bool path_is_steady(const struct vec3 *coefficients, int count)
+bool path_is_steady(const struct vec3 *coefficients, int count)
 {
     double sum = 0.0;
     for (int i = 1; i < count; ++i) {

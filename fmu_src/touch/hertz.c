@@ -1,9 +1,9 @@
 #include <float.h>
 #include <string.h>
 
-#include "math/compiler.h"
 #include "math/lu.h"
 #include "math/node_tables.h"
+#include "math/nodes.h"
 #include "math/polynomial.h"
 #include "touch/segment.h"
 
