@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 # One of each kind, and one that rolls
 SCENES = (*KINDS, "Turntable")
 FMPY, LIBCOSIM = (next(one for one in IMPORTERS if one.name == name) for name in ("fmpy", "libcosim"))
-STEP, COUNT = 1e-3, 400
+STEP, COUNT = 1e-3, 600  # a ball that falls has struck by then
 GIVEN = Given(STEP, COUNT, Path(sys.executable), {})
 
 # fmpy as users call it, twice at once, with a reset between; it prints the end of each run.
