@@ -3,12 +3,12 @@ steps; and ten variants of each with the event-driven method.
 """
 
 from functools import cache
+from operator import itemgetter
 
 import pytest
 
 from support.checks import METHODS, check_close, run
 from support.reference.stored import both_bodies, stored
-from support.scenes.benchmark_variants import VARIANTS, variant
 from support.scenes.benchmarks import BENCHMARKS
 
 ALLOWED = 1e-6  # m
@@ -57,10 +57,9 @@ def test_event_driven_is_exact_to_a_nanometre(opened, name, steps, tolerance):
 
 
 @pytest.mark.parametrize("steps", [1, 997])
-@pytest.mark.parametrize("name, number", VARIANTS)
-def test_event_driven_is_exact_on_variants_too(opened, name, number, steps):
-    _, configuration, end = variant(name, number)
-    row = stored("variant_references.json")[name, number]
-    fmu = run(opened(BENCHMARKS[name].fmu), configuration, end, steps, TOLERANCE, "event_driven")
+@pytest.mark.parametrize("row", stored("variant"), ids=itemgetter("name"))
+def test_event_driven_is_exact_on_variants_too(opened, row, steps):
+    benchmark = BENCHMARKS[row["name"].split()[0]]
+    fmu = run(opened(benchmark.fmu), row["values"], row["end"], steps, TOLERANCE, "event_driven")
     check_close("displacement", both_bodies(fmu, "displacement"), row["displacement"], EXACT)
     assert fmu["contact.onsets"] == row["onsets"]

@@ -6,16 +6,18 @@ Velocities, energies and onset times may also be off by what a relative change o
 FACTOR * tolerance, does to them: behind a stiff contact they hang on the instant it began.
 """
 
+from operator import itemgetter
+
 import pytest
 
 from support.checks import check_close, run
 from support.reference.stored import errors_beyond, stored
 from support.scenes.benchmarks import BENCHMARKS
-from support.scenes.wide_scenes import COUNT, OVERDAMPED, overdamped_scene, wide_scene
 
 FACTOR = 10
 TOLERANCES = [1e-6, 1e-9, 1e-12]
 METHOD = "event_driven"
+WIDE, CREEPING = stored("wide"), stored("overdamped")
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 
 
@@ -38,35 +40,31 @@ def test_the_end_of_a_benchmark_is_as_exact_as_asked(opened, name, tolerance, by
 
 @pytest.mark.parametrize("by", ["importer", "parameter"])
 @pytest.mark.parametrize("tolerance", TOLERANCES)
-@pytest.mark.parametrize("number", range(COUNT))
-def test_the_end_of_a_random_scene_is_as_exact_as_asked(opened, number, tolerance, by):
-    shape, configuration, end = wide_scene(number)
-    configuration, given = asked(configuration, tolerance, by)
-    fmu = run(opened(FMU[shape]), configuration, end, 1, given, METHOD)
-    row = stored("wide_references.json")[number,]
+@pytest.mark.parametrize("row", WIDE, ids=itemgetter("name"))
+def test_the_end_of_a_random_scene_is_as_exact_as_asked(opened, row, tolerance, by):
+    configuration, given = asked(row["values"], tolerance, by)
+    fmu = run(opened(FMU[row["shape"]]), configuration, row["end"], 1, given, METHOD)
     assert errors_beyond(fmu, row, tolerance, FACTOR) == []
 
 
 @pytest.mark.parametrize("steps", [1, 97])
 @pytest.mark.parametrize("tolerance", TOLERANCES)
-@pytest.mark.parametrize("number", range(OVERDAMPED))
-def test_a_contact_that_creeps_is_as_exact_as_asked(opened, number, tolerance, steps):
-    shape, configuration, end = overdamped_scene(number)
-    fmu = run(opened(FMU[shape]), configuration, end, steps, tolerance, METHOD)
-    assert errors_beyond(fmu, stored("overdamped_references.json")[number,], tolerance, FACTOR) == []
+@pytest.mark.parametrize("row", CREEPING, ids=itemgetter("name"))
+def test_a_contact_that_creeps_is_as_exact_as_asked(opened, row, tolerance, steps):
+    fmu = run(opened(FMU[row["shape"]]), row["values"], row["end"], steps, tolerance, METHOD)
+    assert errors_beyond(fmu, row, tolerance, FACTOR) == []
 
 
-@pytest.mark.parametrize("number", range(0, COUNT, 4))
-def test_communication_steps_cost_no_accuracy(opened, number):
-    shape, configuration, end = wide_scene(number)
-    fmu = run(opened(FMU[shape]), configuration, end, 97, 1e-9, METHOD)
-    assert errors_beyond(fmu, stored("wide_references.json")[number,], 1e-9, FACTOR) == []
+@pytest.mark.parametrize("row", WIDE[::4], ids=itemgetter("name"))
+def test_communication_steps_cost_no_accuracy(opened, row):
+    fmu = run(opened(FMU[row["shape"]]), row["values"], row["end"], 97, 1e-9, METHOD)
+    assert errors_beyond(fmu, row, 1e-9, FACTOR) == []
 
 
 def test_the_scenes_are_of_many_kinds():
     """Each kind of contact is among those the references had: flights, trains of bounces, lasting contact"""
-    rows = stored("wide_references.json").values()
-    assert len(rows) == COUNT
+    rows = WIDE
+    assert len(rows) == 200
     assert sum(row["onsets"] == 0 for row in rows) < 10
     assert sum(row["onsets"] >= 3 for row in rows) > 50
     assert sum(row["energy.contact"] > 0 for row in rows) > 10
@@ -75,6 +73,6 @@ def test_the_scenes_are_of_many_kinds():
 
 def test_the_comparison_sees_an_error(opened):
     """A run that ends a little early is found out."""
-    shape, configuration, end = wide_scene(0)
-    fmu = run(opened(FMU[shape]), configuration, end * (1 - 1e-7), 1, 1e-12, METHOD)
-    assert errors_beyond(fmu, stored("wide_references.json")[0,], 1e-9, FACTOR)
+    row = WIDE[0]
+    fmu = run(opened(FMU[row["shape"]]), row["values"], row["end"] * (1 - 1e-7), 1, 1e-12, METHOD)
+    assert errors_beyond(fmu, row, 1e-9, FACTOR)

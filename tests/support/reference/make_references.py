@@ -1,8 +1,11 @@
-"""Writes wide_, overdamped_ and variant_references.json, or those named: the ends of the scenes of
-wide_scenes.py and benchmark_variants.py by the Taylor integrator in 40 digits, and how much they depend on
-the last digits of what is given.
+"""Makes the ends in wide_, overdamped_, variant_ and oblique_references.json anew, or in those named, by the
+Taylor integrator in 40 digits, and how much they depend on the last digits of what is given. The scenes stand
+there too. Wide are 200 random scenes: stiffness from 1e2 to 1e9 N/m, damping from none to twice the critical
+one, far from the origin, pushed by growing forces, free destinations under fixed and moved sources, bounce
+trains that settle into lasting contact, balls that slide along a stiff wall. In overdamped ones a ball creeps
+out of a stiff wall. Variants are ten problems each of the kinds P1, P2, P3 and P3b. Oblique are the atlas's.
 
-    PYTHONPATH=tests python -m support.reference.make_references        # some minutes
+    PYTHONPATH=tests:scripts python -m support.reference.make_references [FILE ...]       # some minutes
 """
 
 import json
@@ -13,16 +16,11 @@ from pathlib import Path
 
 import numpy as np
 
+from contact_fmus.stability.motions import FILE as OBLIQUE
 from support.reference.integrator import Reference
-from support.scenes.benchmark_variants import VARIANTS, variant
-from support.scenes.wide_scenes import COUNT, OVERDAMPED, overdamped_scene, wide_scene
 
 FOLDER = Path(__file__).parent
-SETS = {
-    "wide_references.json": [(wide_scene, (number,)) for number in range(COUNT)],
-    "overdamped_references.json": [(overdamped_scene, (number,)) for number in range(OVERDAMPED)],
-    "variant_references.json": [(variant, which) for which in VARIANTS],
-}
+FILES = [FOLDER / f"{name}_references.json" for name in ("wide", "overdamped", "variant")] + [OBLIQUE]
 ORDER = 30
 NUDGE = 2.0**-30  # relative change of what is given, for the condition numbers
 TRIES = 3
@@ -88,9 +86,9 @@ def distance(first, second):
     return float(np.max(np.abs(np.subtract(first, second))))
 
 
-def reference_of(task):
-    make, which = task
-    shape, values, end = make(*which)
+def made(row):
+    """The row with what follows from its scene, of which a row has all or some"""
+    values, shape, end = row["values"], row["shape"], row["end"]
     exact = Reference(values, shape, number=Decimal, order=ORDER).run(end)
     result = outcome(exact)
     plain = outcome(Reference(values, shape).run(end))
@@ -103,16 +101,17 @@ def reference_of(task):
             condition[name] = max(condition[name], distance(changed[name], plain[name]) / NUDGE)
     condition = {name: float(f"{c:.3g}") for name, c in condition.items()}
     counts = {"onsets": exact.onsets, "steady": steady, "steps": exact.steps}
-    print(*which, counts, condition, flush=True)
-    return {"which": which, **counts, **result, "condition": condition}
+    print(row["name"], counts, condition, flush=True)
+    found = {**counts, **result, "condition": condition}
+    return {key: found.get(key, value) for key, value in row.items()}
 
 
 def main():
     with ProcessPoolExecutor() as pool:
-        for name in sys.argv[1:] or SETS:
-            tasks = SETS[name]
-            lines = ",\n".join(json.dumps(row) for row in pool.map(reference_of, tasks))
-            (FOLDER / name).write_text(f"[\n{lines}\n]\n", encoding="utf-8")
+        for file in [Path(name) for name in sys.argv[1:]] or FILES:
+            rows = pool.map(made, json.loads(file.read_text(encoding="utf-8")))
+            lines = ",\n".join(map(json.dumps, rows))
+            file.write_text(f"[\n{lines}\n]\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The stored ends of scenes (make_references.py writes them) and how a run is compared with one of them."""
+"""Scenes with their ends (make_references.py writes these), and how a run is compared with one of them."""
 
 import json
 from functools import cache
@@ -12,9 +12,9 @@ FOLDER = Path(__file__).parent
 
 
 @cache
-def stored(file):
-    """which scene -> its row, as make_references.py wrote it"""
-    return {tuple(row["which"]): row for row in json.loads((FOLDER / file).read_text(encoding="utf-8"))}
+def stored(name):
+    """The rows of <name>_references.json: name, shape, values, end, and what make_references.py found"""
+    return json.loads((FOLDER / f"{name}_references.json").read_text(encoding="utf-8"))
 
 
 def both_bodies(fmu, name):
