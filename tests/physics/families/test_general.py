@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from support.checks import start
-from support.scenes.agreement import SUMS, Scene, check_agreement, seeds
+from support.checks import check_close, start
+from support.scenes.agreement import SUMS, Scene, answer, check_agreement, seeds
 
 CORNER = {"bodies": ("ball",), "contacts": ("at_wall", "at_side", "at_floor")}
 ROW = {"bodies": ("left", "middle", "right"), "contacts": ("first", "second")}
@@ -77,6 +77,46 @@ def balls_in_a_row(random):
     rests = gaps[1] == 0.0 and not any(values["right.initial_velocity"])
     end = one_of(random, 0.055, 0.11, 0.22)
     return Scene("ThreeBalls", values, end, AT_REST if rests else {}, slack_of(values), **ROW)
+
+
+def rubbed_in_a_corner(random):
+    """Contacts that rub begin while others last; most dashpots act on approach alone, half of them not at all."""
+    values = {
+        "ball.center": [0.1 + one_of(random, 0.0, 0.01, 0.02, 0.05) for _ in range(3)],
+        "ball.initial_velocity": [-one_of(random, 0.5, 1.0, 2.0) for _ in range(3)],
+        "ball.rotation": one_of(random, "none", "free"),
+    }
+    if values["ball.rotation"] == "free":
+        values["ball.initial_angular_velocity"] = [one_of(random, 0.0, 0.0, 10.0) for _ in range(3)]
+    for contact in CORNER["contacts"]:
+        stiffness = one_of(random, 1e3, 1e4)
+        values |= {
+            f"{contact}.method": "penalty_dynamic",
+            f"{contact}.penalty_factor": stiffness,
+            f"{contact}.viscous_penalty_factor": one_of(random, 0.0, 10.0),
+            f"{contact}.dashpot": one_of(
+                random, "approach_only", "approach_only", "non_adhesive", "unclamped"
+            ),
+            f"{contact}.friction": one_of(random, "regularized", "elastic", "none"),
+            f"{contact}.friction_coefficient": one_of(random, 0.1, 0.5),
+            f"{contact}.static_friction_coefficient": 0.5,
+            f"{contact}.tangential_stiffness": stiffness * one_of(random, 0.5, 0.8),
+            f"{contact}.tangential_damping": one_of(random, 0.0, 1.0),
+        }
+    if random.integers(3) == 0:
+        values["gravity"] = [0.0, 0.0, -10.0]
+    return Scene("BallInCorner", values, one_of(random, 0.055, 0.11, 0.22), **CORNER)
+
+
+@pytest.mark.parametrize("seed", seeds(12))
+def test_cvode_loses_no_friction_among_contacts_that_share_a_body(opened_several, seed):
+    """CVODE leaves 1e-8 at its tolerance of 1e-9; friction that is lost for a contact changes speeds by 0.1."""
+    scene = rubbed_in_a_corner(np.random.default_rng(seed))
+    fmu = opened_several(scene.fmu)
+    right = answer(fmu, scene, 1e-10, 1, readings=False)
+    found = answer(fmu, scene, 1e-9, 1, readings=False, method="cvode_bdf")
+    for name in ("ball.velocity", "ball.position", "energy.friction", "energy.dissipated"):
+        check_close(name, found[name], right[name], 1e-6)
 
 
 # A limit on internal steps of a communication step: ten times what the runs below take at most.
