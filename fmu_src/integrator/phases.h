@@ -38,10 +38,10 @@ struct advance {
 /*
  * What takes how much work. An internal step in closed form or an event takes some 3,000 instructions, which
  * are the unit; segment_make says what other segments take. An evaluation of forces by the general segment
- * takes 9,000 to 14,000, a step of CVODE 50,000 to 300,000, a panel of the quadrature of a prescribed contact
+ * takes 9,000 to 20,000, a step of CVODE 50,000 to 300,000, a panel of the quadrature of a prescribed contact
  * 100,000.
  */
-enum { EVALUATION_WORK = 4, CVODE_STEP_WORK = 25, PANEL_WORK = 35 };
+enum { EVALUATION_WORK = 6, CVODE_STEP_WORK = 25, PANEL_WORK = 35 };
 
 /* Takes internal steps and the work that they took off what is left. */
 static inline void advance_spend(struct advance *step, long steps, long work)

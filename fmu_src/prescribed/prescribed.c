@@ -60,7 +60,7 @@ struct span {
     bool elastic;       /* friction has a spring */
     long *panels;       /* that are left to the quadrature */
     long *evaluations;  /* that are left to the search for touches */
-    long panel_cost;    /* in panels of bodies that do not turn about changing directions */
+    long panel_cost;    /* in panels of bodies without springs that turn about fixed directions */
 };
 
 static enum contact_regime regime_of(const struct prescribed_contact *c)
@@ -880,6 +880,9 @@ static bool finds_event(const struct span *s, const struct panel *left, const st
     return false;
 }
 
+/* A whole panel and its two halves are one of the panels that are left to the quadrature. */
+enum { PANELS_COMPARED = 3 };
+
 /* Halves the bracket of an event that is between `before` and `after` until the clock is known to rounding;
  * the panel that ends there, just past the event, and which event it is. */
 static bool panel_to_event(const struct span *s, const struct place *start, double before, double after,
@@ -887,9 +890,11 @@ static bool panel_to_event(const struct span *s, const struct place *start, doub
 {
     const struct vec3 first = s->spring;
     struct margins now;
+    int made = 0;
     panel->spring = first;
     while (after - before > 4.0 * DBL_EPSILON * fabs(after)) {
         const double middle = 0.5 * (before + after);
+        made += s->elastic;
         if (!(middle > before && middle < after) ||
             (s->elastic && !panel_make(&s->c, start->clock, middle, first, panel))) {
             break;
@@ -897,6 +902,7 @@ static bool panel_to_event(const struct span *s, const struct place *start, doub
         margins_at(&s->c, middle, panel->spring, &now);
         *(event_passed(&now, &start->at) != REGIME_EVENTS ? &after : &before) = middle;
     }
+    *s->panels -= made * s->panel_cost / PANELS_COMPARED;
     if (!panel_make(&s->c, start->clock, after, first, panel)) {
         return false;
     }
@@ -977,6 +983,9 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
     return clock;
 }
 
+/* The springs of elastic friction take as long as all else that a panel is made of. */
+enum { ELASTIC_PANEL = 2 };
+
 static struct span span_of(const struct scene_values *v, struct scene_state *q, int contact, double length,
                            long *panels)
 {
@@ -985,7 +994,7 @@ static struct span span_of(const struct scene_values *v, struct scene_state *q, 
                          .turns = scene_turns(v),
                          .elastic = contact_rubs_elastically(v, contact),
                          .panels = panels,
-                         .panel_cost = 1};
+                         .panel_cost = contact_rubs_elastically(v, contact) ? ELASTIC_PANEL : 1};
 }
 
 static struct vec3 vector_from(const double *a)

@@ -214,7 +214,7 @@ def test_an_impact_is_right_or_refused_however_short_it_is(opened, stiffness, be
 
 
 LEAST_WORK = 2_000_000  # integrator/phases.c
-EVALUATION_WORK = 4  # integrator/phases.h
+EVALUATION_WORK = 6  # integrator/phases.h
 HOPS = {"source.rotation": "free", "contact.friction": "regularized", **DROP, "source.center": [0, 0, 0.65]}
 
 
