@@ -80,7 +80,7 @@ def balls_in_a_row(random):
 
 
 def rubbed_in_a_corner(random):
-    """Contacts that rub begin while others last; most dashpots act on approach alone, half of them not at all."""
+    """Contacts that rub begin while others last. Most dashpots act on approach alone, half have no damping."""
     values = {
         "ball.center": [0.1 + one_of(random, 0.0, 0.01, 0.02, 0.05) for _ in range(3)],
         "ball.initial_velocity": [-one_of(random, 0.5, 1.0, 2.0) for _ in range(3)],
@@ -110,7 +110,7 @@ def rubbed_in_a_corner(random):
 
 @pytest.mark.parametrize("seed", seeds(12))
 def test_cvode_loses_no_friction_among_contacts_that_share_a_body(opened_several, seed):
-    """CVODE leaves 1e-8 at its tolerance of 1e-9; friction that is lost for a contact changes speeds by 0.1."""
+    """CVODE leaves 1e-8 at its tolerance of 1e-9; friction lost for a contact changes speeds by 0.1."""
     scene = rubbed_in_a_corner(np.random.default_rng(seed))
     fmu = opened_several(scene.fmu)
     right = answer(fmu, scene, 1e-10, 1, readings=False)
