@@ -80,7 +80,7 @@ def balls_in_a_row(random):
 
 
 def rubbed_in_a_corner(random):
-    """Contacts that rub begin while others last. Most dashpots act on approach alone, half have no damping."""
+    """Contacts that rub begin while others last; most dashpots act on approach alone, or not at all."""
     values = {
         "ball.center": [0.1 + one_of(random, 0.0, 0.01, 0.02, 0.05) for _ in range(3)],
         "ball.initial_velocity": [-one_of(random, 0.5, 1.0, 2.0) for _ in range(3)],
