@@ -1,4 +1,4 @@
-/* Terminal events of the general segment. */
+/* The general segment: terminal events, peaks, and the way from one clock to another. */
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -11,20 +11,21 @@
 #include "scene/evaluate.h"
 #include "scene/ode.h"
 
-/* An event is put where a step of its own length has it; closer than this part of the step, by its rate. */
+/* An event is located by a step that ends close to it. Within this part of the step its rate locates it. */
 static const double CLOSE = 1e-6;
 
-/* A dip below zero by so many roundings of the largest value, or by the error of the polynomial, is none. */
+/* A dip below zero counts only if it is deeper than this part of the largest value and than the error of the
+ * polynomial. */
 static const double NOISE = 64.0 * DBL_EPSILON;
 
-/* Of the error allowed: a polynomial as accurate as this is so wherever an event of what turns is, whose
- * momenta a thousand impacts shall keep to 1e-12. */
+/* Where bodies turn, a polynomial whose error is below this part of the error allowed needs no shorter step
+ * to end at an event: a thousand impacts then keep momenta to 1e-12. */
 static const double ACCURATE_WITHIN = 1e-3;
 
-/* Each halves the length at least, or comes closer by its square. */
+/* Trials that locate an event: each halves the bracket or converges quadratically. */
 enum { MOST_TRIALS = 40 };
 
-/* Newton's steps from a state that is CLOSE to the event to the event itself. */
+/* Newton steps from a state that is CLOSE to an event to the event itself. */
 enum { MOST_MOVES = 4 };
 
 /*
@@ -115,7 +116,7 @@ static void smooth_friction(struct general *g, int contact)
 }
 #endif
 
-/* Event functions at the start and at all stages. */
+/* Samples the event functions at the start and at all stages. */
 static void sample_events(struct general *g)
 {
     const struct radau_step *p = &g->step;
@@ -133,7 +134,7 @@ static void sample_events(struct general *g)
 #endif
 }
 
-/* Bernstein coefficients of one event function; false where it is above zero everywhere. */
+/* Computes the Bernstein coefficients of one event function; false where they show no zero. */
 static bool may_fall(const struct general *g, int event, double of[BERNSTEIN_MOST], double *largest)
 {
     const struct radau_stages *stages = g->step.stages;
@@ -175,7 +176,7 @@ static double event_at(struct general *g, int event, double clock, const double 
     return all[event];
 }
 
-/* The event function at a part of the step, of the state that the polynomial has there. */
+/* The event function at a part of the step, for the state that the polynomial has there. */
 static double event_within(struct general *g, int event, double part)
 {
     const struct radau_step *p = &g->step;
@@ -183,8 +184,8 @@ static double event_within(struct general *g, int event, double part)
     return event_at(g, event, p->start + part * p->length, g->y);
 }
 
-/* Parts of the step about a root, from the samples; false where the function falls between two of them
- * only. */
+/* Finds two neighbouring samples that enclose the first root. False: no sample is below zero, the function
+ * may fall between two of them only. */
 static bool enclose_root(const struct general *g, int event, double ends[2])
 {
     const struct radau_stages *stages = g->step.stages;
@@ -201,10 +202,9 @@ static bool enclose_root(const struct general *g, int event, double ends[2])
 /* Places between two samples at which an event function's polynomial is searched for its lowest value. */
 enum { DIP_PLACES = 16 };
 
-/* Parts of the step about a root between two samples that are both above zero, where the polynomial falls
- * through zero at `from`. The function itself is evaluated where the polynomial is lowest before the next
- * sample. False: it is above zero there, and the polynomial, which is as good as the function is smooth, is
- * wrong. */
+/* Encloses a root between two samples that are both above zero, where the polynomial falls through zero at
+ * `from`. The function itself is evaluated where the polynomial is lowest before the next sample. False: the
+ * function is above zero there, so that the dip is an error of the polynomial. */
 static bool enclose_dip(struct general *g, int event, const double *of, double from, double ends[2])
 {
     const struct radau_stages *stages = g->step.stages;
@@ -225,9 +225,9 @@ static bool enclose_dip(struct general *g, int event, const double *of, double f
     return !(event_within(g, event, ends[1]) > 0.0);
 }
 
-/* The polynomial of an event function is as good as the function is smooth; the root is that of the
- * function itself, on the polynomial of the states. It is found by halves and secants in turn. Which of two
- * events in a step comes first is decided by these roots. INFINITY: the function itself does not fall. */
+/* The root of the event function itself along the polynomial of the states, by bisection and secants in turn;
+ * the polynomial of the event function gives the first guess. These roots decide which event comes first.
+ * INFINITY: the function itself has no root. */
 static double root_within(struct general *g, int event, const double *of, double part)
 {
     double ends[2];
@@ -262,7 +262,7 @@ static double root_within(struct general *g, int event, const double *of, double
     return fabs(values[0]) < fabs(values[1]) ? ends[0] : ends[1];
 }
 
-/* No root is before, by the polynomial and, where that is not the last word, by the samples. */
+/* A lower bound of the first root, from the polynomial and, where bodies turn or rub, from the samples. */
 static double earliest_root(const struct general *g, int event, double by_polynomial)
 {
     double ends[2];
@@ -293,7 +293,7 @@ struct general_event general_first_event(struct general *g)
     return first;
 }
 
-/* Rate of the event function along the polynomial [1/s], from its values about a place. */
+/* Rate of the event function along the polynomial [its unit/s], by a difference before a place. */
 static double rate_at(struct general *g, int event, double part)
 {
     const struct radau_step *p = &g->step;
@@ -304,15 +304,15 @@ static double rate_at(struct general *g, int event, double part)
     return (event_at(g, event, p->start + part * p->length, g->y) - before) / (apart * p->length);
 }
 
-/* How far the event is from a state, by its rate [s]. */
+/* Time from a state to the event by the rate of its function [s]. */
 static double missing_to(struct general *g, int event, double rate, double clock, const double *y)
 {
     return rate < 0.0 ? -event_at(g, event, clock, y) / rate : 0.0;
 }
 
-/* Solves the step again for another length, from the polynomial as guess. False: it has no solution, or one
- * that is less accurate than the tolerances allow. A stiff step is judged at all its nodes: the error of its
- * end is then the slip that it has not seen before. */
+/* Solves the step again for another length, with the polynomial as guess. False: it has no solution, or its
+ * error is too large. A stiff step is judged at all its nodes, because its end has a slip that the longer
+ * step had not resolved. */
 static bool solve_again(struct general *g, double length)
 {
     struct radau_step *p = &g->step;
@@ -324,9 +324,9 @@ static bool solve_again(struct general *g, double length)
     return (general_is_stiff(g) ? fmax(error, g->error_within) : error) <= 1.0;
 }
 
-/* The state at the event, from one that is close to it. The rate is a mean over some of the step, right to a
- * few hundredths: each time as much less is missing. The last leaves no more than rounding of the gap, so
- * that bodies that part are apart. */
+/* Moves a state that is close to the event to the event. The rate is right to a few hundredths, so that each
+ * move leaves a few hundredths of the distance. The last leaves only rounding of the gap, so that bodies that
+ * part are apart. */
 static void move_to_event(struct general *g, int event, double rate, double *clock, double *y)
 {
     const struct radau_problem *problem = &g->step.problem;
@@ -346,7 +346,7 @@ static void move_to_event(struct general *g, int event, double rate, double *clo
     }
 }
 
-/* A shorter step, on whose polynomial the event is looked for again; its end as `clock` and `y`. */
+/* Makes a shorter step and looks for the event on its polynomial; `clock` and `y` are its end. */
 static bool look_again(struct general *g, double length, struct general_event *found, double *clock,
                        double *y)
 {
@@ -359,11 +359,10 @@ static bool look_again(struct general *g, double length, struct general_event *f
     return true;
 }
 
-/* Where the polynomial is not as accurate within as at its end, a step of that length is made; the event is
- * where the end of that has it. Until both agree it is looked for again, on the polynomial of the shorter
- * step. Where there is no such step, as friction has no direction where the normal force ends, one of half
- * the length comes first. A stiff step is made again, too: friction that leads a surface slides before F_n
- * ends, and a polynomial that goes on to F_n < 0 may show slip the other way round in place of that. */
+/* Where the polynomial is less accurate within than at its end, a shorter step is made that ends at the
+ * event, and the event is located again on its polynomial until both agree. Where no such step can be made,
+ * because friction has no direction where the normal force ends, a step of half the length comes first. A
+ * stiff step is made again in any case: its polynomial may go on to F_n < 0 and show slip the other way. */
 bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y)
 {
     struct radau_step *p = &g->step;
@@ -386,7 +385,7 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
         }
         const double missing = missing_to(g, event, rate, *clock, y);
         const bool is_first =
-            found->event < 0 || found->part >= 1.0 - CLOSE; /* by the shorter step's polynomial */
+            found->event < 0 || found->part >= 1.0 - CLOSE; /* on the shorter step's polynomial */
         if (is_first && fabs(missing) <= CLOSE * length) {
             *found = (struct general_event){1.0, event};
             move_to_event(g, event, rate, clock, y);
@@ -400,9 +399,7 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
     return found->event < 0;
 }
 
-/* Peaks of force and penetration within a step of the general segment, as the scene moves along it. */
-
-/* Bernstein coefficients of the polynomial through the values at the start and all stages. */
+/* Bernstein coefficients of the polynomial through F_n or -g at the start and all stages. */
 static void put_coefficients(const struct general *g, int contact, int quantity, double of[BERNSTEIN_MOST])
 {
     const struct radau_stages *stages = g->step.stages;
@@ -427,7 +424,7 @@ void general_set_peaks(struct general *g)
     }
 }
 
-/* The largest coefficient between two parts of the step, which no value there exceeds. */
+/* The largest Bernstein coefficient between two parts of the step: an upper bound of the quantity there. */
 static double bound_between(const struct general *g, int contact, int quantity, double from, double to)
 {
     const int count = g->step.stages->stages + 1;
@@ -441,8 +438,8 @@ static double bound_between(const struct general *g, int contact, int quantity, 
     return most;
 }
 
-/* Whether between the start of the part and its end, the present, nothing is larger than what has been noted
- * or is at the present, but for what the error of a step allows. */
+/* Whether force and depth between `from` and the present exceed the peaks noted by no more than the error
+ * allowed in a step. */
 static bool is_known(const struct general *g, const struct scene_state *q, const struct scene_instant *at,
                      int contact, double from)
 {
@@ -464,14 +461,15 @@ static bool is_known(const struct general *g, const struct scene_state *q, const
            bound_between(g, contact, GENERAL_DEPTH, first, last) <= depth;
 }
 
-/* A step of twelve stages is five radians of an oscillation at most: parts of less than half a turn. */
+/* Searches for peaks by parts of less than half an oscillation: a step of twelve stages is five radians at
+ * most. */
 static void look_for_peaks(struct general *g, struct scene_state *q, int contact, double from)
 {
     struct scene_output *output = &g->output[contact];
     const double part = g->step.problem.turns ? fmin((q->clock - from) / g->step.length, 1.0) : 1.0;
     const int parts = (int)ceil(part * g->step.stages->stages / 3);
     if (g->step.problem.turns) {
-        output->output.count = 0; /* the last call may not have looked */
+        output->output.count = 0; /* the last call may have skipped the search */
         output->output.latest_s = -1.0;
     }
     output->values = g->ode.values;
@@ -480,7 +478,7 @@ static void look_for_peaks(struct general *g, struct scene_state *q, int contact
     scene_output_add_torque(output, from, q->clock, parts, q);
 }
 
-/* From a clock within the step to the present. */
+/* Notes the peaks from a clock within the step to the present. */
 static void note_peaks_within(struct general *g, struct scene_state *q, double from)
 {
     struct scene_instant at;
@@ -513,8 +511,8 @@ void general_move_scene(struct general *g, struct scene_state *q, double clock, 
     note_peaks_within(g, q, from);
 }
 
-/* Steps of the general segment that go on beyond a communication point: the motion is read there on the
- * step's polynomial, which the state of motion keeps. */
+/* A step may go on beyond a communication point. The state of motion keeps its polynomial, on which the
+ * motion is read there. */
 
 #if SCENE_ANY_TURNING
 
@@ -589,12 +587,12 @@ void general_follow(struct general *g, struct scene_state *q, double clock)
 
 #endif
 
-/* What a step may take of the tolerances: as much as the other segments (integrator/event_driven.c), because
- * impacts multiply errors; not less than what rounding leaves of a step and its events. */
+/* Error allowed in a step as a part of the tolerances, because impacts multiply errors; and its lower limit,
+ * the rounding in a step and its events. */
 static const double TOLERANCE_SHARE = 1e-3;
 static const double LEAST_TOLERANCE = 1024.0 * DBL_EPSILON;
 
-/* Where outputs are read within a step the error there is this part of the tolerance at most. */
+/* Error allowed where outputs are read within a step, as a part of the tolerance. */
 static const double READ_PART = 0.1;
 
 static void rates_at_stage(const void *context, double clock, const double *y, double *rates)
@@ -705,7 +703,7 @@ void general_attach(struct general *g, const struct scene_values *v, struct scen
     g->relative = fmax(TOLERANCE_SHARE * solver_relative_tolerance(v), LEAST_TOLERANCE);
     g->absolute = TOLERANCE_SHARE * solver_absolute_tolerance(v);
     g->read_share = g->relative / (READ_PART * solver_relative_tolerance(v));
-    g->longest = q->general_length; /* of the state, so that a restored one goes on as the saved one */
+    g->longest = q->general_length; /* kept in the state, so that a restored state continues bit for bit */
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         g->output[j] =
             (struct scene_output){.contact = j, .move = move_along_step, .mover = g, .output.latest_s = -1.0};
@@ -733,9 +731,7 @@ void general_start(struct general *g, const struct scene_values *v, struct scene
 #endif
 }
 
-/* The general segment from one clock to another: step by step, up to an event or within a step. */
-
-/* Whether a contact ends as the gap opens, not as the source passes an end of its cylinder. */
+/* Whether a contact ends because the gap opens, not because the source passes an end of its cylinder. */
 static bool parts_at_gap(const struct general *g, const struct scene_values *v, const struct scene_state *q,
                          const struct scene_instant *at, int contact)
 {
@@ -745,9 +741,8 @@ static bool parts_at_gap(const struct general *g, const struct scene_values *v, 
     return gap <= 4.0 * g->ode.gap_offset[contact] || (scene_turns(v) && gap <= fabs(beyond));
 }
 
-/* Moves free bodies as far as the gap is from zero, along their velocities: a shift along the normal
- * would change the angular momentum by as much at every impact. Only over what is rounding of the clock, or
- * of a second where a phase has just begun. */
+/* Moves free bodies back along their velocities to a gap of zero. A shift along the normal would change the
+ * angular momentum at every impact. The time moved is at most rounding of the clock or of a second. */
 static void go_back_to_gap(const struct scene_values *v, struct scene_state *q,
                            const struct scene_instant *at, int contact)
 {
@@ -763,7 +758,8 @@ static void go_back_to_gap(const struct scene_values *v, struct scene_state *q,
     }
 }
 
-/* The error allowed in a step is that of a speed, too. */
+/* Closes the gap and restores the energy at the end of a contact. The error allowed in a step is a speed's,
+ * too. */
 static void tidy_end(struct general *g, const struct scene_values *v, struct scene_state *q,
                      const struct advance *step)
 {
@@ -780,9 +776,9 @@ static void tidy_end(struct general *g, const struct scene_values *v, struct sce
     q->contact[step->contact].schedule.dead_band_clock = q->clock * (1.0 + 16.0 * DBL_EPSILON);
 }
 
-/* Contacts that end, or begin, at almost the same time: when the first has ended the phase, the second may
- * already be past its root by more than the offset. So may the end of a contact whose friction has just
- * changed. */
+/* Finds a contact that is already past its event: where two contacts end or begin at almost the same time, or
+ * where friction changes just before a contact ends, the second event may be past its root by more than the
+ * offset. */
 static bool has_passed_event(struct general *g, const struct scene_values *v, struct scene_state *q,
                              struct advance *step)
 {
@@ -802,13 +798,13 @@ static bool has_passed_event(struct general *g, const struct scene_values *v, st
     return false;
 }
 
-/* A step up to its end or its first event. Where no step can be made to end at an event, one of half the way
- * to it comes first, and so on until the event is within the rounding of the clock. */
+/* Makes a step up to its end or its first event. Where no step can be made to end at the event, a step of
+ * half the way comes first, and so on until the event is within rounding of the clock. */
 static enum advance_result make_step(struct general *g, const struct scene_state *q, struct advance *step)
 {
     struct general_end *end = &g->end;
     const double left = step->clock_end - q->clock;
-    /* what does not turn stops at the end, as no state keeps its steps; so does what rounding decides */
+    /* only steps of scenes that turn or rub are kept beyond the end, and only where rounding allows it */
     const double most =
         g->step.problem.turns && g->read_share <= 1.0 ? fmax(step->clock_limit - q->clock, left) : left;
     double longest = (double)INFINITY;
@@ -844,7 +840,7 @@ static enum advance_result make_step(struct general *g, const struct scene_state
     }
 }
 
-/* To the end of the step, and what ends it. */
+/* Moves the scene to the end of the step and tells what ends it. */
 static enum advance_result end_step(struct general *g, const struct scene_values *v, struct scene_state *q,
                                     struct advance *step)
 {
@@ -864,7 +860,7 @@ static enum advance_result end_step(struct general *g, const struct scene_values
     return ADVANCE_REACHED;
 }
 
-/* The step that the last call has left unfinished, up to its end. */
+/* Finishes the step that the last call has left unfinished. */
 static enum advance_result finish_step(struct general *g, const struct scene_values *v, struct scene_state *q,
                                        struct advance *step)
 {
@@ -898,7 +894,7 @@ static enum advance_result make_steps(struct general *g, const struct scene_valu
     return result;
 }
 
-/* Not inline: what does not turn or rub passes by its caller, and is faster where that stays small. */
+/* Not inline, because its caller is faster while it is small. */
 CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const struct scene_values *v,
                                                      struct scene_state *q, struct advance *step)
 {

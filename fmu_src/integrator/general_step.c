@@ -1,4 +1,4 @@
-/* How long a first step of the general segment may be. */
+/* One step of the general segment: limits of its length, errors allowed, Newton's method, step control. */
 #include <float.h>
 #include <stdio.h>
 #include <string.h>
@@ -7,7 +7,7 @@
 #include "scene/evaluate.h"
 #include "scene/scene_jet.h"
 
-/* Radians of the fastest oscillation. An impact takes pi, four under Hertz's law. */
+/* Length of a first step in radians of the fastest oscillation: an impact takes pi, by Hertz's law four. */
 static const double FIRST_STEP = 4.0;
 
 double general_length_of_springs(const struct general *g)
@@ -15,7 +15,7 @@ double general_length_of_springs(const struct general *g)
     const struct radau_step *p = &g->step;
     double square = 0.0;
     for (int i = 0; i < p->problem.paired; ++i) {
-        double sum = 0.0; /* of what the places do to one speed */
+        double sum = 0.0; /* the effect of all places on one speed */
         for (int j = 0; j < p->problem.paired; ++j) {
             sum += fabs(p->by_places[j * p->others + p->speed_among[i]]);
         }
@@ -26,16 +26,16 @@ double general_length_of_springs(const struct general *g)
 
 #if SCENE_ANY_HERTZ
 
-/* Hertz's spring at so much of its largest depth, or more, is known by its slope: general_length_of_springs
- * and the error of a step see it. The slope goes with the root of the depth. */
+/* From this part of its largest depth on Hertz's spring shows its stiffness by its slope, which goes with the
+ * root of the depth: general_length_of_springs and the error of a step then see it. */
 static const double DEEP = 0.25;
 
-/* Depth to which speed and load bring a contact from the touch, its order of magnitude [m]: of an impact
- * without damping delta^(5/2) = 5/4 v^2 / k; with much, 5/2 v / (k chi); at rest under a load a,
- * delta^(3/2) = a / k. `k` is by mass. */
+/* Order of magnitude of the largest depth after a touch [m]. An impact without damping has delta^(5/2) =
+ * 5/4 v^2 / k, one with much damping 5/2 v / (k chi). Rest under a load a has delta^(3/2) = a / k. `k` is
+ * k_h / m_red. */
 static double depth_to_come(double k, double chi, double speed, double load)
 {
-    const double stops = fmin(0.5 * speed, 1.0 / chi); /* chi = 0: the former */
+    const double stops = fmin(0.5 * speed, 1.0 / chi); /* chi = 0: 0.5 speed */
     const double static_depth = cbrt(load / k);
     return fmax(pow(2.5 * speed * stops / k, 0.4), static_depth * static_depth);
 }
@@ -77,19 +77,19 @@ double general_length_of_impacts(const struct scene_values *v, const struct scen
 
 #if SCENE_ANY_FRICTION
 
-/* Regularized friction bends where the slip falls to some v_0: a polynomial ends before exp(-slip/v_0) is
- * more than rounding of a force, and beyond follows it over a few powers of e. Below the last it is as good
- * as linear. */
+/* Regularized friction bends where the slip falls to a few v_0. A step ends SLIP_BEFORE times v_0 / |du/dt|
+ * before the slip is zero, where exp(-slip/v_0) is still rounding. The next steps follow the bend over
+ * SLIP_WITHIN of them. Below SLIP_AFTER v_0 friction is nearly linear. */
 static const double SLIP_BEFORE = 20.0;
 static const double SLIP_WITHIN = 8.0;
 static const double SLIP_AFTER = 4.0;
 
-/* No step is made shorter than this for it, in the clock or a second; nor by a slip that is rounding of
- * speeds. */
+/* The slip makes no step shorter than this part of the clock or of a second. A slip below this part of the
+ * speeds is rounding and limits no step. */
 static const double SLIP_SHORTEST = 1e-13;
 static const double SLIP_ROUNDING = 1e-12;
 
-/* When the sum of[0] + of[1] t + of[2] t^2, positive at first, falls to zero; INFINITY: it does not. */
+/* The time at which of[0] + of[1] t + of[2] t^2, positive at first, falls to zero; INFINITY: never. */
 static double time_to_zero(const double of[3])
 {
     const double square = of[1] * of[1] - 4.0 * of[0] * of[2];
@@ -134,7 +134,7 @@ double general_length_of_sliding(const struct scene_values *v, const struct scen
 
 /* Errors that a step of the general segment is allowed. */
 
-/* Of places by their own accelerations, the largest [1/s^2]. */
+/* The largest stiffness by mass of a place on its own acceleration [1/s^2]. */
 static double spring_of_places(const struct radau_step *p)
 {
     double most = 0.0;
@@ -144,12 +144,11 @@ static double spring_of_places(const struct radau_step *p)
     return most;
 }
 
-/* Differences of states, such as the slip, have eight roundings of them, as the rate of a gap has
- * (rounding_of_rate). */
+/* Rounding of a difference of states, such as the slip, as a part of their size: as in rounding_of_rate. */
 static const double ROUNDING_OF_STATES = 8.0 * DBL_EPSILON;
 
-/* What rounding makes of the rate [per second] of one of the states left: that of gaps, through the springs,
- * and that of all states left, each by its size. */
+/* Rounding in the rate of one of the states left [its unit/s]: rounding of gaps through the springs, and
+ * rounding of the other states left, each by its size. */
 static double rounding_of_rates(const struct general *g, int left)
 {
     const struct radau_step *p = &g->step;
@@ -164,8 +163,8 @@ static double rounding_of_rates(const struct general *g, int left)
     return by_places * g->place_rounding + ROUNDING_OF_STATES * by_others;
 }
 
-/* Rounding makes forces, which act for a radian of the oscillation at most, or until what they change has
- * died away: speeds and what else the forces change are no better. */
+/* Rounding makes forces that act for at most a radian of the oscillation or a decay time. The error allowed
+ * in a speed is not below the change that they make. */
 static void allow_rounding(struct general *g)
 {
     struct radau_step *p = &g->step;
@@ -210,15 +209,14 @@ void general_set_weights(struct general *g)
  * stage. */
 
 #if SCENE_ANY_FRICTION
-/* What is put back after a first guess. */
+/* Friction regimes and v_0 that are restored after a first guess. */
 struct kept_friction {
     int32_t regime[SCENE_CONTACTS];
     double slip_velocity[SCENE_CONTACTS];
 };
 
-/* Regularized friction as its tangent at no slip, under the normal force at the start of the step, and
- * back: it does not saturate, so that Newton's method finds where the slip is as small as it is in
- * rolling, from any guess. */
+/* Replaces regularized friction by its tangent at zero slip, under the normal force at the start of the step.
+ * The tangent does not saturate, so that Newton's method finds the small slip of rolling from any guess. */
 static void straighten_friction(struct general *g, struct kept_friction *kept)
 {
     struct scene_instant at;
@@ -274,56 +272,55 @@ bool general_solve_fully(struct general *g, bool thoroughly)
 
 /* One step of the general segment: its stages, its length, its error. */
 
-/* Steps in which Newton's method with the Jacobian at every stage has failed are tried again when they
- * have grown by these from what was not too long. */
+/* After a failure of Newton's method with the Jacobian at every stage the step shrinks by SOLVABLE_PART.
+ * After each success its limit grows by SOLVABLE_GROWTH. */
 static const double SOLVABLE_PART = 0.6;
 static const double SOLVABLE_GROWTH = 1.1;
 
-/* By more where so few iterations have been enough. */
+/* After a success with at most EASY_ITERATIONS iterations the limit grows faster. */
 enum { EASY_ITERATIONS = 3 };
 static const double EASY_GROWTH = 2.0;
 
-/* The same of simplified iterations, which cost less in vain. */
+/* Growth of the limit for simplified iterations, which cost less when they fail. */
 static const double SIMPLE_GROWTH = 1.3;
 
-/* What dies away so often within a step leaves so much rounding in its force that corrections must follow
- * it. */
+/* A state that decays by more powers of e than this within a step has a force that is mostly rounding:
+ * Newton's method needs the Jacobian at every stage. */
 static const double STIFF = 200.0;
 
-/* What is less stiff than this is followed on its way down, and simplified iterations fail for another
- * reason: a change within the step, for which it is too long. */
+/* A decay by fewer powers of e than this is followed by the polynomial. Simplified iterations then fail only
+ * because the step is too long for a change within it. */
 static const double LEAST_STIFF = 5.0;
 
-/* Of the bound for a gap, how much its rounding commonly is. */
+/* Common rounding of a gap / its bound. */
 static const double ROUNDING_OF_GAP = 0.5;
 
-/* At its end the error of a step is a thousandth of the tolerance (integrator/general.c), anywhere else all
- * of it. */
+/* The error at the end of a step may be a thousandth of the tolerance (general.c), elsewhere all of it. */
 static const double WITHIN_SHARE = 1e-3;
 
-/* A step of so few stages is as accurate as one of twelve that is longer by this. Of an oscillation at an
- * error of 1e-12 these are 0.18, 2 and 5 radians (scratch measurement of y'' = -y). */
+/* Length of an equally accurate step of four or eight stages / length of one of twelve. The oscillation y'' =
+ * -y has an error of 1e-12 after steps of 0.18, 2 and 5 radians (measured). */
 static const double REACH_OF_FOUR = 0.035;
 static const double REACH_OF_EIGHT = 0.4;
 
-/* From one step to the next its length grows and shrinks by no more. */
+/* Limits of the growth and shrinkage from one step to the next. */
 static const double GROWTH = 4.0;
 static const double SHRINKAGE = 0.15;
 
-/* What dies away faster than the first stage sees is much faster than the step, if it is much. Where it is
- * little it is what the polynomial lacks near the start, which goes with a low power of the length. */
+/* The error by decay before the first stage goes with a low power of the length where it is small. A large
+ * one comes from a decay much faster than the step, and the step shrinks by START_SHRINKAGE at most. */
 static const double START_SHRINKAGE = 0.05;
 static const double START_POWER = 1.0 / 6.0;
 
-/* Chebyshev coefficients that do not decrease towards the last are noise, as of the slip of friction whose
- * v_0 is hardly more than the rounding of velocities: a small error then says nothing of longer steps. */
+/* Chebyshev coefficients that do not decrease are noise, as in the slip of friction whose v_0 is hardly more
+ * than the rounding of velocities. A small error of noise says nothing about longer steps. */
 static const double NOISE_OF_ERROR = 0.1;
 static const double NOISE_OF_DECREASE = 0.1;
 
-/* Aimed at is a little less than what the error allows. */
+/* The next step is a little shorter than the error would allow. */
 static const double SAFETY = 0.9;
 
-/* The reach of a step of so many stages, as part of that of twelve. */
+/* Length of an accurate step of these stages / length of one of twelve. */
 static double reach_of(const struct radau_stages *stages)
 {
     return stages->stages == 4 ? REACH_OF_FOUR : stages->stages == 8 ? REACH_OF_EIGHT : 1.0;
@@ -340,8 +337,8 @@ static const struct radau_stages *stages_for(double length, double longest)
 /* Beyond so many v_0 regularized friction is at its limit: exp(-40) is less than rounding of 1. */
 static const double SATURATED_SLIP = 40.0;
 
-/* What rounding of the slip leaves of regularized friction in an integral [N]. Corrections by the Jacobian
- * rid integrals of what is linear in it (move_integrals, math/radau_step.c); its square, as part of v_0,
+/* Error that rounding of the slip leaves in an integral of regularized friction [N]. Corrections by the
+ * Jacobian remove its linear part (move_integrals in math/radau_step.c); the square of rounding / v_0
  * remains. */
 static double rounding_of_friction(const struct friction_law *law, double limit, double speeds)
 {
@@ -349,9 +346,9 @@ static double rounding_of_friction(const struct friction_law *law, double limit,
     return fmax(limit, 0.0) * part * part;
 }
 
-/* Friction is a function of slip / v_0: the error allowed in speeds of a body at the contact, and in its spin
- * at the end of an arm [m], is v_0 at most. Newton's method leaves its share of that, whose square as a
- * part of v_0 is what integrals see, and is to be no more than the tolerance. */
+/* Friction is a function of slip / v_0, so that the error allowed in a speed, and in a spin at the end of an
+ * arm [m], is at most v_0. Newton's method leaves its share of this error. Integrals see the square of that
+ * share / v_0, which may be the tolerance at most. */
 static void limit_errors_of_slip(struct general *g, double slip_velocity, int body, double arm)
 {
     const struct scene_values *v = g->ode.values;
@@ -369,7 +366,7 @@ static void limit_errors_of_slip(struct general *g, double slip_velocity, int bo
     }
 }
 
-/* What regularized friction of a contact says of errors: of integrals, by rounding; of states, at most. */
+/* Limits the errors of the states by a contact's regularized friction; notes its rounding in integrals. */
 static void note_friction(struct general *g, const struct scene_instant *at, int contact)
 {
     const struct scene_values *v = g->ode.values;
@@ -403,8 +400,8 @@ static void note_friction(struct general *g, const struct scene_instant *at, int
 }
 #endif
 
-/* What the start of a step says of errors: rounding of gaps [m] and of the rates of integrals; the largest
- * error allowed in a state. */
+/* Notes at the start of a step the rounding of gaps [m] and of the rates of integrals, and the largest error
+ * allowed in each state. */
 static void note_errors(struct general *g)
 {
     struct scene_instant at;
@@ -423,7 +420,7 @@ static void note_errors(struct general *g)
     }
 }
 
-/* Of the rates by the states left: how fast the fastest of them dies away [1/s]. */
+/* The fastest decay of a state left [1/s]. */
 static double fastest_decay_of(const struct radau_step *p)
 {
     double most = 0.0;
@@ -445,7 +442,7 @@ void general_begin(struct general *g, double clock, const double *y)
     }
 }
 
-/* A solution by Newton's method with the Jacobian at every stage. */
+/* Solves by Newton's method with the Jacobian at every stage. */
 static bool try_fully(struct general *g, const struct radau_stages *stages, double length, bool thoroughly)
 {
     g->fully = true;
@@ -454,7 +451,7 @@ static bool try_fully(struct general *g, const struct radau_stages *stages, doub
     return general_solve_fully(g, thoroughly);
 }
 
-/* Simplified iterations first, unless the step is so stiff, or long, that they are known to fail. */
+/* Tries simplified iterations first, unless the step is so stiff or long that they would fail. */
 static bool try_to_solve(struct general *g, const struct radau_stages *stages, double length)
 {
     struct radau_step *p = &g->step;
@@ -490,13 +487,13 @@ double general_finish_step(struct general *g)
     return fmax(g->error_at_end, g->error_of_start);
 }
 
-/* A trial; what is left of its error by the weights, INFINITY where it is no solution. */
+/* Error of a trial step / error allowed; INFINITY: it has no solution. */
 static double error_of_trial(struct general *g, const struct radau_stages *stages, double length)
 {
     return try_to_solve(g, stages, length) ? general_finish_step(g) : (double)INFINITY;
 }
 
-/* By how much another length may be longer: the error goes with its power 2 s - 1. */
+/* Factor of the next length: the error goes with the power 2 s - 1 of the length, s stages. */
 static double factor_of(const struct general *g, double error, const struct radau_stages *stages)
 {
     if (!(error < (double)INFINITY)) {

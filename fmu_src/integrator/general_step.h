@@ -1,4 +1,4 @@
-/* What the general segment consists of; for general*.c only. */
+/* The parts of the general segment, for general.c and general_step.c. */
 #ifndef CONTACT_INTEGRATOR_GENERAL_STEP_H
 #define CONTACT_INTEGRATOR_GENERAL_STEP_H
 
@@ -8,12 +8,12 @@
 #include "scene/dense_output.h"
 #include "scene/ode.h"
 
-/* What remains of Newton's corrections, as part of the error allowed; less where momenta of what turns
- * shall be kept over a thousand impacts. */
+/* Newton's iteration ends when its last correction is below this part of the error allowed. The part is
+ * smaller where bodies turn, because a thousand impacts shall keep their angular momentum. */
 #define GENERAL_NEWTON_SHARE 0.05
 #define GENERAL_TURNING_NEWTON_SHARE 0.002
 
-/* What peaks are of. */
+/* The quantities whose peaks are sought: F_n and the penetration. */
 enum { GENERAL_FORCE, GENERAL_DEPTH, GENERAL_LOADS };
 
 struct general_event {
@@ -21,10 +21,10 @@ struct general_event {
     int event;   /* which function */
 };
 
-/* How far the last step goes. */
+/* The end of the last step. */
 struct general_end {
     double clock;
-    struct general_event event; /* that ends it */
+    struct general_event event; /* the event that ends the step */
     double *y;                  /* [size] */
 };
 
@@ -36,24 +36,24 @@ struct general {
     int place[3 * SCENE_BODIES], speed[3 * SCENE_BODIES]; /* pairs of states for math/radau_step.h */
     double relative, absolute;                            /* error allowed in a step [1], [m, m/s, ...] */
     bool fully;            /* whether the step is stiff and radau_step_solve_fully solves it */
-    double solvable;       /* the longest step that it solves, as far as known [s] */
-    double simple;         /* the longest that simplified iterations solve, likewise [s] */
-    double fastest_decay;  /* at the start of the step: of rates by their own states [1/s] */
-    double place_rounding; /* there: of the gaps [m] */
-    double error_within;   /* of the last step anywhere, by what is allowed */
-    double error_at_end;   /* at its end, likewise */
-    double error_of_start; /* of what dies away before its first stage, likewise */
-    double longest;        /* length of a step of most stages that is accurate enough, as far as known [s] */
-    double within_share;   /* of an error anywhere in the step, what is compared with that at its end */
-    double read_share;     /* the same where outputs are read within the step; above 1 they are not */
-    double *y, *size_of, *end_size; /* [size]: a state, and what errors are compared with */
-    /* [size], by the start of the step: rounding of the rates of integrals; the largest errors of states */
+    double solvable;       /* estimate of the longest step that radau_step_solve_fully solves [s] */
+    double simple;         /* estimate of the longest step that simplified iterations solve [s] */
+    double fastest_decay;  /* fastest decay of a state at the start of the step [1/s] */
+    double place_rounding; /* rounding of the gaps at the start of the step [m] */
+    double error_within;   /* largest error within the last step / error allowed */
+    double error_at_end;   /* error at the end of the last step / error allowed */
+    double error_of_start; /* error by what decays before the first stage / error allowed */
+    double longest;        /* estimate of the longest accurate step of twelve stages [s] */
+    double within_share;   /* factor of error_within when it is compared with error_at_end */
+    double read_share;     /* within_share where outputs are read within the step; above 1: none are read */
+    double *y, *size_of, *end_size; /* [size]: a state; sizes of the states at both ends of the step */
+    /* [size], from the start of the step: rounding of the rates of integrals; largest errors of states */
     double *rate_rounding, *largest_error;
     struct general_end end;
-    double at_start[ODE_EVENTS];                      /* event functions */
-    double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* at the start of the step and its stages, smooth */
-    double event_size[ODE_EVENTS];                    /* the largest there of the functions themselves */
-    /* there, where something turns or rubs, and as Bernstein coefficients: F_n [N], -g [m] */
+    double at_start[ODE_EVENTS];                      /* event functions at the start */
+    double events[RADAU_MOST_STAGES + 1][ODE_EVENTS]; /* smoothed, at the start and at the stages */
+    double event_size[ODE_EVENTS];                    /* largest value before smoothing */
+    /* F_n [N] and -g [m] at the start and at the stages; their Bernstein coefficients */
     double loads[RADAU_MOST_STAGES + 1][SCENE_CONTACTS][GENERAL_LOADS];
     double peaks[SCENE_CONTACTS][GENERAL_LOADS][BERNSTEIN_MOST];
     struct scene_output output[SCENE_CONTACTS];
@@ -67,56 +67,56 @@ static inline double general_newton_share(const struct general *g)
     return g->step.problem.turns ? GENERAL_TURNING_NEWTON_SHARE : GENERAL_NEWTON_SHARE;
 }
 
-/* What is of values and state, not of a step; offsets of the events from the present instant
- * on; both, and a step that starts from the motion. */
+/* Takes over values and state. Sets the offsets of the event functions at the present instant. Does both, and
+ * prepares a step that starts from the motion. */
 void general_attach(struct general *g, const struct scene_values *v, struct scene_state *q);
 void general_set_events(struct general *g, struct scene_instant *at);
 void general_start(struct general *g, const struct scene_values *v, struct scene_state *q);
 
-/* Begins steps at y; makes one of at most `limit` [s], accurate enough, as general->step;
- * false with a message where there is none, or where a `budget` of steps is used up. One that is longer than
- * `left` [s] is to be accurate at places within as well. */
+/* Begins steps at y. Makes one accurate step of at most `limit` [s] as general->step; false with a message
+ * where no step is accurate enough, false where the `budget` of steps is used up. A step longer than `left`
+ * [s] is accurate within as well, because outputs are read there. */
 void general_begin(struct general *g, double clock, const double *y);
 bool general_step_make(struct general *g, double limit, double left, long *budget);
 
-/* What peaks are found by, after general_first_event; moves the scene to a clock within the
- * step, or its end, and notes the peaks up to there and, where nothing turns, the impulses of torque. */
+/* Prepares the search for peaks, after general_first_event. Moves the scene to a clock within the step or at
+ * its end, and notes the peaks up to there and, where nothing turns, the impulses of torque. */
 void general_set_peaks(struct general *g);
 void general_move_scene(struct general *g, struct scene_state *q, double clock, const double *y);
 
-/* Keeps the step in q; goes on with the one that q keeps, false where there is none; moves
- * the scene along it to a clock within. Where nothing turns or rubs no step is kept. */
+/* Keeps the step in q. Takes up the step that q keeps; false: q keeps none. Moves the scene along the step to
+ * a clock within it. Where nothing turns or rubs no step is kept. */
 void general_keep_step(const struct general *g, struct scene_state *q);
 bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q);
 void general_follow(struct general *g, struct scene_state *q, double clock);
 
-/* How long a step may be that is the first [s], INFINITY where nothing tells: by springs
- * between the bodies at the start of general->step; by impacts under Hertz's law that begin; of any step, by
- * regularized friction whose slip ends. */
+/* Limits of a step's length [s], INFINITY: none. The springs at the start of general->step and impacts that
+ * begin under Hertz's law limit the first step. Regularized friction whose slip is about to end limits every
+ * step. */
 double general_length_of_springs(const struct general *g);
 double general_length_of_sliding(const struct scene_values *v, const struct scene_state *q);
 double general_length_of_impacts(const struct scene_values *v, const struct scene_state *q,
                                  const struct scene_instant *at);
 
-/* Errors allowed in the states, by their sizes in the step as far as that is known. */
+/* Sets the errors allowed in the states from their sizes in the step. */
 void general_set_weights(struct general *g);
 
-/* Whether something dies away within the step, so that its polynomial does not show each change. */
+/* Whether a state decays within the step so fast that the polynomial does not follow it. */
 bool general_is_stiff(const struct general *g);
 
-/* Completes a step whose stages are solved; its largest error, as part of what is allowed. */
+/* Completes a step whose stages are solved. Returns its largest error / error allowed. */
 double general_finish_step(struct general *g);
 
-/* Solves a stiff step from its guess; false where that does not converge. Unless it is to be
- * done thoroughly a guess that goes on from the last step has to be a good one. */
+/* Solves a stiff step from its guess; false where the iteration does not converge. `thoroughly`: where the
+ * guess that continues the last polynomial is poor, a second guess is made. */
 bool general_solve_fully(struct general *g, bool thoroughly);
 
 /* The first terminal event within general->step. */
 struct general_event general_first_event(struct general *g);
 
-/* Makes the step end there, and `y` the state at the event, `clock` its clock. Where a shorter step shows
- * that the event is not as early, the step ends before it: `found` is then none. False where no step is
- * accurate enough. */
+/* Shortens the step so that it ends at the event; `y` and `clock` are the state and the clock there. Where
+ * the shorter step shows that the event comes later, the step ends before the event and `found` is none.
+ * False where no step is accurate enough. */
 bool general_end_at(struct general *g, struct general_event *found, double *clock, double *y);
 
 #endif
