@@ -9,79 +9,70 @@
 #include "math/polynomial.h"
 #include "scene/evaluate.h"
 
-/* How long the regime of a contact in flight is taken to last although rounding says otherwise. */
-
-/* Rounding of the event function while separating. Of the rate: what it makes of n, from positions, and of
- * n.w. */
+/* Rounding of the event function while separating, by rounding of the gap, of n and of n.w. */
 static double dead_band_rounding(const struct contact_shape *shape, const struct contact_law *law,
                                  const struct contact_geometry *now, double gap_rounding, double by_positions,
                                  const struct separation_path *separation);
 
-/* Until then, in s of the path, the present regime, whose boundary has just been crossed, is taken to last.
- * `gap_rounding` is that of the gap, `by_positions` what it would be from positions alone. `just_begun`: at
- * the event itself, where an integrator has left of the force what its tolerance allows. */
+/* The dead band of a regime whose boundary has just been crossed: it lasts until this s of the path, whatever
+ * rounding shows. `gap_rounding` bounds the rounding of the gap, `by_positions` the rounding of a gap made
+ * from positions. `just_begun`: the force at the event is not zero but below the integrator's tolerance. */
 static double dead_band_of(const struct relative_path *path, const struct contact_shape *shape,
                            const struct contact_law *law, const struct contact_geometry *now,
                            double gap_rounding, double by_positions, const struct separation_path *separation,
                            enum contact_regime present, bool just_begun);
 
-/* As long as a source may be on either side of an end plane by rounding, which is `rounding` along the axis,
- * the path says that it is where the present regime has it. */
+/* While rounding may put the source on either side of an end plane, the path has it on the side that fits the
+ * present regime. `rounding` bounds the rounding of its place along the axis [m]. */
 static void dead_band_at_ends(struct relative_path *path, const struct contact_shape *shape,
                               const struct contact_geometry *now, double rounding,
                               const struct separation_path *separation, enum contact_regime present);
 
 /*
- * The first change of regime of a contact whose motion is given: neither body is free, so the path is the
- * same in every regime.
+ * The first change of regime of a prescribed contact: neither body is free, so the path is the same in every
+ * regime.
  *
  * A condition that is zero at an event is computed again after it, from paths with a new origin, and rounding
- * may then give it either sign. A change counts only where its condition is beyond what rounding can do to
- * it; it takes place where the condition is zero. So no event can follow from the rounding of the one before.
+ * may then give it either sign. A change counts only where its condition exceeds its rounding, and it takes
+ * place where the condition is zero. So rounding at one event cannot cause another.
  */
 
-/* Of the positions that the path starts from, and the speed at which they change. */
+/* Rounding of the positions that the path starts from, and the speed at which they change. */
 struct prescribed_rounding {
-    double gap;   /* what rounding makes of the gap [m] */
-    double axial; /* and of the place along a cylinder's axis [m] */
-    double speed; /* |w| over the whole path at most [m/s] */
+    double gap;   /* rounding of the gap [m] */
+    double axial; /* rounding of the place along a cylinder's axis [m] */
+    double speed; /* bound of |w| over the whole path [m/s] */
 };
 
 struct prescribed_change {
-    double s; /* of the path, INFINITY where nothing changes */
+    double s; /* place on the path; INFINITY: nothing changes */
     enum contact_regime regime;
-    double gap; /* then [m] */
+    double gap; /* at the change [m] */
 };
 
-/* `events`: `count` instants of the path, sorted, among them all at which the regime may change. */
+/* The first change. `events`: `count` sorted instants that include all at which the regime may change. */
 static struct prescribed_change prescribed_first_change(const struct relative_path *path,
                                                         const struct contact_law *law,
                                                         const struct prescribed_rounding *rounding,
                                                         const double *events, int count,
                                                         enum contact_regime present);
 
-/*
- * The first change of regime of a contact along a path that is known (relative_path.h), and what the path
- * tells about the centres: prediction.h puts it together.
- */
-
-/* The first of `count` sorted events, all in [0, 1], from which on the regime is not the present one; none
- * counts before `settle`. `ends_only`: only the passage of a cylinder's end changes it. The centres are not
- * looked at. */
+/* The first of `count` sorted events in [0, 1] after `settle` from which on the regime is not the present
+ * one. `ends_only`: only the passage of a cylinder's end changes it. Centres are not checked. */
 static struct regime_change path_first_change(const struct relative_path *path, const double *events,
                                               int count, const struct contact_law *law,
                                               enum contact_regime present, bool ends_only, double settle);
 
-/* Whether the distance vanishes before `until`, as far as rounding can tell. A source that stays where it is,
- * on the axis say, passes nothing: it keeps the direction it has. */
+/* Whether the distance vanishes before `until`, within rounding. A source that does not move, on the axis for
+ * example, passes no centre and keeps its direction. */
 static bool path_passes_centre(const struct relative_path *path, const struct extremes *extremes,
                                double until);
 
-/* Whether the length of the path alone tells that the bodies neither touch nor meet their centres. */
+/* Whether the path is too short for the bodies to touch or for their centres to meet. */
 static bool path_keeps_away(const struct relative_path *path);
 
-/* Seconds in which a quantity moving with `speed` and half acceleration `bend` leaves the rounding `noise`
- * around zero; 0 when it is not within it. On a shorter scale its sign means nothing. */
+/* Seconds until a quantity with the rate `speed` and the half acceleration `bend` leaves the rounding `noise`
+ * around zero; 0 where it is outside. Until then its sign means nothing. */
 static double leaving_time(double value, double noise, double speed, double bend)
 {
     if (fabs(value) > noise) {
@@ -91,8 +82,8 @@ static double leaving_time(double value, double noise, double speed, double bend
     return isfinite(soonest) ? soonest : 0.0;
 }
 
-/* d/dt of the event function while separating, in flight: g changes with c', g' = side n.w with w and as n
- * turns, by c' across n / d. */
+/* d/dt of the event function while separating, in flight: g changes by c'; g' = side n.w changes by w' and by
+ * the turning of n, which is c' across n / d. */
 static double margin_slope(const struct contact_shape *shape, const struct contact_law *law,
                            const struct contact_geometry *now, const struct separation_path *separation)
 {
@@ -185,7 +176,7 @@ static struct regime_change path_first_change(const struct relative_path *path, 
     return (struct regime_change){(double)INFINITY, present, 0.0, false};
 }
 
-/* A distance so small [scale] has lost its direction to rounding. */
+/* Below this distance [scale] the direction is rounding. */
 static const double NO_DISTANCE = 1e-9;
 
 static bool is_at_centre(const struct relative_path *path, double s)
@@ -222,17 +213,17 @@ static bool path_keeps_away(const struct relative_path *path)
     return start + length < path->reach - NO_DISTANCE && start - length > NO_DISTANCE;
 }
 
-/* Roundings of a sum of products of vectors, as g and g' are: as many as rounding_of_gap grants. */
+/* Rounding of a sum of products of vectors, as in rounding_of_gap. */
 static const double ROUNDINGS = 8.0 * DBL_EPSILON;
 
-/* What the law sees at one place of the path, and what rounding makes of it. */
+/* Arguments of the law at one place of the path, and bounds of their rounding. */
 struct prescribed_instant {
-    double gap, rate, beyond;                   /* [m], [m/s], how far beyond a cylinder's end [m] */
-    double gap_noise, rate_noise, beyond_noise; /* likewise */
+    double gap, rate, beyond;                   /* [m], [m/s], distance beyond a cylinder's end [m] */
+    double gap_noise, rate_noise, beyond_noise; /* rounding bounds [m], [m/s], [m] */
     enum contact_regime regime;
 };
 
-/* The size of a polynomial's terms at s >= 0: its rounding is in proportion to it. */
+/* The size of a polynomial's terms at s >= 0, to which its rounding is proportional. */
 static double size_of(const struct polynomial *p, double s)
 {
     double size = fabs(p->a[p->degree]);
@@ -277,7 +268,7 @@ static struct prescribed_instant driven_at(const struct relative_path *path, con
     return at;
 }
 
-/* Whether the regime there is another one, whatever rounding does. */
+/* Whether the regime has changed by more than rounding. */
 static bool has_changed(const struct prescribed_instant *at, const struct contact_law *law,
                         enum contact_regime present)
 {
@@ -345,8 +336,8 @@ static struct prescribed_change prescribed_first_change(const struct relative_pa
     return (struct prescribed_change){(double)INFINITY, present, 0.0};
 }
 
-/* The first touch of bodies that are apart at `settle`, INFINITY if there is none; compression follows. False
- * where more is to be found out: the bodies are not apart, or do not approach when they touch. */
+/* The first touch of bodies that are apart at `settle`, after which compression begins; INFINITY: none. False
+ * where this does not decide: the bodies are not apart, or do not approach at the touch. */
 static bool first_touch(const struct relative_path *path, const struct extremes *extremes, double settle,
                         double *touch)
 {
@@ -417,7 +408,7 @@ static void leave_centre_in_flight(const struct contact_shape *shape, struct sep
     }
 }
 
-/* |w| within the horizon, at most. */
+/* Bound of |w| within the horizon. */
 static double speed_at_most(const struct separation_path *separation, double horizon)
 {
     double speed = vec3_norm(separation->w[SEPARATION_DEGREE - 1]);
@@ -427,7 +418,7 @@ static double speed_at_most(const struct separation_path *separation, double hor
     return speed;
 }
 
-/* Where neither body is free. */
+/* The first change of a contact of which neither body is free. */
 static struct regime_change prescribed_regime_change(const struct relative_path *path,
                                                      const struct contact_shape *shape,
                                                      const struct contact_law *law,
@@ -444,7 +435,8 @@ static struct regime_change prescribed_regime_change(const struct relative_path 
                                   path_passes_centre(path, &extremes, change.s)};
 }
 
-/* Of a flight after `settle`: the first touch, or the first candidate after which the regime differs. */
+/* The first change in flight after `settle`: the first touch, or the first candidate after which the regime
+ * differs. */
 static struct regime_change flight_regime_change(const struct relative_path *path,
                                                  const struct contact_shape *shape,
                                                  const struct contact_law *law, enum contact_regime present,
@@ -462,14 +454,14 @@ static struct regime_change flight_regime_change(const struct relative_path *pat
         next = path_first_change(path, events, count, law, present, false, settle);
         const double rounding = fmax(by_positions, 8.0 * DBL_EPSILON * path->scale);
         if (present == REGIME_APART && fabs(next.gap) <= rounding) {
-            next.gap = 0.0; /* they touch there; otherwise one has come in by an end */
+            next.gap = 0.0; /* the bodies touch there; otherwise the source has come in by an end */
         }
     }
     next.passes_centre = path_passes_centre(path, &extremes, next.after / path->horizon);
     return next;
 }
 
-/* With a shape that is smooth, as all are but a capped cylinder. */
+/* The first change with a smooth shape: any but a capped cylinder. */
 static struct regime_change smooth_regime_change(const struct scene_values *v, const struct scene_state *q,
                                                  const struct scene_instant *at, double clock, int contact,
                                                  double horizon)
@@ -594,8 +586,8 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
     contact_peaks_note(&q->contact[contact].peaks, 0.0, -candidates_least_gap(&path));
 }
 
-/* Instants per radian that the axis turns, and at least, at which the law of a contact without touch or
- * parting is looked at: its changes are smooth functions of the motion, and none of them is an onset. */
+/* Number of instants, per radian that the axis turns and at least, at which the law of a lasting contact is
+ * checked. The conditions of its changes are smooth functions of the motion, and none is an onset. */
 static const double LAW_INSTANTS_PER_RADIAN = 16.0, LEAST_LAW_INSTANTS = 64.0, MOST_LAW_INSTANTS = 1e6;
 
 /* Whether the axis of the destination may turn. */
@@ -657,7 +649,7 @@ static double halve_to_regime(const struct advancement_path *path, const struct 
     }
 }
 
-/* What the law changes before `until`, while the bodies go on touching. */
+/* Looks for a change of the law before `until`, while the bodies go on touching. */
 static void look_for_law(const struct advancement_path *from_now, const struct contact_law *law,
                          enum contact_regime present, double until, long budget, struct prediction *found)
 {
@@ -731,12 +723,11 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
  * than half of its digits. */
 static const double CLEAR_OF_GRAZING = 1e-8;
 
-/* Part of the time by which the bound stays below the root: far more than rounding, and too little to cost
- * anything. */
+/* The bound stays below the root by this part of the time, which is far more than rounding. */
 static const double CLEARANCE = 1e-3;
 
-/* The last time up to which value + rate t + bend t^2 is positive; `gap_rounding` and `rate_rounding` are
- * those of the first two. A value that is only rounding counts as zero. */
+/* The time up to which value + rate t + bend t^2 is positive. `gap_rounding` and `rate_rounding` bound the
+ * rounding of value and rate. A value below its rounding counts as zero. */
 static double above_plane_until(double value, double rate, double bend, double gap_rounding,
                                 double rate_rounding)
 {
@@ -761,7 +752,7 @@ static struct vec3 free_fall(const struct scene_values *v, int body)
     return body_is_free(v, body) ? gravity(v) : vec3_make(0.0, 0.0, 0.0);
 }
 
-/* Whether anything of the kind can be told: not of a source inside, nor of bodies whose motion is given. */
+/* Whether apart_for applies: not to a source inside, nor to prescribed bodies. */
 static bool apart_is_known(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     const struct contact_shape shape = scene_contact_shape(v, q, contact);

@@ -10,7 +10,7 @@
 #include "math/compiler.h"
 #include "scene/scene_state.h"
 
-/* What turns and rubs at one instant: known where scene_turns, and after turning_complete. */
+/* Rotations and friction at one instant: computed where scene_turns, by turning_complete. */
 struct turning_instant {
     struct body_turn body[SCENE_BODIES];         /* no rotation at all where a body does not turn */
     struct vec3 axis[SCENE_CONTACTS];            /* e_d as it has turned; zero of a sphere */
@@ -34,7 +34,7 @@ struct scene_instant {
     struct turning_instant turning;
 };
 
-/* One body of it. */
+/* One body at one instant. */
 struct body_instant {
     struct vec3 origin;       /* u at clock 0 [m] */
     struct vec3 moved;        /* the part of u since then [m] */
@@ -42,17 +42,17 @@ struct body_instant {
     struct vec3 velocity;     /* v [m/s] */
 };
 
-/* The shape of a contact: of a capped cylinder, in contact, the zone that the contact is in (shape.h). The
- * same without regard to zones; and as it is met at an instant, also where there is no contact. */
+/* The shape of a contact; with a capped cylinder in contact, the shape of its present zone (shape.h). The
+ * whole shape without zones. The shape of the zone that the source faces at an instant. */
 struct contact_shape scene_contact_shape(const struct scene_values *v, const struct scene_state *q,
                                          int contact);
 struct contact_shape scene_whole_shape(const struct scene_values *v, const struct scene_state *q,
                                        int contact);
 
-/* Of the same shape, where no more of it is wanted: +1: the source is outside the destination, -1: inside. */
+/* Side of the source: +1: outside the destination, -1: inside. */
 int scene_contact_side(const struct scene_values *v, const struct scene_state *q, int contact);
 
-/* Whether it is a finite cylinder without caps: the gap does not see its ends. */
+/* Whether the destination is a finite cylinder without caps, at whose ends contact ends suddenly. */
 bool scene_ends_suddenly(const struct scene_values *v, int contact);
 
 struct contact_shape scene_shape_met(const struct scene_values *v, const struct scene_state *q,
@@ -73,7 +73,7 @@ struct body_instant scene_body_now(const struct scene_values *v, const struct sc
 void scene_kinematics(const struct scene_values *v, const struct scene_state *q, double clock,
                       const struct body_state *bodies, struct scene_instant *at);
 
-/* The same with another state of what turns and rubs than that of q: kinematics, all of it. */
+/* scene_kinematics and scene_evaluate with another state of rotations and springs than q's. */
 void scene_kinematics_turning(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct body_state *bodies, const struct turning_state *turning,
                               struct scene_instant *at);
@@ -99,14 +99,14 @@ bool scene_within_extents(const struct contact_shape *shape, const struct contac
 /* How far the source is beyond a cylinder's ends, negative within [m]; minus infinity without ends. */
 double scene_beyond_ends(const struct contact_shape *shape, const struct contact_geometry *geometry);
 
-/* 1 / m of a free body, 0 of any other [1/kg]. */
+/* 1 / m of a free body, 0 for any other [1/kg]. */
 double body_inverse_mass(const struct scene_values *v, int body);
 
 /* Sum of the inverse masses of a contact's bodies: 1 / m_eff [1/kg]. */
 double scene_inverse_mass(const struct scene_values *v, int contact);
 
-/* How fast all but a contact's own normal force presses its bodies together: -g'' without that force, no less
- * than zero [m/s^2]. The instant has its forces. */
+/* The acceleration that presses a contact's bodies together: -g'' without the contact's own normal force, at
+ * least zero [m/s^2]. `at` has forces. */
 double scene_pressing_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
                                    const struct scene_instant *at, int contact);
 
@@ -118,7 +118,7 @@ struct vec3 scene_torque_of_force(const struct scene_instant *at, int contact);
 /* Power of whatever moves and turns prescribed bodies against a contact [W]. */
 double scene_driving_power(const struct scene_values *v, const struct scene_instant *at, int contact);
 
-/* That of all contacts, and of the external forces and torques on free bodies [W]. */
+/* The driving power of all contacts and the power of external forces and torques on free bodies [W]. */
 double scene_external_power(const struct scene_values *v, const struct scene_state *q, double clock,
                             const struct scene_instant *at);
 
@@ -139,7 +139,7 @@ struct body_inertia {
     double axial, transverse;
 };
 
-/* Of a body of free rotation, by its parameters. */
+/* Moments of inertia of a body that turns freely, from its parameters. */
 struct body_inertia body_inertia_of(const struct scene_values *v, int body);
 
 /* The law of friction of a contact. */
@@ -166,7 +166,7 @@ void turning_of_bodies(const struct scene_values *v, const struct scene_state *q
 void turning_of_contact(const struct scene_values *v, const struct scene_state *q,
                         const struct turning_state *state, int contact, struct scene_instant *at);
 
-/* All that turns and rubs, of an instant that is known but for that. */
+/* Completes an instant by rotations and friction. */
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
 
 /* Moves turn_origin of all bodies that turn to the present; a part of scene_rebase. */
@@ -189,20 +189,20 @@ void scene_put_known_gaps(const struct scene_values *v, const struct scene_state
  * which is exact). Below it the sign of the gap means nothing. */
 double rounding_of_gap(const struct scene_values *v, const struct scene_instant *at, int contact);
 
-/* The same for the axial position of the source that is compared with the half length of a cylinder [m]. */
+/* Bound of the rounding error of the source's axial position, which is compared with L/2 [m]. */
 double rounding_of_axial(const struct scene_values *v, const struct scene_instant *at, int contact,
                          const struct contact_shape *shape);
 
-/* The same for w and g', which are differences of the bodies' velocities [m/s]. */
+/* Bound of the rounding error of w and g', which are differences of the bodies' velocities [m/s]. */
 double rounding_of_rate(const struct scene_instant *at, int contact);
 
-/* The same for an event function of the law with these slopes (contact_event), of speeds that are right to
- * `tolerated` [m/s]. */
+/* Bound of the rounding error of an event function of the law with these slopes (contact_event), where speeds
+ * are right to `tolerated` [m/s]. */
 double rounding_of_event(const struct scene_values *v, const struct contact_law *law,
                          const struct contact_slopes *slopes, const struct scene_instant *at, int contact,
                          double tolerated);
 
-/* What rounding alone does to the force of a contact, through g, n and n.w [N]. */
+/* Bound of the rounding error of a contact's force, by g, n and n.w [N]. */
 double rounding_of_force(const struct scene_values *v, const struct scene_state *q,
                          const struct scene_instant *at, int contact);
 
@@ -266,8 +266,8 @@ bool singularity_is_reached(const struct scene_values *v, const struct scene_ins
 struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 rate, struct vec3 acceleration,
                                struct vec3 held);
 
-/* In which zone of a capped cylinder a contact is (shape.h): set when it begins, changed at the zone's edges,
- * forgotten when it ends. In scenes without capped cylinders nothing happens. */
+/* The zone of a capped cylinder that a contact is in (shape.h) is set when the contact begins, changed at the
+ * zone's edges, and forgotten when the contact ends. Other scenes have no zones. */
 
 /* Margin [m] of a contact that has no zone. */
 #define NO_ZONE_MARGIN 1.0
@@ -288,16 +288,16 @@ void zones_settle(const struct scene_values *v, struct scene_state *q, const str
 double zones_margin(const struct scene_values *v, const struct scene_state *q, const struct scene_instant *at,
                     int contact);
 
-/* As users see it, at the instant. */
+/* The zone at the instant, as users see it. */
 enum zone zones_shown(const struct scene_values *v, const struct scene_state *q,
                       const struct scene_instant *at, int contact);
 
 /*
- * The scene at its present clock. Where integration has accumulated a gap or carried its rate, both are more
- * accurate than positions and velocities tell and take the place of what those give.
+ * The scene at its present clock. Gaps and rates that integration has accumulated replace those made from
+ * positions and velocities, because they have more digits.
  */
 
-/* Everything of the instant; and without accelerations and forces. */
+/* The whole instant; the instant without accelerations and forces. */
 void scene_kinematics_now(const struct scene_values *v, const struct scene_state *q,
                           struct scene_instant *at);
 void scene_now(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at);
@@ -306,7 +306,7 @@ void scene_now(const struct scene_values *v, const struct scene_state *q, struct
  * contact ends, and where a change of regime was foreseen. */
 bool scene_gap_is_accumulated(const struct scene_state *q, const struct scene_instant *at, int contact);
 
-/* Whether g' there is the carried one. */
+/* Whether g' of scene_now is the accumulated one. */
 bool scene_rate_is_known(const struct scene_state *q, const struct scene_instant *at, int contact);
 
 /* Whether the source is within the extents of the destination, as users see it. In the plane of an open end
@@ -318,19 +318,17 @@ bool scene_shown_within(const struct scene_values *v, const struct scene_state *
 enum contact_regime scene_regime(const struct scene_values *v, const struct scene_state *q,
                                  const struct scene_instant *at, int contact);
 
-/* Of a contact that goes on touching, whatever rounding makes of its gap: the regime that its law asks
- * for. */
+/* The regime that the law asks for while a contact goes on touching, whatever the rounding of its gap. */
 enum contact_regime scene_regime_of_touching(const struct scene_values *v, const struct scene_state *q,
                                              const struct scene_instant *at, int contact);
 
 /*
- * What a contact takes from its onset: with a coefficient of restitution the factor chi of Hunt and
- * Crossley's damping, such that chi v is the number that gives it, v the speed of approach [m/s].
+ * Damping by the onset. With a coefficient of restitution Hunt and Crossley's factor chi follows from the
+ * speed of approach v at the onset [m/s]: chi v is a function of the coefficient.
  *
- * A start in overlap counts with the speed that its motion and its stored energy together would have at the
- * touch. Where the bodies touch without speed, v is the largest that their load gives them while it presses
- * them together from rest; so it is in place of any smaller one, of which a load leaves no trace. The load
- * leaves out what a plane adds that turns. Bodies that touch with no speed and no load have no damping.
+ * A start in overlap takes the speed at the touch that its motion and stored energy would have had. Where the
+ * load would press the bodies together faster from rest than they approach, v is the largest speed that the
+ * load gives. Bodies that touch with no speed and no load have no damping.
  */
 
 /* For onset_note. */
@@ -338,15 +336,15 @@ CONTACT_COLD enum contact_regime onset_take_damping(const struct scene_values *v
                                                     const struct scene_instant *at, int contact,
                                                     enum contact_regime next);
 
-/* What chi changes by when gap and rate of a start in overlap change so; a change of the load alone counts as
+/* Change of chi by changes of the gap and the rate of a start in overlap; a change of the load counts as
  * none. */
 CONTACT_COLD double onset_damping_slope(const struct scene_values *v, const struct scene_state *q,
                                         const struct scene_instant *at, int contact, double gap_slope,
                                         double rate_slope);
 
-/* Before a contact enters the regime `next` at the instant `at`: the regime that it enters with the damping
- * of its onset. Nothing is done, and that is `next`, where it touches already, where it remains apart, or
- * where damping knows no onset. */
+/* Sets the damping of an onset before a contact enters the regime `next` at the instant `at`, and returns the
+ * regime that the contact enters with it. Returns `next` where the contact touches already, remains apart, or
+ * has no damping by the onset. */
 enum contact_regime onset_note(const struct scene_values *v, struct scene_state *q,
                                const struct scene_instant *at, int contact, enum contact_regime next);
 
@@ -357,7 +355,7 @@ enum contact_regime onset_note(const struct scene_values *v, struct scene_state 
 /* Sum of m v^2 / 2 over the free bodies. */
 double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at);
 
-/* Sum of omega I omega / 2 over the bodies of free rotation; what the tangential springs store. */
+/* Sum of omega I omega / 2 over the bodies that turn freely; energy stored by the tangential springs. */
 double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at);
 double energy_tangential_of(const struct scene_values *v, const struct scene_state *q,
                             const struct scene_instant *at);
@@ -365,7 +363,7 @@ double energy_tangential_of(const struct scene_values *v, const struct scene_sta
 /* Minus the sum of m gravity.x over the free bodies; zero at the world's origin. */
 double energy_potential_of(const struct scene_values *v, const struct scene_instant *at);
 
-/* What that changes by when gravity does. */
+/* Change of the potential energy by a change of gravity. */
 double energy_potential_change(const struct scene_values *v, const struct scene_instant *at,
                                struct vec3 more_gravity);
 
@@ -379,7 +377,7 @@ double energy_dissipated_power_of(const struct scene_values *v, const struct sce
 double energy_dissipated_power(const struct scene_values *v, const struct scene_state *q,
                                const struct scene_instant *at);
 
-/* Shows a body's displacement, position and velocity: those given, or those of the present. */
+/* Sets a body's outputs displacement, position and velocity to these values, or to those of the present. */
 void present_body(struct scene_values *v, int body, struct vec3 displacement, struct vec3 velocity);
 void present_body_now(struct scene_values *v, const struct scene_state *q, int body);
 

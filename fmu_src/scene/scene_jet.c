@@ -27,7 +27,7 @@ void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
     }
 }
 
-/* Bodies by their velocities and accelerations. */
+/* Puts the bodies' terms from their velocities and accelerations. */
 static void put_bodies(const struct scene_values *v, const struct scene_state *q,
                        const struct scene_instant *at, struct scene_jet *along)
 {
@@ -44,8 +44,6 @@ static void put_bodies(const struct scene_values *v, const struct scene_state *q
         turning_jet_put_bodies(v, q, at, along);
     }
 }
-
-/* The jet of free bodies in time, and of what depends on it. */
 
 /* d/dt of a path of three coefficients. */
 static struct vec3 path_slope(const struct vec3 *path, double clock)
@@ -102,7 +100,7 @@ double free_bodies_dissipated_power(const struct scene_values *v, const struct s
     return power;
 }
 
-/* The change of acceleration of free bodies, by the forces of the contacts; whether there are free bodies. */
+/* Puts the rate of the free bodies' accelerations by the contact forces; false: no body is free. */
 static bool put_jerk(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -114,7 +112,7 @@ static bool put_jerk(const struct scene_values *v, const struct scene_state *q, 
     return !scene_is_force_element(v);
 }
 
-/* Energies dissipated and supplied. */
+/* Puts the terms of the dissipated energy and of the external work. */
 static void put_work(const struct scene_values *v, const struct scene_state *q, struct scene_jet *along)
 {
     along->time[1] = 1.0;
@@ -127,7 +125,7 @@ static void put_work(const struct scene_values *v, const struct scene_state *q, 
     }
 }
 
-/* Contacts; then once more, as free bodies go by the forces of the first time. */
+/* Puts the contacts' terms, the free bodies' third terms by the forces, and the contacts' terms again. */
 static void put_contacts(const struct scene_values *v, const struct scene_state *q,
                          const struct scene_instant *at, struct scene_jet *along)
 {
@@ -190,7 +188,7 @@ static void put_turning_axis(const struct vec3 *omega, struct vec3 e[JET_TERMS])
     e[2] = vec3_scale(0.5, turning_jet_cross(omega, e, 1));
 }
 
-/* A direction that is given as a polynomial of any length. */
+/* Puts the jet of an axis whose direction is a polynomial that need not have unit length. */
 static void put_given_axis(const struct body_path *path, double clock, struct vec3 e[JET_TERMS])
 {
     struct vec3 a[3];
@@ -220,7 +218,7 @@ static void put_prescribed(const struct scene_state *q, int body, struct scene_j
         const struct vec3 rate[2] = {e[1], vec3_scale(2.0, e[2])};
         const double spin[2] = {vec3_dot(omega[0], e[0]),
                                 vec3_dot(omega[1], e[0]) + vec3_dot(omega[0], e[1])};
-        for (int i = 0; i < 2; ++i) { /* as the axis tells it, and about the axis */
+        for (int i = 0; i < 2; ++i) { /* the turning of the axis, and the spin about it */
             seen[i] = vec3_add(turning_jet_cross(e, rate, i), jet_scale(spin, e, i));
         }
     }
@@ -254,7 +252,7 @@ void turning_jet_put_bodies(const struct scene_values *v, const struct scene_sta
     }
 }
 
-/* Half the change of a free body's angular acceleration: of
+/* Half the rate of a free body's angular acceleration omega', where
  * I_1 omega' = tau - (I_3 - I_1) (tau_3 / I_3 e + omega_3 omega x e). */
 static struct vec3 half_spin_jerk(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, const struct scene_jet *along, int body)
@@ -288,7 +286,7 @@ static struct vec3 times(const double m[3][3], struct vec3 a)
                      m[2][0] * a.x + m[2][1] * a.y + m[2][2] * a.z);
 }
 
-/* Half of xi'' of xi' = f(F_n, v_t, xi) - n (xi.n'). */
+/* Half of the spring's xi'', where xi' = f(F_n, v_t, xi) - n (xi.n'). */
 static struct vec3 half_spring_change(const struct scene_values *v, const struct scene_state *q,
                                       const struct scene_instant *at, const struct scene_jet *along,
                                       int contact)
@@ -409,7 +407,7 @@ double turning_jet_external_power(const struct scene_values *v, const struct sce
     return power;
 }
 
-/* The motion of a contact: separation, its rate, rotations, axis; that of the shape which is met. */
+/* The jets that a contact's geometry depends on: separation, its rate, rotations, the axis of the shape. */
 struct contact_path {
     struct vec3 c[JET_TERMS], w[JET_TERMS], source[JET_TERMS], destination[JET_TERMS], axis[JET_TERMS];
 };
@@ -442,7 +440,7 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     return path;
 }
 
-/* n of the terms from 1 on, from d n = offset. */
+/* Terms 1 and 2 of n, from d n = offset. */
 static void put_normal(const struct vec3 offset[JET_TERMS], const double distance[JET_TERMS],
                        struct vec3 normal[JET_TERMS])
 {
@@ -455,8 +453,8 @@ static void put_normal(const struct vec3 offset[JET_TERMS], const double distanc
     }
 }
 
-/* Of a rim: offset = (rho - r_d) a - (height - h) e with the unit vector a to the axis, rho a = c - (c.e) e,
- * and height = -c.e, of e that points out of the rim's end. */
+/* The offset of a rim: offset = (rho - r_d) a - (height - h) e. The unit vector a points to the axis, rho a =
+ * c - (c.e) e, height = -c.e, and e points out of the cylinder at the rim's end. */
 static void put_rim_offset(const struct contact_shape *shape, const struct contact_path *path,
                            struct vec3 offset[JET_TERMS])
 {
@@ -497,7 +495,7 @@ static void put_offset(const struct contact_shape *shape, const struct contact_p
     }
 }
 
-/* d d = offset.d(offset), d n = offset; a plane has n = -e, d = n.c. */
+/* Terms of d and n from d^2 = offset.offset and d n = offset; a plane has n = -e and d = n.c. */
 static void put_distance(const struct contact_shape *shape, const struct contact_geometry *g,
                          const struct contact_path *path, struct contact_jet *jet)
 {
@@ -535,7 +533,7 @@ static void put_normal_force(const struct contact_shape *shape, const struct con
     }
 }
 
-/* Arms and slip, of a contact whose normal is known. */
+/* Terms of arms and slip of a contact whose normal is known. */
 static void put_slip(const struct contact_shape *shape, const struct contact_path *path,
                      const struct contact_jet *jet, struct turning_jet *turning)
 {

@@ -1,8 +1,7 @@
 /*
- * The jet of the scene along a path through the present instant, as contact/slopes.h has it for one
- * contact: in
- * time, or in the direction of a change of the inputs. Rarely called, hence `cold`: inlining is left to other
- * code.
+ * The jet of the scene: Taylor coefficients of order up to two along a path through the present instant, in
+ * time or along a change of the inputs. contact/slopes.h has the jet of one contact. The functions are called
+ * rarely, hence `cold`.
  */
 #ifndef CONTACT_SCENE_SCENE_JET_H
 #define CONTACT_SCENE_SCENE_JET_H
@@ -11,7 +10,7 @@
 #include "math/compiler.h"
 #include "scene/evaluate.h"
 
-/* Of a contact, as struct turning_instant has them; and what its spring stores. */
+/* The jet of one contact's entries in struct turning_instant, and of the energy that its spring stores. */
 struct turning_jet {
     struct vec3 source_arm[JET_TERMS], destination_arm[JET_TERMS], slip[JET_TERMS];
     struct vec3 friction_force[JET_TERMS], source_torque[JET_TERMS], destination_torque[JET_TERMS];
@@ -28,47 +27,44 @@ struct scene_jet {
     struct vec3 angular_velocity[SCENE_BODIES][JET_TERMS];
     struct vec3 axis[SCENE_BODIES][JET_TERMS]; /* the third axis of the body's frame */
     struct quaternion orientation[SCENE_BODIES][JET_TERMS];
-    /* d/ds of the orientation as an integrator outside gives it, of any length */
+    /* d/ds of the orientation that an importer's integrator sets, a quaternion of any length */
     struct quaternion given_orientation[SCENE_BODIES];
     struct vec3 torque[SCENE_BODIES]; /* d/ds of the external torques on bodies that turn freely */
     struct vec3 spring[SCENE_CONTACTS][JET_TERMS];
     double slip_velocity_slope[SCENE_CONTACTS]; /* d/ds of v_0 */
     struct turning_jet turning[SCENE_CONTACTS];
-    bool jumps; /* the inputs: springs of contacts without a free body are laid onto the new tangent plane */
-    double spring_lift[SCENE_CONTACTS]; /* of the jumps: what the springs had along the normals before [m] */
-    double friction[JET_TERMS]; /* energy that friction and its springs take, without the first term */
-    /* of what only scenes with free bodies have, without the first term */
+    bool jumps; /* the inputs jump: springs of contacts without a free body turn into the tangent plane */
+    double spring_lift[SCENE_CONTACTS]; /* part of the springs along the normals before the jump [m] */
+    double friction[JET_TERMS]; /* energy that friction and its springs take; the first term is zero */
+    /* only in scenes with free bodies; the first terms are zero */
     double time[JET_TERMS], dissipated[JET_TERMS], external_work[JET_TERMS];
 };
 
-/* Contacts from what is there of the bodies and the factors. */
+/* Computes the contacts' part of the jet from the bodies and the factors. */
 CONTACT_COLD void jet_of_contacts(const struct scene_values *v, const struct scene_state *q,
                                   const struct scene_instant *at, struct scene_jet *along);
 
-/* All of it in time: free bodies by Newton's law, prescribed ones by their velocity, which counts as the
- * derivative of their displacement. */
+/* The whole jet in time. Free bodies follow Newton's law; prescribed bodies follow their velocity, which
+ * counts as the derivative of their displacement. */
 CONTACT_COLD void jet_in_time(const struct scene_values *v, const struct scene_state *q,
                               const struct scene_instant *at, struct scene_jet *along);
 
-/* Bodies and contacts as they move: a prescribed displacement by its own derivatives, which need not be its
- * velocity; that is what the law sees. */
+/* The jet in time in which prescribed displacements follow their own derivatives. These need not be the
+ * prescribed velocity, which the force law sees. */
 CONTACT_COLD void jet_of_motion(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, struct scene_jet *along);
 
-/*
- * The jet of what turns and rubs: rotations of the bodies, and contacts whose axis turns,
- * with their torques, slip, friction and springs. Coefficients of order up to two.
- */
+/* The jet of rotations and friction: rotations of the bodies, turning axes, torques, slip and springs. */
 
 /* Coefficient `order` of a cross product. */
 struct vec3 turning_jet_cross(const struct vec3 *a, const struct vec3 *b, int order);
 
-/* The rotations of the bodies in time, as far as the instant tells them: of bodies that turn freely the
- * change of their angular acceleration is missing. And the rates of the springs. */
+/* Computes the rotations of the bodies in time and the rates of the springs from the instant. The change of
+ * the angular acceleration of bodies that turn freely follows by turning_jet_put_changes. */
 CONTACT_COLD void turning_jet_put_bodies(const struct scene_values *v, const struct scene_state *q,
                                          const struct scene_instant *at, struct scene_jet *along);
 
-/* What is missing, from contacts that are known to the first order. */
+/* Completes the jet from contacts that are known to the first order. */
 CONTACT_COLD void turning_jet_put_changes(const struct scene_values *v, const struct scene_state *q,
                                           const struct scene_instant *at, struct scene_jet *along);
 
@@ -77,18 +73,18 @@ CONTACT_COLD struct vec3 turning_jet_spin_change(const struct scene_values *v, c
                                                  const struct scene_instant *at,
                                                  const struct scene_jet *along, int body);
 
-/* A change of the axis of a body of prescribed rotation, component by component, of the input as given. */
+/* Puts the change of the axis of a body of prescribed rotation by a change of the input axis. */
 CONTACT_COLD void turning_jet_move_axis(const struct scene_values *v, const struct scene_instant *at,
                                         int body, int component, double change, struct scene_jet *along);
 
-/* A contact from what is there of bodies, springs and factors: all of it where something turns or rubs; where
- * nothing does, torques and slip of a contact that is known. */
+/* Computes a contact's jet from bodies, springs and factors. Where nothing turns or rubs the contact is known
+ * and only torques and slip are computed. */
 CONTACT_COLD void turning_jet_of_contact(const struct scene_values *v, const struct scene_state *q,
                                          const struct scene_instant *at, int contact,
                                          struct scene_jet *along);
 
-/* Coefficients of energies [J], and of the powers of what turns: of friction and its springs, of torques from
- * outside [W]. */
+/* Coefficients of the rotational energy and of the springs' energy [J], of the power of friction and its
+ * springs, and of the power of external torques [W]. */
 CONTACT_COLD double turning_jet_of_rotational(const struct scene_values *v, const struct scene_jet *along,
                                               int order);
 CONTACT_COLD double turning_jet_of_tangential(const struct scene_values *v, const struct scene_state *q,
@@ -100,9 +96,8 @@ CONTACT_COLD double turning_jet_external_power(const struct scene_values *v, con
 
 /* What free bodies add to the jet of an instant. */
 
-/* Half the change of a free body's acceleration with the external force and the contact forces [m/s^3 in
- * time]; the power of dissipation, and that of external forces on free bodies and of what moves prescribed
- * ones against the contacts [W], of order 0 or 1. */
+/* Half the rate of a free body's acceleration by external and contact forces [m/s^3 in time]. Powers of order
+ * 0 or 1 [W]: of dissipation; of external forces on free bodies and of the drives of prescribed bodies. */
 struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body);
 double free_bodies_dissipated_power(const struct scene_values *v, const struct scene_state *q,
                                     const struct scene_jet *along, int order);
