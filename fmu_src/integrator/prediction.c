@@ -242,8 +242,9 @@ static double size_of_path(const struct relative_path *path, double s)
     return size;
 }
 
-static struct prescribed_instant driven_at(const struct relative_path *path, const struct contact_law *law,
-                                           const struct prescribed_rounding *rounding, double s)
+static struct prescribed_instant prescribed_at(const struct relative_path *path,
+                                               const struct contact_law *law,
+                                               const struct prescribed_rounding *rounding, double s)
 {
     double gap;
     double slope;
@@ -297,7 +298,7 @@ static double halve_to_change(const struct relative_path *path, const struct con
         if (!(middle > before && middle < after)) {
             return after;
         }
-        if (driven_at(path, law, rounding, middle).regime == next) {
+        if (prescribed_at(path, law, rounding, middle).regime == next) {
             after = middle;
         } else {
             before = middle;
@@ -319,7 +320,7 @@ static struct prescribed_change prescribed_first_change(const struct relative_pa
             continue;
         }
         const double middle = 0.5 * (from + to);
-        const struct prescribed_instant at = driven_at(path, law, rounding, middle);
+        const struct prescribed_instant at = prescribed_at(path, law, rounding, middle);
         if (has_changed(&at, law, present)) {
             const bool by_law = present != REGIME_APART && at.regime != REGIME_APART;
             if (by_law && before >= 0.0) {
