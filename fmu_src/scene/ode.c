@@ -1,4 +1,4 @@
-/* Where the states of the scene are in the vector y of its differential equations. */
+/* Indices of the scene's states in the vector y of its differential equations. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -90,7 +90,7 @@ int ode_forces(const struct scene_values *v)
             left -= body_is_free(v, i) ? 3 : 0;
         }
         for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            left = contact_rubs_elastically(v, j) ? 0 : left; /* springs couple, too */
+            left = contact_rubs_elastically(v, j) ? 0 : left; /* springs couple the states, too */
         }
         return forces < left ? forces : 0;
     }
@@ -280,16 +280,16 @@ void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes
 
 /* The event functions of contacts in a scene that turns or rubs. */
 
-/* The gap, or how far the source is beyond the ends of its cylinder where that is more [m]. */
+/* The larger of the gap and the source's distance beyond the ends of its cylinder [m]. */
 static double way_to_contact(const struct scene_ode *ode, const struct scene_instant *at, int contact)
 {
     const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
     return fmax(at->geometry[contact].gap, scene_beyond_ends(&shape, &at->geometry[contact]));
 }
 
-/* Depth until contact ends [m]. Where a cylinder has ends, it is multiplied by how far the source is within
- * them, (h^2 - z^2)/2 over h^2 with h = L/2. The lesser of both would have a corner, which the polynomial of
- * a long step does not follow: it would seem to fall near the start of a contact that begins at an end. */
+/* Depth until contact ends [m], smooth: between the ends of a cylinder it is multiplied by (h^2 - z^2) / (2
+ * h^2), h = L/2. The minimum of the depth and the distance to the ends would have a corner, which the
+ * polynomial of a long step does not follow. */
 static double depth_to_parting(const struct scene_ode *ode, const struct scene_instant *at, int contact)
 {
     const struct contact_shape shape = scene_contact_shape_at(ode->values, ode->state, at, contact);
@@ -308,7 +308,8 @@ static bool breaks_away(const struct turning_laws *laws)
     return laws->friction.kind == FRICTION_ELASTIC && laws->friction_regime == FRICTION_STICKING;
 }
 
-/* Where sticking ends is min(mu_s F_n, F_max); each by itself is smooth, as steps that are long need it. */
+/* Sticking ends at the lesser of mu_s F_n and F_max. Each has an event function of its own, because the
+ * minimum is not smooth. */
 static void friction_events(const struct scene_ode *ode, double clock, const struct turning_state *turning,
                             const struct scene_instant *at, int contact, double *out)
 {
@@ -359,8 +360,8 @@ void turning_events(const struct scene_ode *ode, double clock, const double *y,
     }
 }
 
-/* What an event function of friction may be off by where speeds are right to `tolerated` [m/s] and F_n to
- * `of_force` [N]. */
+/* Error of an event function of friction where speeds are right to `tolerated` [m/s] and F_n to `of_force`
+ * [N]. */
 static double stick_rounding(const struct turning_laws *laws, double normal_force, double of_force,
                              double tolerated)
 {
@@ -371,13 +372,13 @@ static double stick_rounding(const struct turning_laws *laws, double normal_forc
     return is_force ? law->damping * tolerated + of_limit : tolerated;
 }
 
-/* That of contact_push, which is the force or its factor. */
+/* Error of contact_push, which is the force or its factor. */
 static double push_rounding(const struct contact_law *law, double of_force, double tolerated)
 {
     return contact_is_hertz(law) ? 8.0 * DBL_EPSILON + law->damping * tolerated : of_force;
 }
 
-/* Offsets by rounding alone. */
+/* Sets offsets by rounding alone. */
 static void put_friction_offsets(struct scene_ode *ode, const struct scene_instant *at, int contact,
                                  double tolerated)
 {
@@ -417,7 +418,7 @@ void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int co
     ode->lift_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_LIFT], 0.0);
 }
 
-/* Relative acceleration by all but the contact itself. */
+/* Relative acceleration by everything but the contact itself. */
 static struct vec3 acceleration_by_others(const struct scene_values *v, const struct scene_instant *at,
                                           int contact)
 {
@@ -442,14 +443,14 @@ void ode_leave_centres(const struct scene_values *v, struct scene_state *q)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (at.geometry[j].degenerate && contact_is_coupled(v, q, j)) {
             const struct contact_shape shape = scene_contact_shape(v, q, j);
-            scene_now(v, q, &at); /* the others' directions are known better now */
+            scene_now(v, q, &at); /* this direction changes the forces on the next contact */
             q->contact[j].normal = singularity_escape(&shape, at.rate[j], acceleration_by_others(v, &at, j),
                                                       q->contact[j].normal);
         }
     }
 }
 
-/* What the lightest free body would have of momentum with that energy: sqrt(2 m E) [N s]. */
+/* Momentum of the lightest free body with that energy: sqrt(2 m E) [N s]. */
 static double momentum_scale(const struct scene_values *v, double energy)
 {
     double lightest = (double)INFINITY;
@@ -602,7 +603,7 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
 
 #include <string.h>
 
-/* The leading rows and columns of the Jacobian, dense, by columns. What falls outside is not wanted. */
+/* The leading rows and columns of the Jacobian, dense, by columns. Entries outside are dropped. */
 struct turning_matrix {
     double *at;
     int size;
@@ -628,7 +629,7 @@ static void add_four(struct turning_matrix m, int row, int column, struct quater
     add_three(m, row + 1, column, 1.0, quaternion_vector(a));
 }
 
-/* What all parts of it need. */
+/* Data that all parts of the Jacobian need. */
 struct turning_linearization {
     const struct scene_ode *ode;
     const double *y;
@@ -658,7 +659,8 @@ static struct vec3 rotation_by_spin(const struct turning_linearization *l, int b
     return vec3_axpy(along_axis(k), turning_flatness(l->ode->values, body) * vec3_get(e, k), e);
 }
 
-/* d e by component k of the orientation in y, of any length: e is that of the unit one. */
+/* d e by component k of the orientation in y, which may have any length: e is the axis of the unit
+ * quaternion. */
 static struct vec3 axis_by_orientation(const struct turning_linearization *l, int body, int k)
 {
     const double *data = l->y + l->layout.orientation[body];
@@ -679,7 +681,7 @@ static struct vec3 rotation_by_axis(const struct turning_linearization *l, int b
     return vec3_scale(turning_flatness(l->ode->values, body), both);
 }
 
-/* A change of what acts on a body, times a sign. */
+/* Adds a change of the force and torque on a body, times a sign. */
 static void add_to_body(const struct turning_linearization *l, int column, int body, double sign,
                         struct vec3 force, struct vec3 torque)
 {
@@ -697,7 +699,7 @@ static void add_to_body(const struct turning_linearization *l, int column, int b
     }
 }
 
-/* All that a change of a contact's motion changes, into one column. */
+/* Adds the effects of a change of a contact's motion to one column. */
 static void add_change(const struct turning_linearization *l, const struct turning_slopes *slopes,
                        int contact, int column, const struct turning_motion *motion)
 {
@@ -723,7 +725,7 @@ static void add_change(const struct turning_linearization *l, const struct turni
     add_entry(l->matrix, ode_dissipated(v) + 2, column, change.friction_power);
 }
 
-/* The columns of the states of a body at one end of a contact (sign -1: source, +1: destination). */
+/* Adds the columns of the states of a body at one end of a contact (sign -1: source, +1: destination). */
 static void add_body_columns(const struct turning_linearization *l, const struct turning_slopes *slopes,
                              int contact, int body, double sign)
 {
@@ -768,8 +770,8 @@ static void add_contact(const struct turning_linearization *l, int contact)
     }
 }
 
-/* A body's own: its displacement by its velocity, its orientation by its angular velocity, the work of the
- * external force and torque. */
+/* Adds a body's own entries: its displacement by its velocity, its orientation by its angular velocity, and
+ * the work of the external force and torque. */
 static void add_motion(const struct turning_linearization *l, double clock, int body)
 {
     const struct scene_values *v = l->ode->values;
@@ -981,7 +983,7 @@ static struct vec3 left_product(struct vec3 a, double m[3][3])
                      a.x * m[0][2] + a.y * m[1][2] + a.z * m[2][2]);
 }
 
-/* Everything that depends on the state of `body` (sign -1: source, +1: destination) through contact j. */
+/* Adds the effects of the state of `body` (sign -1: source, +1: destination) through contact j. */
 static void contact_columns(struct matrix jacobian, const struct scene_ode *ode,
                             const struct scene_instant *at, int j, int body, double sign,
                             struct contact_jacobian *gradient)
@@ -1076,7 +1078,7 @@ static bool path_rests(const struct vec3 *coefficients, int count)
     return path_is_steady(coefficients, count) && vec3_is_zero(coefficients[0]);
 }
 
-/* Whether nothing but gravity and contacts works on a body. A prescribed one rests, by both of its inputs. */
+/* Whether only gravity and contacts do work on a body. A prescribed body rests by both of its inputs. */
 static bool body_is_undriven(const struct scene_values *v, const struct scene_state *q, int body)
 {
     const struct body_path *path = &q->path[body];
@@ -1086,8 +1088,8 @@ static bool body_is_undriven(const struct scene_values *v, const struct scene_st
     return !body_is_free(v, body) || path_rests(path->force, 3);
 }
 
-/* Whether a contact keeps the energy of its relative motion, and no other contact acts. What turns has more
- * energy than that. */
+/* Whether a contact keeps the energy of its relative motion, and no other contact acts. Bodies that turn
+ * exchange it with rotational energy. */
 static bool keeps_energy(const struct scene_values *v, const struct scene_state *q, int contact)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -1160,16 +1162,15 @@ static double impulse_for(double missing, double gap_rate, double by_both)
     return square > 0.0 ? 2.0 * missing / (gap_rate + copysign(sqrt(square), gap_rate)) : 0.0;
 }
 
-/* Largest correction, in parts of the energy: an integrator's error is less, so more must have another
- * cause. */
+/* Largest correction / energy: an integrator's error is smaller, so a larger difference has another cause. */
 static const double LARGEST_CORRECTION = 1e-3;
 
 /* A contact takes some thousand internal steps at the smallest tolerance. The errors of so many steps may add
  * up. */
 static const double MOST_STEPS = 1e4;
 
-/* Whether `missing` is what an integrator that is off by `tolerated` [m/s] and by rounding in each step may
- * leave of the energy, and more than rounding makes of its terms. */
+/* Whether the missing energy exceeds the rounding of its terms and is explained by an integrator's error of
+ * `tolerated` [m/s] and rounding in each step. */
 static bool is_integration_error(double missing, const struct relative_energy *energy, double mass,
                                  double gap_rate, double speed, double tolerated)
 {

@@ -57,14 +57,14 @@ struct scene_ode {
     double energy_scale, momentum_scale; /* of the motion as the phase begins [J], [N s] */
 };
 
-/* Number of states, and where in y a body's `moved` is, which its v follows; a contact's impulse; the
+/* Number of states. Indices in y: of a body's `moved`, which v follows; of a contact's impulse; of the
  * dissipated energy, which the external work follows. */
 int ode_size(const struct scene_values *v);
 int ode_body(const struct scene_values *v, int body);
 int ode_impulse(const struct scene_values *v, int contact);
 int ode_dissipated(const struct scene_values *v);
 
-/* How many leading states are coupled, and the first of those that are integrals only. */
+/* Number of leading states that are coupled; index of the first integral. */
 int ode_coupled(const struct scene_values *v);
 int ode_integrals(const struct scene_values *v);
 
@@ -75,8 +75,7 @@ void ode_leave_centres(const struct scene_values *v, struct scene_state *q);
  * speeds are right to relative |w| + absolute [m/s]. */
 void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double relative, double absolute);
 
-/* The state at ode->state into y; and y into the bodies, impulses and energies of q; clocks are the
- * caller's. */
+/* Packs ode->state into y; unpacks y into the bodies, impulses and energies of q, but not into its clock. */
 void ode_pack(const struct scene_ode *ode, double *y);
 void ode_unpack(const struct scene_values *v, struct scene_state *q, const double *y);
 
@@ -86,13 +85,13 @@ void ode_rates(const struct scene_ode *ode, double clock, const double *y, doubl
 /* d(dy/dt)_i / dy_j at [j * ode_size + i]: dense, by columns. */
 void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns);
 
-/* The same of the coupled states only: ode_coupled rows and columns. */
+/* The Jacobian of the coupled states: ode_coupled rows and columns. */
 void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns);
 
-/* Where a few forces do all that couples these states, how many, else 0; and how many of the last of them
- * have rates that depend on other states all the same. The coupled Jacobian without the forces; how rates
- * depend on forces at [force * ode_coupled + rate], forces on states at [state * ode_forces + force]. What
- * the places of the forces change about their torques is left out. */
+/* Number of forces by which the coupled states act on each other, 0: they do not act by a few forces only;
+ * number of the last coupled states whose rates depend on other states directly as well. The split Jacobian:
+ * the part without the forces; d rate / d force at [force * ode_coupled + rate]; d force / d state at [state
+ * * ode_forces + force]. The effect of the places of the forces on their torques is left out. */
 int ode_forces(const struct scene_values *v);
 int ode_tipping(const struct scene_values *v);
 void ode_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
@@ -100,7 +99,7 @@ void ode_split_jacobian(const struct scene_ode *ode, double clock, const double 
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
 
-/* The same, and the instant they are of. */
+/* The event functions and the instant at which they are evaluated. */
 void ode_events_at(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at,
                    double events[ODE_EVENTS]);
 
@@ -108,20 +107,17 @@ void ode_events_at(const struct scene_ode *ode, double clock, const double *y, s
 enum contact_regime ode_regime_after(const struct scene_values *v, const struct scene_state *q, int contact,
                                      int event);
 
-/* What the error of each state is to be compared with: the length of the whole vector, so that results do not
- * depend on the orientation of the axes; of displacements since the start of the phase, so that they do not
- * depend on the place; of energies and impulses at least that of the free bodies. */
+/* Size of each state, for relative errors. A vector's components have the vector's length, so that results do
+ * not depend on the orientation of the axes. Displacements count from the start of the phase, so that results
+ * do not depend on the place. Energies and impulses are at least those of the free bodies. */
 void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes);
 
 /* The instant at y; for ode.c. */
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at);
 
-/*
- * What scenes that turn or rub add to the scene's differential equations (scene/ode.h), for ode.c and
- * ode.c.
- */
+/* Rotations and friction in the differential equations. */
 
-/* Where the states are in y; -1: there is none. */
+/* Indices of the states in y; -1: the scene has no such state. */
 struct turning_layout {
     int spin[SCENE_BODIES];        /* L / I_1 */
     int orientation[SCENE_BODIES]; /* w, x, y, z */
@@ -133,22 +129,23 @@ enum { TURNING_IMPULSES = 9 }; /* of a contact: of force, of torque on the sourc
 
 struct turning_layout turning_layout_of(const struct scene_values *v);
 
-/* I_1 of a body of free rotation [kg m^2], and I_1/I_3 - 1. */
+/* I_1 of a body that turns freely [kg m^2], and I_1/I_3 - 1. */
 double turning_inertia(const struct scene_values *v, int body);
 double turning_flatness(const struct scene_values *v, int body);
 
 /* The orientation in y, made unit. */
 struct quaternion turning_orientation_from(const double *data);
 
-/* The states of bodies that turn and of springs into y, and out of it; y's orientations need not be unit. */
+/* Packs the states of bodies that turn and of springs into y, and unpacks them. Orientations in y need not
+ * have unit length. */
 void turning_pack(const struct scene_ode *ode, double *y);
 void turning_unpack(const struct scene_values *v, const double *y, struct turning_state *turning);
 
-/* The rest of y: impulses of torques and the work on friction. */
+/* Packs the impulses of torques and the work on friction into y. */
 void turning_pack_integrals(const struct scene_ode *ode, double *y);
 void turning_unpack_integrals(const struct scene_values *v, struct scene_state *q, const double *y);
 
-/* The rates of all of these, and the event functions of a contact; `at` is the instant at y. */
+/* Rates of these states, and event functions of friction of a contact; `at` is the instant at y. */
 void turning_rates(const struct scene_ode *ode, double clock, const double *y, const struct scene_instant *at,
                    double *rates);
 void turning_events(const struct scene_ode *ode, double clock, const double *y,
@@ -157,7 +154,7 @@ void turning_events(const struct scene_ode *ode, double clock, const double *y,
 /* The leading `size` rows and columns of the Jacobian, by columns. */
 void turning_jacobian(const struct scene_ode *ode, double clock, const double *y, int size, double *columns);
 
-/* As ode_split_jacobian has it. */
+/* ode_split_jacobian of a scene that turns or rubs. */
 void turning_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
                             double *by_forces, double *of_forces);
 
@@ -165,12 +162,12 @@ void turning_split_jacobian(const struct scene_ode *ode, double clock, const dou
  * ode->state, of speeds that are right to `tolerated` [m/s]. */
 void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int contact, double tolerated);
 
-/* The event functions of friction at the present of ode->state, the instant `at`, each raised by twice what
- * rounding and an error of the speeds by `tolerated` [m/s] make of it. */
+/* The event functions of friction at the present instant `at` of ode->state, each raised by twice the error
+ * that rounding and an error of the speeds by `tolerated` [m/s] cause. */
 void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,
                              double tolerated, double events[ODE_EVENTS_EACH]);
 
-/* Sizes to compare errors with, as ode_nominal has them. */
+/* ode_nominal of rotations and springs. */
 void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes);
 
 /*
@@ -180,15 +177,15 @@ void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes
  *
  * The gap is zero where the bodies part, so that the flight that follows starts outside.
  *
- * The energy of the relative motion of the two bodies is what it was when the phase began: m_red |w|^2 / 2 +
- * p_n g^2 / 2, and the potential of gravity where one of them is not free. Of these two bodies alone: in the
- * energy of a heavy body that falls, what its contact with a light one has would be rounding. Only where
- * nothing but this undamped contact and gravity acts on them: the work of anything else is integrated too,
- * and its error would be taken for one of the speed.
+ * The energy of the relative motion of the two bodies is restored to its value at the start of the phase:
+ * m_red |w|^2 / 2 + p_n g^2 / 2, and the potential of gravity where one of them is not free. It excludes the
+ * common motion, beside whose energy that of a light body's contact could be rounding. It is restored only
+ * where this undamped contact and gravity alone act on the bodies, because an error in the work of another
+ * force would be taken for an error of the speed.
  */
 
-/* That energy, with the potential of the displacement alone: its constant part would only cost digits [J]. Of
- * the present instant, in the regimes of q; zero where no contact keeps it. */
+/* That energy at the present instant, in the regimes of q [J]; zero where no contact keeps it. The potential
+ * counts from the displacement, because its constant part would cost digits. */
 double projection_balance(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at);
 
@@ -196,9 +193,9 @@ double projection_balance(const struct scene_values *v, const struct scene_state
  * zero. */
 void projection_close_gap(const struct scene_values *v, struct scene_state *q, int contact);
 
-/* Gives the bodies of a contact opposite impulses along the normal that bring the energy back to
- * q->phase_energy. `tolerated` is what the integrator may be off by in a step [m/s]. Nothing happens where
- * that does not explain the error, and where rounding does. */
+/* Gives the bodies of a contact opposite impulses along the normal that restore the energy q->phase_energy.
+ * `tolerated` is the integrator's error in a step [m/s]. Nothing is done where this error does not explain
+ * the difference of energy, or where rounding explains it. */
 void projection_restore_energy(const struct scene_values *v, struct scene_state *q, int contact,
                                double tolerated);
 

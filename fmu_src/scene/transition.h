@@ -1,7 +1,7 @@
 /*
- * How far a contact is from its next change of regime, for an integrator that finds zeros of continuous
- * functions: event indicators with a hysteresis. Each is widened by a few rounding errors to the side where
- * it is, so that it is never zero right after a change and rounding alone changes nothing.
+ * Event indicators with a hysteresis: the distance of a contact from its next change of regime, for an
+ * integrator that finds zeros of continuous functions. Each is increased in size by a few roundings, so that
+ * it is never zero right after a change and rounding alone changes no sign.
  */
 #ifndef CONTACT_SCENE_TRANSITION_H
 #define CONTACT_SCENE_TRANSITION_H
@@ -9,7 +9,7 @@
 #include "scene/evaluate.h"
 #include "scene/ode.h"
 
-/* The gap, or how far the source is beyond the ends of its cylinder where that is more [m]: positive without
+/* The larger of the gap and the source's distance beyond the ends of its cylinder [m]: positive without
  * contact, negative in contact. */
 double regime_touch_margin(const struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at, int contact);
@@ -20,14 +20,13 @@ double regime_touch_margin(const struct scene_values *v, const struct scene_stat
 double regime_dashpot_margin(const struct scene_values *v, const struct scene_state *q,
                              const struct scene_instant *at, int contact);
 
-/* How far the source's centre is within the edges of the zone of a capped cylinder that the contact is in;
- * 1 m where there is none [m]. */
+/* Distance of the source's centre from the edges of the contact's zone of a capped cylinder [m]; 1 m where
+ * the contact has no zone. */
 double regime_zone_margin(const struct scene_values *v, const struct scene_state *q,
                           const struct scene_instant *at, int contact);
 
-/* The event functions of friction (contact/friction.h), negative on the other side of their change: that of
- * a contact that slides, that of friction at its largest force, that of a dashpot that pulls; 1 where nothing
- * changes. */
+/* The event functions of friction (contact/friction.h): for sticking and sliding, for the largest friction
+ * force, for a dashpot that pulls. Each is negative beyond its change and 1 where no change is possible. */
 double regime_friction_margin(const struct scene_values *v, const struct scene_state *q,
                               const struct scene_instant *at, int contact, enum ode_event event);
 
@@ -39,7 +38,7 @@ enum ode_event regime_friction_event(const struct scene_values *v, const struct 
 enum contact_regime regime_by_margins(const struct scene_values *v, const struct scene_state *q,
                                       const struct scene_instant *at, int contact);
 
-/* Changes of the regime of friction, besides those of the contact: who rubs begins to stick or to slide. */
+/* Changes of the regime of friction: a contact begins to stick or to slide. */
 
 /*
  * After a contact has changed its regime from `before` at the present instant: friction begins with a spring
@@ -49,7 +48,7 @@ enum contact_regime regime_by_margins(const struct scene_values *v, const struct
 void turning_take_regime(const struct scene_values *v, struct scene_state *q, int contact,
                          enum contact_regime before);
 
-/* After one of friction's own events (scene/ode.h) at the present instant. */
+/* Changes the regime of friction after one of friction's own events (scene/ode.h) at the present instant. */
 void turning_take_event(const struct scene_values *v, struct scene_state *q, int contact,
                         enum ode_event event);
 
@@ -59,20 +58,19 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
 /*
  * Puts a contact into a new regime at the present instant: counts an onset when bodies begin to overlap,
  * closes the duration when they cease to, and books a jump of the stored energy (a finite cylinder's end
- * switched the force) as dissipated. Counts an event. The clock is rebased. `at` becomes the instant as
- * scene_kinematics_now sees it from then on. The regime that the contact has already: it passes into the next
+ * switched the force) as dissipated. Counts an event and rebases the clock. `at` becomes the instant of
+ * scene_kinematics_now afterwards. Where the new regime is the present one, the contact passes into the next
  * zone of a capped cylinder.
  */
 void transition_change_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime, struct scene_instant *at);
 
-/* Takes over a change of friction alone, after one of its own event functions (scene/ode.h); the rest as
- * above. */
+/* transition_change_regime after an event of friction alone (scene/ode.h). */
 void transition_change_friction(const struct scene_values *v, struct scene_state *q, int contact,
                                 enum ode_event event, struct scene_instant *at);
 
-/* The same for bodies that an integrator outside moves: they stay where they are, and peaks are not noted.
- * The zone is then the nearest. */
+/* transition_change_regime for bodies that the importer integrates: they stay where they are, peaks are not
+ * noted, and the zone is the nearest. */
 void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime);
 void transition_switch_friction(const struct scene_values *v, struct scene_state *q, int contact,
@@ -87,18 +85,18 @@ void transition_settle_regimes(const struct scene_values *v, struct scene_state 
                                bool starting);
 
 /*
- * After the law of some contacts has changed: regimes by the new law. All contacts stored
- * `stored_before` [J]; the difference is external work of whoever changed it. Who touches goes on touching. A
- * phase begins.
+ * Sets the regimes by the new law after the law of some contacts has changed, and begins a phase. Contacts
+ * that touch go on touching. `stored_before` [J] is the energy that all contacts stored before; the
+ * difference counts as external work.
  */
 void transition_take_law(const struct scene_values *v, struct scene_state *q, const bool *changed,
                          double stored_before);
 
-/* What is known of the error of a force is one of the gap and its rate: it grows with the factors. */
+/* Scales the known error of a contact's force, which is an error of gap and rate, by the new factors. */
 void transition_scale_force_error(struct scene_state *q, int contact, struct contact_coefficients next);
 
-/* Begins a communication step, from which peaks and mean force count; `at` becomes the present instant. And
- * ends it. */
+/* Begins a communication step, over which peaks and mean force are taken; `at` becomes the present instant.
+ * Ends the communication step. */
 void transition_begin_step(const struct scene_values *v, struct scene_state *q, struct scene_instant *at);
 void transition_end_step(const struct scene_values *v, struct scene_state *q);
 
