@@ -15,7 +15,7 @@
 #include "scene/dense_output.h"
 #include "scene/ode.h"
 
-/* What an instance of CVODE consists of. */
+/* Values and motion that CVODE's callbacks need. */
 
 struct cvode_problem {
     struct scene_ode ode;
@@ -249,8 +249,8 @@ static double largest_step(const struct scene_values *v, const struct scene_stat
     return bound;
 }
 
-/* What the local error of one internal step may take of the tolerance: the errors of some hundred steps of a
- * contact add up, BDF's all with the sign of its damping. Chosen so that at 1e-10 the energy balance after
+/* Local error allowed in one internal step / tolerance. The errors of some hundred steps of a contact add up,
+ * BDF's all with the sign of its damping. Chosen so that at 1e-10 the energy balance after
  * the 63 impacts of a ball in a cylinder (scripts/scenarios/p3b_bouncing_in_cylinder.toml) closes to better
  * than 1e-9 of its largest term. */
 static double tolerance_share(enum solver_method method)

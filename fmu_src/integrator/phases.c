@@ -145,9 +145,9 @@ static void note_depth_of_released(const struct scene_values *v, struct scene_st
 }
 
 #if SCENE_HAS_GENERAL
-/* Up to which clock a step need not end for what is foreseen: the next change of a regime, and the horizon
- * unless nothing is foreseen. Steps go on beyond the end of a communication step only where the phase has
- * lasted before, so that inputs which change with each of them cost no steps in vain. */
+/* The clock up to which nothing foreseen ends a step: the next change of a regime, and the horizon unless
+ * nothing is foreseen. Steps go on beyond the end of a communication step only where the phase has lasted
+ * before, so that inputs that change at every communication point waste no steps. */
 static double unforeseen_until(const struct scene_values *v, const struct scene_state *q)
 {
     double until = q->clock + HORIZON_GROWTH * q->clock;
@@ -192,10 +192,10 @@ static bool pairs_are_alone(const struct scene_values *v, const struct scene_sta
  * first end of a segment, or the first passage of a centre. */
 struct synchronized_step {
     struct segment segment[SCENE_CONTACTS];
-    double longest, time; /* at most, and as it is [s] */
-    int terminal;         /* the contact whose regime ends then or begins anew; -1: none */
+    double longest, time; /* limit and length of the step [s] */
+    int terminal;         /* the contact whose regime ends, or begins anew, at its end; -1: none */
     enum contact_regime next;
-    bool changes; /* whether the regime or the zone of that contact is another then */
+    bool changes; /* whether the regime or the zone of that contact changes at the end */
 };
 
 static bool has_segment(const struct scene_values *v, const struct scene_state *q, int contact)
@@ -203,8 +203,8 @@ static bool has_segment(const struct scene_values *v, const struct scene_state *
     return contact_transmits(q, contact) && !contact_is_prescribed(v, contact);
 }
 
-/* A segment that reaches this part of the time asked for reaches all of it but for rounding: the other pairs
- * are not shortened. */
+/* A segment that reaches this part of the time asked for reaches it within rounding, and does not shorten the
+ * other pairs. */
 static const double ALL_OF_IT = 1.0 - 4.0 * DBL_EPSILON;
 
 static bool add_pair(struct synchronized_step *all, const struct scene_values *v, const struct scene_state *q,
@@ -257,8 +257,8 @@ static bool synchronized_step_make(struct synchronized_step *all, const struct s
 }
 
 #if SCENE_ANY_PRESCRIBED_CONTACT
-/* Integrates the prescribed contacts to a clock; returns the clock reached. How deep bodies come is looked
- * up apart: a force that is zero has no panels that would show it. */
+/* Integrates the prescribed contacts to a clock; returns the clock reached. The depth is found separately,
+ * because a quadrature of a force that is zero does not show it. */
 static double integrate_prescribed(const struct scene_values *v, struct scene_state *q, double end,
                                    struct advance *step)
 {
@@ -488,7 +488,7 @@ static enum advance_result advance_phase(struct integrator *s, const struct scen
     return ADVANCE_FAILED;
 }
 
-/* Puts a contact into its next regime; whether it begins or ends with that. */
+/* Puts a contact into its next regime; returns whether contact begins or ends with it. */
 static bool change_regime(const struct scene_values *v, struct scene_state *q, struct advance *step,
                           int contact, enum contact_regime regime)
 {
@@ -498,7 +498,7 @@ static bool change_regime(const struct scene_values *v, struct scene_state *q, s
     return touched != (q->contact[contact].regime != (int32_t)REGIME_APART);
 }
 
-/* The event that ended a phase; whether contact begins or ends with it. */
+/* Takes the event that ended a phase; returns whether contact begins or ends with it. */
 static bool take_event(const struct scene_values *v, struct scene_state *q, struct advance *step)
 {
     if (SCENE_ANY_FRICTION && step->event > ODE_EVENT_LAW && step->event != ODE_EVENT_ZONE) {
@@ -509,8 +509,8 @@ static bool take_event(const struct scene_values *v, struct scene_state *q, stru
     return change_regime(v, q, step, step->contact, step->regime);
 }
 
-/* When the step shall end, now that a contact has begun or ended: who asked for the step may look at the
- * outputs, and may want it to end earlier. Not asked where the step began, so that steps get on. */
+/* The end of the step after a contact has begun or ended: the caller may read the outputs and end the step
+ * earlier. It is not asked at the start of the step, so that steps advance. */
 static double end_after_event(const struct step_request *request, struct scene_state *q, double start,
                               double end_time)
 {
@@ -522,7 +522,7 @@ static double end_after_event(const struct step_request *request, struct scene_s
     return fmin(end_time, request->at_event(request->context, end_time));
 }
 
-/* Changes of regimes at one instant, beyond which they have no end: some hundredths of a second. */
+/* More changes of regimes than this at one instant never end; so many take some hundredths of a second. */
 enum { MOST_AT_ONCE = 10000 };
 
 static enum integrator_status run_phases(struct integrator *s, const struct scene_values *v,
@@ -531,7 +531,7 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
 {
     const double start = scene_time(q);
     double end_time = request->end_time;
-    double latest = -(double)INFINITY; /* event */
+    double latest = -(double)INFINITY; /* clock of the last event */
     int at_once = 0;
     for (;;) {
         bool begins_or_ends = false;
@@ -583,9 +583,8 @@ static enum integrator_status run_phases(struct integrator *s, const struct scen
     }
 }
 
-/* There may be as much work as the limit of steps allows in closed form, so that it bounds the time of
- * whatever is integrated; but no less than this, the limit's start value, which takes about a second: a
- * smaller limit is to count steps alone. */
+/* The limit of internal steps limits their work as well: each unit of work counts as a step in closed form.
+ * The limit of work is at least this, the start value of the limit of steps, which takes about a second. */
 static const long LEAST_WORK = 2000000;
 
 enum integrator_status integrator_run(struct integrator *s, const struct scene_values *v,
@@ -611,7 +610,7 @@ enum integrator_status integrator_run(struct integrator *s, const struct scene_v
 bool integrator_defer_further(const struct scene_values *v, struct scene_state *q, double end_time)
 {
     const double deferrable = q->deferrable_clock;
-    q->deferrable_clock = 0.0; /* who asks again before a step has gone the long way is told so at once */
+    q->deferrable_clock = 0.0; /* no further search until a step has been integrated */
     if (!(deferrable > 0.0 && deferrable == q->horizon_clock)) {
         return false;
     }

@@ -3,12 +3,11 @@
  * regimes of the contacts (a smooth problem) and stops at the first change of regime; integrator_run strings
  * these phases together.
  *
- *   flight.c         no contact transmits a force: closed form (in segment/), whatever the method
- *   event_driven.c   contact pairs that share no free body: closed form, collocation and Taylor series
- *                    (segment.h)
- *   general.c        what the segments do not take, event_driven too: Radau IIA
+ *   flight/          no contact transmits a force: closed form, for every method
+ *   touch/           event_driven, contact pairs that share no free body: closed form, series, collocation
+ *   general.c        event_driven, everything else in contact: Radau IIA
  *   cvode.c          SUNDIALS CVODE, BDF with an analytic Jacobian or Adams
- *   prescribed.c     neither body of a contact is free: only quadratures along the given motion
+ *   prescribed/      neither body of a contact is free: quadratures along the prescribed motion
  */
 #ifndef CONTACT_INTEGRATOR_PHASES_H
 #define CONTACT_INTEGRATOR_PHASES_H
@@ -20,7 +19,7 @@
 
 /* One advance of a phase: within fixed regimes of the contacts, up to a clock or their first change. */
 
-/* What it ended with. */
+/* The end of an advance. */
 enum advance_result { ADVANCE_REACHED, ADVANCE_EVENT, ADVANCE_STEP_LIMIT, ADVANCE_FAILED };
 
 struct advance {
@@ -36,14 +35,14 @@ struct advance {
 };
 
 /*
- * What takes how much work. An internal step in closed form or an event takes some 3,000 instructions, which
- * are the unit; segment_make says what other segments take. An evaluation of forces by the general segment
+ * Work, in units of some 3,000 instructions: an internal step in closed form or an event takes one unit, and
+ * segment_make returns the work of other segments. An evaluation of forces by the general segment
  * takes 9,000 to 20,000, a step of CVODE 50,000 to 300,000, a panel of the quadrature of a prescribed contact
  * 100,000.
  */
 enum { EVALUATION_WORK = 6, CVODE_STEP_WORK = 25, PANEL_WORK = 35 };
 
-/* Takes internal steps and the work that they took off what is left. */
+/* Subtracts internal steps and their work from the budget. */
 static inline void advance_spend(struct advance *step, long steps, long work)
 {
     step->budget -= steps;

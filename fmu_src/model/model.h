@@ -32,7 +32,7 @@ struct model_host {
     bool (*wants)(void *context, const char *category);
     void *(*allocate)(size_t count, size_t size); /* zeroed, as calloc */
     void (*release)(void *memory);
-    bool exchange; /* an integrator outside moves the model (exchange.h); else it takes steps of its own */
+    bool exchange; /* the importer integrates the model (Model Exchange); else it takes steps of its own */
 };
 
 struct model;
@@ -57,8 +57,8 @@ enum model_status model_exit_initialization(struct model *m);
  * model_time; the values are those of that time and the next step may go on from there. */
 enum model_status model_step(struct model *m, double end_time);
 
-/* The same with more to ask for. Outputs may be read while at_event is asked; they are those of that instant,
- * and nothing else may be called. */
+/* model_step with a request (integrator/step_request.h). While at_event is called, outputs of that instant
+ * may be read and no other function may be called. */
 enum model_status model_step_requested(struct model *m, const struct step_request *request);
 
 /* model_step for a deferred flight: only the clock advances (flight/flight.h). False, and nothing done,
@@ -67,8 +67,8 @@ bool model_step_deferred(struct model *m, double end_time);
 
 double model_time(const struct model *m);
 
-/* `value` is a double for VARIABLE_REAL, else an int32_t. Would this value be refused? Reports it if so. NaN
- * and infinity always are. Then sets one that has been checked. */
+/* Reports whether a value would be refused, as NaN and infinity always are. `value` is a double for
+ * VARIABLE_REAL, else an int32_t. model_set sets a value that has been checked. */
 enum model_status model_check(struct model *m, const struct variable *variable, const void *value);
 void model_set(struct model *m, const struct variable *variable, const void *value);
 
@@ -76,9 +76,9 @@ void model_set(struct model *m, const struct variable *variable, const void *val
  * it would be beyond the range of numbers. */
 enum model_status model_read(struct model *m, const struct variable *variable, void *value);
 
-/* The same for many references once the model is initialized, quickly: returns how many it read before one
- * that is no Real variable or that has to be computed. model_get_vector reads the three of a vector; none
- * where they are anything else or an array is missing. */
+/* Reads many Real variables quickly once the model is initialized. Returns the number read before the first
+ * that is no Real variable or has to be computed. model_get_vector reads the three components of a vector, or
+ * none where the references are anything else or an array is missing. */
 size_t model_get_reals(const struct model *m, const uint32_t *references, size_t count, double *values);
 bool model_get_vector(const struct model *m, const uint32_t *references, double *values);
 
@@ -86,8 +86,7 @@ bool model_get_vector(const struct model *m, const uint32_t *references, double 
 enum model_status model_set_input_derivative(struct model *m, const struct variable *variable, int order,
                                              double value);
 
-/* Whether an output has derivatives with respect to time: those do not that sum up the last step (mean and
- * peaks). */
+/* Whether an output has derivatives with respect to time. Mean and peaks over the last step have none. */
 bool model_has_derivatives(const struct variable *variable);
 
 /* d^order/dt^order of such outputs at the present time, orders 1 and 2, in the regimes in force. There is one
@@ -112,31 +111,30 @@ CONTACT_COLD enum model_status model_get_adjoint_derivative(struct model *m,
 
 size_t model_state_size(void);
 
-/* Writes model_state_size() bytes. With event_driven this is only looking: nothing that follows changes.
- * CVODE drops its history, so that the run that goes on and a run restored from these bytes are the same, bit
- * for bit. */
+/* Writes model_state_size() bytes. With event_driven the run is not changed by it. CVODE drops its history,
+ * so that the run goes on with the same bits as a run restored from these bytes. */
 void model_save(struct model *m, void *bytes);
 
-/* Takes the bytes over as a whole or refuses them (another version or scene, cut short, altered) and changes
- * nothing. */
+/* Takes over the bytes as a whole, or refuses them (of another version or scene, cut short, altered) and
+ * changes nothing. */
 enum model_status model_restore(struct model *m, const void *bytes, size_t size);
 
 /*
  * Model Exchange: the model for an integrator of the importer.
  *
- * states       displacement and velocity of every body that may be free; orientation (a quaternion of any
- * length) and angular velocity of every body that may turn freely; the spring of every contact that may have
- * elastic friction; the dissipated energy, the external work and the energy taken by friction. The states of
- * a body that is not free stand still. rates        the time derivatives of the states, in the regimes in
- * force indicators   of each contact the gap, or the way beyond a cylinder's ends if that is more; the force
- * at which the dashpot changes the law; the way to the edge of a capped cylinder's zone; three margins of
- * friction: it changes between stick and slip, reaches its largest force, is lifted.
+ * - States: displacement and velocity of every body that may be free; orientation (a quaternion of any
+ *   length) and angular velocity of every body that may turn freely; the spring of every contact that may
+ *   have elastic friction; the dissipated energy, the external work and the energy taken by friction. The
+ *   states of a body that is not free are constant.
+ * - Rates: the time derivatives of the states, in the regimes in force.
+ * - Indicators of each contact: the larger of the gap and the distance beyond a cylinder's ends; the force at
+ *   which the dashpot changes the law; the distance from the edge of a capped cylinder's zone; three margins
+ *   of friction, for stick and slip, the largest force, and a dashpot that pulls.
  *
- * Regimes change in event mode only, where an indicator has passed zero by more than rounding; the indicator
- * is as far on the other side then. The importer says when it changes between event mode and continuous-time
- * mode. A jump of an input in event mode is a jump of the motion, whose work is booked; in continuous-time
- * mode the power of the inputs is integrated. A scene without a body that may be free has neither states nor
- * indicators: its outputs follow from its inputs.
+ * Regimes change in event mode only, where an indicator has passed zero by more than rounding. The importer
+ * says when it changes between event mode and continuous-time mode. A jump of an input in event mode is a
+ * jump of the motion, whose work is booked. In continuous-time mode the power of the inputs is integrated. A
+ * scene without a body that may be free has neither states nor indicators.
  */
 
 /* SCENE_STATES and SCENE_INDICATORS. */
@@ -152,10 +150,10 @@ enum model_status model_exchange_set_time(struct model *m, double time);
 /* MODEL_DISCARD, and nothing set: out of the range of the states. */
 enum model_status model_exchange_set_states(struct model *m, const double *states);
 
-/* Sets one that model_check has found in range. */
+/* Sets a state that model_check has found in range. */
 void model_exchange_set_state(struct model *m, const struct variable *state, double value);
 
-/* What model_exchange_get reads; the nominal values are those of the states. */
+/* The values that model_exchange_get reads; the nominal values are those of the states. */
 enum exchange_values { EXCHANGE_STATES, EXCHANGE_RATES, EXCHANGE_INDICATORS, EXCHANGE_NOMINALS };
 
 /* MODEL_DISCARD: beyond the range of numbers. */
@@ -165,14 +163,12 @@ enum model_status model_exchange_get(struct model *m, enum exchange_values which
  * *changed: some regime did, and another one may have to; *jumped: a state did. */
 enum model_status model_exchange_update(struct model *m, bool *changed, bool *jumped);
 
-/* After that: when bodies in free flight touch next, in closed form, if the forces stay what they are [s];
- * INFINITY: not foreseen, or so soon that an integrator which starts here cannot miss it. */
+/* The time of the next touch of bodies in free flight under constant forces [s], after
+ * model_exchange_update. INFINITY: not foreseen, or so soon that an integrator cannot miss it. */
 double model_exchange_next_touch(const struct model *m);
 
-/* After a step that the integrator accepts: the contacts' directions are those to keep where d = 0. */
+/* After a step that the importer's integrator accepts: keeps the contacts' directions for d = 0. */
 enum model_status model_exchange_accept(struct model *m);
-
-/* The fewest digits that read back as the same number. */
 
 /* Room for a sign, 17 digits, a point, an exponent and the end: -1.2345678901234567e-308 is the longest. */
 enum { SHORTEST_SIZE = 25 };
@@ -181,7 +177,8 @@ struct shortest {
     char text[SHORTEST_SIZE];
 };
 
-/* 0.7 is "0.7", where "%.17g" would say 0.69999999999999996. For "%s": shortest_digits(x).text */
+/* The fewest digits that read back as the same number: 0.7 gives "0.7", where "%.17g" gives
+ * 0.69999999999999996. Use: "%s" with shortest_digits(x).text. */
 struct shortest shortest_digits(double value);
 
 #endif

@@ -13,7 +13,7 @@
 #define MODEL_STATE_VERSION 14u
 #define MODEL_STATE_MAGIC 0x464d5543u /* "CUMF" */
 
-/* Who integrates: the model itself; or an integrator outside, which is in event mode or goes on. */
+/* Who integrates: the model itself, or the importer, in event mode or in continuous-time mode. */
 enum exchange_mode { EXCHANGE_NONE, EXCHANGE_EVENTS, EXCHANGE_CONTINUOUS };
 
 /* Bits of input_signal.marks */
@@ -29,8 +29,8 @@ struct input_signal {
     double rate, curvature; /* d/dt and d^2/dt^2 */
 };
 
-/* Of a body: prescribed displacement, velocity and external force; where bodies may turn, prescribed angular
- * velocity, axis and external torque. */
+/* Input components of a body: prescribed displacement, velocity and external force; where bodies may turn,
+ * prescribed angular velocity, axis and external torque. */
 enum { SIGNALS_EACH = SCENE_ANY_ROTATION ? 18 : 9 };
 
 /* Parameters that may be set between steps and of which the motion keeps no copy of its own. */
@@ -52,9 +52,9 @@ struct model_state {
     double start_time;
     /* mark of the states that events make jump, when the importer last set or read them */
     uint64_t booked;
-    struct tunable_values in_force; /* while `tuned`: the parameters that `values` has others for by now */
+    struct tunable_values in_force; /* while `tuned`: the parameters in force, which `values` no longer has */
     uint8_t marks[SCENE_BODIES][SIGNALS_EACH];
-    uint8_t signals_changed; /* some mark is set that model_apply_inputs has not seen */
+    uint8_t signals_changed; /* a mark is set that model_apply_inputs has not seen */
     uint8_t signals_open;    /* some mark is set since the last step */
     uint8_t tuned;           /* some parameter is set that model_tune has not taken over */
     uint8_t initialized;
@@ -64,9 +64,8 @@ struct model_state {
     uint8_t warned_of_rate[SCENE_BODIES], warned_of_direction[SCENE_CONTACTS];
 };
 
-/* Which outputs are those of the present; each includes the ones before. As bits, these are the variables
- * that can be read as they stand (enum variable_source); VARIABLE_FIXED means nothing there and tells the
- * first two apart. */
+/* Which outputs are up to date; each value includes the ones before. As bits these are the variables that can
+ * be read as they stand (enum variable_source). VARIABLE_FIXED only tells the first two values apart. */
 enum outputs {
     OUTPUTS_NONE = VARIABLE_GIVEN,
     OUTPUTS_FIXED = OUTPUTS_NONE | VARIABLE_FIXED,  /* of bodies that never move */
@@ -81,10 +80,10 @@ struct model {
     enum outputs outputs; /* in state.values */
 };
 
-/* Whether the host wants messages of this status: asked before what costs time only to be shown. */
+/* Whether the host wants messages of this status; asked before a costly message is made. */
 bool model_reports(const struct model *m, enum model_status status);
 
-/* The outputs that change are no longer those of the present. */
+/* Marks the outputs that change as out of date. */
 static inline void model_forget_outputs(struct model *m)
 {
     if (m->outputs > OUTPUTS_FIXED) {
@@ -121,16 +120,16 @@ enum model_status model_check_consistency(struct model *m);
  * would. */
 void model_warn_of_idle(struct model *m);
 
-/* Takes changed inputs over into the paths of the motion; false, and the motion as before, where an energy
- * would be beyond the range of numbers. They remain to be taken over: others may be set. */
+/* Takes changed inputs over into the paths of the motion. False: an energy would be beyond the range of
+ * numbers; the motion is unchanged, and other inputs may be set. */
 bool model_apply_inputs(struct model *m);
 
-/* Before a parameter is set between steps: keeps those in force. */
+/* Keeps the parameters in force before one is set between steps. */
 void model_begin_tuning(struct model *m);
 
 /* Takes parameters that were set between steps over into the motion and books the energy that this adds or
- * removes; false, and the motion as before, where a force or an energy would be beyond the range of numbers.
- * And whether it would be with this value of one of them. */
+ * removes. False: a force or an energy would be beyond the range of numbers; the motion is unchanged. The
+ * second function tells whether one value would be refused so. */
 bool model_tune(struct model *m);
 bool model_can_tune(const struct model *m, const struct variable *variable, const void *value);
 
@@ -144,10 +143,8 @@ void model_warn_of_rates(struct model *m);
 /* Computes outputs of the present, `wanted` at least; false where the inputs cannot be taken over. */
 bool model_update_outputs(struct model *m, enum outputs wanted);
 
-/* "The inputs ... beyond the range of numbers ...", for who cannot take them over. */
+/* Reports that the inputs lead beyond the range of numbers. */
 enum model_status model_refuse_inputs(const struct model *m);
-
-/* How the model moves from one time to another (motion.c). */
 
 /* The integrator's memory for the method that v chooses; MODEL_ERROR when there is none to be had, with a
  * message that begins with `otherwise`. */
