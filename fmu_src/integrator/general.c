@@ -134,23 +134,32 @@ static void sample_events(struct general *g)
 #endif
 }
 
-/* Computes the Bernstein coefficients of one event function; false where they show no zero. */
-static bool may_fall(const struct general *g, int event, double of[BERNSTEIN_MOST], double *largest)
+/* Bernstein coefficients of the polynomial through a quantity's values at the start and all stages, which
+ * stand `stride` doubles apart. */
+static void bernstein_of(const struct radau_stages *stages, const double *values, int stride,
+                         double of[BERNSTEIN_MOST])
 {
-    const struct radau_stages *stages = g->step.stages;
     const int count = stages->stages + 1;
-    bool falls = false;
-    *largest = 0.0;
     for (int k = 0; k < count; ++k) {
         of[k] = 0.0;
     }
     for (int i = 0; i < count; ++i) {
-        const double value = g->events[i][event];
-        *largest = fmax(*largest, fabs(value));
         for (int k = 0; k < count; ++k) {
-            of[k] += stages->bernstein[i * count + k] * value;
+            of[k] += stages->bernstein[i * count + k] * values[i * stride];
         }
     }
+}
+
+/* Computes the Bernstein coefficients of one event function; false where they show no zero. */
+static bool may_fall(const struct general *g, int event, double of[BERNSTEIN_MOST], double *largest)
+{
+    const int count = g->step.stages->stages + 1;
+    bool falls = false;
+    *largest = 0.0;
+    for (int i = 0; i < count; ++i) {
+        *largest = fmax(*largest, fabs(g->events[i][event]));
+    }
+    bernstein_of(g->step.stages, &g->events[0][event], ODE_EVENTS, of);
     of[0] = g->events[0][event];
     of[count - 1] = g->events[count - 1][event];
     for (int k = 0; k < count; ++k) {
@@ -399,27 +408,11 @@ bool general_end_at(struct general *g, struct general_event *found, double *cloc
     return found->event < 0;
 }
 
-/* Bernstein coefficients of the polynomial through F_n or -g at the start and all stages. */
-static void put_coefficients(const struct general *g, int contact, int quantity, double of[BERNSTEIN_MOST])
-{
-    const struct radau_stages *stages = g->step.stages;
-    const int count = stages->stages + 1;
-    for (int k = 0; k < count; ++k) {
-        of[k] = 0.0;
-    }
-    for (int i = 0; i < count; ++i) {
-        const double value = g->loads[i][contact][quantity];
-        for (int k = 0; k < count; ++k) {
-            of[k] += stages->bernstein[i * count + k] * value;
-        }
-    }
-}
-
 void general_set_peaks(struct general *g)
 {
     for (int j = 0; j < SCENE_CONTACTS && g->step.problem.turns; ++j) {
         for (int i = 0; i < GENERAL_LOADS && g->state->contact[j].regime != REGIME_APART; ++i) {
-            put_coefficients(g, j, i, g->peaks[j][i]);
+            bernstein_of(g->step.stages, &g->loads[0][j][i], SCENE_CONTACTS * GENERAL_LOADS, g->peaks[j][i]);
         }
     }
 }
