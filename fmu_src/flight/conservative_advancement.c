@@ -358,19 +358,25 @@ static void decision(const void *data, double time, double *value, double *slope
     *slope = f->slope;
 }
 
+/* Time for which a function that is not below zero by more than rounding stays so. It is never zero: no more
+ * than three eighths of the noise can be missed in it. */
+static double stays_unchanged(const struct falling *f, double noise)
+{
+    const double quarter = 0.25 * noise;
+    const double least = quarter / (fabs(f->slope) + sqrt(f->bend * quarter));
+    return f->value < -noise ? 0.0 : fmax(stays_above(f, noise), least);
+}
+
 /* The longest time from an instant on in which nothing changes by more than rounding, by the bends of that
- * instant. It is never zero: if all is within rounding, no more than three eighths of the noise can be missed
- * in it. */
+ * instant: of a touch as long as any function, of a parting as long as all functions stay. */
 static double unchanged_for(const struct advancement_search *search, const struct advancement_instant *at)
 {
-    double time = stays_above(&at->of[0], at->noise[0]);
+    double time = stays_unchanged(&at->of[0], at->noise[0]);
     for (int i = 1; i < search->count; ++i) {
-        const double other = stays_above(&at->of[i], at->noise[i]);
+        const double other = stays_unchanged(&at->of[i], at->noise[i]);
         time = (other > time) == (search->change == ADVANCEMENT_TOUCH) ? other : time;
     }
-    const struct falling *gap = &at->of[ADVANCEMENT_GAP];
-    const double quarter = 0.25 * at->noise[ADVANCEMENT_GAP];
-    return fmax(time, quarter / (fabs(gap->slope) + sqrt(gap->bend * quarter)));
+    return time;
 }
 
 /* The next step from an instant. `*length` is the time over which the bends hold; it adapts. */

@@ -329,6 +329,37 @@ def test_springs_of_elastic_friction_count_for_the_work_that_they_take(opened):
     fmu.step(100.0)
 
 
+@pytest.mark.parametrize("steps", [1, 2, 7])
+@pytest.mark.parametrize("motion", ["prescribed", "free"])
+def test_a_source_that_turns_enters_by_the_end_while_its_gap_stays(opened, motion, steps):
+    """It moves along the cylinder, 1 mm deep, so that the end alone tells when contact begins and ends."""
+    values = {
+        "gravity": [0.0, 0.0, 0.0],
+        "source.radius": 0.1,
+        "source.center": [0.599, 0.0, 2.0],
+        "source.motion": motion,
+        "source.rotation": motion,
+        "destination.radius": 0.5,
+        "destination.axis": [0.0, 0.0, 1.0],
+        "destination.finite_length": True,
+        "destination.length": 1.0,
+        "contact.location": "outside",
+        "contact.penalty_factor": 1000.0,
+    }
+    if motion == "prescribed":
+        values["source.prescribed_velocity"] = [0.0, 0.0, -2.0]
+        values["source.prescribed_displacement.derivatives"] = [[0.0, 0.0, -2.0]]
+    else:
+        values["source.initial_velocity"] = [0.0, 0.0, -2.0]
+    fmu = start(opened("SphereCylinder"), values)
+    for k in range(steps):
+        fmu.step(2.5 * (k + 1) / steps - fmu.time)
+    assert fmu["contact.onsets"] == 1
+    check_close("onset", fmu["contact.last_onset_time"], 0.75, 1e-14)
+    if motion == "prescribed":
+        check_close("duration", fmu["contact.last_duration"], 0.5, 1e-14)
+
+
 def test_a_plane_that_moves_and_turns_away_has_no_deeper_penetration_than_samples_show(opened):
     """A contact that separates was once followed along the plane's first normal."""
     values = {
