@@ -4,13 +4,13 @@ import pytest
 
 from support.checks import METHODS, check_close, run
 from support.reference.integrator import Reference
-from support.scenes.benchmarks import BALL, DASHPOT
+from support.scenes.benchmarks import BENCHMARKS
 
 FREE_ON_FIXED = {"source.motion": "free", "destination.motion": "fixed"}
 EXAMPLES = {  # shape, everything pinned and everything set, end
     "BallOnSphere": (
         "sphere",
-        {**BALL, **DASHPOT, "contact.location": "outside", "source.center": [0.03, 0.04, 1.1]},
+        {**BENCHMARKS["P2"].configuration, "contact.location": "outside"},
         1.5,
     ),
     "BallInShell": (

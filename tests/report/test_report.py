@@ -43,7 +43,6 @@ from contact_fmus.report.measure import (
     write_rows,
 )
 from support.programs import PATIENCE
-from support.scenes.benchmarks import BENCHMARKS
 
 ROOT = Path(__file__).resolve().parents[2]
 PROBLEMS = benchmarks() | shape_problems() | hertz_problems() | turning_problems()
@@ -145,23 +144,6 @@ def test_the_errors_are_those_of_runs_with_fmpy(rows, opened, name, method, step
         if (row.problem, row.solver, row.setting, row.parameter, row.communication_steps) == key
     )
     assert f"{error:.3g}" == f"{row.error_m:.3g}"
-
-
-def test_the_problems_are_those_of_the_tests(opened):
-    for name, problem in benchmarks().items():
-        other = BENCHMARKS[name]
-        assert (problem.fmu, problem.stop, problem.position) == (other.fmu, other.end, other.position)
-        given = {"contact.dashpot": "unclamped", **other.configuration}
-        for key, value in problem.start.items():
-            if key in given:  # the others are start values of the FMU
-                same = (
-                    value == given[key]
-                    if isinstance(value, str)
-                    else np.allclose(value, given[key], 1e-15, 0)
-                )
-                assert same, (name, key)
-        left_out = {key: value for key, value in given.items() if key not in problem.start}
-        assert left_out.keys() <= {"source.motion", "destination.motion", "contact.dashpot"}
 
 
 def test_figures_exist_and_are_pictures(report):

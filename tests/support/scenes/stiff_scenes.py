@@ -77,8 +77,10 @@ def on_top():
     }
 
 
+# Clamped or not, the ball is never pulled; without damping there is nothing to clamp.
+P3 = {name: value for name, value in BENCHMARKS["P3"].configuration.items() if name != "contact.dashpot"}
 SCENES = {
-    "P3": ("cylinder", BENCHMARKS["P3"].configuration, 2.0),
+    "P3": ("cylinder", P3, 2.0),
     "tilted cylinder": ("cylinder", tilted_cylinder(), 1.5),
     "hollow sphere": ("sphere", hollow_sphere(), 2.0),
     "moved sphere": ("sphere", moved_sphere(), 1.5),
