@@ -9,20 +9,44 @@ import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from support.checks import METHODS, check_close
-from support.reference.three_balls import CASES, END, NAMED, reference
+from support.reference.three_balls import BRIEF, CASES, END, NAMED, reference
 
 BALLS = ("left", "middle", "right")
 
 
-def values_of(case, method):
-    places, velocities, masses, dashpot, damping, *_ = CASES[case]
+def values_of(case, method="event_driven"):
     values = {"solver.method": method, "gravity": [0, 0, 0]}
-    for contact, factor in zip(("first", "second"), damping, strict=True):
-        values |= {f"{contact}.method": "penalty_dynamic", f"{contact}.viscous_control": "user_defined"}
-        values |= {f"{contact}.dashpot": dashpot, f"{contact}.viscous_penalty_factor": factor}
-    for ball, place, velocity, mass in zip(BALLS, places, velocities, masses, strict=True):
-        values |= {f"{ball}.center": place, f"{ball}.initial_velocity": velocity, f"{ball}.mass": mass}
+    laws = zip(("first", "second"), case.laws, case.stiffness, case.damping, strict=True)
+    for contact, law, stiffness, damping in laws:
+        factor = "hertz_stiffness" if law == "hertz" else "penalty_factor"
+        values |= {f"{contact}.law": law, f"{contact}.penalty_control": "user_defined"}
+        values |= {f"{contact}.method": "penalty", f"{contact}.{factor}": stiffness}
+        if damping:
+            values |= {f"{contact}.method": "penalty_dynamic", f"{contact}.viscous_control": "user_defined"}
+            values |= {f"{contact}.dashpot": case.dashpot, f"{contact}.viscous_penalty_factor": damping}
+    for k, ball in enumerate(BALLS):
+        values |= {f"{ball}.center": case.places[k], f"{ball}.initial_velocity": case.velocities[k]}
+        values |= {f"{ball}.mass": case.masses[k], f"{ball}.radius": case.radii[k]}
     return values
+
+
+@pytest.mark.parametrize("steps", [1, 2, 40])
+@pytest.mark.parametrize("name", BRIEF)
+def test_a_brief_contact_is_felt_however_long_the_step(built, name, steps):
+    """Brief beside the communication step, begun without a force, as under Hertz's law, or between bodies
+    that fly past each other
+    """
+    case, expected = BRIEF[name], reference(name)
+    with ContactFmu(built["ThreeBalls"]) as fmu:
+        fmu.start(values_of(case), tolerance=1e-9)
+        energy, moving = fmu["energy.total"], fmu["energy.kinetic"]
+        for _ in range(steps):
+            fmu.step(case.end / steps)
+        check_close("energy", fmu["energy.total"], energy, 1e-9 * moving)
+        assert fmu["solver.fallbacks"] > 0  # the general segment had its part
+        size = np.abs(expected[:9]).max()
+        for k, ball in enumerate(BALLS):
+            check_close(f"{ball}.position", fmu[f"{ball}.position"], expected[3 * k : 3 * k + 3], 1e-8 * size)
 
 
 @pytest.mark.parametrize("steps", [1, 100])
@@ -31,7 +55,7 @@ def values_of(case, method):
 def test_a_ball_between_two_others_moves_as_in_the_reference(built, case, method, steps):
     velocities, masses = CASES[case].velocities, CASES[case].masses
     expected = reference(case)
-    values = values_of(case, method)
+    values = values_of(CASES[case], method)
     with ContactFmu(built["ThreeBalls"]) as fmu:
         fmu.start(values, tolerance=1e-10)
         for _ in range(steps):
@@ -47,7 +71,7 @@ def test_a_ball_between_two_others_moves_as_in_the_reference(built, case, method
 
 @pytest.mark.parametrize("case", CASES)
 def test_saving_is_only_looking_where_event_driven_falls_back_to_cvode(built, case):
-    values = values_of(case, "event_driven")
+    values = values_of(CASES[case])
     ends = []
     for saves in (False, True):
         with ContactFmu(built["ThreeBalls"]) as fmu:
