@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from contact_fmus.stability.motions import GEOMETRIES, PLANE, HeadOn, of_head_on
 from support.checks import check_close, run
 from support.reference.stiff_limit import StiffContact
+from support.scenes.agreement import seeds
 
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 TOLERANCES = [1e-6, 1e-8, 1e-10]
@@ -44,7 +45,7 @@ def stiff_end(values, shape, end):
     return StiffContact({**values, "contact.method": "penalty"}, shape).end(end)
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", seeds(12))
 def test_stiffness_costs_no_events(opened, seed):
     """The gap rate touches zero in a few turns of the oscillation for each turn of the load, the more the
     heavier the dashpot, which holds the ball for so many turns; however many turns there are in all.
