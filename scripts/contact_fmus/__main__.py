@@ -28,6 +28,7 @@ EXTRAS = {
     "distributed": "sweep",
     "pyarrow": "sweep",
     "mpmath": "dev",
+    "pandas": "dev",
     "ziglang": "zig",
 }
 

@@ -18,7 +18,6 @@ from __future__ import annotations
 import csv
 import json
 import sys
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self, TextIO
@@ -74,7 +73,8 @@ class Result:
     def _write(self, file: TextIO) -> None:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["time", *self.columns])
-        columns = [self.time.tolist(), *(_writable(values) for values in self.columns.values())]
+        arrays = [self.time, *map(np.asarray, self.columns.values())]
+        columns = [(one.astype(int) if one.dtype == bool else one).tolist() for one in arrays]
         writer.writerows(zip(*columns, strict=True))
 
     @classmethod
@@ -103,11 +103,6 @@ class Result:
         """On stderr, a line each"""
         for text in self.warnings:
             print(f"warning: {text}", file=sys.stderr)
-
-
-def _writable(values: Iterable[Any]) -> list[Any]:
-    array = np.asarray(values)
-    return (array.astype(int) if array.dtype == bool else array).tolist()
 
 
 def _notes(file: Path) -> dict[str, Any]:

@@ -28,23 +28,7 @@ REFERENCES = Path(__file__).with_name("stiff_references.json")  # tests/support/
 TURNING = Path(__file__).with_name("turning_references.json")  # make_turning_references.py, there too
 # tests/support/reference/make_law_references.py
 LAW_REFERENCES = Path(__file__).with_name("law_references.json")
-# k_h in N/m^1.5 and chi in s/m: P1 and P2 are as deep at their first impact as with the penalty and lose as
-# much; P3, at rest under its weight, is as stiff (1.5 k_h sqrt(depth)) and as damped (chi times the weight);
-# P3b is as stiff as P3 and loses as much at its first impact as with the penalty.
-HERTZ = {"P1": (2.24e7, 0.0), "P2": (2.24e7, 0.07), "P3": (1.74e10, 51.0), "P3b": (1.74e10, 0.3)}
-PLANE_TITLES = {"P1": "head-on bounces on a plane", "P2": "oblique bounces on a plane"}
-# A solid cylinder with sharp rims. Tilted, its highest point is below the ball, at the height of P1's sphere;
-# upright, its cap is what P3 begins on and P3b begins 10 mm above.
-TILTED = {"destination.axis": [0.6, 0.0, 0.8]}
-UPRIGHT = {"destination.axis": [0.0, 0.0, 1.0], "source.initial_velocity": [0.08, 0.06, 0.0]}
-# What differs from P1 to P3b, besides ends and length. P1 ends after three impacts: each makes what is off to
-# the side 42 times as much (2 + 8 drop/r_s), so that eight would leave few digits of a double.
-OVER_A_RIM: dict[str, tuple[str, float, dict[str, Any]]] = {  # title, end in s, start values
-    "P1": ("head-on bounces on a rim", 2.0, TILTED | {"destination.center": [0.1, 0.0, -0.2]}),
-    "P2": ("two bounces off rims", 1.5, TILTED | {"destination.center": [0.109, 0.01, -0.2]}),
-    "P3": ("sliding over a rim", 2.0, UPRIGHT | {"source.center": [0.45, 0.0, 0.55]}),
-    "P3b": ("bouncing and sliding over a rim", 2.0, UPRIGHT | {"source.center": [0.41, 0.0, 0.56]}),
-}
+LAW_PROBLEMS = Path(__file__).with_name("law_problems.toml")
 SHAPES = {"cylinder": "SphereCylinder", "sphere": "SphereSphere"}
 
 
@@ -94,40 +78,12 @@ def turning_problems() -> dict[str, Problem]:
 
 def law_starts() -> dict[str, tuple[str, str, float, dict[str, Any]]]:
     """P1 to P3b by Hertz's law and over a rim, P1 and P2 on a plane: title, FMU, end and start values"""
-    return _hertz_starts() | _plane_starts() | _rim_starts()
-
-
-def _hertz_starts() -> dict[str, tuple[str, str, float, dict[str, Any]]]:
     found = {}
-    for name, (stiffness, chi) in HERTZ.items():
-        base = benchmarks()[name]
-        linear = ("contact.penalty_factor", "contact.viscous_penalty_factor")
-        start = {key: value for key, value in base.start.items() if key not in linear}
-        start |= {"contact.law": "hertz", "contact.hertz_stiffness": stiffness}
-        if chi:
-            start |= {"contact.hunt_crossley_factor": chi}
-        found[f"{name} Hertz"] = (base.title, base.fmu, base.stop, start)
-    return found
-
-
-def _plane_starts() -> dict[str, tuple[str, str, float, dict[str, Any]]]:
-    found = {}
-    for name, title in PLANE_TITLES.items():
-        base = benchmarks()[name]
-        start = {key: value for key, value in base.start.items() if not key.startswith("destination.")}
-        start |= {"destination.center": [0.0, 0.0, 0.5], "destination.axis": [0.0, 0.0, 1.0]}
-        start["source.initial_velocity"] = [0.3, 0.4, 0.0] if name == "P2" else [0.0, 0.0, 0.0]
-        found[f"{name} plane"] = (title, "SpherePlane", base.stop, start)
-    return found
-
-
-def _rim_starts() -> dict[str, tuple[str, str, float, dict[str, Any]]]:
-    found = {}
-    for name, (title, stop, values) in OVER_A_RIM.items():
-        start = benchmarks()[name].start | values
-        start |= {"destination.finite_length": True, "destination.length": 1.0, "destination.ends": "capped"}
-        start["contact.location"] = "outside"
-        found[f"{name} rim"] = (title, "SphereCylinder", stop, start)
+    for row in tomllib.loads(LAW_PROBLEMS.read_text(encoding="utf-8"))["problem"]:
+        base, without = benchmarks()[row["base"]], tuple(row.get("without", ()))
+        start = {key: value for key, value in base.start.items() if not key.startswith(without)} | row["start"]
+        title, fmu, stop = (row.get(key, getattr(base, key)) for key in ("title", "fmu", "stop"))
+        found[row["name"]] = (title, fmu, stop, start)
     return found
 
 
@@ -144,16 +100,12 @@ def law_benchmarks() -> dict[str, Problem]:
 
 def hertz_problems() -> dict[str, Problem]:
     """P1 to P3b by Hertz's law"""
-    return {f"{name} Hertz": law_benchmarks()[f"{name} Hertz"] for name in HERTZ}
+    return {name: one for name, one in law_benchmarks().items() if name.endswith("Hertz")}
 
 
 def shape_problems() -> dict[str, Problem]:
     """P1 and P2 on a plane, P1 to P3b over a rim"""
-    return {name: law_benchmarks()[name] for name in (*_plane_starts(), *_rim_starts())}
-
-
-def family_name(shape: str, damping: float) -> str:
-    return f"stiff {shape}, {'damped' if damping else 'undamped'}"
+    return {name: one for name, one in law_benchmarks().items() if not name.endswith("Hertz")}
 
 
 @cache
@@ -162,7 +114,7 @@ def stiff_families() -> dict[str, list[Problem]]:
     ascending penalty factor"""
     families: dict[str, list[Problem]] = {}
     for reference in json.loads(REFERENCES.read_text(encoding="utf-8")):
-        name = family_name(reference["shape"], reference["damping"])
+        name = f"stiff {reference['shape']}, {'damped' if reference['damping'] else 'undamped'}"
         families.setdefault(name, []).append(_stiff_problem(name, reference))
     return families
 

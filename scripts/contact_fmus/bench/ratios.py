@@ -31,6 +31,7 @@ from .problems import (
     EVENT_DRIVEN,
     EVENT_DRIVEN_ERROR,
     METHODS,
+    STIFF_TOLERANCE,
     Problem,
     Setting,
     benchmarks,
@@ -39,7 +40,6 @@ from .problems import (
 )
 
 SOFT, STIFF = 1e7, 1e15  # N/m
-STIFF_TOLERANCE = 1e-9
 FLIGHT_STEP = 1e-3  # s
 FAR_AWAY = {"source.center": [0.0, 0.0, 1e6], "solver.method": EVENT_DRIVEN}  # 451 s of fall
 
@@ -141,16 +141,12 @@ def flight_case(fmu: str, effort: Effort) -> Case:
     return Case(f"flight of {fmu}", fmu_file(fmu), stop, effort.flight_steps, FAR_AWAY, get=get)
 
 
-def idle_case(effort: Effort) -> Case:
-    stop = effort.flight_steps * FLIGHT_STEP
-    return Case("Idle", idle_file(), stop, effort.flight_steps, get=[["position"], ["velocity"]])
-
-
 def flights(effort: Effort) -> list[Comparison]:
-    rows = []
+    stop, rows = effort.flight_steps * FLIGHT_STEP, []
+    idle = Case("Idle", idle_file(), stop, effort.flight_steps, get=[["position"], ["velocity"]])
     for fmu in ("SphereSphere", "SphereCylinder"):
         row = Comparison(f"1 ms in flight, {effort.flight_steps} times", fmu, "Idle")
-        rows.append(compare(row, flight_case(fmu, effort), idle_case(effort), effort))
+        rows.append(compare(row, flight_case(fmu, effort), idle, effort))
     return rows
 
 

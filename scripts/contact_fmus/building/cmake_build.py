@@ -36,8 +36,8 @@ ADVICE = "apt-get install gcc libc6-dev, or take zig's from PyPI: pip install 'c
 
 def find_compiler(asked: str | None) -> list[str]:
     """Program and fixed arguments, such as [".../ziglang/zig", "cc"]; UserError where none works"""
-    tried = []
-    for name in _names(asked):
+    tried, chosen = [], asked or os.environ.get("CC")
+    for name in [chosen] if chosen else USUAL:
         command = _command(name)
         if command is None:
             tried.append(f"{name}: not found")
@@ -49,29 +49,23 @@ def find_compiler(asked: str | None) -> list[str]:
     raise UserError(f"no C compiler that works ({'; '.join(tried)}): {ADVICE}")
 
 
-def _names(asked: str | None) -> Iterator[str]:
-    chosen = asked or os.environ.get("CC")
-    if chosen:
-        yield chosen
-    else:
-        yield from USUAL
-
-
 def _command(name: str) -> list[str] | None:
     if name == "zig":
-        program = _zig()
+        program = _packaged("ziglang", "zig") or shutil.which("zig")
         return [program, "cc"] if program else None
     program, *arguments = shlex.split(name)
     found = shutil.which(program)
     return [found, *arguments] if found else None
 
 
-def _zig() -> str | None:
-    """Finds zig in the Python package ziglang, else on the path"""
-    package = importlib.util.find_spec("ziglang")
-    if package is not None and package.origin is not None:
-        return str(Path(package.origin).parent / "zig")
-    return shutil.which("zig")
+def _packaged(package: str, program: str) -> str | None:
+    """The program that a Python package brings"""
+    found = importlib.util.find_spec(package)
+    if found is None or found.origin is None:
+        return None
+    folder = Path(found.origin).parent
+    files = (folder / "data" / "bin" / program, folder / program)
+    return next((str(file) for file in files if file.is_file()), None)
 
 
 def _complaint(command: list[str]) -> str | None:
@@ -205,14 +199,8 @@ def _configuration(scenes: list[Scene], how: How, folder: Path) -> list[str]:
 
 def _program(name: str) -> str:
     """Finds the program in its Python package, which is new enough, else on the system"""
-    package = importlib.util.find_spec(name)
-    if package is not None and package.origin is not None:
-        folder = Path(package.origin).parent
-        for file in (folder / "data" / "bin" / name, folder / name):
-            if file.is_file():
-                return str(file)
-    found = shutil.which(name, path=os.pathsep.join([str(Path(sys.executable).parent), os.defpath]))
-    found = found or shutil.which(name)
+    folders = os.pathsep.join([str(Path(sys.executable).parent), os.defpath])
+    found = _packaged(name, name) or shutil.which(name, path=folders) or shutil.which(name)
     if found is None:
         raise UserError(f"{name} is missing: pip install {name}")
     return found

@@ -138,8 +138,9 @@ def tell(found: dict[str, list[Check]], allowed: set[str]) -> None:
         for check in checks:
             if check.outcome in (FOUND, NOT_DONE):
                 level = "warning" if check.outcome == NOT_DONE and check.name in allowed else "error"
+                where = _data(file).replace(":", "%3A").replace(",", "%2C")
                 for finding in check.findings:
-                    print(f"::{level} file={_property(file)},title={check.name}::{_data(finding)}")
+                    print(f"::{level} file={where},title={check.name}::{_data(finding)}")
     if path := os.environ.get("GITHUB_STEP_SUMMARY"):
         with open(path, "a", encoding="utf-8") as summary:
             summary.write("\n".join(_table(found)) + "\n")
@@ -157,10 +158,6 @@ def _table(found: dict[str, list[Check]]) -> list[str]:
 def _data(text: str) -> str:
     """Escapes the text as GitHub's workflow commands want it"""
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
-
-
-def _property(text: str) -> str:
-    return _data(text).replace(":", "%3A").replace(",", "%2C")
 
 
 # The command check
@@ -185,7 +182,11 @@ def main(arguments: list[str] | None = None) -> int:
         known = [*WHAT, *VALIDATORS, ALL]
         hint = f"{similar(name, known)}: {', '.join(known)}"
         raise UserError(f"--allow-missing: there is no check '{name}'{hint}")
-    found = {file: check_file(_file(file), options.patience) for file in options.files}
+    shipped = shipped_fmus()
+    files = {
+        name: fmu_file(name) if not Path(name).exists() and name in shipped else Path(name) for name in options.files
+    }
+    found = {name: check_file(file, options.patience) for name, file in files.items()}
     allowed = {check.name for checks in found.values() for check in checks}
     allowed = allowed if ALL in options.allow_missing else set(options.allow_missing)
     report = [
@@ -215,10 +216,6 @@ def told(checks: list[Check]) -> list[str]:
         lines.append(f"{check.outcome:8}  {check.name:12} {check.what}")
         lines += [f"{'':10}- {finding}" for finding in check.findings]
     return lines
-
-
-def _file(name: str) -> Path:
-    return fmu_file(name) if not Path(name).exists() and name in shipped_fmus() else Path(name)
 
 
 def check_file(file: Path, patience: float = PATIENCE) -> list[Check]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -109,16 +108,13 @@ def draw(data: dict[str, Any], folder: Path) -> None:
             axes.set_title(integrator)
         for axes in grid[-1]:
             axes.set_xlabel("communication step h ω")
-        handles = dict(_handles(grid))
+        handles = {}
+        for axes in grid.flat:
+            found, labels = axes.get_legend_handles_labels()
+            handles |= zip(labels, found, strict=True)
         figure.legend(handles.values(), handles.keys(), loc="outside lower center", ncols=len(COLORS))
         for kind in ("svg", "png"):
             figure.savefig(folder / f"{FIGURE}.{kind}", metadata={"Date": None} if kind == "svg" else None)
-
-
-def _handles(grid: Any) -> Iterator[tuple[str, Any]]:
-    for axes in grid.flat:
-        handles, labels = axes.get_legend_handles_labels()
-        yield from zip(labels, handles, strict=True)
 
 
 def _panel(axes: Axes, problem: dict[str, Any], integrator: str) -> None:

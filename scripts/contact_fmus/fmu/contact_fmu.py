@@ -123,9 +123,6 @@ class ContactFmu:
                 raise UserError(f"{path}: its library cannot be loaded: {error}") from None
         self.variables = read_variables(self.description)
         self._states: weakref.WeakSet[SavedState] = weakref.WeakSet()
-        self._instantiate(debug)
-
-    def _instantiate(self, debug: bool) -> None:
         try:
             self.slave.begin(self._log, debug)
         except Exception as error:
@@ -153,18 +150,15 @@ class ContactFmu:
 
     def call(self, function: str, *arguments: Any) -> Any:
         """fmpy's function of that name; what the FMU refuses raises FmuError"""
-        self._check_open(function)
+        if self.slave is None:
+            text = f"This instance of {self.description.modelName} is closed; open another ContactFmu."
+            raise FmuError(function, Status.ERROR, [Message(Status.ERROR, "logStatusError", text)])
         before = len(self.messages)
         try:
             return getattr(self.slave, function)(*arguments)
         except FMICallException as error:
             self._raised += self.messages[before:]
             raise FmuError(error.function, error.status, self.messages[before:]) from None
-
-    def _check_open(self, function: str) -> None:
-        if self.slave is None:
-            text = f"This instance of {self.description.modelName} is closed; open another ContactFmu."
-            raise FmuError(function, Status.ERROR, [Message(Status.ERROR, "logStatusError", text)])
 
     def warnings(self) -> list[str]:
         """What was logged as a warning, or as an error that no call returned, each text once"""
@@ -229,15 +223,12 @@ class ContactFmu:
     def __getitem__(self, name: str) -> Any:
         variable = self.variable(name)
         if variable.type == "Real":
-            values = self._read_reals(variable)
+            values = self.call("reals", variable.references)
             return np.array(values) if variable.is_vector else values[0]
         if variable.type == "Boolean":
             return bool(self.call("getBoolean", variable.references)[0])
         value = self.call("getInteger", variable.references)[0]
         return variable.items[variable.item_values.index(value)] if variable.items else value
-
-    def _read_reals(self, variable: Variable) -> Any:
-        return self.call("reals", variable.references)
 
     def __setitem__(self, name: str, value: Any) -> None:
         variable = self.variable(name)

@@ -184,32 +184,24 @@ PACKAGES = ("fmpy", "numpy", "scipy", "matplotlib")
 
 def versions() -> dict[str, str]:
     cache = _cmake_cache(host_file().parent / "CMakeCache.txt")
-    build = cache.get("CMAKE_BUILD_TYPE", "")
+    compiler = cache.get("CMAKE_C_COMPILER", "cc")
+    said = subprocess.run([compiler, "--version"], capture_output=True, text=True, check=False).stdout.splitlines()
+    processor = _matched(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo"), "unknown processor")
     found = {
-        "processor": f"{_processor()}, {os.cpu_count()} cores, {platform.machine()}",
-        "system": _system(),
-        "compiler": f"{_first_line(cache.get('CMAKE_C_COMPILER', 'cc'), '--version')}, {build}",
+        "processor": f"{processor}, {os.cpu_count()} cores, {platform.machine()}",
+        "system": platform.freedesktop_os_release().get("PRETTY_NAME", platform.system()),
+        "compiler": f"{said[0].strip() if said else Path(compiler).name}, {cache.get('CMAKE_BUILD_TYPE', '')}",
         "SUNDIALS": _sundials(cache),
-        "FMUs": _project(),
+        "FMUs": _matched(r"project\(\w+ VERSION ([\d.]+)", repository() / "CMakeLists.txt", "unknown"),
         "Python": platform.python_version(),
     }
     return found | {name: metadata.version(name) for name in PACKAGES}
 
 
-def _processor() -> str:
-    text = Path("/proc/cpuinfo").read_text(encoding="utf-8")
-    match = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
-    return match[1].strip() if match else "unknown processor"
-
-
-def _system() -> str:
-    release = platform.freedesktop_os_release()
-    return release.get("PRETTY_NAME", platform.system())
-
-
-def _first_line(*command: str) -> str:
-    run = subprocess.run(command, capture_output=True, text=True, check=False)
-    return run.stdout.partition("\n")[0].strip() or Path(command[0]).name
+def _matched(pattern: str, file: Path, otherwise: str) -> str:
+    """What the group of the pattern matches first in the file"""
+    match = re.search(pattern, file.read_text(encoding="utf-8"), re.MULTILINE)
+    return match[1].strip() if match else otherwise
 
 
 def _cmake_cache(file: Path) -> dict[str, str]:
@@ -222,19 +214,11 @@ def _cmake_cache(file: Path) -> dict[str, str]:
 def _sundials(cache: dict[str, str]) -> str:
     """The installed one says its version in its CMake package; else the build has fetched one."""
     file = Path(cache.get("SUNDIALS_DIR", "")) / "SUNDIALSConfigVersion.cmake"
-    if cache.get("CONTACT_SUNDIALS_FIT") == "TRUE" or file.is_file():
-        match = re.search(r'PACKAGE_VERSION "([\d.]+)"', file.read_text(encoding="utf-8"))
-        if match:
-            return match[1]
-    text = (repository() / "cmake" / "ContactSundials.cmake").read_text(encoding="utf-8")
-    match = re.search(r"# v([\d.]+)", text)
-    return f"{match[1]}, built with the FMUs" if match else "unknown"
-
-
-def _project() -> str:
-    text = (repository() / "CMakeLists.txt").read_text(encoding="utf-8")
-    match = re.search(r"project\(\w+ VERSION ([\d.]+)", text)
-    return match[1] if match else "unknown"
+    own = cache.get("CONTACT_SUNDIALS_FIT") == "TRUE" or file.is_file()
+    if own and (installed := _matched(r'PACKAGE_VERSION "([\d.]+)"', file, "")):
+        return installed
+    fetched = _matched(r"# v([\d.]+)", repository() / "cmake" / "ContactSundials.cmake", "")
+    return f"{fetched}, built with the FMUs" if fetched else "unknown"
 
 
 OWN = Path(__file__).parent

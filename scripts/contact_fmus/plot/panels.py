@@ -100,9 +100,12 @@ def chosen(result: Result, patterns: Iterable[str]) -> list[Panel]:
     components"""
     names: list[str] = []
     for pattern in patterns:
-        found = _matching(result, pattern)
+        # fnmatch reads [1] as a set of letters: a bracket is meant as it stands here.
+        wanted = re.compile(fnmatch.translate(pattern.replace("[", "[[]")))
+        found = [name for name in result.columns if wanted.match(name) or wanted.match(_whole(name))]
         if not found:
-            raise UserError(f"--variables: no variable '{pattern}'{similar(pattern, _askable(result))}")
+            askable = dict.fromkeys([*map(_whole, result.columns), *result.columns])
+            raise UserError(f"--variables: no variable '{pattern}'{similar(pattern, askable)}")
         names += [name for name in found if name not in names]
     groups: dict[tuple[str, str], list[str]] = {}
     for name in names:
@@ -146,20 +149,14 @@ def threshold(drawn: Iterable[np.ndarray]) -> float | None:
     return float(10.0 ** np.ceil(np.log10(deepest))) if 0.0 < deepest < SMALL * widest else None
 
 
-def _askable(result: Result) -> list[str]:
-    vectors = [re.sub(r"\[\d+\]$", "", name) for name in result.columns]
-    return list(dict.fromkeys([*vectors, *result.columns]))
-
-
-def _matching(result: Result, pattern: str) -> list[str]:
-    """fnmatch reads [1] as a set of letters: a bracket is meant as it stands here"""
-    wanted = re.compile(fnmatch.translate(pattern.replace("[", "[[]")))
-    return [name for name in result.columns if wanted.match(name) or wanted.match(re.sub(r"\[\d+\]$", "", name))]
+def _whole(name: str) -> str:
+    """The vector that a scalar belongs to"""
+    return re.sub(r"\[\d+\]$", "", name)
 
 
 def _kind(name: str) -> str:
     """contact.gap: gap; source.position[1]: position; energy.kinetic: energy"""
-    group, _, field = re.sub(r"\[\d+\]$", "", name).partition(".")
+    group, _, field = _whole(name).partition(".")
     return group if group == "energy" or not field else field
 
 

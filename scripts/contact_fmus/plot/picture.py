@@ -35,7 +35,9 @@ def draw(title: str, runs: list[Run], panels: list[Panel], file: Path) -> None:
         rows[-1].set_xlabel("time [s]")
         rows[-1].set_xlim(runs[0].result.time[0], runs[0].result.time[-1])
         if marks:
-            rows[0].set_title(_told(marks), loc="right", fontsize=8, fontweight="normal", color=EDGE)
+            count = f"{len(marks)} contact{'s' if len(marks) > 1 else ''}"
+            told = f"{count}, shaded" if len(marks) <= MARKED else f"{count}, the first {MARKED} shaded"
+            rows[0].set_title(told, loc="right", fontsize=8, fontweight="normal", color=EDGE)
         file.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(file, metadata=FIXED[file.suffix])
 
@@ -81,8 +83,3 @@ def _mark(axes: Axes, marks: list[Touch]) -> None:
     for touch in marks[:MARKED]:
         axes.axvspan(touch.begin, touch.end, color=COLORS[1], alpha=0.10, linewidth=0)
         axes.axvline(touch.begin, color=COLORS[1], alpha=0.35, linewidth=0.6)
-
-
-def _told(marks: list[Touch]) -> str:
-    count = f"{len(marks)} contact{'s' if len(marks) > 1 else ''}"
-    return f"{count}, shaded" if len(marks) <= MARKED else f"{count}, the first {MARKED} shaded"

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from contact_fmus.bench.problems import METHODS, STIFF_TOLERANCE, Problem, benchmarks, stiff_families
 
 from . import tables
-from .measure import PEER, SIMILAR, Row, stiff_setting
+from .measure import SIMILAR, Row, stiff_setting
 
 COLORS = {"event_driven": "#c2410c", "cvode_bdf": "#1d4ed8", "cvode_adams": "#0f766e"}
 MARKERS = {"event_driven": "o", "cvode_bdf": "s", "cvode_adams": "^"}
@@ -48,9 +48,9 @@ def work_precision(rows: Sequence[Row], problems: Iterable[Problem], folder: Pat
             for (solver, steps), points in found.items():
                 _draw(panel, points, COLORS[solver], MARKERS[solver], filled=steps == least)
             panel.set_title(f"{problem.name}: {problem.title}")
-            _label(panel, "error of the position at the end, m", "time, s")
+            panel.set(xlabel="error of the position at the end, m", ylabel="time, s")
         steps = sorted({row.communication_steps for row in rows})
-        _legend(figure, [*(_solver_mark(method) for method in METHODS), *_step_marks(steps)])
+        _legend(figure, [*_solver_marks(), *_step_marks(steps)])
         save(figure, folder, name)
 
 
@@ -65,15 +65,6 @@ def _draw(panel: Axes, points: Sequence[Row], color: str, marker: str, filled: b
         linewidth=1.3 if filled else 0.9,
         linestyle="-" if filled else "--",
     )
-
-
-def _label(panel: Axes, x: str, y: str) -> None:
-    panel.set_xlabel(x)
-    panel.set_ylabel(y)
-
-
-def _solver_mark(solver: str) -> Line2D:
-    return _mark(solver, COLORS[solver], MARKERS[solver])
 
 
 def _step_marks(steps: Sequence[int]) -> list[Line2D]:
@@ -108,7 +99,7 @@ def peers(own: Sequence[Row], others: Sequence[Row], folder: Path) -> None:
             points = [row for row in best if row.problem == problem.name]
             _draw_peer(panel, points, COLORS[METHODS[0]], "o", False)
             panel.set_title(f"{problem.name}: {problem.title}")
-            _label(panel, "error of the position at the end, m", "time, s")
+            panel.set(xlabel="error of the position at the end, m", ylabel="time, s")
         marks = [_mark(f"this FMU, {METHODS[0]}", COLORS[METHODS[0]], "o")]
         marks += [_mark(solver, *style) for solver, style in styles.items()]
         if any(row.law == SIMILAR for row in others):
@@ -141,6 +132,10 @@ def _mark(label: str, color: str, marker: str) -> Line2D:
     return Line2D([], [], color=color, marker=marker, markersize=5, label=label)
 
 
+def _solver_marks() -> list[Line2D]:
+    return [_mark(solver, COLORS[solver], MARKERS[solver]) for solver in METHODS]
+
+
 def stiffness(rows: Sequence[Row], folder: Path) -> None:
     """Time above, error below; damped on the left, undamped on the right"""
     chosen = [row for row in rows if row.setting == stiff_setting(STIFF_TOLERANCE) and row.measured]
@@ -159,30 +154,21 @@ def stiffness(rows: Sequence[Row], folder: Path) -> None:
                     stiff = [row.parameter for row in points]
                     time.plot(stiff, [row.time_s for row in points], **style)
                     error.plot(stiff, [max(row.error_m, FLOOR) for row in points], **style)
-                _limit_of_reference(error, stiff_families()[name])
+                family = stiff_families()[name]
+                limit = [problem.penalty_factor for problem in family], [problem.uncertainty for problem in family]
+                error.plot(*limit, color="#94a3b8", linestyle=":", zorder=1)
             title = "damped, 10 % of critical" if damping == "damped" else "undamped"
-            time.set_title(f"{title}: time")
-            error.set_title(f"{title}: error")
-            _label(time, "$p_n$, N/m", "time, s")
-            _label(error, "$p_n$, N/m", "error at the end, m")
+            time.set(title=f"{title}: time", xlabel="$p_n$, N/m", ylabel="time, s")
+            error.set(title=f"{title}: error", xlabel="$p_n$, N/m", ylabel="error at the end, m")
         for left, right in ((axes[0], axes[1]), (axes[2], axes[3])):
             right.sharey(left)
         most = max(len(family) for family in stiff_families().values())
         for panel in axes:
             panel.set_xlim(0.5 * 1e5, 2 * 10.0 ** (4 + most))
-        marks = [_solver_mark(method) for method in METHODS]
+        marks = _solver_marks()
         for shape, line, face in (("cylinder", "-", "#475569"), ("sphere", "--", "white")):
             style = {"color": "#475569", "marker": "o", "markersize": 5, "mfc": face, "linestyle": line}
             marks.append(Line2D([], [], label=f"in a hollow {shape}", **style))
         marks.append(Line2D([], [], color="#94a3b8", linestyle=":", label="what the reference is good for"))
         _legend(figure, marks, 3)
         save(figure, folder, "stiffness")
-
-
-def _limit_of_reference(panel: Axes, family: Sequence[Problem]) -> None:
-    stiff = [problem.penalty_factor for problem in family]
-    panel.plot(stiff, [problem.uncertainty for problem in family], color="#94a3b8", linestyle=":", zorder=1)
-
-
-def has_peers(rows: Sequence[Row]) -> bool:
-    return any(row.group == PEER and row.measured for row in rows)

@@ -73,7 +73,7 @@ def _work_precision(own: list[Row], others: list[Row], ratios: list[dict], given
     words, rows = WORDS["work_precision"], tables.own_work_precision(own)
     figures.work_precision(rows, benchmarks().values(), folder, "work_precision")
     shown = [{"name": "work_precision", "caption": words["caption"]}]
-    if figures.has_peers(others):
+    if any(row.measured for row in others):
         figures.peers(rows, others, folder)
         shown.append({"name": "peers", "caption": words["peers"].format(worst=figures.WORST)})
     listed = [tables.least_times(problem, [*rows, *others]) for problem in benchmarks()]

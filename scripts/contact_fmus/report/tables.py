@@ -19,12 +19,10 @@ def seconds(value: float | None) -> str:
         return MISSING
     for scale, unit in ((1, "s"), (1e-3, "ms"), (1e-6, "µs")):
         if value >= 0.9995 * scale:
-            return f"{_three_digits(value / scale)} {unit}"
+            value /= scale
+            digits = 2 if value < 9.995 else 1 if value < 99.95 else 0
+            return f"{value:.{digits}f} {unit}"
     return f"{value * 1e9:.0f} ns"
-
-
-def _three_digits(value: float) -> str:
-    return f"{value:.2f}" if value < 9.995 else f"{value:.1f}" if value < 99.95 else f"{value:.0f}"
 
 
 def metres(value: float | None) -> str:

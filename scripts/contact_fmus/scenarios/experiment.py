@@ -105,7 +105,8 @@ class Motion:
         found = self.series(f"{body}.position")
         if found is not None:
             return found
-        center = self._center(body)
+        center = self.value(f"{body}.center")
+        center = np.zeros(3) if center is None else np.asarray(center, dtype=float)
         driven = self.series(f"{body}.prescribed_displacement")
         if driven is None or self.value(f"{body}.motion") != "prescribed":
             return np.tile(center, (len(self.time), 1))
@@ -116,10 +117,6 @@ class Motion:
         found = self.series(f"{body}.velocity")
         driven = self.value(f"{body}.motion") == "prescribed"
         return self.series(f"{body}.prescribed_velocity") if found is None and driven else found
-
-    def _center(self, body: str) -> np.ndarray:
-        center = self.value(f"{body}.center")
-        return np.zeros(3) if center is None else np.asarray(center, dtype=float)
 
     def radius(self, body: str) -> float | None:
         """None for a shape without one"""

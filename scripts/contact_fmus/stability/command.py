@@ -19,11 +19,7 @@ from contact_fmus.options import parse
 from .motions import GEOMETRIES, LAWS, HeadOn
 from .page import draw_page, groups, write_csv
 from .run import SceneRun, not_right, run_all, run_scene, thinned
-from .scenes import Scene, all_scenes
-
-
-def power(random: np.random.Generator, low: float, high: float) -> float:
-    return float(10 ** random.uniform(low, high))
+from .scenes import Scene, all_scenes, power
 
 
 def radii(random: np.random.Generator, inside: bool) -> tuple[float, float]:

@@ -12,7 +12,7 @@ change of s, s' or F. `mpmath` carries the digits, 60 here.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from mpmath import mp, mpf
@@ -22,48 +22,41 @@ from mpmath import mp, mpf
 
 
 class Swing:
-    """s(t) from s(0) = depth, s'(0) = speed"""
+    """s(t) from s(0) = depth, s'(0) = speed. Its two exponentials are complex where it swings."""
 
     def __init__(self, stiffness: mpf, damping: mpf, push: mpf, depth: mpf, speed: mpf):
         """stiffness and damping over the mass; `push` is b"""
         self.square, self.half = stiffness, damping / 2
         self.depth, self.speed, self.push = depth, speed, push
         self.change = push - damping * speed - stiffness * depth  # s''(0)
-        self.turn = mp.sqrt(abs(self.square - self.half**2))
-        self.kind = 0 if self.turn == 0 else (1 if self.square > self.half**2 else -1)
-        if self.kind < 0:  # exponents; the slow one without cancellation
-            self.fast = -(self.half + self.turn)
-            self.slow = -self.square / (self.half + self.turn)
+        self.jerk = -damping * self.change - stiffness * speed
+        self.swings = self.square > self.half**2
+        # Critical damping is moved by 1e-36 of itself, which keeps both exponents apart and forty digits right.
+        turn = mp.sqrt(self.half**2 - self.square) or mpf("1e-18") * self.half
+        self.fast = -(self.half + turn)
+        self.slow = self.square / self.fast if self.fast else mpf(0)  # without cancellation
 
     def rate_of(self, first: mpf, second: mpf, t: mpf) -> mpf:
         """y(t) of y'' + 2 half y' + square y = 0 from y(0) = first, y'(0) = second; so do s' and s'' move"""
-        if self.kind < 0:
-            share = (second - self.fast * first) / (self.slow - self.fast)
-            return share * mp.exp(self.slow * t) + (first - share) * mp.exp(self.fast * t)
-        decay = mp.exp(-self.half * t)
-        bend = second + self.half * first
-        if self.kind == 0:
-            return decay * (first + bend * t)
-        return decay * (first * mp.cos(self.turn * t) + bend / self.turn * mp.sin(self.turn * t))
+        share = (second - self.fast * first) / (self.slow - self.fast)
+        return mp.re(share * mp.exp(self.slow * t) + (first - share) * mp.exp(self.fast * t))
 
     def at(self, t: mpf) -> tuple[mpf, mpf]:
         """s and s'"""
-        jerk = -2 * self.half * self.change - self.square * self.speed
+        if not self.fast:  # neither spring nor dashpot
+            return self.depth + self.speed * t + self.push * t**2 / 2, self.speed + self.push * t
         speed = self.rate_of(self.speed, self.change, t)
-        change = self.rate_of(self.change, jerk, t)
         if self.square != 0:
+            change = self.rate_of(self.change, self.jerk, t)
             return (self.push - 2 * self.half * speed - change) / self.square, speed
-        if self.half != 0:  # s' + 2 half s = b t + constant
-            return self.depth + (self.push * t - speed + self.speed) / (2 * self.half), speed
-        return self.depth + self.speed * t + self.push * t**2 / 2, speed
+        return self.depth + (self.push * t - speed + self.speed) / (2 * self.half), speed
 
     def first_change(self, weights: tuple[mpf, mpf, mpf], until: mpf, on_root: bool = False) -> mpf | None:
         """The first time before `until` at which f = weights . (s, s', 1) changes its sign; `on_root`: it is
         zero now, whatever its rounding says"""
         a, b, c = weights
-        jerk = -2 * self.half * self.change - self.square * self.speed
-        now, slope, bend = a * self.depth + b * self.speed + c, a * self.speed + b * self.change, 0
-        bend = a * self.change + b * jerk
+        now = mpf(0) if on_root else a * self.depth + b * self.speed + c
+        slope, bend = a * self.speed + b * self.change, a * self.change + b * self.jerk
 
         def value(t: mpf) -> tuple[mpf, mpf]:
             """f and f'"""
@@ -71,48 +64,38 @@ class Swing:
             change = self.push - 2 * self.half * rate - self.square * s
             return a * s + b * rate + c, a * rate + b * change
 
-        if on_root:
-            now = mpf(0)
         side = mp.sign(now) or mp.sign(slope) or mp.sign(bend)
         if side == 0:
             return None
-        if self.square == 0 and self.half == 0:
+        if not self.fast:
             return _falls(bend / 2, slope, now, side, until)
+        # f keeps its sign once the swing has become smaller than the distance of its middle from zero.
+        middle = a * self.push / self.square + c if self.swings else mpf(0)
         before, monotonous = mpf(0), now == 0
         for t in self.turning_points(slope, bend):
             last = t >= until
             t = min(t, until)
-            if not monotonous and mp.sign(value(t)[0]) == -side:
+            f = value(t)[0]
+            if not monotonous and mp.sign(f) == -side:
                 return _root(value, before, t, side)
-            if last or self._settled(value, t, side, (a, c), (slope, bend)):
+            if last or (mp.sign(middle) == side and abs(f - middle) < abs(middle)):
                 return None
             before, monotonous = t, False
         return None
 
     def turning_points(self, slope: mpf, bend: mpf) -> Iterator[mpf]:
-        """Times > 0 at which f' is zero, then infinity"""
-        if self.kind > 0:
-            first = mp.atan2(-slope * self.turn, bend + self.half * slope) % mp.pi
-            t = (first or mp.pi) / self.turn
+        """Times > 0 at which f' is zero, then infinity: there exp((slow - fast) t) is the ratio of its parts"""
+        apart, divisor = self.slow - self.fast, bend - self.fast * slope
+        ratio = (bend - self.slow * slope) / divisor if divisor else mpf(0)
+        if self.swings and ratio:
+            period = 2 * mp.pi / mp.im(apart)
+            t = mp.re(mp.log(ratio) / apart) % period or period
             while True:
                 yield t
-                t += mp.pi / self.turn
-        if self.kind == 0:
-            rise = bend + self.half * slope
-            if rise != 0 and -slope / rise > 0:
-                yield -slope / rise
-        else:
-            share = bend - self.fast * slope, bend - self.slow * slope  # of slow, of fast
-            if share[0] != 0 and share[1] / share[0] > 1:
-                yield mp.log(share[1] / share[0]) / (self.slow - self.fast)
+                t += period
+        elif mp.re(ratio) > 1:
+            yield mp.log(ratio) / apart
         yield mp.inf
-
-    def _settled(self, value, t, side, weights, rates) -> bool:
-        """Whether the swing has become smaller than its distance from zero, so that f keeps its sign"""
-        if self.kind <= 0:
-            return False
-        middle = weights[0] * self.push / self.square + weights[1]
-        return mp.sign(middle) == side and abs(value(t)[0] - middle) < abs(middle)
 
 
 def _root(value, low: mpf, high: mpf, side: mpf) -> mpf:
@@ -310,18 +293,15 @@ class Line:
             t = swing.first_change(weights, stop - begin, on_root)
             if t is not None and begin + t < stop:
                 stop, event = begin + t, name
-        self._note_turn(swing, stop - begin)
+        turn = swing.first_change((mpf(0), mpf(1), mpf(0)), stop - begin)
+        if turn is not None:
+            self.deepest = max(self.deepest, swing.at(turn)[0])
         depth, rate = swing.at(stop - begin)
         sign = 1 if self.inside else -1
         self.time, self._on_root = stop, event
         self.place, self.speed = side * (self.reach + sign * depth), side * sign * rate
         self._happen(event, side)
         self._pass_end()
-
-    def _note_turn(self, swing: Swing, duration: mpf) -> None:
-        turn = swing.first_change((mpf(0), mpf(1), mpf(0)), duration)
-        if turn is not None:
-            self.deepest = max(self.deepest, swing.at(turn)[0])
 
     def _happen(self, event: str, side: mpf) -> None:
         if event == "gap":
@@ -338,6 +318,14 @@ class Line:
             self.law = CLIPPED if self.law == FULL else FULL
 
 
+def halved(below: Callable[[mpf], bool], low: mpf, high: mpf) -> mpf:
+    """Where `below` ends to hold between the two, to sixty digits"""
+    for _ in range(220):
+        middle = (low + high) / 2
+        low, high = (middle, high) if below(middle) else (low, middle)
+    return high
+
+
 def damping_ratio(restitution: float, dashpot: str) -> mpf:
     """zeta of a free impact with this coefficient of restitution, by halving: with cos t = zeta, or cosh t
     beyond critical damping, unclamped e = exp(-pi cot t), the others e = exp(-t cot t), non_adhesive its
@@ -347,10 +335,9 @@ def damping_ratio(restitution: float, dashpot: str) -> mpf:
         if dashpot == "unclamped":
             return mpf(1) if e == 0 else -mp.log(e) / mp.hypot(mp.pi, mp.log(e))
         wanted = -mp.log(max(e, mpf("1e-6"))) / (2 if dashpot == "non_adhesive" else 1)
-        low, high = mpf(0), mp.exp(wanted) if wanted > 0 else mpf(0)
-        for _ in range(220):
-            middle = (low + high) / 2
-            t = mp.acos(mp.mpc(middle))
-            lost = mp.re(t * mp.cot(t)) if t != 0 else mpf(1)
-            low, high = (middle, high) if lost < wanted else (low, middle)
-        return high
+
+        def too_little(zeta: mpf) -> bool:
+            t = mp.acos(mp.mpc(zeta))
+            return (mp.re(t * mp.cot(t)) if t != 0 else mpf(1)) < wanted
+
+        return halved(too_little, mpf(0), mp.exp(wanted) if wanted > 0 else mpf(0))

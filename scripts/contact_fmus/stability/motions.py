@@ -7,6 +7,7 @@ from __future__ import annotations
 import functools
 import json
 import math
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
@@ -17,7 +18,9 @@ import numpy as np
 from mpmath import mp, mpf
 from scipy.integrate import solve_ivp
 
-from .line_motion import DIGITS, Line, damping_ratio
+from contact_fmus.fmu.variables import OPEN
+
+from .line_motion import DIGITS, Line, damping_ratio, halved
 
 # The answer that a run is held against
 
@@ -92,7 +95,6 @@ def _along_z(motion: HeadOn, line: Line) -> dict[str, mpf]:
 # What all motions have in common
 
 PLANE = "plane"  # its normal is along z; it has an axis of its own and no radius
-FMUS = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
 
 
 class Moving:
@@ -116,7 +118,7 @@ class Moving:
 
     @property
     def fmu(self) -> str:
-        return FMUS[self.shape]
+        return OPEN[self.shape]
 
     @property
     def reach(self) -> float:
@@ -124,6 +126,12 @@ class Moving:
         if self.shape == PLANE:
             return self.source_radius
         return self.destination_radius + self.source_radius * (-1 if self.inside else 1)
+
+    @property
+    def mass(self) -> mpf:
+        """The reduced one, of both bodies"""
+        source = mpf(self.source_mass)
+        return source if self.destination_mass is None else 1 / (1 / source + 1 / mpf(self.destination_mass))
 
     def masses(self) -> tuple[float, float | None]:
         """The second where the destination is free"""
@@ -252,29 +260,23 @@ class HeadOn(Moving):
 
     def _restitution_factor(self) -> mpf:
         with mp.workdps(DIGITS):
-            mass = mpf(self.source_mass)
-            if self.destination_mass is not None:
-                mass = mass * mpf(self.destination_mass) / (mass + mpf(self.destination_mass))
-            return 2 * damping_ratio(self.restitution, self.kind) * mp.sqrt(mpf(self.penalty) * mass)
+            return 2 * damping_ratio(self.restitution, self.kind) * mp.sqrt(mpf(self.penalty) * self.mass)
 
     def line(self) -> Line:
         """The closed form, from the very numbers that the FMU is given"""
         with mp.workdps(DIGITS):
-            source, free = mpf(self.source_mass), self.destination_mass is not None
-            mass = source * mpf(self.destination_mass) / (source + mpf(self.destination_mass)) if free else source
-            radii = mpf(self.destination_radius), mpf(self.source_radius)
-            if self.geometry == PLANE:
-                radii = mpf(0), radii[1]
+            free = self.destination_mass is not None
+            radii = mpf(0 if self.geometry == PLANE else self.destination_radius), mpf(self.source_radius)
             damped = self.restitution is not None and self.law != "undamped"
             return Line(
                 inside=self.inside,
                 flat=self.geometry == PLANE,
                 reach=radii[0] - radii[1] if self.inside else radii[0] + radii[1],
-                mass=mass,
+                mass=self.mass,
                 stiffness=mpf(self.stored_penalty),
                 damping=self._restitution_factor() if damped else mpf(self.dashpot_factor),
                 dashpot=self.kind,
-                push=-mpf(self.force) / source - (mpf(0) if free else mpf(self.gravity)),
+                push=-mpf(self.force) / mpf(self.source_mass) - (mpf(0) if free else mpf(self.gravity)),
                 place=mpf(self.source_center()[2]) - mpf(self.offset),
                 speed=-mpf(self.speed),
                 **self._ends(),
@@ -336,8 +338,6 @@ class HeadOn(Moving):
 # on the way back. Bodies lie along z as those of HeadOn.
 
 IMPACT_GEOMETRIES = (*GEOMETRIES, PLANE)
-PLANE = "plane"  # its normal is along z; it has an axis of its own and no radius
-FMUS = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "SpherePlane"}
 POISSON = 0.3
 LEAST = 1e-3  # smaller coefficients of restitution count as this
 
@@ -416,11 +416,6 @@ class Impact(Moving):
             return mpf(0)
         return mpf(self.damped) if self.restitution is None else damping_of(self.restitution, self.law)
 
-    @property
-    def mass(self) -> mpf:
-        source = mpf(self.source_mass)
-        return source if self.destination_mass is None else 1 / (1 / source + 1 / mpf(self.destination_mass))
-
     @cached_property
     def impact(self) -> tuple[mpf, mpf, mpf]:
         """Duration, relative speed after it, depth"""
@@ -484,15 +479,10 @@ def damping_of(restitution: float, law: str) -> mpf:
     """chi v_0 by its coefficient of restitution (the module's integral from v_0 to -e v_0)"""
     with mp.workdps(DIGITS):
         e = mpf(max(restitution, LEAST))
-        low, high = mpf("1e-20"), 2 / e**2 if law == "approach_only" else (1 - mpf("1e-20")) / e
-        for _ in range(220):
-            y = (low + high) / 2
-            if law == "approach_only":
-                too_little = 2 * (y - mp.log(1 + y)) / y**2 > e**2
-            else:
-                too_little = mp.log((1 + y) / (1 - e * y)) < y * (1 + e)
-            low, high = (y, high) if too_little else (low, y)
-        return high
+        if law == "approach_only":
+            return halved(lambda y: 2 * (y - mp.log(1 + y)) / y**2 > e**2, mpf("1e-20"), 2 / e**2)
+        highest = (1 - mpf("1e-20")) / e
+        return halved(lambda y: mp.log((1 + y) / (1 - e * y)) < y * (1 + e), mpf("1e-20"), highest)
 
 
 @cache
@@ -516,10 +506,7 @@ def free_impact(damped: mpf, law: str) -> tuple[mpf, mpf, mpf]:
     forth = mp.quad(pace, [begin, 0])
     if law == "approach_only":
         return forth + _time_without_damping(deepest), mp.sqrt(2 * deepest), depth
-    low, high = mpf(0), 1 + y - begin
-    for _ in range(220):
-        last = (low + high) / 2
-        low, high = (last, high) if energy(last) > 0 else (low, last)
+    last = halved(lambda turned: energy(turned) > 0, mpf(0), 1 + y - begin)
     back = mp.quad(pace, [0, last / 2, last])
     return forth + back, (1 - mp.exp(-last)) / y, depth
 
@@ -941,33 +928,16 @@ class Units(NamedTuple):
 
 UNCHANGED = Units()
 
-# Dimension of a variable by the end of its name: powers of length, mass, time.
-DIMENSIONS = {
-    "radius": (1, 0, 0),
-    "mass": (0, 1, 0),
-    "center": (1, 0, 0),
-    "length": (1, 0, 0),
-    "displacement": (1, 0, 0),
-    "velocity": (1, 0, -1),
-    "external_force": (1, 1, -2),
-    "gravity": (1, 0, -2),
-    "penalty_factor": (0, 1, -2),
-    "viscous_penalty_factor": (0, 1, -1),
-    "reference_modulus": (-1, 1, -2),
-    "characteristic_time": (0, 0, 1),
-}
-FREE_OF_UNITS = ("axis", "multiplier", "finite_length", "motion", "location", "method", "control", "dashpot")
-START = {"source.mass": 1.0, "destination.mass": 1.0, "contact.reference_modulus": 1e9}
-START |= {"contact.characteristic_time": 1e-4, "contact.viscous_penalty_factor": 100.0}
-START |= {"gravity": [0.0, 0.0, -9.81]}
+# Dimensions of variables by the ends of their names, and start values of the FMUs
+TABLE = tomllib.loads(Path(__file__).with_name("units.toml").read_text(encoding="utf-8"))
 
 
 def dimension(name: str) -> tuple[int, int, int] | None:
     """None: free of units"""
     last = name.rsplit(".", 1)[-1]
-    if any(last.endswith(end) for end in FREE_OF_UNITS):
+    if last.endswith(tuple(TABLE["free"])):
         return None
-    return DIMENSIONS[max((end for end in DIMENSIONS if last.endswith(end)), key=len)]
+    return TABLE["dimensions"][max((end for end in TABLE["dimensions"] if last.endswith(end)), key=len)]
 
 
 @functools.cache
@@ -1008,7 +978,7 @@ class Similar(Moving):
 
     def configuration(self) -> dict[str, Any]:
         """All that has a unit is given, with "<input>.derivatives" as lists of first and second ones"""
-        values = START | self.base["values"]
+        values = TABLE["start"] | self.base["values"]
         return {name: self._scaled(name, value) for name, value in values.items()}
 
     def _scaled(self, name: str, value: Any) -> Any:

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import csv
 import datetime
 import math
 import re
-from collections import Counter, defaultdict
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass, fields
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import matplotlib as mpl
 import numpy as np
+import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
@@ -25,95 +25,39 @@ from .scenes import FAMILIES, Family
 
 # The runs together: one line for each value on a family's axis, and the limits of the methods
 
-MEASURES = ("error", "balance", "gain", "momentum", "touch")
+MEASURES = ["error", "balance", "gain", "momentum", "touch"]
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?")
 
 
-@dataclass(frozen=True)
-class Group:
+def groups(rows: Sequence[SceneRun] | pd.DataFrame) -> pd.DataFrame:
     """All runs of a method at one value of a family's axis; the figures are the worst of those that ended"""
-
-    family: str
-    value: float
-    method: str
-    runs: int
-    right: int
-    refused: int
-    wrong: int
-    error: float
-    balance: float
-    gain: float
-    momentum: float
-    touch: float
-    steps: int
-    most_seconds: float
+    table = pd.DataFrame(rows)
+    wrong = table.wrong != ""
+    refused = ~wrong & (table.status != "ok")
+    table = table.assign(runs=1, right=~wrong & ~refused, refused=refused, wrong=wrong, most_seconds=table.seconds)
+    figures = dict.fromkeys(("runs", "right", "refused", "wrong"), "sum")
+    figures |= dict.fromkeys((*MEASURES, "steps", "most_seconds"), "max")
+    return table.groupby(["family", "value", "method"], sort=False).agg(figures).reset_index()
 
 
-def worst(values: Iterable[float]) -> float:
-    """nan where nothing could be said"""
-    return max((value for value in values if not math.isnan(value)), default=math.nan)
+def write_csv(rows: Sequence[SceneRun] | pd.DataFrame, file: Path) -> None:
+    """Figures with three digits, Booleans as 0 and 1"""
+    table = pd.DataFrame(rows)
+    table = table.astype(dict.fromkeys(table.select_dtypes(bool), int))
+    table.to_csv(file, index=False, float_format="%.3g", lineterminator="\n")
 
 
-def groups(rows: Sequence[SceneRun]) -> list[Group]:
-    found: dict[tuple[str, float, str], list[SceneRun]] = defaultdict(list)
-    for row in rows:
-        found[row.family, row.value, row.method].append(row)
-    return [_group(*key, members) for key, members in found.items()]
-
-
-def _group(family: str, value: float, method: str, rows: list[SceneRun]) -> Group:
-    wrong = [row for row in rows if row.wrong]
-    refused = [row for row in rows if not row.wrong and row.status != "ok"]
-    return Group(
-        family=family,
-        value=value,
-        method=method,
-        runs=len(rows),
-        right=len(rows) - len(wrong) - len(refused),
-        refused=len(refused),
-        wrong=len(wrong),
-        steps=max(row.steps for row in rows),
-        most_seconds=max(row.seconds for row in rows),
-        **{name: worst(getattr(row, name) for row in rows) for name in MEASURES},
-    )
-
-
-def write_csv(rows: Sequence[SceneRun] | Sequence[Group], file: Path) -> None:
-    """Figures with three digits"""
-    names = [field.name for field in fields(rows[0])]
-    with file.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(names)
-        for row in rows:
-            writer.writerow(map(_cell, asdict(row).values()))
-
-
-def _cell(value: object) -> object:
-    if isinstance(value, bool):
-        return int(value)
-    return ("" if math.isnan(value) else f"{value:.3g}") if isinstance(value, float) else value
-
-
-def counts(rows: Sequence[SceneRun]) -> Table:
+def counts(table: pd.DataFrame) -> Table:
     header = ["method", "scenes", "right", "refused with a message", "wrong", "largest error", "energy", "gain"]
     header += ["momentum", "most internal steps", "longest run"]
     cells = []
     for method in METHODS:
-        own = [row for row in rows if row.method == method]
-        right = [row for row in own if not row.wrong]
-        ended = [row for row in right if row.status == "ok"]
-        cells.append(
-            [
-                method,
-                str(len(own)),
-                str(len(ended)),
-                str(len(right) - len(ended)),
-                str(len(own) - len(right)),
-                *(f"{worst(getattr(row, name) for row in right):.1e}" for name in MEASURES[:4]),
-                str(max(row.steps for row in own)),
-                f"{max(row.seconds for row in own):.2f} s",
-            ]
-        )
+        own = table[table.method == method]
+        right = own[own.wrong == ""]
+        ended = sum(right.status == "ok")
+        numbers = [len(own), ended, len(right) - ended, len(own) - len(right)]
+        worst = (f"{right[name].max():.1e}" for name in MEASURES[:4])
+        cells.append([method, *map(str, numbers), *worst, str(own.steps.max()), f"{own.seconds.max():.2f} s"])
     return Table("All runs; figures of those that are not wrong", header, cells)
 
 
@@ -122,96 +66,69 @@ def span(values: Iterable[float]) -> str:
     return f"{ordered[0]:g}" if len(ordered) == 1 else f"{ordered[0]:g} … {ordered[-1]:g}"
 
 
-def reason(row: SceneRun) -> str:
+def reason(row: pd.Series) -> str:
     """The message without its numbers: a kind of refusal"""
-    text = row.message.partition(": ")[2]
-    for name in ("solver.max_internal_steps",):
-        if name in text:
-            return name
-    return NUMBER.sub("#", text)[:120] or row.status
+    text, limit = row.message.partition(": ")[2], "solver.max_internal_steps"
+    return limit if limit in text else NUMBER.sub("#", text)[:120] or row.status
 
 
-def refusals(rows: Sequence[SceneRun]) -> Table:
+def _kinds(table: pd.DataFrame, kind: str) -> Iterator[tuple[list[str], pd.DataFrame]]:
+    """What both tables of runs that are not right begin with, method by method: method, axis, values, laws, kind"""
+    found = table.groupby(["method", "family", kind], sort=False)
+    for (method, family, what), own in sorted(found, key=lambda item: METHODS.index(item[0][0])):
+        laws = sorted(set(own.law))
+        yield [method, family, span(own.value), "all" if len(laws) == 5 else ", ".join(laws), what], own
+
+
+def refusals(table: pd.DataFrame) -> Table:
     """Where a method refuses, and for what reason"""
-    found: dict[tuple[str, str, str], list[SceneRun]] = defaultdict(list)
-    runs = Counter((row.method, row.family) for row in rows)
-    for row in rows:
-        if row.status != "ok" and not row.wrong:
-            found[row.method, row.family, reason(row)].append(row)
-    cells = [
-        [method, family, span(row.value for row in own), laws(own), kind, f"{len(own)} of {runs[method, family]}"]
-        for (method, family, kind), own in sorted(found.items(), key=lambda item: METHODS.index(item[0][0]))
-    ]
+    runs = Counter(zip(table.method, table.family, strict=True))
+    refused = table[(table.status != "ok") & (table.wrong == "")]
+    kinds = _kinds(refused.assign(reason=[reason(row) for row in refused.itertuples()]), "reason")
+    cells = [[*begin, f"{len(own)} of {runs[begin[0], begin[1]]}"] for begin, own in kinds]
     return Table("Refused, by the message", ["method", "axis", "values", "laws", "reason", "runs"], cells, 5)
 
 
-def mistakes(rows: Sequence[SceneRun]) -> Table:
-    found: dict[tuple[str, str, str], list[SceneRun]] = defaultdict(list)
-    for row in rows:
-        if row.wrong:
-            found[row.method, row.family, row.wrong].append(row)
-    cells = [
-        [method, family, span(row.value for row in own), laws(own), failed, _worst_name(own), str(len(own))]
-        for (method, family, failed), own in sorted(found.items(), key=lambda item: METHODS.index(item[0][0]))
-    ]
+def mistakes(table: pd.DataFrame) -> Table:
+    cells = []
+    for begin, own in _kinds(table[table.wrong != ""], "wrong"):
+        row = own.loc[own.error.fillna(0.0).idxmax()]
+        name = ", ".join(part for part in (row.geometry, row.law, f"{row.value:g}", row.note) if part)
+        cells.append([*begin, f"{name} ({row.error:.0e})", str(len(own))])
     header = ["method", "axis", "values", "laws", "failed", "the worst", "runs"]
     return Table("Wrong", header, cells, 6)
 
 
-def _worst_name(rows: Sequence[SceneRun]) -> str:
-    row = max(rows, key=lambda one: 0.0 if math.isnan(one.error) else one.error)
-    parts = (row.geometry, row.law, f"{row.value:g}", row.note)
-    return ", ".join(part for part in parts if part) + f" ({row.error:.0e})"
-
-
-def laws(rows: Sequence[SceneRun]) -> str:
-    found = sorted({row.law for row in rows})
-    return "all" if len(found) == 5 else ", ".join(found)
-
-
-def axes(rows: Sequence[SceneRun]) -> Table:
+def axes(table: pd.DataFrame) -> Table:
     """The range of each axis in which a method is right with all its scenes"""
-    cells = []
+    cells, every = [], groups(table)
     for family in FAMILIES:
-        own = [group for group in groups(rows) if group.family == family.name]
-        if own:
-            reached = [_reached([one for one in own if one.method == method]) for method in METHODS]
-            cells.append([family.axis, span(one.value for one in own), *reached])
+        own = every[every.family == family.name]
+        if len(own):
+            reached = [_reached(own[own.method == method].sort_values("value")) for method in METHODS]
+            cells.append([family.axis, span(own.value), *reached])
     return Table("Values at which all scenes of an axis are right", ["axis", "declared", *METHODS], cells, 5)
 
 
-def _reached(own: Sequence[Group]) -> str:
-    """Runs of neighbouring values"""
-    runs: list[list[float]] = []
-    broken = True
-    for one in sorted(own, key=lambda group: group.value):
-        if one.right != one.runs:
-            broken = True
-        else:
-            runs = [*runs, []] if broken else runs
-            runs[-1].append(one.value)
-            broken = False
-    if sum(map(len, runs)) == len(own):
+def _reached(own: pd.DataFrame) -> str:
+    """Stretches of neighbouring values"""
+    good = own.right == own.runs
+    if good.all():
         return "all"
-    return ", ".join(span(values) for values in runs) or "none"
+    stretches = own[good].groupby((~good).cumsum()[good]).value
+    return ", ".join(span(values) for _, values in stretches) or "none"
 
 
-def same_bits(rows: Sequence[SceneRun]) -> Table:
+def same_bits(table: pd.DataFrame) -> Table:
     """How many oblique scenes end with the same bits in other units"""
-    original = {
-        (row.note, row.method, row.communication_steps): row.bits
-        for row in rows
-        if row.family.startswith("unit of") and row.value == 0
-    }
+    key = ["note", "method", "communication_steps"]
+    units = table[table.family.str.startswith("unit of")]
+    original = units[units.value == 0].drop_duplicates(key, keep="last").set_index(key).bits
+    other = units[(units.value != 0) & (units.bits != "")].join(original.rename("original"), on=key)
     cells = []
     for family in (one.name for one in FAMILIES if one.name.startswith("unit of")):
-        counted = []
-        for method in METHODS:
-            own = [row for row in rows if row.family == family and row.method == method and row.bits]
-            other = [row for row in own if row.value != 0]
-            same = sum(row.bits == original.get((row.note, method, row.communication_steps)) for row in other)
-            counted.append(f"{same} of {len(other)}")
-        cells.append([family, *counted])
+        own = [other[(other.family == family) & (other.method == method)] for method in METHODS]
+        cells.append([family, *(f"{sum(one.bits == one.original)} of {len(one)}" for one in own)])
     return Table("The same bits in other units", ["units", *METHODS], cells, 1)
 
 
@@ -227,47 +144,26 @@ STYLE = {"font.family": "DejaVu Sans", "font.size": 8, "axes.titlesize": 10}
 REFUSED, NOTHING = "#94a3b8", "#f1f5f9"
 
 
-class Map:
-    """What a figure shows of a run"""
-
-    def __init__(self, name: str, caption: str, bounds: tuple[float, float], value: Callable[[SceneRun], float]):
-        self.name, self.caption, self.bounds, self.value = name, caption, bounds, value
+LEGEND = WORDS["legend"]
 
 
-MAPS = (
-    Map(
-        "error",
-        "Error of the place at the end over the length of the motion, the worst of all geometries and "
-        "numbers of communication steps.",
-        (1e-17, 1.0),
-        lambda row: row.error,
-    ),
-    Map(
-        "energy",
-        "How far the energy balance strays, over the largest energy in play.",
-        (1e-17, 1.0),
-        lambda row: row.balance,
-    ),
-    Map(
-        "steps",
-        "Internal steps of the solver for each communication step, event and radian of slow swinging in a hollow body.",
-        (1.0, 1e4),
-        lambda row: row.work,
-    ),
-)
-LEGEND = (
-    "A panel for each axis and method, a row for each law, the number on the axis to the right; colour: the "
-    "worst of the runs there, as the bar at the bottom says. Grey: every run refused, with a message; a dot: "
-    "some refused; a red cross: a wrong result."
-)
+class Map(NamedTuple):
+    """What a figure shows of a run: a column, its colours' ends"""
+
+    name: str
+    column: str
+    bounds: tuple[float, float]
 
 
-def draw(rows: Sequence[SceneRun], folder: Path) -> list[dict[str, str]]:
+MAPS = (Map("error", "error", (1e-17, 1.0)), Map("energy", "balance", (1e-17, 1.0)), Map("steps", "work", (1.0, 1e4)))
+
+
+def draw(table: pd.DataFrame, folder: Path) -> list[dict[str, str]]:
     """Name and caption of each figure; the files are name.png"""
     for one in MAPS:
         with mpl.rc_context(STYLE):
-            _figure(one, rows).savefig(folder / f"{one.name}.png", dpi=90, metadata={"Software": None})
-    return [{"name": one.name, "caption": f"{one.caption} {_scale(one)} {LEGEND}"} for one in MAPS]
+            _figure(one, table).savefig(folder / f"{one.name}.png", dpi=90, metadata={"Software": None})
+    return [{"name": one.name, "caption": f"{WORDS['maps'][one.name]} {_scale(one)} {LEGEND}"} for one in MAPS]
 
 
 def _scale(shown: Map) -> str:
@@ -281,16 +177,16 @@ def short(value: float) -> str:
     return re.sub(r"e([-+])0*", lambda match: "e" + match[1].replace("+", ""), text)
 
 
-def _figure(shown: Map, rows: Sequence[SceneRun]) -> Figure:
-    families = [family for family in FAMILIES if any(row.family == family.name for row in rows)]
+def _figure(shown: Map, table: pd.DataFrame) -> Figure:
+    families = [family for family in FAMILIES if (table.family == family.name).any()]
     height = 1.28 * len(families) + 1.4  # inches, of which 0.5 at the top and 0.9 at the bottom
     figure = Figure(figsize=(12.5, height))
     panels = figure.subplots(len(families), len(METHODS), squeeze=False)
     figure.subplots_adjust(0.075, 0.9 / height, 0.985, 1 - 0.5 / height, 0.05, 0.75)
     for line, family in zip(panels, families, strict=True):
-        own = [row for row in rows if row.family == family.name]
         for panel, method in zip(line, METHODS, strict=True):
-            image = _panel(panel, shown, family, [row for row in own if row.method == method])
+            own = table[(table.family == family.name) & (table.method == method)]
+            image = _panel(panel, shown, family, own)
             if panel is not line[0]:
                 panel.set_yticklabels([])
     for panel, method in zip(panels[0], METHODS, strict=True):
@@ -300,21 +196,21 @@ def _figure(shown: Map, rows: Sequence[SceneRun]) -> Figure:
     return figure
 
 
-def _panel(panel: Axes, shown: Map, family: Family, rows: Sequence[SceneRun]) -> mpl.image.AxesImage:
-    values = sorted({row.value for row in rows})
-    cells: dict[tuple[int, int], list[SceneRun]] = {}
-    for row in rows:
-        cells.setdefault((LAWS.index(row.law), values.index(row.value)), []).append(row)
+def _panel(panel: Axes, shown: Map, family: Family, table: pd.DataFrame) -> mpl.image.AxesImage:
+    values = sorted(set(table.value))
     image, refused = np.full((len(LAWS), len(values)), math.nan), []
-    for place, members in cells.items():
-        ended = [row for row in members if row.status == "ok" or row.wrong]
-        image[place] = max(worst(map(shown.value, ended)), shown.bounds[0]) if ended else math.nan
-        if not ended:
+    for (law, value), members in table.groupby(["law", "value"]):
+        place = LAWS.index(law), values.index(value)
+        ended = members[(members.status == "ok") | (members.wrong != "")]
+        if ended.empty:
             refused.append(place)
-        mark = "x" if any(row.wrong for row in members) else "." if len(ended) < len(members) else ""
-        if mark and ended:
-            color = "#dc2626" if mark == "x" else "#64748b"
-            panel.plot(place[1], place[0], mark, color=color, markersize=5 if mark == "x" else 3)
+            continue
+        worst = ended[shown.column].max()
+        image[place] = worst if math.isnan(worst) else max(worst, shown.bounds[0])
+        if (members.wrong != "").any():
+            panel.plot(place[1], place[0], "x", color="#dc2626", markersize=5)
+        elif len(ended) < len(members):
+            panel.plot(place[1], place[0], ".", color="#64748b", markersize=3)
     panel.set_facecolor(NOTHING)
     for line, column in refused:
         panel.add_patch(mpl.patches.Rectangle((column - 0.5, line - 0.5), 1, 1, color=REFUSED, lw=0))
@@ -331,20 +227,21 @@ def _panel(panel: Axes, shown: Map, family: Family, rows: Sequence[SceneRun]) ->
 
 def draw_page(rows: Sequence[SceneRun], folder: Path, plan: str) -> list[Path]:
     """Figures, index.html and README.md"""
-    drawn = draw(rows, folder)
+    table = pd.DataFrame(rows)
+    drawn = draw(table, folder)
     context = {
         "made": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "plan": plan,
         "scenes": len(rows) // len(METHODS),
         "tolerance": f"{TOLERANCE:g}",
         "most_steps": MOST_STEPS,
-        "families": [family for family in FAMILIES if any(row.family == family.name for row in rows)],
+        "families": [family for family in FAMILIES if (table.family == family.name).any()],
         "figures": drawn,
         "legend": LEGEND,
-        "counts": counts(rows),
-        "limits": [axes(rows), refusals(rows)],
-        "mistakes": mistakes(rows),
-        "checks": [allowed(), same_bits(rows)],
+        "counts": counts(table),
+        "limits": [axes(table), refusals(table)],
+        "mistakes": mistakes(table),
+        "checks": [allowed(), same_bits(table)],
         "versions": versions(),
         "texts": WORDS,
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import ctypes
+import functools
 import hashlib
 import math
 import multiprocessing
@@ -67,66 +67,58 @@ class Outcome:
         return self.samples[-1]
 
 
-class Driver:
-    """The universal FMUs, each instantiated once"""
+@functools.cache
+def opened(name: str) -> tuple[ContactFmu, tuple[int, ...]]:
+    """A universal FMU, instantiated once in a process, and the references of REALS"""
+    fmu = ContactFmu(fmu_file(name))
+    return fmu, tuple(fmu.variable(row).references[0] for row in REALS)
 
-    def __init__(self) -> None:
-        self._open: dict[str, tuple[ContactFmu, Any, Any]] = {}
 
-    def fmu(self, name: str) -> tuple[ContactFmu, Any, Any]:
-        if name not in self._open:
-            fmu = ContactFmu(fmu_file(name))
-            references = [fmu.variable(row).references[0] for row in REALS]
-            array = (ctypes.c_uint * len(references))(*references)
-            self._open[name] = (fmu, array, (ctypes.c_double * len(references))())
-        return self._open[name]
+def run(name: str, start: dict[str, Any], end: float, steps: int, jumps=()) -> Outcome:
+    """`start` may have "<input>.derivatives", from time 0 on; `jumps`: of the destination along z, at
+    communication steps"""
+    fmu, references = opened(name)
+    fmu.reset()
+    fmu.messages.clear()
+    outcome = Outcome()
 
-    def run(self, name: str, start: dict[str, Any], end: float, steps: int, jumps=()) -> Outcome:
-        """`start` may have "<input>.derivatives", from time 0 on; `jumps`: of the destination along z, at
-        communication steps"""
-        fmu, references, buffer = self.fmu(name)
-        fmu.reset()
-        fmu.messages.clear()
-        outcome = Outcome()
-
-        def sample() -> None:
-            try:
-                fmu.call("fmi2GetReal", fmu.slave.component, references, len(references), buffer)
-            except FmuError as error:
-                if "is not known" not in _text(error):
-                    raise
-                known = len(references) - PEAKS
-                fmu.call("fmi2GetReal", fmu.slave.component, references, known, buffer)
-                buffer[known:] = [0.0] * PEAKS  # they are a scale of energies only, and then none
-            outcome.samples.append(Sample(fmu.time, np.array(buffer)))
-
-        derivatives = {name: rows for name, rows in start.items() if name.endswith(".derivatives")}
+    def sample() -> None:
         try:
-            fmu.start({name: value for name, value in start.items() if name not in derivatives})
-            for name, rows in derivatives.items():
-                for order, row in enumerate(rows, start=1):
-                    fmu.set_derivative(name.removesuffix(".derivatives"), row, order=order)
+            values = np.array(fmu.call("reals", references))
         except FmuError as error:
-            return Outcome(status="refused", message=_text(error))
-        sample()
-        for step in range(steps):
-            for jump in jumps:
-                if jump.step == step:
-                    fmu["destination.prescribed_displacement"] = [0.0, 0.0, jump.shift]
-            begin = time.perf_counter()
-            try:
-                fmu.step(end * ((step + 1) / steps) - fmu.time)
-            except FmuError as error:
-                outcome.status = "discarded" if error.status == Status.DISCARD else "error"
-                outcome.message = _text(error)
-            outcome.seconds += time.perf_counter() - begin
-            if outcome.status != "error":
-                sample()
-            if outcome.status != "ok":
-                break
+            if "is not known" not in _text(error):
+                raise
+            # Peaks are a scale of energies only, and then none.
+            values = np.append(fmu.call("reals", references[:-PEAKS]), [0.0] * PEAKS)
+        outcome.samples.append(Sample(fmu.time, values))
+
+    derivatives = {name: rows for name, rows in start.items() if name.endswith(".derivatives")}
+    try:
+        fmu.start({name: value for name, value in start.items() if name not in derivatives})
+        for name, rows in derivatives.items():
+            for order, row in enumerate(rows, start=1):
+                fmu.set_derivative(name.removesuffix(".derivatives"), row, order=order)
+    except FmuError as error:
+        return Outcome(status="refused", message=_text(error))
+    sample()
+    for step in range(steps):
+        for jump in jumps:
+            if jump.step == step:
+                fmu["destination.prescribed_displacement"] = [0.0, 0.0, jump.shift]
+        begin = time.perf_counter()
+        try:
+            fmu.step(end * ((step + 1) / steps) - fmu.time)
+        except FmuError as error:
+            outcome.status = "discarded" if error.status == Status.DISCARD else "error"
+            outcome.message = _text(error)
+        outcome.seconds += time.perf_counter() - begin
         if outcome.status != "error":
-            outcome.counts = {row: fmu[row] for row in COUNTS}
-        return outcome
+            sample()
+        if outcome.status != "ok":
+            break
+    if outcome.status != "error":
+        outcome.counts = {row: fmu[row] for row in COUNTS}
+    return outcome
 
 
 def _text(error: FmuError) -> str:
@@ -279,8 +271,6 @@ def compare(found: Figures, expected: Expected, outcome: Outcome) -> None:
 MOST_STEPS = 10_000  # solver.max_internal_steps
 PATIENCE = 300.0  # s for one scene with all its runs
 
-_driver: Driver | None = None
-
 
 @dataclass(kw_only=True)
 class SceneRun(Figures):
@@ -313,15 +303,11 @@ def start_values(scene: Scene, method: str) -> dict[str, Any]:
 
 
 def run_scene(scene: Scene, methods: Sequence[str] = METHODS) -> list[SceneRun]:
-    global _driver  # one for each worker process
-    _driver = _driver or Driver()
     motion, expected, rows = scene.motion, scene.expected(), []
     for steps in scene.steps:
         for method in methods:
-            start = start_values(scene, method)
-            outcome = _driver.run(motion.fmu, start, motion.end, steps, scene.jumps)
-            found = figures(motion, expected[steps], outcome)
-            rows.append(row_of(scene, method, steps, outcome, found))
+            outcome = run(motion.fmu, start_values(scene, method), motion.end, steps, scene.jumps)
+            rows.append(row_of(scene, method, steps, outcome, figures(motion, expected[steps], outcome)))
     return rows
 
 
@@ -385,9 +371,6 @@ def thinned(scenes: Sequence[Scene], stride: int) -> list[Scene]:
     families: dict[str, list[Scene]] = {}
     for scene in scenes:
         families.setdefault(scene.family, []).append(scene)
-    return [scene for family in families.values() for scene in family[:: min(stride, _odd(len(family) // FEWEST))]]
-
-
-def _odd(number: int) -> int:
-    """The largest odd number up to this one, 1 at least"""
-    return max(1, number - 1 + number % 2)
+    fewest = {name: len(family) // FEWEST for name, family in families.items()}
+    odd = {name: max(1, number - 1 + number % 2) for name, number in fewest.items()}
+    return [scene for name, family in families.items() for scene in family[:: min(stride, odd[name])]]

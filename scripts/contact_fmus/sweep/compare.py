@@ -39,15 +39,10 @@ class Spent:
     memory: float  # MB, most of one process
 
 
-def bare_loop_file() -> Path:
-    file = built_file("bare_loop")
-    if file is None:
-        raise UserError("--compare needs the program bare_loop: cmake --build --preset default")
-    return file
-
-
 def compare(study: Study, folder: Path, options: argparse.Namespace) -> int:
-    program, samples = bare_loop_file(), study.samples()
+    program, samples = built_file("bare_loop"), study.samples()
+    if program is None:
+        raise UserError("--compare needs the program bare_loop: cmake --build --preset default")
     if samples.runs > MOST:
         raise UserError(f"--compare: at most {MOST:,} runs, the study has {samples.runs:,}")
     workers = options.workers or len(os.sched_getaffinity(0))
@@ -81,24 +76,21 @@ def _bare(program: Path, study: Study, workers: int) -> Spent:
     cuts = np.linspace(0, samples.runs, workers + 1).astype(int)
     with tempfile.TemporaryDirectory(prefix="contact-bare-") as folder:
         commands, inputs = [], []
+        # Run by run: what varies of Real, then of Integer and Enumeration, then of Boolean
+        order = (("Real",), ("Integer", "Enumeration"), ("Boolean",))
+        names = [one.name for kinds in order for one in study.parameters if one.variable.type in kinds]
         for place, (first, end) in enumerate(pairwise(cuts)):
             file = Path(folder) / f"values-{place}"
             with open(file, "wb") as target:
                 for start in range(first, end, PIECE):
                     values = samples.values(start, min(PIECE, end - start))
-                    target.write(_interleaved(study, values).tobytes())
+                    rows = np.concatenate([values[name] for name in names], axis=1)
+                    target.write(np.ascontiguousarray(rows, float).tobytes())
             commands.append([str(program), str(file)])
             inputs.append(describe(study, plan, end - first).encode())
         spent, printed = _measured(commands, inputs)
     loops = [float(text.split()[0]) for text in printed]
     return Spent(max(loops), sum(float(text.split()[1]) for text in printed), spent.memory)
-
-
-def _interleaved(study: Study, values: dict[str, np.ndarray]) -> np.ndarray:
-    """Run by run: what varies of Real, then of Integer and Enumeration, then of Boolean"""
-    order = (("Real",), ("Integer", "Enumeration"), ("Boolean",))
-    columns = [values[one.name] for kinds in order for one in study.parameters if one.variable.type in kinds]
-    return np.ascontiguousarray(np.concatenate(columns, axis=1), float)
 
 
 def describe(study: Study, plan: Plan, runs: int) -> str:

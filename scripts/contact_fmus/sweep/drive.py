@@ -237,7 +237,7 @@ def _embedded(workers: int, dashboard: str | None) -> Iterator[Client]:
         dashboard_address=dashboard or "127.0.0.1:0",
         worker_dashboard_address="127.0.0.1:0",
         memory_limit=None,
-        preload="contact_fmus.sweep.quiet",
+        preload="contact_fmus.sweep.worker",
         silence_logs=logging.CRITICAL,
     )
     try:

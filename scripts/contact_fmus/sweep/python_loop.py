@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from contact_fmus.fmu.slaves import slave_of
 from .native import AT, MAX, MEAN, MESSAGE_SIZE, MIN, Batch, Clock, Plan, Rows
 
 OK, WARNING, ERROR, FATAL = 0, 1, 3, 4  # fmi2Status
+described = functools.cache(fmpy.read_model_description)
 
 
 class _Instance:
@@ -33,7 +34,8 @@ class _Instance:
             except FMICallException as error:
                 self.drop(error.status)
         if self.slave is None:
-            slave = slave_of(_described(self.folder), self.folder, self.plan.identifier)
+            description = described(self.folder, validate=False)
+            slave = slave_of(description, self.folder, self.plan.identifier)
             slave.begin(self._log, debug=False)
             self.slave = slave
         self.message, self.warnings = "", 0
@@ -50,11 +52,6 @@ class _Instance:
         if status > WARNING and not self.message:
             cut = text.replace("%", "%%").encode()[: MESSAGE_SIZE - 1].decode("utf-8", "ignore")
             self.message = cut.replace("%%", "%")  # as the compiled loop cuts it
-
-
-@cache
-def _described(folder: Path) -> Any:
-    return fmpy.read_model_description(folder, validate=False)
 
 
 def run(plan: Plan, batch: Batch, folder: Path) -> Rows:

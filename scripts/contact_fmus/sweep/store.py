@@ -185,14 +185,18 @@ class Store:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             raise UserError(f"{self.folder} is in use by another sweep; give another folder with -o") from None
-        known = self._known()
+        known = None
+        with contextlib.suppress(OSError, ValueError):
+            known = json.loads((self.folder / "study.json").read_text(encoding="utf-8"))
         if known is None:
             if self.results.exists() or self.batches.exists():
                 said = "holds results of unknown origin; give another folder with -o"
                 raise UserError(f"{self.folder} {said}")
             self._introduce()
         elif known.get("digest") != self.study.digest():
-            raise UserError(self._difference(known))
+            fmu = known.get("fmu_sha256") != fmu_digest(self.study.fmu)
+            other = "was made with another build of the FMU" if fmu else "holds the results of another study"
+            raise UserError(f"{self.folder} {other}; give another folder with -o")
         elif not resume:
             said = "holds this study's results; --resume goes on, -o names another folder"
             raise UserError(f"{self.folder} {said}")
@@ -202,11 +206,6 @@ class Store:
         if self._lock is not None:
             os.close(self._lock)
             self._lock = None
-
-    def _known(self) -> dict | None:
-        with contextlib.suppress(OSError, ValueError):
-            return json.loads((self.folder / "study.json").read_text(encoding="utf-8"))
-        return None
 
     def _introduce(self) -> None:
         about = {
@@ -220,11 +219,6 @@ class Store:
             part = self.folder / "study.json.part"
             part.write_text(json.dumps(about, indent=1, default=str, ensure_ascii=False), encoding="utf-8")
             part.replace(self.folder / "study.json")
-
-    def _difference(self, known: dict) -> str:
-        fmu = known.get("fmu_sha256") != fmu_digest(self.study.fmu)
-        other = "was made with another build of the FMU" if fmu else "holds the results of another study"
-        return f"{self.folder} {other}; give another folder with -o"
 
     @contextlib.contextmanager
     def _room(self) -> Iterator[None]:

@@ -130,8 +130,8 @@ class Interface(NamedTuple):
         """One that may be set before the start"""
         variable = self.variable(name, where)
         if name not in self.settable:
-            said = f"{where}: '{name}' cannot be set, it is {article(variable.causality)} {variable.causality}"
-            raise UserError(said)
+            article = "an" if variable.causality[0] in "aeiou" else "a"
+            raise UserError(f"{where}: '{name}' cannot be set, it is {article} {variable.causality}")
         return variable
 
     def value(self, variable: Variable, value: Any, where: str) -> Any:
@@ -175,10 +175,6 @@ def item(variable: Variable, value: Any, where: str) -> int:
         return value
     said = f"{where}: {variable.name} is one of {', '.join(variable.items)}, not {value!r}"
     raise UserError(said + similar(str(value), variable.items))
-
-
-def article(word: str) -> str:
-    return "an" if word[0] in "aeiou" else "a"
 
 
 def read_interface(file: Path) -> Interface:
@@ -355,7 +351,11 @@ def _drawn(interface: Interface, variable: Variable, table: Table) -> Callable[[
     if kind == "uniform":
         low, high = table.pair("range")
         logarithmic = _ends(interface, variable, low, high, table)
-        quantile = _logarithmic(low, high) if logarithmic else (lambda u: low + (high - low) * u)
+        # Values stay between the ends whatever the rounding.
+        start, width = (math.log(low), math.log(high / low)) if logarithmic else (low, high - low)
+        quantile = (
+            (lambda u: np.clip(np.exp(start + width * u), low, high)) if logarithmic else lambda u: start + width * u
+        )
         if variable.type == "Integer":
             first, count = math.ceil(low), math.floor(high) - math.ceil(low) + 1
             return lambda u: (first + _place(u, count)).astype(np.int32).reshape(-1, 1)
@@ -378,12 +378,6 @@ def _belongs(table: Table, kind: str) -> None:
         if key not in own | {"distribution"}:
             allowed = ", ".join(sorted(own))
             raise UserError(f"{table.place(key)} does not belong to the distribution {kind}; allowed: {allowed}")
-
-
-def _logarithmic(low: float, high: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Values stay between the ends whatever the rounding."""
-    start, width = math.log(low), math.log(high / low)
-    return lambda u: np.clip(np.exp(start + width * u), low, high)
 
 
 def _bounded(interface: Interface, variable: Variable, kind: str, table: Table) -> Callable[[np.ndarray], np.ndarray]:
@@ -612,14 +606,11 @@ def _filled(content: dict[str, Any], key: str) -> bool:
     if not isinstance(content.get(key), dict) or not content[key]:
         raise UserError(f"[{key}]: at least one entry is wanted")
     for name, entry in content[key].items():
-        if isinstance(entry, dict) and name.isidentifier() and key == "vary" and not _is_entry(entry):
+        known = {"from", "to", "range", "distribution", "choices"}
+        if isinstance(entry, dict) and name.isidentifier() and key == "vary" and not known & set(entry):
             part = next(iter(entry), "name")
             raise UserError(f'[{key}] {name}.{part}: names with a dot stand in quotation marks, "{name}.{part}"')
     return True
-
-
-def _is_entry(entry: dict[str, Any]) -> bool:
-    return any(key in entry for key in ("from", "to", "range", "distribution", "choices"))
 
 
 def _constants(interface: Interface, start: Any, parameters: tuple[Parameter, ...]) -> dict[str, Any]:

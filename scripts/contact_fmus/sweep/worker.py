@@ -6,6 +6,7 @@ import atexit
 import hashlib
 import io
 import shutil
+import signal
 import tempfile
 import threading
 import zipfile
@@ -16,6 +17,12 @@ from .native import Batch, Plan, Rows, library_file, run
 
 _unpacking = threading.Lock()
 _unpacked: dict[str, Path] = {}
+
+
+def dask_setup(_worker) -> None:
+    """Workers of an embedded cluster call it when they start (dask's preload): Ctrl-C goes to all processes of a
+    terminal, but the sweep itself ends its workers, and they wait for that."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 @dataclass(frozen=True)
