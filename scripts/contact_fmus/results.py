@@ -18,9 +18,10 @@ from __future__ import annotations
 import csv
 import json
 import sys
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self, TextIO
+from typing import Any, Self
 
 import numpy as np
 
@@ -63,19 +64,19 @@ class Result:
         }
         try:
             with open(path, "w", newline="", encoding="utf-8") as file:
-                self._write(file)
+                writer = csv.writer(file, lineterminator="\n")
+                writer.writerow(["time", *self.columns])
+                writer.writerows(self.rows(self.columns))
             if Path(path).is_file():  # there is nothing beside /dev/stdout
                 notes_file(path).write_text(json.dumps(about, indent=1, ensure_ascii=False) + "\n", "utf-8")
         except OSError as error:  # a full disk says so without a name
             error.filename = error.filename or str(path)
             raise
 
-    def _write(self, file: TextIO) -> None:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(["time", *self.columns])
-        arrays = [self.time, *map(np.asarray, self.columns.values())]
-        columns = [(one.astype(int) if one.dtype == bool else one).tolist() for one in arrays]
-        writer.writerows(zip(*columns, strict=True))
+    def rows(self, names: Iterable[str]) -> Iterator[tuple]:
+        """Time and these columns, Booleans as 0 and 1"""
+        arrays = [self.time, *(np.asarray(self.columns[name]) for name in names)]
+        return zip(*((one.astype(int) if one.dtype == bool else one).tolist() for one in arrays), strict=True)
 
     @classmethod
     def read(cls, path: str | Path) -> Self:

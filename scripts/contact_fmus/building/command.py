@@ -9,6 +9,7 @@ import shutil
 import sys
 import tempfile
 import time
+import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,23 +26,7 @@ from .platforms import join, toolchains
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
-# What the ball meets, by shape and side. No name is also a key of the file, as "source" is: replacing a name
-# everywhere renames the body.
-BODY = {
-    ("sphere", False): "globe",
-    ("sphere", True): "shell",
-    ("cylinder", False): "tube",
-    ("cylinder", True): "tube",
-    ("plane", False): "floor",
-}
-# The ball falls onto the body's top, or inside it onto its bottom. All bounce in the first second.
-START = {
-    ("sphere", False): {"ball.center": [0.0, 0.0, 1.0]},
-    ("sphere", True): {"ball.center": [0.1, 0.0, 0.0]},
-    ("cylinder", False): {"ball.center": [0.0, 0.0, 1.0], "{body}.axis": [0.0, 1.0, 0.0]},
-    ("cylinder", True): {"ball.center": [0.1, 0.0, 0.0], "{body}.axis": [0.0, 1.0, 0.0]},
-    ("plane", False): {"ball.center": [0.0, 0.0, 0.5], "{body}.axis": [0.0, 0.0, 1.0]},
-}
+SHAPES = tomllib.loads(Path(__file__).with_name("shapes.toml").read_text(encoding="utf-8"))
 TEMPLATE = Path(__file__).with_name("scene.toml")
 RADIUS = '"{body}.radius" = 0.5 # m'
 
@@ -52,7 +37,8 @@ def scene_text(name: str, shape: str, inside: bool, pinned: list[str]) -> str:
         raise UserError(f"'{name}' is no name of a scene: a letter, then letters, digits and _")
     if shape == "plane" and inside:
         raise UserError("--inside goes with a sphere or a cylinder: a plane has no inside")
-    body = BODY[shape, inside]
+    about = SHAPES[f"{shape} inside" if inside else shape]
+    body = about["body"]
     chosen = {
         "ball.motion": "free",
         f"{body}.motion": "fixed",
@@ -68,8 +54,7 @@ def scene_text(name: str, shape: str, inside: bool, pinned: list[str]) -> str:
     if shape == "plane":  # which has no inside
         del chosen["contact.location"]
     chosen |= dict(_choice(text) for text in pinned)
-    start = {key.format(body=body): value for key, value in START[shape, inside].items()}
-    start = {key: value for key, value in start.items() if key not in chosen}
+    start = {key: value for key, value in about["start"].items() if key not in chosen}
     hollow = "hollow " if inside else ""
     return TEMPLATE.read_text(encoding="utf-8").format(
         name=name,

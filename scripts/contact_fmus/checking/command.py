@@ -22,36 +22,11 @@ from contact_fmus.errors import CLAIM_FAILED, DONE, UserError, similar
 from contact_fmus.fmu.files import fmu_file, shipped_fmus
 from contact_fmus.options import parse
 
-from .trial import platform_folder
+from .trial import CHECKS, TRIALS, platform_folder
 
 # Checks that only read the file: archive, description, and the kind of every binary
 
-WHAT = {
-    "archive": "names and checksums in the ZIP archive",
-    "description": "XML schema, names, model structure, start values, units (fmpy)",
-    "binaries": "a library of the described name and kind for each platform",
-    "exports": "the standard's functions in this platform's library",
-    "run": "a short run by Co-Simulation: finite numbers, no error",
-    "exchange": "a short run by Model Exchange: finite numbers, no error",
-    "state": "a state that is saved and restored: outputs as they were",
-}
-# Where FMI keeps the binaries of a platform (2.0.5 section 2.3, 3.0.2 section 2.5.1.4.1), the ending of their
-# names, and how such a file begins: ELF says its machine in bytes 18 and 19, a PE file is told by MZ alone.
-PLATFORMS = {
-    "linux64": (".so", b"\x7fELF", b"\x3e\x00"),
-    "linux32": (".so", b"\x7fELF", b"\x03\x00"),
-    "aarch64-linux": (".so", b"\x7fELF", b"\xb7\x00"),
-    "x86_64-linux": (".so", b"\x7fELF", b"\x3e\x00"),
-    "x86-linux": (".so", b"\x7fELF", b"\x03\x00"),
-    "win64": (".dll", b"MZ", b""),
-    "win32": (".dll", b"MZ", b""),
-    "x86_64-windows": (".dll", b"MZ", b""),
-    "x86-windows": (".dll", b"MZ", b""),
-    "darwin64": (".dylib", b"", b""),  # Mach-O, thin or universal: several beginnings
-    "x86_64-darwin": (".dylib", b"", b""),
-    "aarch64-darwin": (".dylib", b"", b""),
-}
-MACH_O = (b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe", b"\xca\xfe\xba\xbf")
+WHAT = CHECKS["what"]
 
 
 def archive(file: Path) -> Iterator[str]:
@@ -83,22 +58,21 @@ def binaries(folder: Path, about: Any) -> Iterator[str]:
     if not found and not (folder / "sources").is_dir():
         yield "there are neither binaries nor sources"
     for platform in found:
-        if platform.name not in PLATFORMS:
+        if platform.name not in CHECKS["platforms"]:
             continue  # a platform that this list does not know is no fault
         for identifier in sorted(identifiers):
             yield from _binary(platform, identifier)
 
 
 def _binary(platform: Path, identifier: str) -> Iterator[str]:
-    ending, begin, machine = PLATFORMS[platform.name]
+    ending, begins, machine = CHECKS["platforms"][platform.name]
     library = platform / f"{identifier}{ending}"
     name = f"binaries/{platform.name}/{library.name}"
     if not library.is_file():
         yield f"{name} is missing: the description says modelIdentifier {identifier}"
         return
     head = library.read_bytes()[:20]
-    fits = head.startswith(MACH_O) if ending == ".dylib" else head.startswith(begin) and head[18:20].startswith(machine)
-    if not fits:
+    if not head.startswith(tuple(map(bytes.fromhex, begins))) or not head[18:20].startswith(bytes.fromhex(machine)):
         yield f"{name} is no library for {platform.name}: it begins with {head[:4].hex(' ')}"
 
 
@@ -168,7 +142,6 @@ VALIDATORS = {
     "VDMCheck2": (("VDMCheck2.sh", "VDMCheck2"), "No errors found"),
     "fmuCheck": (("fmuCheck.linux64", "fmuCheck"), "0 error(s)"),
 }
-TRIALS = ("exports", "run", "exchange", "state")
 ALL = "all"
 
 

@@ -77,7 +77,4 @@ def _table(file: Path, result: Result, names: list[str]) -> None:
     """Names in quotation marks, Booleans as 0 and 1, items of enumerations by name"""
     with open(file, "w", newline="", encoding="utf-8") as opened:
         csv.writer(opened, quoting=csv.QUOTE_ALL, lineterminator="\n").writerow(["time", *names])
-        columns = [result.columns[name] for name in names]
-        lists = [(one.astype(int) if one.dtype == bool else one).tolist() for one in columns]
-        rows = zip(result.time.tolist(), *lists, strict=True)
-        csv.writer(opened, lineterminator="\n").writerows(rows)
+        csv.writer(opened, lineterminator="\n").writerows(result.rows(names))

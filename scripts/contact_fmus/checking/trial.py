@@ -9,6 +9,7 @@ import ctypes
 import dataclasses
 import json
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -31,23 +32,13 @@ STEPS = 100  # of the trial
 # from there goes on with errors of its own, 1e-4 as FMI's default tolerance allows.
 AT_ONCE, LATER = 1e-9, 1e-4  # of the largest value
 
-# Functions that FMI 2.0.5 wants of every FMU (section 2.1), of co-simulation (4.2), of model exchange (3.2)
-EVERY = """GetTypesPlatform GetVersion SetDebugLogging Instantiate FreeInstance SetupExperiment
-    EnterInitializationMode ExitInitializationMode Terminate Reset GetReal GetInteger GetBoolean GetString
-    SetReal SetInteger SetBoolean SetString GetFMUstate SetFMUstate FreeFMUstate SerializedFMUstateSize
-    SerializeFMUstate DeSerializeFMUstate GetDirectionalDerivative"""
-CO_SIMULATION = """SetRealInputDerivatives GetRealOutputDerivatives DoStep CancelStep GetStatus GetRealStatus
-    GetIntegerStatus GetBooleanStatus GetStringStatus"""
-MODEL_EXCHANGE = """EnterEventMode NewDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime
-    SetContinuousStates GetDerivatives GetEventIndicators GetContinuousStates
-    GetNominalsOfContinuousStates"""
+CHECKS = tomllib.loads(Path(__file__).with_name("checks.toml").read_text(encoding="utf-8"))
 
 
 def wanted(version: str, kind: str) -> list[str]:
     """Functions of the standard; FMI 3.0 wants those of all kinds. `kind`: a name of fmpy's"""
     if version == "2":
-        own = CO_SIMULATION if kind == "coSimulation" else MODEL_EXCHANGE
-        return [f"fmi2{name}" for name in f"{EVERY} {own}".split()]
+        return [f"fmi2{name}" for which in ("every", kind) for name in CHECKS["functions"][which].split()]
     importer = fmi3.FMU3Slave if kind == "coSimulation" else fmi3.FMU3Model
     return [name for name in dir(importer) if name.startswith("fmi3")]
 
@@ -136,13 +127,13 @@ def _differences(names: list[str], expected: np.ndarray, found: np.ndarray, part
         yield f"{when}, {', '.join(wrong)}{more} differ"
 
 
-CHECKS = {"exports": exports, "run": run, "exchange": exchange, "state": state}
+TRIALS = {"exports": exports, "run": run, "exchange": exchange, "state": state}
 
 
 def main() -> int:
     check, file = sys.argv[1], Path(sys.argv[2])
     try:
-        findings = list(CHECKS[check](file))
+        findings = list(TRIALS[check](file))
     except Exception as error:  # whatever the library or fmpy comes to is what is looked for
         text = said(error) if hasattr(error, "messages") else str(error)
         if isinstance(error, UserError):

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import fmpy
+import jinja2
 import platformdirs
 from rich.console import Console
 
@@ -178,25 +179,13 @@ def tried(importer: Importer, fmu: Path, given: Given) -> Trial:
 
 # docs/importers.md: the table of what was tried, and what to click or write in tools that were not
 
-NOTES = Path(__file__).resolve().parent / "notes.md"
-
-
-TOP = """\
-# Importers
-
-`contact-fmus importers build/fmus/*.fmu build/fmus-fmi3/*.fmu -o docs/importers.md` runs each FMU for
-{count} steps of {step:g} s in each importer that is installed, in its own process, and compares the end
-values of all outputs with those that fmpy gives; in FMI 3.0 of those that are no arrays, which the others
-cannot read. A table has the largest difference, relative to values above 1 and absolute below; up to
-{agree:g} counts as the same, for importers that add up their clock make steps of other lengths.
-"""
+PAGE = Path(__file__).with_name("page.md")
 
 
 def page(tables: dict[int, list[str]], step: float, count: int) -> str:
     """The page has a table for each version of FMI."""
-    parts = [f"## FMI {version}.0\n\n" + "\n".join(lines) + "\n" for version, lines in tables.items()]
-    notes = NOTES.read_text(encoding="utf-8")
-    return "\n".join([TOP.format(count=count, step=step, agree=AGREE), *parts, notes])
+    template = jinja2.Template(PAGE.read_text(encoding="utf-8"), trim_blocks=True, keep_trailing_newline=True)
+    return template.render(tables=tables, count=count, step=f"{step:g}", agree=f"{AGREE:g}")
 
 
 def table(trials: list[Trial], present: list[Importer], importers: Sequence[Importer] = IMPORTERS) -> list[str]:

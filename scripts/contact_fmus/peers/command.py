@@ -130,10 +130,6 @@ class Worker:
         return failed(f"not done after {plan.patience:g} s"), True
 
 
-def median(times: list[float]) -> float:
-    return statistics.median(times)
-
-
 # Runs the peers and yields the rows of peers.csv; requirements-peers.txt lists the packages, none of which
 # must be there. A peer that is missing, cannot express a problem, fails or takes too long gives rows that say
 # so.
@@ -192,30 +188,20 @@ def run_problem(module: ModuleType, worker: Worker, problem: BallAndWall, quick:
 def measured_row(module: ModuleType, problem: BallAndWall, case: Case, measured: Measured) -> Row:
     if measured.error:
         return row_of(module, problem, case, note=measured.error)
-    error = error_of(problem.name, measured.position)
+    error, times = error_of(problem.name, measured.position), measured.times
     if not math.isfinite(error):
         return row_of(module, problem, case, note="the position at the end is not finite")
-    times = measured.times
-    return row_of(module, problem, case, median(times), min(times), error, measured.onsets, case.note)
+    found = {"time_s": statistics.median(times), "time_min_s": min(times), "error_m": error}
+    return row_of(module, problem, case, **found, onsets=measured.onsets, note=case.note)
 
 
-def row_of(
-    module: ModuleType,
-    problem: BallAndWall,
-    case: Case,
-    time: float | None = None,
-    least: float | None = None,
-    error: float | None = None,
-    onsets: int | None = None,
-    note: str = "",
-) -> Row:
+def row_of(module: ModuleType, problem: BallAndWall, case: Case, **found: Any) -> Row:
     solver = f"{module.NAME} {case.integrator}"
-    where = (problem.name, PEER, solver, case.law, case.setting, case.parameter)
-    return Row(*where, None, time, least, error, onsets, note)
+    return Row(problem.name, PEER, solver, case.law, case.setting, case.parameter, **found)
 
 
 def unmeasured(module: ModuleType, problem: BallAndWall, note: str) -> Row:
-    return Row(problem.name, PEER, module.NAME, "", "", None, None, None, None, None, None, note)
+    return Row(problem.name, PEER, module.NAME, note=note)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -52,14 +52,14 @@ class Row:
     problem: str  # P1, P2, P3, P3b, one of them with another shape or law, F1 to F4, or a stiffness family
     group: str  # THIS_FMU or PEER
     solver: str  # event_driven, cvode_bdf, cvode_adams; a peer's name and integrator
-    law: str  # SAME or SIMILAR
-    setting: str  # what `parameter` is: relative tolerance, step size in s, ...
-    parameter: float | None
-    communication_steps: int | None  # for the whole time; None where there are none
-    time_s: float | None  # median of the runs, stepping only
-    time_min_s: float | None
-    error_m: float | None  # distance of the source's position at the end from the reference
-    onsets: int | None  # contacts counted, where the solver can tell
+    law: str = ""  # SAME or SIMILAR
+    setting: str = ""  # what `parameter` is: relative tolerance, step size in s, ...
+    parameter: float | None = None
+    communication_steps: int | None = None  # for the whole time; None where there are none
+    time_s: float | None = None  # median of the runs, stepping only
+    time_min_s: float | None = None
+    error_m: float | None = None  # distance of the source's position at the end from the reference
+    onsets: int | None = None  # contacts counted, where the solver can tell
     note: str = ""
 
     @property
@@ -166,7 +166,7 @@ def row_of(setting: Setting, result: Result, stiff: bool = False) -> Row:
         what, parameter = stiff_setting(setting.tolerance), setting.problem.penalty_factor
     known = (setting.problem.name, THIS_FMU, setting.method, SAME, what, parameter, setting.steps)
     if result.error:
-        return Row(*known, None, None, None, None, result.error)
+        return Row(*known, note=result.error)
     error = setting.problem.error(result.outputs["source.position"])
     note = ""
     if error < setting.problem.uncertainty and setting.problem.uncertainty > 1e-13:

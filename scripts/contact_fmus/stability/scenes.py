@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -92,30 +93,26 @@ LINEAR_OR_HERTZ = ((False, "linear"), (True, "hertz"))
 def over_the_edge() -> Iterator[Scene]:
     """A ball comes down on the cap, or across the side, and its centre passes the edge so far inside or
     outside: it meets the face, or the rim, or passes"""
-    for value in [0.0, *decades(-12, 0)]:
-        for law in LAWS[:4]:
-            for hertz, name in LINEAR_OR_HERTZ:
-                one = Edge(law=law, hertz=hertz)
-                for angle, face in ((TURN, "cap"), (0.0, "side")):
-                    for sign in (1, -1) if value else (1,):
-                        moved = replace(one, angle=angle, offset=sign * value * one.destination_radius)
-                        yield Scene("over the edge", value, moved, note=f"{name}, {face}, {sign:+d}")
+    for value, law, (hertz, name) in product([0.0, *decades(-12, 0)], LAWS[:4], LINEAR_OR_HERTZ):
+        one = Edge(law=law, hertz=hertz)
+        for (angle, face), sign in product(((TURN, "cap"), (0.0, "side")), (1, -1) if value else (1,)):
+            moved = replace(one, angle=angle, offset=sign * value * one.destination_radius)
+            yield Scene("over the edge", value, moved, note=f"{name}, {face}, {sign:+d}")
 
 
 def edge_on() -> Iterator[Scene]:
     """At the rim along the bisector, dead centre and beside it, and parallel to the cap, at all speeds, soft
     and stiff"""
-    for value in decades(-6, 6, 2):
-        for law in LAWS[:4]:
-            for hertz, name in LINEAR_OR_HERTZ:
-                for depth in (1e-6, 1e-3, 0.1, 0.5):
-                    one = Edge(law=law, hertz=hertz, speed=value, depth=depth)
-                    for angle, part in ((math.pi / 4, 0.0), (math.pi / 4, 0.3), (0.0, 0.3), (0.0, 0.6)):
-                        if depth + part > 0.75:
-                            continue  # it may go on over the cap
-                        moved = replace(one, angle=angle, offset=part * one.source_radius)
-                        note = f"{name}, {depth:g} deep, {angle:.2g} rad, {part:g} aside"
-                        yield Scene("edge-on impact", value, moved, note=note)
+    for value, law, (hertz, name), depth in product(
+        decades(-6, 6, 2), LAWS[:4], LINEAR_OR_HERTZ, (1e-6, 1e-3, 0.1, 0.5)
+    ):
+        one = Edge(law=law, hertz=hertz, speed=value, depth=depth)
+        for angle, part in ((math.pi / 4, 0.0), (math.pi / 4, 0.3), (0.0, 0.3), (0.0, 0.6)):
+            if depth + part > 0.75:
+                continue  # it may go on over the cap
+            moved = replace(one, angle=angle, offset=part * one.source_radius)
+            note = f"{name}, {depth:g} deep, {angle:.2g} rad, {part:g} aside"
+            yield Scene("edge-on impact", value, moved, note=note)
 
 
 # Families of the atlas along the parameters of an impact, with Hertz's law and the linear one
@@ -124,38 +121,35 @@ DAMPED = LAWS[1:4]  # the dashpots
 
 
 def modulus() -> Iterator[Scene]:
-    for value in decades(5, 13):
-        for geometry in IMPACT_GEOMETRIES:
-            one = Impact(geometry=geometry, modulus=value)
-            yield Scene("modulus", value, replace(one, law="undamped"))
-            for law in DAMPED:
-                yield Scene("modulus", value, replace(one, law=law, restitution=0.7), note="restitution 0.7")
-                free = replace(one, law=law, damped=0.3, destination_mass=2.0)
-                yield Scene("modulus", value, free, note="Hunt-Crossley, both free")
+    for value, geometry in product(decades(5, 13), IMPACT_GEOMETRIES):
+        one = Impact(geometry=geometry, modulus=value)
+        yield Scene("modulus", value, replace(one, law="undamped"))
+        for law in DAMPED:
+            yield Scene("modulus", value, replace(one, law=law, restitution=0.7), note="restitution 0.7")
+            free = replace(one, law=law, damped=0.3, destination_mass=2.0)
+            yield Scene("modulus", value, free, note="Hunt-Crossley, both free")
 
 
 def restitution() -> Iterator[Scene]:
-    for value in (0.0, 1e-6, 1e-3, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 0.999, 1.0):
-        for geometry in IMPACT_GEOMETRIES:
-            for law in DAMPED:
-                hertz = Impact(geometry=geometry, law=law, restitution=value)
-                yield Scene("restitution", value, hertz, note="hertz")
-                linear = HeadOn(geometry=geometry, law=law, restitution=value, gravity=0.0)
-                yield Scene("restitution", value, linear, note="linear")
+    for value, geometry, law in product(
+        (0.0, 1e-6, 1e-3, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 0.999, 1.0), IMPACT_GEOMETRIES, DAMPED
+    ):
+        hertz = Impact(geometry=geometry, law=law, restitution=value)
+        yield Scene("restitution", value, hertz, note="hertz")
+        linear = HeadOn(geometry=geometry, law=law, restitution=value, gravity=0.0)
+        yield Scene("restitution", value, linear, note="linear")
 
 
 def exponent() -> Iterator[Scene]:
     """1: the linear law, 3/2: Hertz's, from creeping to a bullet's speed; the depth is the same"""
-    for geometry in IMPACT_GEOMETRIES:
-        for law in LAWS[:4]:
-            for speed in decades(-6, 6, 3):
-                e = None if law == "undamped" else 0.7
-                penalty = (speed / 1e-3) ** 2
-                linear = HeadOn(geometry=geometry, law=law, restitution=e, gravity=0.0, speed=speed, penalty=penalty)
-                yield Scene("exponent", 1.0, linear, note=f"{speed:g} m/s")
-                stiffness = 1.25 * speed**2 / 1e-3**2.5
-                hertz = Impact(geometry=geometry, law=law, restitution=e, speed=speed, stiffness=stiffness)
-                yield Scene("exponent", 1.5, hertz, note=f"{speed:g} m/s")
+    for geometry, law, speed in product(IMPACT_GEOMETRIES, LAWS[:4], decades(-6, 6, 3)):
+        e = None if law == "undamped" else 0.7
+        penalty = (speed / 1e-3) ** 2
+        linear = HeadOn(geometry=geometry, law=law, restitution=e, gravity=0.0, speed=speed, penalty=penalty)
+        yield Scene("exponent", 1.0, linear, note=f"{speed:g} m/s")
+        stiffness = 1.25 * speed**2 / 1e-3**2.5
+        hertz = Impact(geometry=geometry, law=law, restitution=e, speed=speed, stiffness=stiffness)
+        yield Scene("exponent", 1.5, hertz, note=f"{speed:g} m/s")
 
 
 # Families of the atlas whose bodies turn: a ball that slides and rolls, a cylinder that tumbles
@@ -163,10 +157,9 @@ def exponent() -> Iterator[Scene]:
 
 def slip_velocity() -> Iterator[Scene]:
     """Friction goes from Coulomb's to one that creeps."""
-    for value in decades(-12, 1):
-        for speed, spin in ((2.0, 0.0), (0.5, -40.0)):
-            one = Rolling(speed=speed, spin=spin, slip_velocity=value)
-            yield Scene("slip velocity", value, one, note=f"spin {spin:g} rad/s")
+    for value, (speed, spin) in product(decades(-12, 1), ((2.0, 0.0), (0.5, -40.0))):
+        one = Rolling(speed=speed, spin=spin, slip_velocity=value)
+        yield Scene("slip velocity", value, one, note=f"spin {spin:g} rad/s")
 
 
 def friction() -> Iterator[Scene]:
@@ -176,11 +169,10 @@ def friction() -> Iterator[Scene]:
 
 
 def spin() -> Iterator[Scene]:
-    for value in [0.0, *decades(-6, 6)]:
-        for speed in (0.0, 1.0, 100.0):
-            if speed or value:
-                one = Rolling(speed=speed, spin=-value, slip_velocity=1e-3)
-                yield Scene("spin", value, one, note=f"{speed:g} m/s")
+    for value, speed in product([0.0, *decades(-6, 6)], (0.0, 1.0, 100.0)):
+        if speed or value:
+            one = Rolling(speed=speed, spin=-value, slip_velocity=1e-3)
+            yield Scene("spin", value, one, note=f"{speed:g} m/s")
 
 
 def inertia_ratio() -> Iterator[Scene]:
@@ -235,9 +227,8 @@ def drawn(random: np.random.Generator) -> HeadOn:
 
 def scenes() -> Iterator[tuple[int, int, HeadOn]]:
     """Group, number and motion"""
-    for group in range(GROUPS):
-        for number in range(SIZE):
-            yield group, number, drawn(np.random.default_rng([SEED, group, number]))
+    for group, number in product(range(GROUPS), range(SIZE)):
+        yield group, number, drawn(np.random.default_rng([SEED, group, number]))
 
 
 def variants(hollow: bool | None = None) -> Iterator[HeadOn]:
@@ -250,155 +241,131 @@ def variants(hollow: bool | None = None) -> Iterator[HeadOn]:
 
 def along(name: str, values: Sequence[float], field: str, **others: Any) -> Iterator[Scene]:
     """Every geometry with every law, at each of the values"""
-    for value in values:
-        for one in variants():
-            yield Scene(name, value, replace(one, **{field: value}, **others))
+    for value, one in product(values, variants()):
+        yield Scene(name, value, replace(one, **{field: value}, **others))
 
 
 def size() -> Iterator[Scene]:
     """Radii, gap and speed grow alike; gravity stays, so that it rules the small ones"""
-    for value in decades(-9, 6):
-        for one in variants():
-            scaled = replace(
-                one,
-                source_radius=0.25 * value,
-                destination_radius=value,
-                gap=0.25 * value,
-                speed=2.0 * value,
-                penalty=1e6,
-            )
-            yield Scene("size", value, scaled)
+    for value, one in product(decades(-9, 6), variants()):
+        scaled = replace(
+            one, source_radius=0.25 * value, destination_radius=value, gap=0.25 * value, speed=2.0 * value, penalty=1e6
+        )
+        yield Scene("size", value, scaled)
 
 
 def radius_ratio() -> Iterator[Scene]:
-    for value in decades(0, 9):
-        for one in variants():
-            ratio = 1.25 * value if one.inside else value
-            yield Scene("radius ratio", value, replace(one, destination_radius=0.125 * ratio), note="small ball")
-            if not one.inside and value > 1:
-                large = replace(one, source_radius=0.125 * value, destination_radius=0.125)
-                yield Scene("radius ratio", value, large, note="large ball")
+    for value, one in product(decades(0, 9), variants()):
+        ratio = 1.25 * value if one.inside else value
+        yield Scene("radius ratio", value, replace(one, destination_radius=0.125 * ratio), note="small ball")
+        if not one.inside and value > 1:
+            large = replace(one, source_radius=0.125 * value, destination_radius=0.125)
+            yield Scene("radius ratio", value, large, note="large ball")
 
 
 def clearance() -> Iterator[Scene]:
     """A ball that all but fills its shell: some crossings, and lying at rest"""
-    for value in decades(-12, -1):
-        for one in variants(hollow=True):
-            free = 0.5 * value
-            tight = replace(one, source_radius=0.5 - free, gap=free)
-            crossing = replace(tight, speed=1.0, gravity=0.0, end=10 * value + 12 * tight.contact_time())
-            yield Scene("clearance", value, crossing, note="crossing")
-            yield Scene("clearance", value, replace(tight, speed=0.0, end=0.1), note="settling")
+    for value, one in product(decades(-12, -1), variants(hollow=True)):
+        free = 0.5 * value
+        tight = replace(one, source_radius=0.5 - free, gap=free)
+        crossing = replace(tight, speed=1.0, gravity=0.0, end=10 * value + 12 * tight.contact_time())
+        yield Scene("clearance", value, crossing, note="crossing")
+        yield Scene("clearance", value, replace(tight, speed=0.0, end=0.1), note="settling")
 
 
 def bullet() -> Iterator[Scene]:
     """A point-like ball at a millimetre's sphere, in one step that goes far beyond; `value` is the depth the
     impact would need over the way to the middle: from 1 on it passes through"""
-    for value in [1e-6, 1e-3, 0.1, 0.5, 0.9, 1.1, 2.0, 10.0, 1e3, 1e6]:
-        for speed in (1e3, 1e4, 1e5, 1e6):
-            for geometry in ("sphere outside", "cylinder outside"):
-                for law in LAWS[:4]:
-                    small = HeadOn(
-                        geometry=geometry,
-                        law=law,
-                        source_radius=2.0**-17,
-                        destination_radius=2.0**-10,
-                        gap=0.5,
-                        speed=speed,
-                        gravity=0.0,
-                    )
-                    penalty = (speed / (value * small.reach)) ** 2
-                    shot = replace(small, penalty=penalty, ratio=0.05, end=1e3 / speed)
-                    yield Scene("bullet", value, shot, steps=(1,), note=f"{speed:g} m/s")
+    for value, speed, geometry, law in product(
+        [1e-6, 1e-3, 0.1, 0.5, 0.9, 1.1, 2.0, 10.0, 1e3, 1e6],
+        (1e3, 1e4, 1e5, 1e6),
+        ("sphere outside", "cylinder outside"),
+        LAWS[:4],
+    ):
+        small = HeadOn(
+            geometry=geometry,
+            law=law,
+            source_radius=2.0**-17,
+            destination_radius=2.0**-10,
+            gap=0.5,
+            speed=speed,
+            gravity=0.0,
+        )
+        penalty = (speed / (value * small.reach)) ** 2
+        shot = replace(small, penalty=penalty, ratio=0.05, end=1e3 / speed)
+        yield Scene("bullet", value, shot, steps=(1,), note=f"{speed:g} m/s")
 
 
 def damping() -> Iterator[Scene]:
-    for value in [0.0, *decades(-4, 4)]:
-        for geometry in GEOMETRIES:
-            for law in LAWS[1:4]:
-                for penalty in (1e4, 1e9):
-                    one = HeadOn(geometry=geometry, law=law, ratio=value, penalty=penalty)
-                    longer = replace(one, end=2.5 * one.flight_time() + (1 + value) * one.contact_time())
-                    yield Scene("damping", value, longer, note=f"{penalty:g} N/m")
+    for value, geometry, law, penalty in product([0.0, *decades(-4, 4)], GEOMETRIES, LAWS[1:4], (1e4, 1e9)):
+        one = HeadOn(geometry=geometry, law=law, ratio=value, penalty=penalty)
+        longer = replace(one, end=2.5 * one.flight_time() + (1 + value) * one.contact_time())
+        yield Scene("damping", value, longer, note=f"{penalty:g} N/m")
 
 
 def viscous() -> Iterator[Scene]:
-    for value in decades(-6, 12):
-        for geometry in GEOMETRIES:
-            for dashpot in LAWS[1:4]:
-                one = HeadOn(geometry=geometry, law="viscous_only", damping=value, dashpot=dashpot, end=0.5)
-                yield Scene("viscous only", value, one, note=dashpot)
+    for value, geometry, dashpot in product(decades(-6, 12), GEOMETRIES, LAWS[1:4]):
+        one = HeadOn(geometry=geometry, law="viscous_only", damping=value, dashpot=dashpot, end=0.5)
+        yield Scene("viscous only", value, one, note=dashpot)
 
 
 def communication_step() -> Iterator[Scene]:
     """A flight, the impact and what follows within `count` steps of the size `value`; without gravity, and
     with it falling to rest where the time is long"""
-    for value in decades(-9, 3):
-        for one in variants():
-            for count in (1, 20, 100):
-                end = value * count
-                thrown = replace(one, gap=0.125 if end > 0.4 else end / 3, gravity=0.0, end=end)
-                speed = 0.375 / end if end > 0.4 else 1.0
-                steps = (count,)
-                yield Scene(
-                    "communication step", value, replace(thrown, speed=speed), steps=steps, note=f"{count} steps"
-                )
-                if one.law in ("non_adhesive", "unclamped") and 0.4 < end <= 2e3:
-                    falling = replace(one, ratio=0.4, end=end)
-                    yield Scene("communication step", value, falling, steps=steps, note=f"falling, {count} steps")
+    for value, one, count in product(decades(-9, 3), variants(), (1, 20, 100)):
+        end = value * count
+        thrown = replace(one, gap=0.125 if end > 0.4 else end / 3, gravity=0.0, end=end)
+        speed = 0.375 / end if end > 0.4 else 1.0
+        steps = (count,)
+        yield Scene("communication step", value, replace(thrown, speed=speed), steps=steps, note=f"{count} steps")
+        if one.law in ("non_adhesive", "unclamped") and 0.4 < end <= 2e3:
+            falling = replace(one, ratio=0.4, end=end)
+            yield Scene("communication step", value, falling, steps=steps, note=f"falling, {count} steps")
 
 
 def start() -> Iterator[Scene]:
     """`value` is the overlap at the start over the way to the middle: 0 touching, 1 concentric"""
-    for value in [0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.1, 0.5, 0.9, 0.999999, 1.0]:
-        for one in variants(hollow=False):
-            for speed in (1.0, 0.0, -1.0):
-                placed = replace(one, place=one.reach * (1 - value), gap=0.0, speed=speed, end=0.05)
-                yield Scene("start", value, placed, note=f"{speed:g} m/s")
-    for value in [0.0, 1e-12, 1e-6, 1e-3, 0.1, 1.0, 10.0, 1e3]:
-        for one in variants(hollow=True):
-            for speed in (1.0, 0.0, -1.0):
-                placed = replace(one, place=-one.reach * (1 + value), gap=0.0, speed=speed, end=0.05)
-                yield Scene("start", value, placed, note=f"hollow, {speed:g} m/s")
-    for one in variants(hollow=True):
-        for speed in (1.0, 0.0):
-            centred = replace(one, place=0.0, gap=one.reach, speed=speed, end=2.0)
-            yield Scene("start", 1.0, centred, note=f"in the middle of a hollow body, {speed:g} m/s")
+    for value, one, speed in product(
+        [0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.1, 0.5, 0.9, 0.999999, 1.0], variants(hollow=False), (1.0, 0.0, -1.0)
+    ):
+        placed = replace(one, place=one.reach * (1 - value), gap=0.0, speed=speed, end=0.05)
+        yield Scene("start", value, placed, note=f"{speed:g} m/s")
+    for value, one, speed in product(
+        [0.0, 1e-12, 1e-6, 1e-3, 0.1, 1.0, 10.0, 1e3], variants(hollow=True), (1.0, 0.0, -1.0)
+    ):
+        placed = replace(one, place=-one.reach * (1 + value), gap=0.0, speed=speed, end=0.05)
+        yield Scene("start", value, placed, note=f"hollow, {speed:g} m/s")
+    for one, speed in product(variants(hollow=True), (1.0, 0.0)):
+        centred = replace(one, place=0.0, gap=one.reach, speed=speed, end=2.0)
+        yield Scene("start", 1.0, centred, note=f"in the middle of a hollow body, {speed:g} m/s")
 
 
 def rim() -> Iterator[Scene]:
     """A finite cylinder's end is passed during a contact, between contacts, or `value` before the touch"""
-    for value in [0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.1]:
-        for geometry in GEOMETRIES[2:]:
-            for law in LAWS:
-                one = HeadOn(geometry=geometry, law=law, length=1.0, gravity=0.0, gap=0.125, penalty=1e4)
-                touch, away = one.flight_time(), 0.5 * one.contact_time()
-                for side in (1, -1):
-                    for along_speed in (1.0, -1.0):
-                        # at the rim `value` after or before the touch, or a half contact later
-                        for late in (0.0, away):
-                            along = 0.5 - along_speed * (touch + late + side * value)
-                            moved = replace(one, along=along, along_speed=along_speed, end=0.5)
-                            yield Scene("rim", value, moved, note=f"{along_speed:g} m/s, {side:+d}, {late:.2g} s")
+    for value, geometry, law in product([0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.1], GEOMETRIES[2:], LAWS):
+        one = HeadOn(geometry=geometry, law=law, length=1.0, gravity=0.0, gap=0.125, penalty=1e4)
+        touch, away = one.flight_time(), 0.5 * one.contact_time()
+        for side, along_speed in product((1, -1), (1.0, -1.0)):
+            # at the rim `value` after or before the touch, or a half contact later
+            for late in (0.0, away):
+                along = 0.5 - along_speed * (touch + late + side * value)
+                moved = replace(one, along=along, along_speed=along_speed, end=0.5)
+                yield Scene("rim", value, moved, note=f"{along_speed:g} m/s, {side:+d}, {late:.2g} s")
 
 
 def force() -> Iterator[Scene]:
-    for value in decades(-3, 12):
-        for one in variants():
-            for penalty in (1e6, 1e13):
-                pressed = replace(one, force=value, penalty=penalty, gravity=0.0)
-                yield Scene("force", value, pressed, note=f"{penalty:g} N/m")
+    for value, one, penalty in product(decades(-3, 12), variants(), (1e6, 1e13)):
+        pressed = replace(one, force=value, penalty=penalty, gravity=0.0)
+        yield Scene("force", value, pressed, note=f"{penalty:g} N/m")
 
 
 def jumps() -> Iterator[Scene]:
     """A prescribed destination jumps by `value` radii: at rest, into the ball, back, and beyond it"""
-    for value in decades(-12, 6):
-        for one in variants():
-            for sign in (1, -1):
-                end = 2.0 if value <= 0.1 else 40 * one.contact_time()
-                moved = replace(one, prescribed=True, gravity=0.0, speed=0.6 / end, end=end)
-                given = (Jump(2, sign * 0.5 * value), Jump(5, 0.0))
-                yield Scene("jump", value, moved, steps=(8,), jumps=given, note=f"{sign:+d}")
+    for value, one, sign in product(decades(-12, 6), variants(), (1, -1)):
+        end = 2.0 if value <= 0.1 else 40 * one.contact_time()
+        moved = replace(one, prescribed=True, gravity=0.0, speed=0.6 / end, end=end)
+        given = (Jump(2, sign * 0.5 * value), Jump(5, 0.0))
+        yield Scene("jump", value, moved, steps=(8,), jumps=given, note=f"{sign:+d}")
 
 
 def units(which: str) -> Iterator[Scene]:
@@ -410,15 +377,14 @@ def units(which: str) -> Iterator[Scene]:
 
 def plane() -> Iterator[Scene]:
     """A ball on a plane: dropped, thrown, lying on it, and a plane that is free itself"""
-    for value in decades(0, 15):
-        for law in LAWS:
-            one = HeadOn(geometry=PLANE, law=law, penalty=value)
-            yield Scene("plane", value, one)
-            yield Scene("plane", value, replace(one, speed=100.0, gravity=0.0), note="thrown")
-            lying = replace(one, place=one.reach, gap=0.0, speed=0.0, end=min(0.1, 30 * one.contact_time()))
-            yield Scene("plane", value, lying, note="set down")
-            both = replace(one, source_mass=3.0, destination_mass=2.0, offset=1e3)
-            yield Scene("plane", value, both, note="free plane")
+    for value, law in product(decades(0, 15), LAWS):
+        one = HeadOn(geometry=PLANE, law=law, penalty=value)
+        yield Scene("plane", value, one)
+        yield Scene("plane", value, replace(one, speed=100.0, gravity=0.0), note="thrown")
+        lying = replace(one, place=one.reach, gap=0.0, speed=0.0, end=min(0.1, 30 * one.contact_time()))
+        yield Scene("plane", value, lying, note="set down")
+        both = replace(one, source_mass=3.0, destination_mass=2.0, offset=1e3)
+        yield Scene("plane", value, both, note="free plane")
 
 
 def at_once() -> Iterator[Scene]:

@@ -10,6 +10,7 @@ import matplotlib
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from scipy import stats
 
 from .store import Store
 
@@ -80,6 +81,10 @@ def draw(store: Store, target: Path, names: Sequence[str]) -> Path:
         _line(axes, *columns)
     else:
         _map(axes, *columns)
+    for column, axis, scale in ((columns[0], axes.xaxis, axes.set_xscale), (columns[1], axes.yaxis, axes.set_yscale)):
+        if column.logarithmic:
+            scale("log")
+        column.mark(axis)
     axes.set_title(f"{store.study.title}\n{store.runs:,} runs", fontsize=10)
     target.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(target, dpi=150)
@@ -104,32 +109,18 @@ def _line(axes: Axes, x: Column, y: Column) -> None:
     if np.isfinite(median).any():
         axes.plot(middle, median, color="tab:blue", label="median")
         axes.fill_between(middle, low, high, color="tab:blue", alpha=0.2, label="5 % to 95 %")
-    for column, axis, scale in ((x, axes.xaxis, axes.set_xscale), (y, axes.yaxis, axes.set_yscale)):
-        if column.logarithmic:
-            scale("log")
-        column.mark(axis)
     axes.legend(loc="best", fontsize=8)
 
 
 def _map(axes: Axes, x: Column, y: Column, color: Column) -> None:
     """The median of a colour's values in each cell; cells without a run stay empty"""
     x_edges, y_edges = x.edges(), y.edges()
-    cells = np.full((len(y_edges) - 1, len(x_edges) - 1), np.nan)
-    finite = np.flatnonzero(np.isfinite(x.values) & np.isfinite(y.values) & np.isfinite(color.values))
-    place = (y.bins(y_edges) * (len(x_edges) - 1) + x.bins(x_edges))[finite]
-    order = np.argsort(place, kind="stable")
-    found, starts = np.unique(place[order], return_index=True)
-    for one, values in zip(found, np.split(color.values[finite][order], starts[1:]), strict=True):
-        cells.flat[one] = np.median(values)
-    if color.logarithmic:
-        norm: Any = matplotlib.colors.LogNorm()
-    else:
-        norm = None
+    finite = np.isfinite(x.values) & np.isfinite(y.values) & np.isfinite(color.values)
+    cells = stats.binned_statistic_2d(
+        y.values[finite], x.values[finite], color.values[finite], "median", [y_edges, x_edges]
+    ).statistic
+    norm: Any = matplotlib.colors.LogNorm() if color.logarithmic else None
     mesh = axes.pcolormesh(x_edges, y_edges, cells, norm=norm)
     bar = axes.figure.colorbar(mesh, ax=axes, label=f"median of {color.label}")
     if color.items:
         bar.set_ticks(range(len(color.items)), labels=color.items)
-    for column, axis, scale in ((x, axes.xaxis, axes.set_xscale), (y, axes.yaxis, axes.set_yscale)):
-        if column.logarithmic:
-            scale("log")
-        column.mark(axis)
