@@ -88,7 +88,6 @@ def pressed(scheme, step, steps):
         element = DrivenContact(fmu, {**PRESS, "contact.viscous_penalty_factor": 0.0})
         start = Ball(np.array([0.0, 0.0, push - depth]), np.zeros(3), np.zeros(3))
         ball = run(scheme, element, outside, start, step / omega, steps)
-        element.close()
     return math.hypot(ball.displacement[2] + depth, ball.velocity[2] / omega) / push
 
 
@@ -114,7 +113,6 @@ def test_an_iterated_mean_force_keeps_the_energy_of_an_impact(step):
                 ball = run(scheme, element, outside, trial.ball, trial.size, trial.steps)
                 speeds.setdefault(integrator, []).append(ball.velocity[2])
                 assert element.taken_back > 0
-                element.close()
     assert speeds[VERLET] == pytest.approx([1.0] * force_problems.PLACES, abs=1e-9)
     assert max(speeds[EULER]) < 0.8
 
@@ -129,7 +127,6 @@ def test_the_pinned_force_element_gives_the_same_motion(coupling):
             element = DrivenContact(fmu, values)
             start = next(iter(problem.trials(1e-5))).ball
             ends.append(run(BY_NAME[VERLET, coupling], element, problem.outside, start, 1e-5, 300))
-            element.close()
     # The two round the path at different places: some units in the last place of 0.5 m.
     assert np.max(np.abs(ends[0].displacement - ends[1].displacement)) < 1e-14
     assert ends[0].displacement[2] < -1e-6  # it has moved

@@ -106,7 +106,6 @@ def stable_step_measured(scheme: Scheme, damping_ratio: float, steps: int) -> fl
             ball = run(scheme, element, outside, ball, step / omega, steps // 2, noted)
             largest.append(0.0)
             run(scheme, element, outside, ball, step / omega, steps // 2, noted)
-            element.close()
             return largest[1] <= 1.02 * largest[0] and largest[1] < 20.0 * push
 
         return bisected(quiet)
@@ -142,7 +141,6 @@ def error_of(problem: CoupledProblem, scheme: Scheme, fmu: ContactFmu, step: flo
         ball = run(scheme, element, problem.outside, trial.ball, trial.size, trial.steps, gone)
         worst = math.inf if gone(ball) else max(worst, trial.error(ball))
         repeats, steps = repeats + element.taken_back, steps + element.steps - element.taken_back
-        element.close()
         if math.isinf(worst):
             break
     calls = (steps + repeats) / max(steps, 1)

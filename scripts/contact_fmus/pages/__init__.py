@@ -7,12 +7,14 @@ A page is a Jinja template in the package that shows it; it extends base.html or
 from __future__ import annotations
 
 import base64
+import json
 import os
 import platform
 import re
 import subprocess
+import time
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
@@ -165,6 +167,16 @@ WIDTH = 170  # of a terminal's tables where no terminal says otherwise
 def make_console() -> Console:
     console = Console(highlight=False)
     return console if console.is_terminal else Console(highlight=False, width=WIDTH)
+
+
+def stopwatch() -> Callable[[str], None]:
+    """Prints texts behind the seconds that have passed"""
+    begin = time.monotonic()
+    return lambda text: print(f"{time.monotonic() - begin:6.1f} s  {text}", flush=True)
+
+
+def write_json(file: Path, content: Any) -> None:
+    file.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 def show(table: Table, console: Console | None = None) -> None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import importlib
 import importlib.metadata
 import importlib.util
-import json
 import math
 import multiprocessing
 import os
@@ -20,6 +19,7 @@ from typing import Any, NamedTuple
 
 from contact_fmus.bench.problems import benchmarks
 from contact_fmus.options import parse
+from contact_fmus.pages import stopwatch, write_json
 from contact_fmus.report.measure import PEER, Row, write_rows
 
 from .problems import BallAndWall, CannotExpress, Case, error_of, problem_of
@@ -208,14 +208,13 @@ def main(arguments: list[str] | None = None) -> int:
     options = parse("peers", arguments)
     file = options.output if options.output.suffix == ".csv" else options.output / "peers.csv"
     file.parent.mkdir(parents=True, exist_ok=True)
-    rows, begin = [], time.monotonic()
+    rows, say = [], stopwatch()
     for row in run(quick=options.quick, names=options.only or NAMES):
         rows.append(row)
-        print(f"{time.monotonic() - begin:6.1f} s  {line(row)}", flush=True)
+        say(line(row))
     write_rows(file, rows)
     part = {"versions": versions(), "sections": [section(rows, options.only or NAMES)]}
-    text = json.dumps(part, indent=1, ensure_ascii=False)
-    file.with_suffix(".json").write_text(text + "\n", encoding="utf-8")
+    write_json(file.with_suffix(".json"), part)
     return 0
 
 

@@ -7,8 +7,6 @@ what the optional parts left in the same folder (measure.py).
 from __future__ import annotations
 
 import datetime
-import json
-import time
 
 from contact_fmus import pages
 from contact_fmus.bench.problems import benchmarks, hertz_problems, shape_problems, turning_problems
@@ -24,12 +22,7 @@ def measure(arguments: list[str] | None = None) -> int:
     options = parse("measure", arguments)
     options.output.mkdir(parents=True, exist_ok=True)
     plan = solvers.QUICK if options.quick else solvers.FULL
-    begin = time.monotonic()
-
-    def say(text: str) -> None:
-        print(f"{time.monotonic() - begin:6.1f} s  {text}", flush=True)
-
-    rows, ratios = [], []
+    say, rows, ratios = pages.stopwatch(), [], []
     for some in (benchmarks, shape_problems, hertz_problems, turning_problems):
         problems = some().values()
         found = solvers.work_precision(problems, plan, say)
@@ -46,8 +39,7 @@ def measure(arguments: list[str] | None = None) -> int:
         "hertz_ratios": ratios[2],
         "turning_ratios": ratios[3],
     }
-    text = json.dumps(summary, indent=1, ensure_ascii=False)
-    (options.output / "summary.json").write_text(text + "\n", encoding="utf-8")
+    pages.write_json(options.output / "summary.json", summary)
     say("measured")
     return 0
 

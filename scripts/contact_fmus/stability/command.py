@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import multiprocessing
-import time
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from contact_fmus.options import parse
+from contact_fmus.pages import stopwatch
 
 from .motions import GEOMETRIES, LAWS, HeadOn
 from .page import draw_page, groups, write_csv
@@ -149,11 +149,11 @@ def _of_methods(what: str, count: Counter[str]) -> str:
 
 
 def _measured(options: argparse.Namespace) -> list[SceneRun]:
-    begin, family, rows = time.monotonic(), "", []
+    say, family, rows = stopwatch(), "", []
     for scene, found in run_all(thinned(all_scenes(), QUICK if options.quick else 1), options.workers):
         if scene.family != family:
             family = scene.family
-            print(f"{time.monotonic() - begin:6.1f} s  {family}", flush=True)
+            say(family)
         rows += found
-    print(f"{time.monotonic() - begin:6.1f} s  done", flush=True)
+    say("done")
     return rows
