@@ -8,14 +8,9 @@ from __future__ import annotations
 import importlib
 import os
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
-from importlib.machinery import ModuleSpec
-from types import ModuleType
-from typing import Any
 
 from .errors import BAD_REQUEST, INTERRUPTED, OUTPUT_CLOSED, RUN_FAILED, UserError, similar
-from .options import commands
+from .options import commands, parse
 
 # name: (module and function, what it does). Modules are imported when asked for: some take a while.
 COMMANDS = {name: (about["main"], about["text"]) for name, about in commands().items()}
@@ -71,39 +66,14 @@ def os_error(error: OSError) -> tuple[str, int]:
     return text, BAD_REQUEST if isinstance(error, asked) else RUN_FAILED
 
 
-class Placeholders:
-    """Stands in for modules of extras that are not installed: --help uses none of them"""
-
-    def find_spec(self, name: str, *_: Any) -> ModuleSpec | None:
-        return ModuleSpec(name, self, is_package=True) if name.partition(".")[0] in EXTRAS else None
-
-    def create_module(self, _spec: ModuleSpec) -> None:
-        return None
-
-    def exec_module(self, module: ModuleType) -> None:
-        from unittest.mock import MagicMock
-
-        module.__getattr__ = lambda name: MagicMock(name=name)
-
-
-@contextmanager
-def any_extra(wanted: bool) -> Iterator[None]:
-    """Modules that are installed are found before placeholders."""
-    placeholders = Placeholders()
-    sys.meta_path += [placeholders] if wanted else []
-    try:
-        yield
-    finally:
-        if wanted:
-            sys.meta_path.remove(placeholders)
-
-
 def guarded(name: str, arguments: list[str]) -> int:
     """The command's status; an expected error is one sentence on stderr"""
     module, _, function = COMMANDS[name][0].partition(":")
     try:
-        with any_extra(not {"-h", "--help"}.isdisjoint(arguments)):
-            return getattr(importlib.import_module(f"contact_fmus.{module}"), function)(arguments)
+        # No extra is needed to tell the options. Words in braces are the modules' own, which need no extra either.
+        if not {"-h", "--help"}.isdisjoint(arguments) and "{" not in commands()[name]["description"]:
+            parse(name, arguments)
+        return getattr(importlib.import_module(f"contact_fmus.{module}"), function)(arguments)
     except UserError as error:
         text, status = str(error), error.exit_status
     except ModuleNotFoundError as error:

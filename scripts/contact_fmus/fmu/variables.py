@@ -101,6 +101,24 @@ def read_variables(description: Any) -> dict[str, Variable]:
     return variables
 
 
+def start_of(variable: Variable, text: Any) -> Any:
+    """A scalar's start value as the description gives it: a number, a Boolean, an item by name, a text"""
+    if variable.type == "Boolean":
+        return str(text).lower() in ("true", "1")
+    if variable.type == "Real":
+        return float(text)
+    return plain(variable, int(text)) if variable.type in ("Integer", "Enumeration") else text
+
+
+def plain(variable: Variable, value: Any) -> Any:
+    """An enumeration's item by name, a Boolean as one"""
+    if variable.type == "Boolean":
+        return bool(value)
+    if variable.items and value in variable.item_values:
+        return variable.items[variable.item_values.index(value)]
+    return value
+
+
 def item_value(variable: Variable, value: Any) -> int:
     """An item's name, or an integer as it stands: the FMU itself refuses those it does not offer"""
     if not isinstance(value, str):

@@ -13,7 +13,7 @@ import numpy as np
 
 from contact_fmus.errors import UserError
 from contact_fmus.fmu.files import Scene, read_scene, unpack
-from contact_fmus.fmu.variables import scalars
+from contact_fmus.fmu.variables import read_variables, scalars, start_of
 from contact_fmus.results import Result
 from contact_fmus.scenarios.experiment import Motion
 from contact_fmus.scenarios.recording import record_densely
@@ -95,17 +95,12 @@ def _check_columns(result: Result, scene: Scene) -> None:
 def _start_values(fmu: Path) -> dict[str, Any]:
     """Start values of the description: what holds where a result does not say what was set"""
     found: dict[str, Any] = {}
-    for scalar in scalars(unpack(fmu)[1]):
+    description = unpack(fmu)[1]
+    variables = read_variables(description)
+    for scalar in scalars(description):
         if scalar.start is None:
             continue
-        value: Any = scalar.start
-        if scalar.type == "Real":
-            value = float(value)
-        elif scalar.type == "Boolean":
-            value = str(value).lower() in ("true", "1")
-        elif scalar.type == "Enumeration":
-            items = {str(item.value): item.name for item in scalar.declaredType.items}
-            value = items.get(str(value), value)
+        value = start_of(variables[scalar.name], scalar.start)
         name, bracket, _ = scalar.name.partition("[")
         if bracket:
             found.setdefault(name, []).append(value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -46,7 +47,10 @@ def work_precision(rows: Sequence[Row], problems: Iterable[Problem], folder: Pat
             found = tables.curves(rows, problem.name)
             least = min((steps for _, steps in found), default=1)
             for (solver, steps), points in found.items():
-                _draw(panel, points, COLORS[solver], MARKERS[solver], filled=steps == least)
+                color, filled = COLORS[solver], steps == least
+                style = {"linestyle": "-", "linewidth": 1.3} if filled else {"linestyle": "--", "linewidth": 0.9}
+                style |= {"color": color, "markerfacecolor": color if filled else "white"}
+                _draw(panel, points, marker=MARKERS[solver], **style)
             panel.set_title(f"{problem.name}: {problem.title}")
             panel.set(xlabel="error of the position at the end, m", ylabel="time, s")
         steps = sorted({row.communication_steps for row in rows})
@@ -54,17 +58,9 @@ def work_precision(rows: Sequence[Row], problems: Iterable[Problem], folder: Pat
         save(figure, folder, name)
 
 
-def _draw(panel: Axes, points: Sequence[Row], color: str, marker: str, filled: bool) -> None:
-    panel.plot(
-        [max(row.error_m, FLOOR) for row in points],
-        [row.time_s for row in points],
-        color=color,
-        marker=marker,
-        markersize=4.5,
-        markerfacecolor=color if filled else "white",
-        linewidth=1.3 if filled else 0.9,
-        linestyle="-" if filled else "--",
-    )
+def _draw(panel: Axes, points: Sequence[Row], **style: Any) -> None:
+    errors = [max(row.error_m, FLOOR) for row in points]
+    panel.plot(errors, [row.time_s for row in points], markersize=4.5, **style)
 
 
 def _step_marks(steps: Sequence[int]) -> list[Line2D]:
@@ -120,12 +116,9 @@ def _peer_styles(solvers: Sequence[str]) -> dict[str, tuple[str, str]]:
 
 
 def _draw_peer(panel: Axes, points: Sequence[Row], color: str, marker: str, dashed: bool) -> None:
-    style = {"color": color, "marker": marker, "markersize": 4.5}
-    every = ([max(row.error_m, FLOOR) for row in points], [row.time_s for row in points])
-    panel.plot(*every, linestyle="", alpha=0.35, markeredgewidth=0, **style)
-    front = tables.front(points)
-    best = ([max(row.error_m, FLOOR) for row in front], [row.time_s for row in front])
-    panel.plot(*best, linestyle="--" if dashed else "-", linewidth=1.3, **style)
+    style = {"color": color, "marker": marker}
+    _draw(panel, points, linestyle="", alpha=0.35, markeredgewidth=0, **style)
+    _draw(panel, tables.front(points), linestyle="--" if dashed else "-", linewidth=1.3, **style)
 
 
 def _mark(label: str, color: str, marker: str) -> Line2D:

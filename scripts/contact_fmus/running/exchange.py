@@ -11,10 +11,20 @@ import numpy as np
 from contact_fmus.errors import RunFailure, UserError
 from contact_fmus.fmu.files import unpack
 from contact_fmus.fmu.slaves import text_of
-from contact_fmus.fmu.variables import Variable, entries, is_fmi3, item_value, known, read_variables, scalars
+from contact_fmus.fmu.variables import (
+    Variable,
+    entries,
+    is_fmi3,
+    item_value,
+    known,
+    plain,
+    read_variables,
+    scalars,
+    start_of,
+)
 from contact_fmus.results import Result
 from contact_fmus.scenarios.experiment import Experiment
-from contact_fmus.scenarios.recording import PARAMETERS, READERS, RECORDED, communication_points, plain
+from contact_fmus.scenarios.recording import PARAMETERS, READERS, RECORDED, communication_points
 
 TOLERANCE = 1e-8  # relative, where neither the user nor the FMU says one
 WARNING = 1  # fmi2Warning, fmi3Warning
@@ -78,7 +88,7 @@ def _parameters(description: Any, variables: dict[str, Variable], experiment: Ex
     """Start values of the description, and those of the experiment"""
     described = [one for one in scalars(description) if one.causality in PARAMETERS and one.start is not None]
     given = _by_scalar(variables, experiment.values)
-    return {one.name: _described_start(variables[one.name], one.start) for one in described} | {
+    return {one.name: start_of(variables[one.name], one.start) for one in described} | {
         name: plain(variables[name], value) for name, value in given.items() if variables[name].causality in PARAMETERS
     }
 
@@ -136,11 +146,3 @@ def _columns(rows: np.ndarray, description: Any, variables: dict[str, Variable])
         values = rows[name].reshape(len(rows), -1)[:, places[number] if places else 0]
         found[scalar.name] = np.array([plain(variables[scalar.name], one) for one in values])
     return found
-
-
-def _described_start(variable: Variable, text: Any) -> Any:
-    if variable.type == "Boolean":
-        return str(text).lower() in ("true", "1")
-    if variable.type == "Real":
-        return float(text)
-    return plain(variable, int(text)) if variable.type in READERS else text

@@ -11,7 +11,7 @@ import numpy as np
 from contact_fmus.errors import RunFailure, UserError
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError, fmu_file
 from contact_fmus.fmu.touching import Touching
-from contact_fmus.fmu.variables import Variable, known
+from contact_fmus.fmu.variables import known, plain
 from contact_fmus.results import Result
 
 from .experiment import ENERGIES, Experiment, Recording, RunError, Scenario, Variant
@@ -72,15 +72,6 @@ class Recorder:
             for index, name in enumerate(group)
         }
         return {name: found[name] for name in self.names}
-
-
-def plain(variable: Variable, value: Any) -> Any:
-    """An enumeration's item by name, a Boolean as one"""
-    if variable.type == "Boolean":
-        return bool(value)
-    if variable.items and value in variable.item_values:
-        return variable.items[variable.item_values.index(value)]
-    return value
 
 
 def scalars_of(fmu: ContactFmu, causalities: tuple[str, ...], types: Sequence[str] = tuple(READERS)) -> list[str]:
