@@ -28,17 +28,17 @@ EPSILON = 2.0**-52
 SLOW = 1e-6  # onsets slower than this part of the fastest motion are not counted on
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Expected:
-    """The end of a run"""
+    """The end of a run; defaults are those of one impact"""
 
     displacement: dict[str, Sequence[Any]]  # of the free bodies, in as many digits as it takes
     way: float  # what errors are measured by, m
-    rounding: float  # what the last digits of the numbers given leave open, m
+    rounding: float = 0.0  # what the last digits of the numbers given leave open, m
     fastest: float  # m/s
-    onsets: int
-    sure: bool  # whether rounding cannot change the number of onsets
-    strong: int  # onsets that nothing may miss
+    onsets: int = 1
+    sure: bool = True  # whether rounding cannot change the number of onsets
+    strong: int = 1  # onsets that nothing may miss
     last_onset: float | None
     onset_rounding: float = 0.0  # s
     through_middle: bool = False  # of a solid body, where the normal turns round
@@ -150,7 +150,7 @@ class Moving:
         return 0.0
 
     def bodies(self, center: Sequence[float], velocity: Sequence[float], gravity: float = 0.0) -> dict[str, Any]:
-        """Start values of the source, of the destination's radius and of gravity"""
+        """Start values of the source, of the destination's radius and axis, and of gravity"""
         values = {
             "source.radius": self.source_radius,
             "source.mass": self.source_mass,
@@ -160,6 +160,8 @@ class Moving:
         }
         if self.shape != PLANE:
             values["destination.radius"] = self.destination_radius
+        if self.shape != "sphere":
+            values["destination.axis"] = [0.0, 0.0, 1.0] if self.shape == PLANE else [0.0, 1.0, 0.0]
         if self.destination_mass is not None:
             values |= {"destination.motion": "free", "destination.mass": self.destination_mass}
         return values
@@ -235,14 +237,10 @@ class HeadOn(Moving):
     def configuration(self) -> dict[str, Any]:
         values = self.bodies(self.source_center(), [0.0, self.along_speed, -self.speed], self.gravity)
         values |= {"destination.center": [self.offset] * 3, "source.external_force": [0.0, 0.0, -self.force]}
-        if self.geometry == PLANE:
-            values["destination.axis"] = [0.0, 0.0, 1.0]
-        else:
+        if self.geometry != PLANE:
             values["contact.location"] = "inside" if self.inside else "outside"
         if self.prescribed:
             values["destination.motion"] = "prescribed"
-        if self.fmu == "SphereCylinder":
-            values["destination.axis"] = [0.0, 1.0, 0.0]
         if self.length is not None:
             values |= {"destination.finite_length": True, "destination.length": self.length}
         return values | self._law()
@@ -373,8 +371,6 @@ class Impact(Moving):
         values = self.bodies([0.0, 0.0, self.place], [0.0, 0.0, -self.speed]) | {"contact.law": "hertz"}
         if self.shape != PLANE:
             values["contact.location"] = "inside" if self.inside else "outside"
-        if self.shape != "sphere":
-            values["destination.axis"] = [0.0, 0.0, 1.0] if self.shape == PLANE else [0.0, 1.0, 0.0]
         return values | self._stiffness() | self._damping()
 
     def _stiffness(self) -> dict[str, Any]:
@@ -450,9 +446,6 @@ class Impact(Moving):
             way=way,
             rounding=8 * resolution,
             fastest=self.speed,
-            onsets=1,
-            sure=True,
-            strong=1,
             last_onset=float(touch),
             onset_rounding=8 * resolution / self.speed,
         )
@@ -621,7 +614,6 @@ class Edge(Moving):
     def configuration(self) -> dict[str, Any]:
         begin, velocity = self.begin(), self.speed * self.towards()
         values = self.bodies([*begin, 0.0], [*velocity, 0.0]) | {
-            "destination.axis": [0.0, 1.0, 0.0],
             "destination.finite_length": True,
             "destination.length": self.length,
             "destination.ends": "capped",
@@ -658,7 +650,6 @@ class Edge(Moving):
             rounding=rounding + 1e-11 * way,  # of DOP853
             fastest=self.speed,
             onsets=int(touch is not None),
-            sure=True,
             strong=int(touch is not None),
             last_onset=touch,
             onset_rounding=8 * resolution * steep / self.speed,
@@ -830,9 +821,6 @@ class Rolling(Moving):
             way=size,
             rounding=16 * EPSILON * size,
             fastest=max(self.speed, self.slip),
-            onsets=1,
-            sure=True,
-            strong=1,
             last_onset=0.0,
             turned=turned,
         )
@@ -898,11 +886,7 @@ class Tumbling(Moving):
         return Expected(
             displacement={"source": [mpf(0)] * 3},
             way=self.away,
-            rounding=0.0,
             fastest=self.rate * self.away,
-            onsets=1,
-            sure=True,
-            strong=1,
             last_onset=self.touch,
             onset_rounding=16 * EPSILON * self.touch,
         )
