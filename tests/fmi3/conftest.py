@@ -2,7 +2,10 @@
 
 import pytest
 
+from support.checks import the_fmu_prints_nothing
 from support.fmi3 import raw
+
+__all__ = ["the_fmu_prints_nothing"]
 
 
 @pytest.fixture(params=raw.KINDS)
@@ -15,11 +18,3 @@ def fmu(request) -> raw.Fmu:
 def pair() -> raw.Fmu:
     """Two spheres with every choice open"""
     return raw.load("SphereSphere")
-
-
-@pytest.fixture(autouse=True)
-def the_fmu_prints_nothing(capfd):
-    """An FMU talks through the logger alone: standard output and standard error stay empty in every test."""
-    yield
-    printed = capfd.readouterr()
-    assert (printed.out, printed.err) == ("", "")

@@ -2,7 +2,10 @@
 
 import pytest
 
+from support.checks import the_fmu_prints_nothing
 from support.fmi2 import raw
+
+__all__ = ["the_fmu_prints_nothing"]
 
 
 @pytest.fixture(params=raw.KINDS)
@@ -21,11 +24,3 @@ def every_fmu(request) -> raw.Fmu:
 def universal() -> raw.Fmu:
     """The FMU with every choice open"""
     return raw.load("SphereCylinder")
-
-
-@pytest.fixture(autouse=True)
-def the_fmu_prints_nothing(capfd):
-    """An FMU talks through the logger alone: standard output and standard error stay empty in every test."""
-    yield
-    printed = capfd.readouterr()
-    assert (printed.out, printed.err) == ("", "")

@@ -24,56 +24,14 @@ FOLDER = ROOT / "modelDescription"
 
 SCENES = [*sorted((FOLDER / "scenes").glob("*.toml")), ROOT / "tests/physics/scenes/ThreeBalls.toml"]
 MINUTES = float(os.environ.get("CONTACT_FUZZ_MINUTES", "0"))
-PARTS = [
-    *(
-        "[[body]]",
-        "[[contact]]",
-        "[start]",
-        "[pinned]",
-        "[leave_out]",
-        "[experiment]",
-        "name",
-        "shape",
-        "=",
-        "\n",
-    ),
-    *(
-        '"sphere"',
-        '"cylinder"',
-        '"source"',
-        '"destination"',
-        '"contact"',
-        '"free"',
-        '"fixed"',
-        '"inside"',
-        "true",
-    ),
-    *(
-        '"source.radius"',
-        '"source.center"',
-        '"contact.location"',
-        '"solver.method"',
-        "gravity",
-        "outputs",
-        "[]",
-    ),
-    *(
-        "1e400",
-        "-1.0",
-        "nan",
-        "inf",
-        "0",
-        "[0.0, 0.0, 1.0]",
-        "1979-05-27",
-        '"""',
-        "'",
-        "{",
-        "}",
-        "\\u0000",
-        "é",
-        "]",
-    ),
-]
+# Words of scene files, a line of them each kind; those that are no single word are in PARTS.
+WORDS = """
+[[body]] [[contact]] [start] [pinned] [leave_out] [experiment] name shape =
+"sphere" "cylinder" "source" "destination" "contact" "free" "fixed" "inside" true
+"source.radius" "source.center" "contact.location" "solver.method" gravity outputs []
+1e400 -1.0 nan inf 0 1979-05-27 ' { } \\u0000 é ]
+"""
+PARTS = [*WORDS.split(), "\n", "[0.0, 0.0, 1.0]", '"""']
 
 
 def renamed(scene: Path) -> str:

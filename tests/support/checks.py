@@ -1,6 +1,7 @@
 """Comparisons that print both values and fail on NaN, and runs of an FMU from a configuration."""
 
 import numpy as np
+import pytest
 
 METHODS = ["event_driven", "cvode_bdf", "cvode_adams"]
 
@@ -66,3 +67,11 @@ def run(fmu, configuration, end, steps=10, tolerance=1e-10, method="event_driven
         if each:
             each(fmu)
     return fmu
+
+
+@pytest.fixture(autouse=True)
+def the_fmu_prints_nothing(capfd):
+    """An FMU talks through the logger alone: standard output and standard error stay empty in every test."""
+    yield
+    printed = capfd.readouterr()
+    assert (printed.out, printed.err) == ("", "")

@@ -66,6 +66,12 @@ static inline int check_summary(void)
 #define CHECK_CLOSE(name, got, expected, tolerance)                                                          \
     check_close((name), (got), (expected), (tolerance), __FILE__, __LINE__)
 
+/* Component by component, of vectors of any type */
+#define CHECK_VECTOR(name, got, expected, tolerance)                                                         \
+    (CHECK_CLOSE(name, (got).x, (expected).x, tolerance),                                                    \
+     CHECK_CLOSE(name, (got).y, (expected).y, tolerance),                                                    \
+     CHECK_CLOSE(name, (got).z, (expected).z, tolerance))
+
 enum { CHECK_MOST_TESTS = 32 };
 
 static struct {

@@ -23,14 +23,20 @@ static const struct variable *named(const char *name)
     exit(2);
 }
 
-/* A sphere near a cylinder, about to fly, bounce or roll; the cylinder is fixed, prescribed or free. */
-static struct model *random_start(struct random *r)
+static struct model *created(void)
 {
     const struct model_host host = {.allocate = scene_allocate, .release = free};
     struct model *m = model_create(&host);
     if (!m) {
         exit(2);
     }
+    return m;
+}
+
+/* A sphere near a cylinder, about to fly, bounce or roll; the cylinder is fixed, prescribed or free. */
+static struct model *random_start(struct random *r)
+{
+    struct model *m = created();
     struct scene_values *v = &m->state.values;
     const bool inside = random_index(r, 2) == 0;
     scene_start_free(m, SOURCE, vec3_scale(inside ? 0.2 : 0.7, random_direction(r)), random_vector(r, 3.0));
@@ -122,11 +128,7 @@ TEST(every_variable_is_the_same_however_a_flight_is_followed)
 TEST(a_flight_that_cannot_touch_is_deferred_throughout)
 {
     for (int ends = ENDS_OPEN; ends <= ENDS_CAPPED; ++ends) {
-        const struct model_host host = {.allocate = scene_allocate, .release = free};
-        struct model *m = model_create(&host);
-        if (!m) {
-            exit(2);
-        }
+        struct model *m = created();
         struct scene_values *v = &m->state.values;
         scene_start_free(m, SOURCE, vec3_make(0.2, 0.0, 1.0), vec3_make(0.5, 0.0, 3.0));
         scene_put(v->body[DESTINATION].axis, 1.0, 0.0, 0.0);
@@ -194,11 +196,7 @@ TEST(a_refused_step_leaves_a_deferred_flight_where_it_is)
  * not know: here the source comes there at 7/16 s along x = (7/16 - t) / 2, y = (7/16 - t)^2. */
 TEST(the_last_direction_is_that_of_the_step_before_the_axis)
 {
-    const struct model_host host = {.allocate = scene_allocate, .release = free};
-    struct model *m = model_create(&host);
-    if (!m) {
-        exit(2);
-    }
+    struct model *m = created();
     struct scene_values *v = &m->state.values;
     scene_start_free(m, SOURCE, vec3_make(7.0 / 32.0, 49.0 / 256.0, 0.0), vec3_make(-0.5, -0.875, 0.0));
     scene_put(v->body[DESTINATION].axis, 0.0, 0.0, 1.0);

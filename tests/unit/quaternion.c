@@ -36,13 +36,6 @@ static struct long_vec3 rodrigues(struct vec3 r, struct vec3 a)
                               a.z + s * once.z + versine * twice.z};
 }
 
-static void check_vectors(const char *name, struct vec3 got, struct long_vec3 expected, long double allowed)
-{
-    CHECK_CLOSE(name, got.x, expected.x, allowed);
-    CHECK_CLOSE(name, got.y, expected.y, allowed);
-    CHECK_CLOSE(name, got.z, expected.z, allowed);
-}
-
 static struct long_vec3 long_of(struct vec3 a)
 {
     return (struct long_vec3){a.x, a.y, a.z};
@@ -56,9 +49,9 @@ TEST(a_rotation_vector_turns_as_rodrigues_says)
         const struct vec3 a = random_vector(&r, 1.0);
         const struct quaternion q = quaternion_of_rotation(by);
         CHECK_CLOSE("length", quaternion_dot(q, q), 1.0L, 4.0L * DBL_EPSILON);
-        check_vectors("turned", quaternion_rotate(q, a), rodrigues(by, a), 16.0L * DBL_EPSILON);
-        check_vectors("and back", quaternion_rotate_back(q, quaternion_rotate(q, a)), long_of(a),
-                      16.0L * DBL_EPSILON);
+        CHECK_VECTOR("turned", quaternion_rotate(q, a), rodrigues(by, a), 16.0L * DBL_EPSILON);
+        CHECK_VECTOR("and back", quaternion_rotate_back(q, quaternion_rotate(q, a)), long_of(a),
+                     16.0L * DBL_EPSILON);
     }
     const struct quaternion none = quaternion_of_rotation(vec3_make(0.0, 0.0, 0.0));
     CHECK(none.w == 1.0 && none.x == 0.0 && none.y == 0.0 && none.z == 0.0);
@@ -71,10 +64,10 @@ TEST(a_product_turns_by_the_second_first)
         const struct quaternion p = random_orientation(&r);
         const struct quaternion q = random_orientation(&r);
         const struct vec3 a = random_vector(&r, 1.0);
-        check_vectors("product", quaternion_rotate(quaternion_product(p, q), a),
-                      long_of(quaternion_rotate(p, quaternion_rotate(q, a))), 16.0L * DBL_EPSILON);
-        check_vectors("third axis", quaternion_third_axis(q),
-                      long_of(quaternion_rotate(q, vec3_make(0.0, 0.0, 1.0))), 8.0L * DBL_EPSILON);
+        CHECK_VECTOR("product", quaternion_rotate(quaternion_product(p, q), a),
+                     long_of(quaternion_rotate(p, quaternion_rotate(q, a))), 16.0L * DBL_EPSILON);
+        CHECK_VECTOR("third axis", quaternion_third_axis(q),
+                     long_of(quaternion_rotate(q, vec3_make(0.0, 0.0, 1.0))), 8.0L * DBL_EPSILON);
     }
 }
 
@@ -113,7 +106,7 @@ static void check_smallest(struct vec3 a, struct vec3 b)
     const struct quaternion q = quaternion_between(a, b);
     CHECK_CLOSE("length", quaternion_dot(q, q), 1.0L, 4.0L * DBL_EPSILON);
     CHECK(q.w >= 0.0);
-    check_vectors("a becomes b", quaternion_rotate(q, a), long_of(b), 16.0L * DBL_EPSILON);
+    CHECK_VECTOR("a becomes b", quaternion_rotate(q, a), long_of(b), 16.0L * DBL_EPSILON);
     CHECK_CLOSE("across a", vec3_dot(quaternion_vector(q), a), 0.0L, 8.0L * DBL_EPSILON);
 }
 

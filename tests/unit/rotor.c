@@ -9,13 +9,6 @@
 /* Roundings of a rotation that has been put together from three, whatever the number of turns. */
 static const long double ALLOWED = 12.0L * DBL_EPSILON;
 
-static void check_vectors(const char *name, struct vec3 got, struct vec3 expected, long double allowed)
-{
-    CHECK_CLOSE(name, got.x, expected.x, allowed);
-    CHECK_CLOSE(name, got.y, expected.y, allowed);
-    CHECK_CLOSE(name, got.z, expected.z, allowed);
-}
-
 /* I_1 omega + (I_3 - I_1) (omega.e_3) e_3 */
 static struct vec3 momentum_of(const struct rotor_state *at, double transverse, double axial)
 {
@@ -41,8 +34,8 @@ TEST(angular_momentum_and_unit_length_last)
         const double size = vec3_norm(start.angular_velocity);
         const struct rotor_state end = rotor_at(&rotor, random_sign(&r) * random_power(&r, -9, 9) / size);
         const struct vec3 momentum = momentum_of(&start, transverse, axial);
-        check_vectors("momentum", momentum_of(&end, transverse, axial), momentum,
-                      32.0L * DBL_EPSILON * transverse * size);
+        CHECK_VECTOR("momentum", momentum_of(&end, transverse, axial), momentum,
+                     32.0L * DBL_EPSILON * transverse * size);
         CHECK_CLOSE("unit", quaternion_dot(end.orientation, end.orientation), 1.0L, 4.0L * DBL_EPSILON);
         CHECK_CLOSE("speed", vec3_norm(end.angular_velocity), size, 16.0L * DBL_EPSILON * size);
     }
@@ -86,9 +79,9 @@ TEST(the_rate_of_the_axis_is_its_derivative)
         const struct vec3 after = rotor_axis_at(&rotor, time + step).axis;
         const struct vec3 before = rotor_axis_at(&rotor, time - step).axis;
         const struct rotor_axis now = rotor_axis_at(&rotor, time);
-        check_vectors("rate", now.rate, vec3_scale(0.5 / step, vec3_sub(after, before)), 1e-9L);
+        CHECK_VECTOR("rate", now.rate, vec3_scale(0.5 / step, vec3_sub(after, before)), 1e-9L);
         const struct rotor_state at = rotor_at(&rotor, time);
-        check_vectors("cross", now.rate, vec3_cross(at.angular_velocity, now.axis), ALLOWED);
+        CHECK_VECTOR("cross", now.rate, vec3_cross(at.angular_velocity, now.axis), ALLOWED);
         CHECK_CLOSE("speed", rotor_axis_speed(&rotor), vec3_norm(now.rate), ALLOWED);
     }
 }

@@ -9,22 +9,15 @@
 
 static const struct vec3 NO_TORQUE[ROTOR_TORQUES] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
 
-static void check_vectors(const char *name, struct vec3 got, struct vec3 expected, long double allowed)
-{
-    CHECK_CLOSE(name, got.x, expected.x, allowed);
-    CHECK_CLOSE(name, got.y, expected.y, allowed);
-    CHECK_CLOSE(name, got.z, expected.z, allowed);
-}
-
 static void check_states(const struct rotor_state *got, const struct rotor_state *expected,
                          long double allowed, double speed)
 {
     CHECK_CLOSE("same orientation", quaternion_dot(got->orientation, expected->orientation), 1.0L, allowed);
-    check_vectors("e_3", quaternion_third_axis(got->orientation),
-                  quaternion_third_axis(expected->orientation), allowed);
-    check_vectors("e_1", quaternion_rotate(got->orientation, vec3_make(1.0, 0.0, 0.0)),
-                  quaternion_rotate(expected->orientation, vec3_make(1.0, 0.0, 0.0)), allowed);
-    check_vectors("omega", got->angular_velocity, expected->angular_velocity, allowed * speed);
+    CHECK_VECTOR("e_3", quaternion_third_axis(got->orientation), quaternion_third_axis(expected->orientation),
+                 allowed);
+    CHECK_VECTOR("e_1", quaternion_rotate(got->orientation, vec3_make(1.0, 0.0, 0.0)),
+                 quaternion_rotate(expected->orientation, vec3_make(1.0, 0.0, 0.0)), allowed);
+    CHECK_VECTOR("omega", got->angular_velocity, expected->angular_velocity, allowed * speed);
 }
 
 static struct rotor_state random_start(struct random *r)
@@ -47,8 +40,8 @@ TEST(without_a_torque_it_is_the_closed_form)
         check_states(&got, &expected, 2e-13L, 4.0);
         struct vec3 lambda[ROTOR_RATES];
         rotor_rates_under_torque(&start, 1.0, axial, NO_TORQUE, lambda);
-        check_vectors("axis alone", rotor_axis_after(lambda, rotor.axis, time),
-                      rotor_axis_at(&rotor, time).axis, 2e-13L);
+        CHECK_VECTOR("axis alone", rotor_axis_after(lambda, rotor.axis, time),
+                     rotor_axis_at(&rotor, time).axis, 2e-13L);
     }
 }
 

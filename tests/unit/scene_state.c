@@ -69,13 +69,6 @@ static struct long_vec3 long_path(const struct vec3 *coefficients, int count, lo
     return value;
 }
 
-static void check_vector(const char *name, struct vec3 got, struct long_vec3 expected, long double tolerance)
-{
-    CHECK_CLOSE(name, got.x, expected.x, tolerance);
-    CHECK_CLOSE(name, got.y, expected.y, tolerance);
-    CHECK_CLOSE(name, got.z, expected.z, tolerance);
-}
-
 TEST(a_shifted_path_is_the_same_path)
 {
     struct random r = {61};
@@ -92,8 +85,8 @@ TEST(a_shifted_path_is_the_same_path)
         const double clock = random_between(&r, -2.0, 2.0);
         /* Sums of at most 4 terms below 4^3. */
         const double noise = 256.0 * 4.0 * DBL_EPSILON;
-        check_vector("path", path_at(path, count, clock), long_path(path, count, clock), noise);
-        check_vector("shifted path", path_at(shifted, count, clock),
+        CHECK_VECTOR("path", path_at(path, count, clock), long_path(path, count, clock), noise);
+        CHECK_VECTOR("shifted path", path_at(shifted, count, clock),
                      long_path(path, count, (long double)by + clock), noise);
         for (int k = count; k < 4; ++k) {
             CHECK(memcmp(&shifted[k], &path[k], sizeof path[k]) == 0);
@@ -137,7 +130,7 @@ TEST(a_path_moves_whatever_the_sizes_and_signs_of_its_components)
             path[order] = rate;
             path_shift(path, 4, 2.0);
             const struct long_vec3 nowhere = {0.0L, 0.0L, 0.0L};
-            check_vector("shifted", path[0], long_axpy(nowhere, powl(2.0L, order), long_of(rate)), 0.0L);
+            CHECK_VECTOR("shifted", path[0], long_axpy(nowhere, powl(2.0L, order), long_of(rate)), 0.0L);
         }
     }
 }
@@ -147,19 +140,19 @@ static void check_body(const struct scene_state *before, const struct scene_stat
     const double noise = 64.0 * DBL_EPSILON;
     const struct long_vec3 u =
         long_axpy(long_of(before->origin[i].displacement), 1.0L, long_of(before->body[i].moved));
-    check_vector("u", vec3_add(after->origin[i].displacement, after->body[i].moved), u, noise);
-    check_vector("moved", after->body[i].moved, long_of(vec3_make(0.0, 0.0, 0.0)), 0.0);
-    check_vector("v", after->body[i].velocity, long_of(before->body[i].velocity), 0.0);
-    check_vector("v at clock 0", after->origin[i].velocity, long_of(before->body[i].velocity), 0.0);
+    CHECK_VECTOR("u", vec3_add(after->origin[i].displacement, after->body[i].moved), u, noise);
+    CHECK_VECTOR("moved", after->body[i].moved, long_of(vec3_make(0.0, 0.0, 0.0)), 0.0);
+    CHECK_VECTOR("v", after->body[i].velocity, long_of(before->body[i].velocity), 0.0);
+    CHECK_VECTOR("v at clock 0", after->origin[i].velocity, long_of(before->body[i].velocity), 0.0);
     const long double clock = (long double)before->clock + later;
     const struct body_path *path = &after->path[i];
     if (i == DESTINATION) {
-        check_vector("displacement path", path_at(path->displacement, 4, later),
+        CHECK_VECTOR("displacement path", path_at(path->displacement, 4, later),
                      long_path(before->path[i].displacement, 4, clock), noise);
-        check_vector("velocity path", path_at(path->velocity, 3, later),
+        CHECK_VECTOR("velocity path", path_at(path->velocity, 3, later),
                      long_path(before->path[i].velocity, 3, clock), noise);
     } else {
-        check_vector("force path", path_at(path->force, 3, later), long_path(before->path[i].force, 3, clock),
+        CHECK_VECTOR("force path", path_at(path->force, 3, later), long_path(before->path[i].force, 3, clock),
                      noise);
     }
 }

@@ -3,6 +3,7 @@
 import numpy as np
 
 from support.reference.law import Motion, vector
+from support.scenes.random_scenes import unit_vector
 
 SHAPES = {
     "SphereSphere": "sphere",
@@ -13,11 +14,6 @@ SHAPES = {
 INPUTS = [
     f"{body}.prescribed_{row}" for body in ("source", "destination") for row in ("displacement", "velocity")
 ]
-
-
-def unit_vector(random):
-    direction = random.normal(size=3)
-    return direction / np.linalg.norm(direction)
 
 
 def random_separation(random, values, shape, inside):

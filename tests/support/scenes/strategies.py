@@ -9,6 +9,8 @@ import numpy as np
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 
+from support.scenes.random_scenes import unit_vector
+
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 RESULTS = ["contact.onsets", "contact.last_duration", "energy.dissipated", "contact.mean_force"]
 VECTORS = {
@@ -40,11 +42,6 @@ class Scene(NamedTuple):
     end: float
 
 
-def unit(random):
-    direction = random.normal(size=3)
-    return direction / np.linalg.norm(direction)
-
-
 def build(shape, location, law, dashpot, motion, seed):
     """A ball of about 0.1 m thrown against a body of about 0.5 m without gravity or nearly; the rest
     from the seed.
@@ -52,8 +49,8 @@ def build(shape, location, law, dashpot, motion, seed):
     random = np.random.default_rng(seed)
     inside = location == "inside"
     radius, small = random.uniform(0.4, 0.6), random.uniform(0.08, 0.12)
-    axis = unit(random)
-    outward = np.cross(axis, unit(random)) if shape == "cylinder" else unit(random)
+    axis = unit_vector(random)
+    outward = np.cross(axis, unit_vector(random)) if shape == "cylinder" else unit_vector(random)
     outward = outward / np.linalg.norm(outward)
     side = 1.0 if inside else -1.0
     distance = radius - small - 0.03 if inside else radius + small + 0.03
