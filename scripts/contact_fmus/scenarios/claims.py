@@ -289,25 +289,25 @@ def automatic_factor(run: Recording, variable: str) -> Outcome:
 # Checks of bodies that turn
 
 
+def _slide(run: Recording, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Way and speed along x of a ball on a level plane, which slides and then rolls"""
+    speed, spin = run.value("source.velocity")[0], run.value("source.angular_velocity")[1]
+    slip = speed - run.value("source.radius") * spin
+    return closed_forms.slide_to_roll(time, speed, slip, run.value("contact.friction_coefficient"), _gravity(run))
+
+
 @check
 def slides_then_rolls(run: Recording) -> Outcome:
     """Place of a ball along x at every communication point, on a level plane"""
-    speed, spin = run.value("source.velocity")[0], run.value("source.angular_velocity")[1]
-    slip = speed - run.value("source.radius") * spin
-    friction = run.value("contact.friction_coefficient")
-    way, _ = closed_forms.slide_to_roll(run.time, speed, slip, friction, _gravity(run))
     expected = run.series["source.position"].copy()
-    expected[:, 0] = run.value("source.position")[0] + way
+    expected[:, 0] = run.value("source.position")[0] + _slide(run, run.time)[0]
     return _worst_point(run, "source.position", expected, "m")
 
 
 @check
 def rolls_at_last(run: Recording) -> Outcome:
     """Velocity of that ball at the end"""
-    speed, spin = run.value("source.velocity")[0], run.value("source.angular_velocity")[1]
-    slip = speed - run.value("source.radius") * spin
-    friction = run.value("contact.friction_coefficient")
-    _, final = closed_forms.slide_to_roll(run.time[-1:], speed, slip, friction, _gravity(run))
+    final = _slide(run, run.time[-1:])[1]
     return Outcome(run.final["source.velocity"], [float(final[0]), 0.0, 0.0], "m/s")
 
 

@@ -89,48 +89,29 @@ FILE = "contact_batch.so"
 OK = 0
 
 
+# The structures of scripts/tools/batch/batch.h
+INT, ADDRESS = ctypes.c_int64, ctypes.c_void_p
+
+
 class _Set(ctypes.Structure):
-    _fields_ = (
-        ("count", ctypes.c_int64),
-        ("varied", ctypes.c_int64),
-        ("references", ctypes.c_void_p),
-        ("columns", ctypes.c_void_p),
-        ("constants", ctypes.c_void_p),
-    )
+    _fields_ = (("count", INT), ("varied", INT), ("references", ADDRESS), ("columns", ADDRESS), ("constants", ADDRESS))
 
 
 class _Read(ctypes.Structure):
-    _fields_ = (("count", ctypes.c_int64), ("references", ctypes.c_void_p))
+    _fields_ = (("count", INT), ("references", ADDRESS))
 
 
 class _Batch(ctypes.Structure):
     _fields_ = (
-        ("library", ctypes.c_char_p),
-        ("name", ctypes.c_char_p),
-        ("guid", ctypes.c_char_p),
-        ("resources", ctypes.c_char_p),
-        ("start_time", ctypes.c_double),
-        ("tolerance", ctypes.c_double),
-        ("tolerance_defined", ctypes.c_int64),
-        ("point_count", ctypes.c_int64),
-        ("points", ctypes.c_void_p),
-        ("reads", ctypes.c_void_p),
-        ("real", _Set),
-        ("integer", _Set),
-        ("boolean", _Set),
-        ("string_count", ctypes.c_int64),
-        ("string_references", ctypes.c_void_p),
-        ("strings", ctypes.c_void_p),
-        ("read_real", _Read),
-        ("read_integer", _Read),
-        ("read_boolean", _Read),
-        ("output_count", ctypes.c_int64),
-        ("outputs", ctypes.c_void_p),
-        ("runs", ctypes.c_int64),
-        ("values", ctypes.c_void_p),
-        ("status", ctypes.c_void_p),
-        ("messages", ctypes.c_void_p),
-        ("warnings", ctypes.c_void_p),
+        *((name, ctypes.c_char_p) for name in ("library", "name", "guid", "resources")),
+        *((name, ctypes.c_double) for name in ("start_time", "tolerance")),
+        *((name, INT) for name in ("tolerance_defined", "point_count")),
+        *((name, ADDRESS) for name in ("points", "reads")),
+        *((name, _Set) for name in ("real", "integer", "boolean")),
+        *(("string_count", INT), ("string_references", ADDRESS), ("strings", ADDRESS)),
+        *((name, _Read) for name in ("read_real", "read_integer", "read_boolean")),
+        *(("output_count", INT), ("outputs", ADDRESS), ("runs", INT)),
+        *((name, ADDRESS) for name in ("values", "status", "messages", "warnings")),
     )
 
 
