@@ -43,6 +43,7 @@ struct panel {
     double lever[TERMS]; /* the integrals of what a unit of force makes of each */
     struct vec3 spring;  /* xi at the end [m] */
     double slipped;      /* the path of the slip [m] */
+    double passed;       /* the path of all speeds whose difference the slip is [m] */
     struct {
         double clock;
         struct vec3 spring, slip, normal;
@@ -122,9 +123,9 @@ static double torque_rates(const struct prescribed_contact *c, const struct scen
 }
 
 /* The integrands. `scale`: how large the quantities are that they are made of. `lever`: what a unit of
- * force makes of each. */
-static void rates_at(const struct prescribed_contact *c, const struct scene_instant *at, double rate[TERMS],
-                     double scale[TERMS], double lever[TERMS])
+ * force makes of each. Returns the sum of the speeds whose difference the slip is [m/s]. */
+static double rates_at(const struct prescribed_contact *c, const struct scene_instant *at, double rate[TERMS],
+                       double scale[TERMS], double lever[TERMS])
 {
     const int j = c->contact;
     const struct contact_law law = scene_contact_law(c->v, c->q, j);
@@ -154,6 +155,7 @@ static void rates_at(const struct prescribed_contact *c, const struct scene_inst
         rate[TERM_EVENT] = ends ? contact_event(&law, regime_of(c), g->gap, g->gap_rate) : 0.0;
         scale[TERM_EVENT] = fabs(slopes.by_gap * g->gap) + fabs(slopes.by_rate) * vec3_norm(at->rate[j]);
     }
+    return speed;
 }
 
 #if SCENE_ANY_ELASTIC_FRICTION
@@ -339,7 +341,7 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
         double lever[TERMS];
         const double weight = half * GAUSS_WEIGHT[i] * gauss_place(i, graded).factor;
         instant_at(c, panel->node[i].clock, panel->node[i].spring, &at);
-        rates_at(c, &at, rate, scale, lever);
+        panel->passed += weight * rates_at(c, &at, rate, scale, lever);
         for (int k = 0; k < TERMS; ++k) {
             panel->sum[k] += weight * rate[k];
             panel->size[k] += weight * scale[k];
@@ -681,6 +683,8 @@ static const double PANELS_AGREE = 1e-12;
 /* Where the normal reverses in the centre the force jumps. That is not located but ends in panels so short
  * that they make no more than this part of the whole span. */
 static const double JUMPS_AGREE = 1e-14;
+/* A slip is a difference of speeds, and this part of them is its rounding. A spring that sticks adds it up. */
+static const double SLIP_ROUNDINGS = 8.0 * DBL_EPSILON;
 #if SCENE_ANY_TURNING
 /* The integral of the law's event function agrees so closely that its changes of sign show at the nodes. */
 static const double EVENTS_AGREE = 1e-6;
@@ -766,8 +770,9 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
         }
     }
     const double way = vec3_norm(right->spring) + left->slipped + right->slipped;
+    const double rounding = SLIP_ROUNDINGS * whole->passed;
     return (!s->elastic ||
-            vec3_norm(vec3_sub(right->spring, whole->spring)) <= 4.0 * PANELS_AGREE * way + DBL_MIN) &&
+            vec3_norm(vec3_sub(right->spring, whole->spring)) <= 4.0 * PANELS_AGREE * way + rounding) &&
            sees_ends(s, left, right, at);
 }
 

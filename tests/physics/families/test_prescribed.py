@@ -360,6 +360,32 @@ def test_a_source_that_turns_enters_by_the_end_while_its_gap_stays(opened, motio
         check_close("duration", fmu["contact.last_duration"], 0.5, 1e-14)
 
 
+@pytest.mark.parametrize("steps", [1, 2, 100])
+def test_a_spring_whose_slip_is_rounding_needs_no_panels(opened, steps):
+    """A source sinks straight into a cylinder that turns about the normal."""
+    values = {
+        "source.radius": 0.1,
+        "source.center": [0.0, 0.0, 1.09],
+        "source.prescribed_velocity": [0.0, 0.0, -0.5],
+        "source.prescribed_displacement.derivatives": [[0.0, 0.0, -0.5]],
+        "destination.radius": 0.5,
+        "destination.axis": [0.0, 1.0, 0.0],
+        "destination.prescribed_axis": [0.0, 1.0, 0.0],
+        "destination.prescribed_angular_velocity": [0.0, 0.0, 0.5],
+        "contact.penalty_factor": 1e6,
+        "contact.viscous_penalty_factor": 10.0,
+        "contact.friction": "elastic",
+        "contact.static_friction_coefficient": 0.5,
+        "contact.tangential_stiffness": 5e5,
+        "contact.tangential_damping": 1.0,
+    }
+    fmu = start(opened("TurningForceElement"), values)
+    for k in range(steps):
+        fmu.step(1.5 * (k + 1) / steps - fmu.time)
+    check_close("force", fmu["contact.normal_force"], 0.26 * 1e6 + 0.5 * 10.0, 1e-6)
+    check_close("friction", fmu["contact.friction_force"], [0.0, 0.0, 0.0], 1e-9)
+
+
 def test_a_plane_that_moves_and_turns_away_has_no_deeper_penetration_than_samples_show(opened):
     """A contact that separates was once followed along the plane's first normal."""
     values = {
