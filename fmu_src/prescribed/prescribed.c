@@ -683,7 +683,7 @@ static const double PANELS_AGREE = 1e-12;
 /* Where the normal reverses in the centre the force jumps. That is not located but ends in panels so short
  * that they make no more than this part of the whole span. */
 static const double JUMPS_AGREE = 1e-14;
-/* A slip is a difference of speeds, and this part of them is its rounding. A spring that sticks adds it up. */
+/* A slip is a difference of speeds, of which this part is rounding. A spring that sticks adds it up. */
 static const double SLIP_ROUNDINGS = 8.0 * DBL_EPSILON;
 #if SCENE_ANY_TURNING
 /* The integral of the law's event function agrees so closely that its changes of sign show at the nodes. */
