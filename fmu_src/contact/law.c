@@ -31,28 +31,13 @@ struct hertz_law {
     double damping;   /* chi [s/m] */
 };
 
-/* F_n [N] and its derivatives with respect to g and g'. */
-static double hertz_force(struct hertz_law law, double gap, double gap_rate);
-static double hertz_force_by_gap(struct hertz_law law, double gap, double gap_rate);
-static double hertz_force_by_rate(struct hertz_law law, double gap);
-
-/* 2/5 k_h delta^(5/2) [J] and its first two derivatives with respect to g. */
-static double hertz_energy(double stiffness, double gap);
-static double hertz_energy_slope(double stiffness, double gap);
-static double hertz_energy_bend(double stiffness, double gap);
-
-/* Coefficients `order` of F_n, of the energy and of the spring's part of the force along a path, from
- * coefficients 0..order of g and g'; zero where the path begins at g >= 0. */
-static double hertz_force_term(struct hertz_law law, const double *gap, const double *gap_rate, int order);
-static double hertz_energy_term(double stiffness, const double *gap, int order);
-static double hertz_spring_term(double stiffness, const double *gap, int order);
-
 /* delta^(3/2) */
 static double three_halves(double gap)
 {
     return gap < 0.0 ? -gap * sqrt(-gap) : 0.0;
 }
 
+/* F_n [N] and its derivatives with respect to g and g'. */
 static double hertz_force(struct hertz_law law, double gap, double gap_rate)
 {
     return law.stiffness * three_halves(gap) * (1.0 - law.damping * gap_rate);
@@ -68,6 +53,7 @@ static double hertz_force_by_rate(struct hertz_law law, double gap)
     return -law.stiffness * three_halves(gap) * law.damping;
 }
 
+/* 2/5 k_h delta^(5/2) [J] and its first two derivatives with respect to g. */
 static double hertz_energy(double stiffness, double gap)
 {
     return gap < 0.0 ? -0.4 * stiffness * three_halves(gap) * gap : 0.0;
@@ -95,6 +81,8 @@ static void power_of_depth(const double *gap, double exponent, int order, double
     }
 }
 
+/* Coefficients `order` of F_n, of the energy and of the spring's part of the force along a path, from
+ * coefficients 0..order of g and g'; zero where the path begins at g >= 0. */
 static double hertz_force_term(struct hertz_law law, const double *gap, const double *gap_rate, int order)
 {
     double power[TAYLOR_TERMS];
@@ -120,6 +108,23 @@ double hertz_modulus(struct contact_material source, struct contact_material des
     const double nu_d = destination.poissons_ratio;
     return 1.0 / ((1.0 - nu_s) * (1.0 + nu_s) / source.youngs_modulus +
                   (1.0 - nu_d) * (1.0 + nu_d) / destination.youngs_modulus);
+}
+
+/* Whether a condition is still unmet at x; it is met from some place on. */
+typedef bool unmet_condition(double x, double wanted);
+
+/* That place to rounding, by bisection: some sixty halvings, and no derivative that would lose its digits
+ * where two branches of a formula meet. */
+static double first_met(unmet_condition *unmet, double wanted, double high)
+{
+    double low = 0.0;
+    for (;;) {
+        const double middle = 0.5 * (low + high);
+        if (!(middle > low && middle < high)) {
+            return middle;
+        }
+        *(unmet(middle, wanted) ? &low : &high) = middle;
+    }
 }
 
 /* K, and (K - E)/(e^2 K) without the differences in it, which cancel in a contact that is nearly a circle. */
@@ -151,23 +156,11 @@ static struct elliptic elliptic_of(double ratio)
     return (struct elliptic){0.5 * PI / a, part};
 }
 
-/* k' for A / B, which rises with it: bisection to rounding. */
-static double axis_ratio_of(double curvature_ratio)
+/* Whether k' is still too small for A / B, which rises with it. */
+static bool is_too_oblong(double ratio, double curvature_ratio)
 {
-    double low = 0.0;
-    double high = 1.0;
-    for (;;) {
-        const double middle = 0.5 * (low + high);
-        if (!(middle > low && middle < high)) {
-            return middle;
-        }
-        const double part = elliptic_of(middle).part;
-        if (middle * middle * part < curvature_ratio * (1.0 - part)) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    const double part = elliptic_of(ratio).part;
+    return ratio * ratio * part < curvature_ratio * (1.0 - part);
 }
 
 double hertz_elliptic_stiffness(double modulus, double a, double b)
@@ -175,7 +168,7 @@ double hertz_elliptic_stiffness(double modulus, double a, double b)
     if (!(a < b)) {
         return 4.0 / 3.0 * modulus / sqrt(2.0 * a);
     }
-    const struct elliptic at = elliptic_of(axis_ratio_of(a / b));
+    const struct elliptic at = elliptic_of(first_met(is_too_oblong, a / b, 1.0));
     return 2.0 / 3.0 * PI * modulus * sqrt(at.part / a) / at.k;
 }
 
@@ -199,26 +192,6 @@ static const double CONFORMING = 0.9;
 bool hertz_is_conforming(const struct contact_shape *shape)
 {
     return shape->side < 0 && shape->source_radius > CONFORMING * shape->other_radius;
-}
-
-/* Whether a condition is still unmet at x; it is met from some place on. */
-typedef bool restitution_condition(double x, double wanted);
-
-/* That place to rounding, by bisection: some sixty halvings, and no derivative that would lose its digits
- * where two branches of a formula meet. */
-static double first_met(restitution_condition *unmet, double wanted, double low, double high)
-{
-    for (;;) {
-        const double middle = 0.5 * (low + high);
-        if (!(middle > low && middle < high)) {
-            return middle;
-        }
-        if (unmet(middle, wanted)) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
 }
 
 /* h of the damping ratio; it rises from 0 without end. */
@@ -245,7 +218,7 @@ double restitution_damping_ratio(double restitution, enum dashpot dashpot)
     const double loss = 0.0 - log(fmax(restitution, RESTITUTION_LEAST));
     const double h = dashpot == DASHPOT_NON_ADHESIVE ? 0.5 * loss : loss;
     /* h(cosh t) = t coth t >= t, so that the ratio is at most cosh h < exp h. */
-    return h > 0.0 ? first_met(loses_less, h, 0.0, exp(h)) : 0.0;
+    return h > 0.0 ? first_met(loses_less, h, exp(h)) : 0.0;
 }
 
 /* Below this the formulas with logarithms lose digits, and series stand for them. */
@@ -287,8 +260,8 @@ double restitution_hunt_crossley(double restitution, enum dashpot dashpot)
         return 0.0;
     }
     /* 1 - e y > 0, or 2 (y - ln(1 + y))/y^2 < 2/y */
-    return dashpot == DASHPOT_APPROACH_ONLY ? first_met(returns_too_fast, e, 0.0, 2.0 / (e * e))
-                                            : first_met(dissipates_too_little, e, 0.0, 1.0 / e);
+    return dashpot == DASHPOT_APPROACH_ONLY ? first_met(returns_too_fast, e, 2.0 / (e * e))
+                                            : first_met(dissipates_too_little, e, 1.0 / e);
 }
 
 struct contact_coefficients contact_coefficients_of(const struct contact_law *law, enum contact_regime regime)
@@ -311,8 +284,8 @@ struct contact_coefficients contact_factors_of(const struct contact_law *law)
     return (struct contact_coefficients){law->stiffness, law->damping};
 }
 
-/* Whether Hertz's law pushes in a regime, and with which factors. */
-static bool hertz_pushes(enum contact_regime regime)
+/* Whether the law pushes in a regime; the factors of Hertz's then. */
+static bool regime_pushes(enum contact_regime regime)
 {
     return regime == REGIME_COMPRESSION || regime == REGIME_RESTITUTION;
 }
@@ -348,7 +321,7 @@ enum contact_regime contact_regime_of(const struct contact_law *law, double gap,
 double contact_force(const struct contact_law *law, enum contact_regime regime, double gap, double gap_rate)
 {
     if (contact_is_hertz(law)) {
-        return hertz_pushes(regime) ? hertz_force(hertz_law_of(law, regime), gap, gap_rate) : 0.0;
+        return regime_pushes(regime) ? hertz_force(hertz_law_of(law, regime), gap, gap_rate) : 0.0;
     }
     const struct contact_coefficients linear = contact_coefficients_of(law, regime);
     return linear.k == 0.0 && linear.c == 0.0 ? 0.0 : contact_linear_force(linear, gap, gap_rate);
@@ -366,9 +339,9 @@ struct contact_slopes contact_force_slopes(const struct contact_law *law, enum c
 {
     if (contact_is_hertz(law)) {
         const struct hertz_law hertz = hertz_law_of(law, regime);
-        return hertz_pushes(regime) ? (struct contact_slopes){hertz_force_by_gap(hertz, gap, gap_rate),
-                                                              hertz_force_by_rate(hertz, gap)}
-                                    : (struct contact_slopes){0.0, 0.0};
+        return regime_pushes(regime) ? (struct contact_slopes){hertz_force_by_gap(hertz, gap, gap_rate),
+                                                               hertz_force_by_rate(hertz, gap)}
+                                     : (struct contact_slopes){0.0, 0.0};
     }
     const struct contact_coefficients linear = contact_coefficients_of(law, regime);
     return (struct contact_slopes){-linear.k, -linear.c};
@@ -378,7 +351,7 @@ struct contact_slopes contact_force_slopes(const struct contact_law *law, enum c
 static double hertz_term(const struct contact_law *law, const struct contact_law *change,
                          enum contact_regime regime, const double *gap, const double *gap_rate, int order)
 {
-    if (!hertz_pushes(regime)) {
+    if (!regime_pushes(regime)) {
         return 0.0;
     }
     const struct hertz_law hertz = hertz_law_of(law, regime);
@@ -480,26 +453,23 @@ bool contact_is_elastic(const struct contact_law *law)
 
 double contact_stored_energy(const struct contact_law *law, enum contact_regime regime, double gap)
 {
-    if (contact_is_hertz(law)) {
-        return regime == REGIME_APART ? 0.0 : hertz_energy(law->stiffness, gap);
-    }
-    return regime == REGIME_APART ? 0.0 : 0.5 * law->stiffness * gap * gap;
+    return regime == REGIME_APART  ? 0.0
+           : contact_is_hertz(law) ? hertz_energy(law->stiffness, gap)
+                                   : 0.5 * law->stiffness * gap * gap;
 }
 
 double contact_stored_slope(const struct contact_law *law, enum contact_regime regime, double gap)
 {
-    if (contact_is_hertz(law)) {
-        return regime == REGIME_APART ? 0.0 : hertz_energy_slope(law->stiffness, gap);
-    }
-    return regime == REGIME_APART ? 0.0 : law->stiffness * gap;
+    return regime == REGIME_APART  ? 0.0
+           : contact_is_hertz(law) ? hertz_energy_slope(law->stiffness, gap)
+                                   : law->stiffness * gap;
 }
 
 double contact_stored_bend(const struct contact_law *law, enum contact_regime regime, double gap)
 {
-    if (contact_is_hertz(law)) {
-        return regime == REGIME_APART ? 0.0 : hertz_energy_bend(law->stiffness, gap);
-    }
-    return regime == REGIME_APART ? 0.0 : law->stiffness;
+    return regime == REGIME_APART  ? 0.0
+           : contact_is_hertz(law) ? hertz_energy_bend(law->stiffness, gap)
+                                   : law->stiffness;
 }
 
 double contact_stored_term(const struct contact_law *law, const struct contact_law *change,
@@ -520,11 +490,7 @@ double contact_stored_term(const struct contact_law *law, const struct contact_l
 double contact_dissipated_power(const struct contact_law *law, enum contact_regime regime,
                                 double normal_force, double gap, double gap_rate)
 {
-    if (contact_is_hertz(law)) {
-        return regime == REGIME_APART ? 0.0
-                                      : -(normal_force + hertz_energy_slope(law->stiffness, gap)) * gap_rate;
-    }
-    return regime == REGIME_APART ? 0.0 : -(normal_force + law->stiffness * gap) * gap_rate;
+    return regime == REGIME_APART ? 0.0 : -(normal_force + contact_stored_slope(law, regime, gap)) * gap_rate;
 }
 
 /* -(F_n - spring's part) g' */

@@ -448,8 +448,8 @@ static struct vec3 slip_along(const struct turning_slopes *s, const struct turni
     return vec3_sub(vec3_scale(lever, rolled), d->tangential);
 }
 
-static struct vec3 by_friction_state(const struct friction_slopes *slopes, double normal_force,
-                                     struct vec3 slip, struct vec3 spring)
+struct vec3 friction_slopes_along(const struct friction_slopes *slopes, double normal_force, struct vec3 slip,
+                                  struct vec3 spring)
 {
     struct friction_slopes m = *slopes;
     const struct vec3 by_motion = vec3_add(matrix_times(m.by_slip, slip), matrix_times(m.by_spring, spring));
@@ -465,7 +465,7 @@ struct turning_change turning_slopes_along(const struct turning_slopes *s,
     const double gap_rate = side * d.along;
     const double normal_force = s->normal_slopes.by_gap * gap + s->normal_slopes.by_rate * gap_rate;
     const struct vec3 slip = slip_along(s, change, &d);
-    const struct vec3 friction = by_friction_state(&s->force_slopes, normal_force, slip, change->spring);
+    const struct vec3 friction = friction_slopes_along(&s->force_slopes, normal_force, slip, change->spring);
 
     struct turning_change out;
     const struct vec3 n = s->geometry.normal;
@@ -481,7 +481,7 @@ struct turning_change turning_slopes_along(const struct turning_slopes *s,
     const struct vec3 spring = s->motion.spring;
     const struct vec3 normal_rate = normal_rate_along(s, change, &d);
     const double tilted = vec3_dot(change->spring, s->normal_rate) + vec3_dot(spring, normal_rate);
-    out.spring_rate = by_friction_state(&s->spring_slopes, normal_force, slip, change->spring);
+    out.spring_rate = friction_slopes_along(&s->spring_slopes, normal_force, slip, change->spring);
     out.spring_rate = vec3_axpy(out.spring_rate, -vec3_dot(spring, s->normal_rate), d.normal);
     out.spring_rate = vec3_axpy(out.spring_rate, -tilted, n);
 

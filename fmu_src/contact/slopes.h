@@ -90,6 +90,10 @@ CONTACT_COLD void jet_length(const struct vec3 a[JET_TERMS], double length[JET_T
  *   xi' = friction_spring_rate - n (xi.n')
  */
 
+/* What a change of F_n, slip and spring changes. */
+struct vec3 friction_slopes_along(const struct friction_slopes *slopes, double normal_force, struct vec3 slip,
+                                  struct vec3 spring);
+
 /* The motion of a contact; or a change of it, whose `axis` is one of shape.axis. */
 struct turning_motion {
     struct vec3 separation, rate;                      /* c [m], w [m/s] */

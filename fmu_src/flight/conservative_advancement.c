@@ -212,11 +212,6 @@ static double smooth_reach(const struct contact_shape *shape)
     return contact_is_capped(shape) ? shape->source_radius : contact_reach(shape);
 }
 
-static double smooth_distance(const struct contact_shape *shape, const struct contact_geometry *g)
-{
-    return contact_is_capped(shape) ? fmax(g->gap + shape->source_radius, 0.0) : g->distance;
-}
-
 /* The gap, or (reach^2 - d^2)/(2 reach) in place of reach - d where d grows; a plane keeps d. */
 static struct falling gap_function(const struct advancement_path *path, enum advancement_change change,
                                    const struct contact_shape *shape, const struct contact_geometry *g)
@@ -224,8 +219,10 @@ static struct falling gap_function(const struct advancement_path *path, enum adv
     const double sign = change == ADVANCEMENT_TOUCH ? 1.0 : -1.0;
     struct falling gap = {sign * g->gap, sign * g->gap_rate, 0.0};
     if (distance_grows(path, change) && !contact_is_plane(shape)) {
-        const double part = smooth_distance(shape, g) / smooth_reach(shape);
-        const bool deep = contact_is_capped(shape) && !(part > 0.0);
+        const bool capped = contact_is_capped(shape);
+        const double distance = capped ? fmax(g->gap + shape->source_radius, 0.0) : g->distance;
+        const double part = distance / smooth_reach(shape);
+        const bool deep = capped && !(part > 0.0);
         gap.value = deep ? 0.5 * shape->source_radius : gap.value * 0.5 * (1.0 + part);
         gap.slope *= part;
     }

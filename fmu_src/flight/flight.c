@@ -4,12 +4,6 @@
 #include "flight/flight.h"
 #include "scene/evaluate.h"
 
-static bool is_under_torque(const struct scene_state *q, int body)
-{
-    const struct vec3 *torque = q->path[body].torque;
-    return !(vec3_is_zero(torque[0]) && vec3_is_zero(torque[1]) && vec3_is_zero(torque[2]));
-}
-
 static struct rotor rotor_of(const struct scene_values *v, const struct scene_state *q, int body)
 {
     const struct body_inertia inertia = body_inertia_of(v, body);
@@ -29,7 +23,7 @@ struct body_turn flight_turn_at(const struct scene_values *v, const struct scene
                                 double clock)
 {
     struct rotor_state then;
-    if (is_under_torque(q, body)) {
+    if (!path_rests(q->path[body].torque)) {
         const struct body_inertia inertia = body_inertia_of(v, body);
         const struct body_turn *turn = &q->turning.body[body];
         const struct rotor_state now = {turn->orientation, turn->angular_velocity};
@@ -43,22 +37,13 @@ struct body_turn flight_turn_at(const struct scene_values *v, const struct scene
     return (struct body_turn){then.orientation, then.angular_velocity};
 }
 
-/* I_1 omega^2/2 + (I_3 - I_1) omega_3^2/2 */
-static double energy_of(const struct body_inertia *inertia, const struct body_turn *turn)
-{
-    const double axial = vec3_dot(turn->angular_velocity, quaternion_third_axis(turn->orientation));
-    return 0.5 * inertia->transverse * vec3_dot(turn->angular_velocity, turn->angular_velocity) +
-           0.5 * (inertia->axial - inertia->transverse) * axial * axial;
-}
-
 double flight_torque_work(const struct scene_values *v, const struct scene_state *q, int body,
                           const struct body_turn *then)
 {
-    if (!is_under_torque(q, body)) {
+    if (path_rests(q->path[body].torque)) {
         return 0.0;
     }
-    const struct body_inertia inertia = body_inertia_of(v, body);
-    return energy_of(&inertia, then) - energy_of(&inertia, &q->turning.body[body]);
+    return body_rotational_energy(v, body, then) - body_rotational_energy(v, body, &q->turning.body[body]);
 }
 
 void flight_turn_all(const struct scene_values *v, struct scene_state *q, double clock)
@@ -89,7 +74,7 @@ struct axis_motion flight_axis_motion(const struct scene_values *v, const struct
     if (body_turn_is_prescribed(v, body)) {
         return prescribed_axis(q, axis, body);
     }
-    if (!is_under_torque(q, body)) {
+    if (path_rests(q->path[body].torque)) {
         const struct rotor rotor = rotor_of(v, q, body);
         struct axis_motion motion = axis_motion_of_rotor(&rotor);
         motion.from = -q->clock; /* the rotor's time is the clock */
@@ -347,20 +332,6 @@ struct body_state flight_body_at(const struct scene_values *v, const struct scen
     return flight_from(v, body, start, q->path[body].force, clock);
 }
 
-static bool is_forced(const struct scene_state *q, int body)
-{
-    const struct vec3 *force = q->path[body].force;
-    return !(vec3_is_zero(force[0]) && vec3_is_zero(force[1]) && vec3_is_zero(force[2]));
-}
-
-/* Work of the external force from the present to another clock. */
-static double work_until(const struct scene_values *v, const struct scene_state *q, int body, double clock)
-{
-    struct vec3 force[3];
-    flight_force(q, body, q->clock, force);
-    return flight_work(v, body, q->body[body], force, clock - q->clock);
-}
-
 static double stored_now(const struct scene_values *v, const struct scene_state *q)
 {
     struct scene_instant at;
@@ -374,8 +345,10 @@ void flight_advance(const struct scene_values *v, struct scene_state *q, double 
     const double stored = apart ? 0.0 : stored_now(v, q);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
-            if (is_forced(q, i)) {
-                q->external_work += work_until(v, q, i, clock);
+            if (!path_rests(q->path[i].force)) {
+                struct vec3 force[3];
+                flight_force(q, i, q->clock, force);
+                q->external_work += flight_work(v, i, q->body[i], force, clock - q->clock);
             }
             q->body[i] = flight_body_at(v, q, i, clock);
         }
@@ -399,7 +372,7 @@ static bool body_is_deferrable(const struct scene_values *v, const struct scene_
                                double clock)
 {
     const double speed = vec3_max_abs(q->origin[body].velocity) + vec3_max_abs(gravity(v)) * clock;
-    return !is_forced(q, body) && speed < 1e70 && speed * clock < 1e70;
+    return path_rests(q->path[body].force) && speed < 1e70 && speed * clock < 1e70;
 }
 
 double flight_deferrable_until(const struct scene_values *v, const struct scene_state *q)

@@ -239,26 +239,6 @@ static struct polynomial law_condition_nearby(const struct relative_path *path, 
     return polynomial_add(&sum, 2.0 * scaled_damping / unit, &path->half_rate);
 }
 
-static int insert_candidate(double root, double *candidates, int count)
-{
-    int at = count;
-    for (; at > 0 && candidates[at - 1] > root; --at) {
-        candidates[at] = candidates[at - 1];
-    }
-    candidates[at] = root;
-    return count + 1;
-}
-
-static int add_candidates(const struct polynomial *p, double *candidates, int count)
-{
-    double roots[POLYNOMIAL_MAX_DEGREE];
-    const int found = polynomial_sign_changes(p, roots);
-    for (int i = 0; i < found; ++i) {
-        count = insert_candidate(roots[i], candidates, count);
-    }
-    return count;
-}
-
 struct extremes extremes_of(const struct relative_path *path)
 {
     struct extremes found;
@@ -285,15 +265,16 @@ double candidates_least_gap(const struct relative_path *path)
 
 /* Adds the places where the gap passes zero. */
 static int touching_candidates(const struct relative_path *path, const struct extremes *extremes,
-                               double *candidates, int count)
+                               double *candidates)
 {
+    int count = 0;
     const int intervals = extremes->count + 1;
     struct root_bracket_end low = flight_gap_bracket_end(path, 0.0);
     for (int i = 0; i < intervals; ++i) {
         const struct root_bracket_end high =
             flight_gap_bracket_end(path, i < intervals - 1 ? extremes->at[i] : 1.0);
         if ((low.value < 0.0 && high.value > 0.0) || (low.value > 0.0 && high.value < 0.0)) {
-            count = insert_candidate(root_between(relative_path_gap, path, low, high), candidates, count);
+            count = insert_sorted(root_between(relative_path_gap, path, low, high), candidates, count);
         }
         low = high;
     }
@@ -305,35 +286,35 @@ int candidates_of_ends(const struct relative_path *path, double *candidates, int
     for (int end = -1; end <= 1; end += 2) {
         struct polynomial plane = path->axial;
         plane.a[0] += end * path->half_length;
-        count = add_candidates(&plane, candidates, count);
+        count = polynomial_add_sign_changes(&plane, candidates, count);
     }
     return path->ends_dead_band > 0.0 && path->ends_dead_band < 1.0
-               ? insert_candidate(path->ends_dead_band, candidates, count)
+               ? insert_sorted(path->ends_dead_band, candidates, count)
                : count;
 }
 
 int candidates_of_all(const struct relative_path *path, const struct extremes *extremes,
                       const struct contact_shape *shape, const struct contact_law *law, double *candidates)
 {
-    int count = touching_candidates(path, extremes, candidates, 0);
+    int count = touching_candidates(path, extremes, candidates);
     if (relative_path_has_ends(shape)) {
         count = candidates_of_ends(path, candidates, count);
     }
     if (contact_has_events(law)) {
-        count = add_candidates(&path->half_rate, candidates, count);
+        count = polynomial_add_sign_changes(&path->half_rate, candidates, count);
         if (contact_is_hertz(law)) {
             const struct polynomial condition = hertz_condition(path, law);
-            count = add_candidates(&condition, candidates, count);
+            count = polynomial_add_sign_changes(&condition, candidates, count);
         } else if (contact_regime_after(law, REGIME_COMPRESSION) == REGIME_SEPARATING &&
                    contact_coefficients_of(law, REGIME_COMPRESSION).k > 0.0) {
             if (SCENE_ANY_PLANE && path->flat) {
                 const struct polynomial of_plane = law_condition_of_plane(path, law);
-                return add_candidates(&of_plane, candidates, count);
+                return polynomial_add_sign_changes(&of_plane, candidates, count);
             }
             const struct polynomial condition = law_condition(path, law);
             const struct polynomial nearby = law_condition_nearby(path, law);
-            count = add_candidates(&condition, candidates, count);
-            count = add_candidates(&nearby, candidates, count);
+            count = polynomial_add_sign_changes(&condition, candidates, count);
+            count = polynomial_add_sign_changes(&nearby, candidates, count);
         }
     }
     return count;

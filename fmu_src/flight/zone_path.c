@@ -37,9 +37,6 @@ static double plane_touch(const struct separation_path *path, struct vec3 n, dou
         power *= left;
         along.a[i] = power * vec3_dot(n, path->c[i]);
     }
-    while (along.degree > 0 && along.a[along.degree] == 0.0) {
-        along.degree -= 1;
-    }
     double roots[POLYNOMIAL_MAX_DEGREE];
     return polynomial_sign_changes(&along, roots) > 0 ? left * roots[0] : (double)INFINITY;
 }
@@ -100,9 +97,6 @@ static struct polynomial edge_cone(const struct relative_path *path, double offs
     for (int i = 0; i <= line.degree; ++i) {
         line.a[i] += slope * path->axial.a[i];
     }
-    while (line.degree > 0 && line.a[line.degree] == 0.0) {
-        line.degree -= 1;
-    }
     const struct polynomial square = polynomial_multiply(&line, &line);
     return polynomial_add(&rho2, -1.0, &square);
 }
@@ -112,20 +106,6 @@ static struct polynomial edge_plane(const struct relative_path *path, double off
     struct polynomial height = path->axial;
     height.a[0] += offset;
     return height;
-}
-
-static int add_edges(const struct polynomial *p, double *edges, int count)
-{
-    double roots[POLYNOMIAL_MAX_DEGREE];
-    const int found = polynomial_sign_changes(p, roots);
-    for (int i = 0; i < found; ++i) {
-        int at = count++;
-        for (; at > 0 && edges[at - 1] > roots[i]; --at) {
-            edges[at] = edges[at - 1];
-        }
-        edges[at] = roots[i];
-    }
-    return count;
 }
 
 static struct relative_path solid_path(const struct contact_solid *solid, const struct separation_path *path,
@@ -151,13 +131,13 @@ int zone_path_edges(const struct contact_solid *solid, const struct separation_p
     for (int end = -1; end <= 1; end += 2) {
         const struct polynomial cap = edge_plane(&along, end * h); /* z = +-h */
         const struct polynomial ridge = edge_cone(&along, r - h, end);
-        count = add_edges(&cap, edges, count);
-        count = add_edges(&ridge, edges, count);
+        count = polynomial_add_sign_changes(&cap, edges, count);
+        count = polynomial_add_sign_changes(&ridge, edges, count);
     }
     const struct polynomial middle = edge_plane(&along, 0.0);
     const struct polynomial wall = edge_cone(&along, r, 0.0); /* rho = r_d */
-    count = add_edges(&middle, edges, count);
-    return add_edges(&wall, edges, count);
+    count = polynomial_add_sign_changes(&middle, edges, count);
+    return polynomial_add_sign_changes(&wall, edges, count);
 }
 
 typedef double zone_margin(const struct contact_solid *solid, struct vec3 c);
@@ -257,11 +237,11 @@ double zone_path_leaves_face(const struct contact_solid *solid, const struct sep
     if (solid->zone == ZONE_SIDE) {
         for (int end = -1; end <= 1; end += 2) {
             const struct polynomial cap = edge_plane(&along, end * solid->half_height / along.scale);
-            count = add_edges(&cap, edges, count);
+            count = polynomial_add_sign_changes(&cap, edges, count);
         }
     } else {
         const struct polynomial wall = edge_cone(&along, solid->radius / along.scale, 0.0);
-        count = add_edges(&wall, edges, count);
+        count = polynomial_add_sign_changes(&wall, edges, count);
     }
     return zone_first_end(solid, path, horizon, edges, count, face_margin);
 }
@@ -338,9 +318,8 @@ static bool rim_has_changed(const struct rim_search *search, const struct rim_in
 static double rim_step_length(const struct rim_search *search, double time, double distance, double longest,
                               int count)
 {
-    struct separation_path from = *search->path;
+    const struct separation_path from = zone_path_from(search->path, time);
     double step = longest;
-    path_shift(from.c, SEPARATION_DEGREE + 1, time);
     for (int i = 1; i <= SEPARATION_DEGREE; ++i) {
         step = fmin(step, pow(RIM_STEP * distance / vec3_norm(from.c[i]), 1.0 / i));
     }
@@ -447,9 +426,7 @@ double rim_least_gap(const struct contact_shape *shape, const struct separation_
 
 #endif
 
-#if SCENE_ANY_FREE
-
-#if SCENE_ANY_CAPS
+#if SCENE_ANY_FREE && SCENE_ANY_CAPS
 
 /* rho - r_d, |z| - L/2 and the gap as Taylor series of time, up to the degree eight of a squared distance. */
 enum { GAP_TERMS = 2 * SEPARATION_DEGREE + 1 };
@@ -588,8 +565,7 @@ double zone_change_touch(const struct scene_values *v, const struct scene_state 
     bool near = fabs(at->geometry[contact].gap) <= noise;
     for (int i = 0; i < TRIALS && time <= horizon; ++i) {
         if (near) {
-            struct separation_path from = path;
-            path_shift(from.c, SEPARATION_DEGREE + 1, time);
+            const struct separation_path from = zone_path_from(&path, time);
             const struct meeting meeting = meeting_of(&shape, &from, noise, i == 0 ? known : NULL);
             if (meeting.closes) {
                 return time;
@@ -604,26 +580,5 @@ double zone_change_touch(const struct scene_values *v, const struct scene_state 
     }
     return (double)INFINITY;
 }
-
-double zone_change_after(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, double clock, int contact, double horizon)
-{
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const struct separation_path path = separation_path_of(v, q, at, clock, contact);
-    return zone_path_end(&shape.solid, &path, horizon);
-}
-
-struct rim_change zone_change_at_rim(const struct scene_values *v, const struct scene_state *q,
-                                     const struct scene_instant *at, double clock, int contact,
-                                     double horizon)
-{
-    const struct contact_shape shape = scene_contact_shape(v, q, contact);
-    const struct contact_law law = scene_contact_law(v, q, contact);
-    const struct separation_path path = separation_path_of(v, q, at, clock, contact);
-    const enum contact_regime present = (enum contact_regime)q->contact[contact].regime;
-    return rim_first_change(&shape, &law, &path, rounding_of_gap(v, at, contact), present, 0.0, horizon);
-}
-
-#endif
 
 #endif

@@ -67,13 +67,4 @@ double rim_least_gap(const struct contact_shape *shape, const struct separation_
 double zone_change_touch(const struct scene_values *v, const struct scene_state *q,
                          const struct scene_instant *at, double clock, int contact, double horizon);
 
-/* When a contact leaves its zone [s]; INFINITY: not within the horizon. */
-double zone_change_after(const struct scene_values *v, const struct scene_state *q,
-                         const struct scene_instant *at, double clock, int contact, double horizon);
-
-/* The first change of regime of a contact at a rim. */
-struct rim_change zone_change_at_rim(const struct scene_values *v, const struct scene_state *q,
-                                     const struct scene_instant *at, double clock, int contact,
-                                     double horizon);
-
 #endif

@@ -775,8 +775,16 @@ enum model_status exchange_update(struct instance *instance, struct exchange_new
 }
 
 /* Integrators of variable step look past the stop time and come back; a step accepted there is an error. */
-enum model_status exchange_accept_step(struct instance *instance, const struct call *call)
+enum model_status exchange_accept_step(struct instance *instance, const struct call *call,
+                                       void *enters_events, void *terminates, size_t size)
 {
+    if (!call_ready(
+            instance, call,
+            ARGUMENTS({"enterEventMode", enters_events, 1}, {"terminateSimulation", terminates, 1}))) {
+        return MODEL_ERROR;
+    }
+    memset(enters_events, 0, size);
+    memset(terminates, 0, size);
     const double time = model_time(instance->model);
     const double stop = instance->experiment.stop_time;
     if (time > stop + time_slack(stop, 0.0)) {
@@ -809,7 +817,7 @@ static bool numbers_ready(struct instance *instance, const struct call *call, co
 enum model_status exchange_set_states(struct instance *instance, const struct call *call,
                                       const double *states, size_t count)
 {
-    return numbers_ready(instance, call, states, count, model_exchange_states())
+    return numbers_ready(instance, call, states, count, SCENE_STATES)
                ? model_exchange_set_states(instance->model, states)
                : MODEL_ERROR;
 }
@@ -817,8 +825,7 @@ enum model_status exchange_set_states(struct instance *instance, const struct ca
 enum model_status exchange_get(struct instance *instance, const struct call *call, enum exchange_values which,
                                double *values, size_t count)
 {
-    const size_t expected =
-        which == EXCHANGE_INDICATORS ? model_exchange_indicators() : model_exchange_states();
+    const size_t expected = which == EXCHANGE_INDICATORS ? SCENE_INDICATORS : SCENE_STATES;
     return numbers_ready(instance, call, values, count, expected)
                ? model_exchange_get(instance->model, which, values)
                : MODEL_ERROR;
@@ -862,13 +869,6 @@ static void state_list_remove(struct instance *instance, struct state_block *blo
     }
     *link = block->next;
     instance->host.release(block);
-}
-
-static void state_list_clear(struct instance *instance)
-{
-    while (instance->states != NULL) {
-        state_list_remove(instance, instance->states);
-    }
 }
 
 /* Raised whenever the header's or the model's layout or meaning changes. */
@@ -988,10 +988,10 @@ static const char *state_name(const struct instance *instance)
     return instance->adapter->arguments[ARGUMENT_STATE];
 }
 
-/* The block of an importer's state, or NULL after a message. */
+/* The block of an importer's state, or NULL where the call is not in order or after a message. */
 static struct state_block *given_block(struct instance *instance, const struct call *call, void *state)
 {
-    if (!array_given(instance, call, state_name(instance), state, 1)) {
+    if (!call_allowed(instance, call) || !array_given(instance, call, state_name(instance), state, 1)) {
         return NULL;
     }
     struct state_block *block = state_list_find(instance, state);
@@ -1037,9 +1037,6 @@ enum model_status state_block_get(struct instance *instance, const struct call *
 
 enum model_status state_block_set(struct instance *instance, const struct call *call, void *state)
 {
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
     struct state_block *block = given_block(instance, call, state);
     if (block == NULL || check_block(instance, call, block->bytes, block_size()) != MODEL_OK) {
         return MODEL_ERROR;
@@ -1077,8 +1074,7 @@ enum model_status state_block_free(struct instance *instance, const struct call 
 enum model_status state_block_size(struct instance *instance, const struct call *call, void *state,
                                    size_t *size)
 {
-    if (!call_allowed(instance, call) || given_block(instance, call, state) == NULL ||
-        !array_given(instance, call, "size", size, 1)) {
+    if (given_block(instance, call, state) == NULL || !array_given(instance, call, "size", size, 1)) {
         return MODEL_ERROR;
     }
     *size = block_size();
@@ -1088,9 +1084,6 @@ enum model_status state_block_size(struct instance *instance, const struct call 
 enum model_status state_block_serialize(struct instance *instance, const struct call *call, void *state,
                                         void *bytes, size_t size)
 {
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
     struct state_block *block = given_block(instance, call, state);
     if (block == NULL || !array_given(instance, call, "serializedState", bytes, block_size())) {
         return MODEL_ERROR;
@@ -1175,7 +1168,9 @@ void instance_free(struct instance *instance)
 {
     if (instance != NULL && (instance->phase & (PHASE_TELLING | PHASE_INTERMEDIATE)) == 0) {
         void (*release)(void *) = instance->host.release;
-        state_list_clear(instance); /* the importer may have forgotten some */
+        while (instance->states != NULL) { /* the importer may have forgotten some */
+            state_list_remove(instance, instance->states);
+        }
         model_destroy(instance->model);
         release(instance);
     }

@@ -225,8 +225,9 @@ struct exchange_news {
 };
 enum model_status exchange_update(struct instance *instance, struct exchange_news *news);
 
-/* The importer's integrator has accepted a step. */
-enum model_status exchange_accept_step(struct instance *instance, const struct call *call);
+/* The importer's integrator has accepted a step. Both answers, of `size` bytes, become false. */
+enum model_status exchange_accept_step(struct instance *instance, const struct call *call,
+                                       void *enters_events, void *terminates, size_t size);
 
 enum model_status exchange_set_time(struct instance *instance, const struct call *call, double time);
 

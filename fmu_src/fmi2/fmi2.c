@@ -418,20 +418,11 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo)
 }
 
 /* Nothing is kept for going back, so noSetFMUStatePriorToCurrentPoint is idle. */
-fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
-                                       fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation)
-{
-    const struct call *call = CALL2(CompletedIntegratorStep);
-    (void)noSetFMUStatePriorToCurrentPoint;
-    if (!call_ready(c, call,
-                    ARGUMENTS({"enterEventMode", enterEventMode, 1},
-                              {"terminateSimulation", terminateSimulation, 1}))) {
-        return fmi2Error;
-    }
-    *enterEventMode = fmi2False;
-    *terminateSimulation = fmi2False;
-    return (fmi2Status)exchange_accept_step(c, call);
-}
+PASS2(CompletedIntegratorStep,
+      (fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint, fmi2Boolean *enterEventMode,
+       fmi2Boolean *terminateSimulation),
+      ((void)noSetFMUStatePriorToCurrentPoint,
+       exchange_accept_step(c, call, enterEventMode, terminateSimulation, sizeof *enterEventMode)))
 
 PASS2(EnterEventMode, (fmi2Component c), exchange_enter(c, call, PHASE_EVENT))
 PASS2(EnterContinuousTimeMode, (fmi2Component c), exchange_enter(c, call, PHASE_CONTINUOUS))

@@ -453,19 +453,14 @@ static double at_event(void *context, double end_time)
     return own->event_mode_used && own->early_return_allowed ? own->event_time : end_time;
 }
 
-/* What a step tells besides its status. */
-struct results {
-    fmi3Boolean *event, *terminate, *early;
-    fmi3Float64 *time; /* reached [s] */
-};
-
-/* The model never ends a run by itself. */
-static inline void put_results(const struct results *to, bool event, bool early, double time)
+/* What a step tells besides its status. The model never ends a run by itself. */
+static inline void put_results(fmi3Boolean *event_to, fmi3Boolean *terminate_to, fmi3Boolean *early_to,
+                               fmi3Float64 *time_to, bool event, bool early, double time)
 {
-    *to->event = event;
-    *to->terminate = fmi3False;
-    *to->early = early;
-    *to->time = time;
+    *event_to = event;
+    *terminate_to = fmi3False;
+    *early_to = early;
+    *time_to = time;
 }
 
 /* Any step, with messages. Apart from fmi3DoStep, so that a deferred flight does not save registers for it;
@@ -483,7 +478,6 @@ CONTACT_NOINLINE static fmi3Status fmi3_do_step(struct instance *instance, doubl
     if (!ready || event == NULL || terminate == NULL || early == NULL || time == NULL) {
         return fmi3Error;
     }
-    const struct results to = {event, terminate, early, time};
     const struct step_request request = {
         .at_event = own->event_mode_used || own->intermediate_update != NULL ? at_event : NULL,
         .context = own,
@@ -493,7 +487,7 @@ CONTACT_NOINLINE static fmi3Status fmi3_do_step(struct instance *instance, doubl
     const enum model_status status = instance_step(instance, CALL3(DoStep), point, size, &request);
     const double reached = model_time(instance->model);
     const double end = point + size;
-    put_results(&to, own->event_mode_used && own->event_time == reached,
+    put_results(event, terminate, early, time, own->event_mode_used && own->event_time == reached,
                 status <= MODEL_WARNING && end - reached > 4.0 * DBL_EPSILON * fabs(end),
                 instance_time_reached(instance));
     return (fmi3Status)status;
@@ -518,8 +512,8 @@ CONTACT_FLATTEN fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommuni
         lastSuccessfulTime != NULL &&
         step_plainly_in_order(instance, currentCommunicationPoint, communicationStepSize) &&
         model_step_deferred(instance->model, currentCommunicationPoint + communicationStepSize)) {
-        const struct results to = {eventHandlingNeeded, terminateSimulation, earlyReturn, lastSuccessfulTime};
-        put_results(&to, false, false, currentCommunicationPoint + communicationStepSize);
+        put_results(eventHandlingNeeded, terminateSimulation, earlyReturn, lastSuccessfulTime, false, false,
+                    currentCommunicationPoint + communicationStepSize);
         return fmi3OK; /* as the step before, so that step_status need not be written */
     }
     return fmi3_do_step(instance, currentCommunicationPoint, communicationStepSize, eventHandlingNeeded,
@@ -582,20 +576,11 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
 /* Model Exchange. */
 
 /* Nothing is kept for going back, so noSetFMUStatePriorToCurrentPoint is idle. */
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
-                                       fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
-{
-    const struct call *call = CALL3(CompletedIntegratorStep);
-    (void)noSetFMUStatePriorToCurrentPoint;
-    if (!call_ready(c, call,
-                    ARGUMENTS({"enterEventMode", enterEventMode, 1},
-                              {"terminateSimulation", terminateSimulation, 1}))) {
-        return fmi3Error;
-    }
-    *enterEventMode = fmi3False;
-    *terminateSimulation = fmi3False;
-    return (fmi3Status)exchange_accept_step(c, call);
-}
+PASS3(CompletedIntegratorStep,
+      (fmi3Instance c, fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode,
+       fmi3Boolean *terminateSimulation),
+      ((void)noSetFMUStatePriorToCurrentPoint,
+       exchange_accept_step(c, call, enterEventMode, terminateSimulation, sizeof *enterEventMode)))
 
 static enum model_status put_count(struct instance *instance, const struct call *call, const char *argument,
                                    size_t count, size_t *to)
@@ -608,9 +593,9 @@ static enum model_status put_count(struct instance *instance, const struct call 
 }
 
 PASS3(GetNumberOfEventIndicators, (fmi3Instance c, size_t *count),
-      put_count(c, call, "nEventIndicators", model_exchange_indicators(), count))
+      put_count(c, call, "nEventIndicators", SCENE_INDICATORS, count))
 PASS3(GetNumberOfContinuousStates, (fmi3Instance c, size_t *count),
-      put_count(c, call, "nContinuousStates", model_exchange_states(), count))
+      put_count(c, call, "nContinuousStates", SCENE_STATES, count))
 PASS3(EnterContinuousTimeMode, (fmi3Instance c), exchange_enter(c, call, PHASE_CONTINUOUS))
 PASS3(SetTime, (fmi3Instance c, fmi3Float64 time), exchange_set_time(c, call, time))
 PASS3(SetContinuousStates, (fmi3Instance c, const fmi3Float64 x[], size_t nx),

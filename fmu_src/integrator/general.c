@@ -66,7 +66,6 @@ static void sample_events_at(struct general *g, double clock, int place)
     }
 }
 
-#if SCENE_ANY_ELASTIC_FRICTION
 /* The limit that an event function compares F* with [N]. */
 static double limit_of_event(const struct friction_law *law, enum friction_regime regime,
                              enum ode_event event, double normal_force)
@@ -114,7 +113,6 @@ static void smooth_friction(struct general *g, int contact)
         smooth_limit(g, contact, &law, ODE_EVENT_CAP, g->ode.cap_offset[contact]);
     }
 }
-#endif
 
 /* Samples the event functions at the start and at all stages. */
 static void sample_events(struct general *g)
@@ -127,11 +125,9 @@ static void sample_events(struct general *g)
         radau_step_stage(p, i, g->y);
         sample_events_at(g, p->start + p->stages->node[i] * p->length, i + 1);
     }
-#if SCENE_ANY_ELASTIC_FRICTION
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+    for (int j = 0; SCENE_ANY_ELASTIC_FRICTION && j < SCENE_CONTACTS; ++j) {
         smooth_friction(g, j);
     }
-#endif
 }
 
 /* Bernstein coefficients of the polynomial through a quantity's values at the start and all stages, which
@@ -271,14 +267,6 @@ static double root_within(struct general *g, int event, const double *of, double
     return fabs(values[0]) < fabs(values[1]) ? ends[0] : ends[1];
 }
 
-/* A lower bound of the first root, from the polynomial and, where bodies turn or rub, from the samples. */
-static double earliest_root(const struct general *g, int event, double by_polynomial)
-{
-    double ends[2];
-    const bool enclosed = g->step.problem.turns && enclose_root(g, event, ends);
-    return enclosed ? fmin(ends[0], by_polynomial) : by_polynomial;
-}
-
 struct general_event general_first_event(struct general *g)
 {
     struct general_event first = {(double)INFINITY, -1};
@@ -293,7 +281,11 @@ struct general_event general_first_event(struct general *g)
         }
         const double noise = NOISE * largest + of_polynomial * g->event_size[e];
         const struct bernstein_fall fall = bernstein_first_fall(of, count, noise);
-        if (earliest_root(g, e, fall.low) < first.part) {
+        double ends[2] = {fall.low, 0.0};
+        if (g->step.problem.turns && enclose_root(g, e, ends)) {
+            ends[0] = fmin(ends[0], fall.low); /* the polynomial is not the last word */
+        }
+        if (ends[0] < first.part) {
             const double by_polynomial = bernstein_root(of, count, fall);
             const double part = g->step.problem.turns ? root_within(g, e, of, by_polynomial) : by_polynomial;
             first = part < first.part ? (struct general_event){part, e} : first;
@@ -507,8 +499,6 @@ void general_move_scene(struct general *g, struct scene_state *q, double clock, 
 /* A step may go on beyond a communication point. The state of motion keeps its polynomial, on which the
  * motion is read there. */
 
-#if SCENE_ANY_TURNING
-
 void general_keep_step(const struct general *g, struct scene_state *q)
 {
     const struct radau_step *p = &g->step;
@@ -536,7 +526,7 @@ bool general_take_up(struct general *g, const struct scene_values *v, struct sce
 {
     const struct unfinished_step *kept = &q->unfinished;
     const size_t bytes = (size_t)g->size * sizeof(double);
-    if (!scene_turns(v) || q->integrator_fresh || q->clock != kept->present) {
+    if (!SCENE_ANY_TURNING || !scene_turns(v) || q->integrator_fresh || q->clock != kept->present) {
         return false;
     }
     general_attach(g, v, q);
@@ -560,26 +550,6 @@ void general_follow(struct general *g, struct scene_state *q, double clock)
     q->integrator_fresh = 0;
 }
 
-#else
-
-bool general_take_up(struct general *g, const struct scene_values *v, struct scene_state *q)
-{
-    (void)g, (void)v, (void)q;
-    return false;
-}
-
-void general_keep_step(const struct general *g, struct scene_state *q)
-{
-    (void)g, (void)q;
-}
-
-void general_follow(struct general *g, struct scene_state *q, double clock)
-{
-    (void)g, (void)q, (void)clock;
-}
-
-#endif
-
 /* Error allowed in a step as a part of the tolerances, because impacts multiply errors; and its lower limit,
  * the rounding in a step and its events. */
 static const double TOLERANCE_SHARE = 1e-3;
@@ -587,27 +557,6 @@ static const double LEAST_TOLERANCE = 1024.0 * DBL_EPSILON;
 
 /* Error allowed where outputs are read within a step, as a part of the tolerance. */
 static const double READ_PART = 0.1;
-
-static void rates_at_stage(const void *context, double clock, const double *y, double *rates)
-{
-    ode_rates(context, clock, y, rates);
-}
-
-static void jacobian_of(const void *context, double clock, const double *y, double *columns)
-{
-    ode_coupled_jacobian(context, clock, y, columns);
-}
-
-static void whole_jacobian_of(const void *context, double clock, const double *y, double *columns)
-{
-    ode_jacobian(context, clock, y, columns);
-}
-
-static void split_jacobian_of(const void *context, double clock, const double *y, double *columns,
-                              double *by_forces, double *of_forces)
-{
-    ode_split_jacobian(context, clock, y, columns, by_forces, of_forces);
-}
 
 static struct radau_problem problem_of(struct general *g, const struct scene_values *v)
 {
@@ -618,12 +567,12 @@ static struct radau_problem problem_of(struct general *g, const struct scene_val
                                     .turns = scene_turns(v),
                                     .place = g->place,
                                     .speed = g->speed,
-                                    .rates = rates_at_stage,
-                                    .jacobian = jacobian_of,
-                                    .whole_jacobian = whole_jacobian_of,
+                                    .rates = ode_rates,
+                                    .jacobian = ode_coupled_jacobian,
+                                    .whole_jacobian = ode_jacobian,
                                     .forces = ode_forces(v),
                                     .tipping = ode_tipping(v),
-                                    .split_jacobian = split_jacobian_of};
+                                    .split_jacobian = ode_split_jacobian};
     for (int i = 0; i < SCENE_BODIES; ++i) {
         for (int k = 0; k < 3 && body_is_free(v, i); ++k) {
             g->place[problem.paired] = ode_body(v, i) + k;
@@ -719,9 +668,9 @@ void general_start(struct general *g, const struct scene_values *v, struct scene
     general_set_events(g, &at);
     ode_pack(&g->ode, g->y);
     general_begin(g, q->clock, g->y);
-#if SCENE_ANY_HERTZ
-    g->longest = fmin(g->longest, general_length_of_impacts(v, q, &at));
-#endif
+    if (SCENE_ANY_HERTZ) {
+        g->longest = fmin(g->longest, general_length_of_impacts(v, q, &at));
+    }
 }
 
 /* Whether a contact ends because the gap opens, not because the source passes an end of its cylinder. */
@@ -801,11 +750,9 @@ static enum advance_result make_step(struct general *g, const struct scene_state
     const double most =
         g->step.problem.turns && g->read_share <= 1.0 ? fmax(step->clock_limit - q->clock, left) : left;
     double longest = (double)INFINITY;
-#if SCENE_ANY_FRICTION
-    if (g->step.problem.turns) {
+    if (SCENE_ANY_FRICTION && g->step.problem.turns) {
         g->longest = fmin(g->longest, general_length_of_sliding(g->ode.values, q));
     }
-#endif
     for (;;) {
         if (!general_step_make(g, fmin(most, longest), left, &step->budget)) {
             return step->budget > 0 ? ADVANCE_FAILED : ADVANCE_STEP_LIMIT;
@@ -853,15 +800,6 @@ static enum advance_result end_step(struct general *g, const struct scene_values
     return ADVANCE_REACHED;
 }
 
-/* Finishes the step that the last call has left unfinished. */
-static enum advance_result finish_step(struct general *g, const struct scene_values *v, struct scene_state *q,
-                                       struct advance *step)
-{
-    struct scene_instant at;
-    general_set_events(g, &at);
-    return end_step(g, v, q, step);
-}
-
 static enum advance_result make_steps(struct general *g, const struct scene_values *v, struct scene_state *q,
                                       struct advance *step)
 {
@@ -899,7 +837,9 @@ CONTACT_NOINLINE enum advance_result general_advance(struct general *g, const st
             general_follow(g, q, step->clock_end);
             return ADVANCE_REACHED;
         }
-        result = finish_step(g, v, q, step);
+        struct scene_instant at; /* up to the end of the step that the last call has left unfinished */
+        general_set_events(g, &at);
+        result = end_step(g, v, q, step);
     } else {
         general_start(g, v, q);
         if ((SCENE_CONTACTS > 1 || scene_turns(v)) && has_passed_event(g, v, q, step)) {

@@ -24,8 +24,6 @@ double general_length_of_springs(const struct general *g)
     return square > 0.0 ? FIRST_STEP / sqrt(square) : (double)INFINITY;
 }
 
-#if SCENE_ANY_HERTZ
-
 /* From this part of its largest depth on Hertz's spring shows its stiffness by its slope, which goes with the
  * root of the depth: general_length_of_springs and the error of a step then see it. */
 static const double DEEP = 0.25;
@@ -72,10 +70,6 @@ double general_length_of_impacts(const struct scene_values *v, const struct scen
     }
     return least;
 }
-
-#endif
-
-#if SCENE_ANY_FRICTION
 
 /* Regularized friction bends where the slip falls to a few v_0. A step ends SLIP_BEFORE times v_0 / |du/dt|
  * before the slip is zero, where exp(-slip/v_0) is still rounding. The next steps follow the bend over
@@ -129,8 +123,6 @@ double general_length_of_sliding(const struct scene_values *v, const struct scen
     }
     return fmax(least, SLIP_SHORTEST * fmax(q->clock, 1.0));
 }
-
-#endif
 
 /* Errors that a step of the general segment is allowed. */
 
@@ -208,7 +200,6 @@ void general_set_weights(struct general *g)
 /* Steps of the general segment in which friction is so stiff that Newton's method takes the Jacobian at every
  * stage. */
 
-#if SCENE_ANY_FRICTION
 /* Friction regimes and v_0 that are restored after a first guess. */
 struct kept_friction {
     int32_t regime[SCENE_CONTACTS];
@@ -242,11 +233,9 @@ static void restore_friction(struct general *g, const struct kept_friction *kept
         g->state->contact[j].parameters.slip_velocity = kept->slip_velocity[j];
     }
 }
-#endif
 
 bool general_solve_fully(struct general *g, bool thoroughly)
 {
-#if SCENE_ANY_FRICTION
     struct radau_step *p = &g->step;
     const bool goes_on = radau_step_goes_on(p);
     if (goes_on && radau_step_solve_quickly(p, general_newton_share(g))) {
@@ -264,10 +253,6 @@ bool general_solve_fully(struct general *g, bool thoroughly)
     restore_friction(g, &kept);
     general_set_weights(g); /* the first guess may have been far off */
     return rolls && radau_step_solve_fully(p, general_newton_share(g));
-#else
-    (void)g, (void)thoroughly;
-    return false;
-#endif
 }
 
 /* One step of the general segment: its stages, its length, its error. */
@@ -333,7 +318,6 @@ static const struct radau_stages *stages_for(double length, double longest)
                                                 : &radau_stages_12;
 }
 
-#if SCENE_ANY_FRICTION
 /* Beyond so many v_0 regularized friction is at its limit: exp(-40) is less than rounding of 1. */
 static const double SATURATED_SLIP = 40.0;
 
@@ -398,7 +382,6 @@ static void note_friction(struct general *g, const struct scene_instant *at, int
         g->rate_rounding[i] += force * speeds;
     }
 }
-#endif
 
 /* Notes at the start of a step the rounding of gaps [m] and of the rates of integrals, and the largest error
  * allowed in each state. */
@@ -414,9 +397,9 @@ static void note_errors(struct general *g)
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const double of_gap = ROUNDING_OF_GAP * rounding_of_gap(g->ode.values, &at, j);
         g->place_rounding = fmax(g->place_rounding, of_gap);
-#if SCENE_ANY_FRICTION
-        note_friction(g, &at, j);
-#endif
+        if (SCENE_ANY_FRICTION) {
+            note_friction(g, &at, j);
+        }
     }
 }
 
@@ -487,12 +470,6 @@ double general_finish_step(struct general *g)
     return fmax(g->error_at_end, g->error_of_start);
 }
 
-/* Error of a trial step / error allowed; INFINITY: it has no solution. */
-static double error_of_trial(struct general *g, const struct radau_stages *stages, double length)
-{
-    return try_to_solve(g, stages, length) ? general_finish_step(g) : (double)INFINITY;
-}
-
 /* Factor of the next length: the error goes with the power 2 s - 1 of the length, s stages. */
 static double factor_of(const struct general *g, double error, const struct radau_stages *stages)
 {
@@ -521,7 +498,8 @@ bool general_step_make(struct general *g, double limit, double left, long *budge
         const double length = fmin(limit, g->longest);
         const struct radau_stages *stages = stages_for(length, g->longest);
         g->within_share = length > left ? g->read_share : WITHIN_SHARE;
-        const double error = error_of_trial(g, stages, length);
+        const bool solved = try_to_solve(g, stages, length);
+        const double error = solved ? general_finish_step(g) : (double)INFINITY; /* by the weights */
         const double reach = length / reach_of(stages);
         if (error <= 1.0) {
             const double next = reach * factor_of(g, error, stages);

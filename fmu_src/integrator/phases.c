@@ -96,19 +96,13 @@ static inline void look_ahead(const struct scene_values *v, struct scene_state *
     const struct scene_instant *at = advance_now(step, v, q);
     double horizon = horizon_from(v, q, at, remaining);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        struct regime_change next;
-        if (scene_turns(v)) {
-            const struct prediction prediction = prediction_of(v, q, at, j, horizon, step->budget);
-            next = prediction.next;
-            horizon = prediction.searched;
-            advance_spend(step, prediction.evaluations, prediction.evaluations);
-        } else {
-            next = next_regime_change(v, q, at, q->clock, j, horizon);
-        }
-        q->contact[j].schedule.change_clock = q->clock + next.after;
-        q->contact[j].schedule.change_regime = (int32_t)next.regime;
-        q->contact[j].schedule.change_gap = next.gap;
-        q->contact[j].schedule.passes_centre = next.passes_centre;
+        const struct prediction found = prediction_of(v, q, at, j, horizon, step->budget);
+        horizon = found.searched;
+        advance_spend(step, found.evaluations, found.evaluations);
+        q->contact[j].schedule.change_clock = q->clock + found.next.after;
+        q->contact[j].schedule.change_regime = (int32_t)found.next.regime;
+        q->contact[j].schedule.change_gap = found.next.gap;
+        q->contact[j].schedule.passes_centre = found.next.passes_centre;
     }
     q->horizon_clock = q->clock + horizon;
 }
@@ -125,39 +119,18 @@ static int contact_changing_first(const struct scene_state *q)
     return first;
 }
 
-/* Whether the axis of the destination may turn. The paths of regime_change_note_depth have a fixed one. */
-static bool tilts(const struct scene_values *v, int contact)
-{
-    const int destination = contact_destination(contact);
-    return scene_turns(v) && body_turns(v, destination) && body_shape(destination) != SHAPE_SPHERE;
-}
-
 /* A separating contact opens, unless a prescribed displacement goes another way than its velocity says. */
 static void note_depth_of_released(const struct scene_values *v, struct scene_state *q, struct advance *step)
 {
     for (int j = 0; SCENE_ANY_PRESCRIBED && j < SCENE_CONTACTS; ++j) {
         const bool led =
             body_is_prescribed(v, contact_source(j)) || body_is_prescribed(v, contact_destination(j));
-        if (led && q->contact[j].regime == REGIME_SEPARATING && !tilts(v, j)) {
+        /* the paths of regime_change_note_depth have a fixed axis */
+        if (led && q->contact[j].regime == REGIME_SEPARATING && !contact_axis_turns(v, j)) {
             regime_change_note_depth(v, q, advance_now(step, v, q), j, step->clock_end);
         }
     }
 }
-
-#if SCENE_HAS_GENERAL
-/* The clock up to which nothing foreseen ends a step: the next change of a regime, and the horizon unless
- * nothing is foreseen. Steps go on beyond the end of a communication step only where the phase has lasted
- * before, so that inputs that change at every communication point waste no steps. */
-static double unforeseen_until(const struct scene_values *v, const struct scene_state *q)
-{
-    double until = q->clock + HORIZON_GROWTH * q->clock;
-    for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        until = fmin(until, q->contact[j].schedule.change_clock);
-        until = contact_is_foreseen(v, q, j) ? fmin(until, q->horizon_clock) : until;
-    }
-    return until;
-}
-#endif
 
 /* The error allowed in a segment [m]: a thousandth of the tolerances, because impacts amplify errors. Near
  * the centre it is cut in proportion to d, because an error e across n turns n by e / d. It is never below
@@ -256,7 +229,6 @@ static bool synchronized_step_make(struct synchronized_step *all, const struct s
     return true;
 }
 
-#if SCENE_ANY_PRESCRIBED_CONTACT
 /* Integrates the prescribed contacts to a clock; returns the clock reached. The depth is found separately,
  * because a quadrature of a force that is zero does not show it. */
 static double integrate_prescribed(const struct scene_values *v, struct scene_state *q, double end,
@@ -272,14 +244,15 @@ static double integrate_prescribed(const struct scene_values *v, struct scene_st
     }
     return reached;
 }
-#endif
 
 /* Integrates the prescribed contacts over the same time; false where the budget ends the synchronized step
  * early. */
 static bool synchronized_step_integrate(struct synchronized_step *all, const struct scene_values *v,
                                         struct scene_state *q, struct advance *step)
 {
-#if SCENE_ANY_PRESCRIBED_CONTACT && SCENE_CONTACTS > 1
+    if (!SCENE_ANY_PRESCRIBED_CONTACT || SCENE_CONTACTS == 1) {
+        return true;
+    }
     const double to = q->clock + all->time;
     const double reached = integrate_prescribed(v, q, to, step);
     if (reached < to) {
@@ -287,9 +260,6 @@ static bool synchronized_step_integrate(struct synchronized_step *all, const str
         all->terminal = -1;
         return false;
     }
-#else
-    (void)all, (void)v, (void)q, (void)step;
-#endif
     return true;
 }
 
@@ -419,6 +389,19 @@ static enum advance_result advance_flight(struct integrator *s, const struct sce
 }
 
 #if SCENE_HAS_GENERAL
+/* The clock up to which nothing foreseen ends a step: the next change of a regime, and the horizon unless
+ * nothing is foreseen. Steps go on beyond the end of a communication step only where the phase has lasted
+ * before, so that inputs that change at every communication point waste no steps. */
+static double unforeseen_until(const struct scene_values *v, const struct scene_state *q)
+{
+    double until = q->clock + HORIZON_GROWTH * q->clock;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        until = fmin(until, q->contact[j].schedule.change_clock);
+        until = contact_is_foreseen(v, q, j) ? fmin(until, q->horizon_clock) : until;
+    }
+    return until;
+}
+
 static bool is_general(const struct scene_values *v, const struct scene_state *q)
 {
     (void)q;

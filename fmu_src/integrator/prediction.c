@@ -9,68 +9,6 @@
 #include "math/polynomial.h"
 #include "scene/evaluate.h"
 
-/* Rounding of the event function while separating, by rounding of the gap, of n and of n.w. */
-static double dead_band_rounding(const struct contact_shape *shape, const struct contact_law *law,
-                                 const struct contact_geometry *now, double gap_rounding, double by_positions,
-                                 const struct separation_path *separation);
-
-/* The dead band of a regime whose boundary has just been crossed: it lasts until this s of the path, whatever
- * rounding shows. `gap_rounding` bounds the rounding of the gap, `by_positions` the rounding of a gap made
- * from positions. `just_begun`: the force at the event is not zero but below the integrator's tolerance. */
-static double dead_band_of(const struct relative_path *path, const struct contact_shape *shape,
-                           const struct contact_law *law, const struct contact_geometry *now,
-                           double gap_rounding, double by_positions, const struct separation_path *separation,
-                           enum contact_regime present, bool just_begun);
-
-/* While rounding may put the source on either side of an end plane, the path has it on the side that fits the
- * present regime. `rounding` bounds the rounding of its place along the axis [m]. */
-static void dead_band_at_ends(struct relative_path *path, const struct contact_shape *shape,
-                              const struct contact_geometry *now, double rounding,
-                              const struct separation_path *separation, enum contact_regime present);
-
-/*
- * The first change of regime of a prescribed contact: neither body is free, so the path is the same in every
- * regime.
- *
- * A condition that is zero at an event is computed again after it, from paths with a new origin, and rounding
- * may then give it either sign. A change counts only where its condition exceeds its rounding, and it takes
- * place where the condition is zero. So rounding at one event cannot cause another.
- */
-
-/* Rounding of the positions that the path starts from, and the speed at which they change. */
-struct prescribed_rounding {
-    double gap;   /* rounding of the gap [m] */
-    double axial; /* rounding of the place along a cylinder's axis [m] */
-    double speed; /* bound of |w| over the whole path [m/s] */
-};
-
-struct prescribed_change {
-    double s; /* place on the path; INFINITY: nothing changes */
-    enum contact_regime regime;
-    double gap; /* at the change [m] */
-};
-
-/* The first change. `events`: `count` sorted instants that include all at which the regime may change. */
-static struct prescribed_change prescribed_first_change(const struct relative_path *path,
-                                                        const struct contact_law *law,
-                                                        const struct prescribed_rounding *rounding,
-                                                        const double *events, int count,
-                                                        enum contact_regime present);
-
-/* The first of `count` sorted events in [0, 1] after `settle` from which on the regime is not the present
- * one. `ends_only`: only the passage of a cylinder's end changes it. Centres are not checked. */
-static struct regime_change path_first_change(const struct relative_path *path, const double *events,
-                                              int count, const struct contact_law *law,
-                                              enum contact_regime present, bool ends_only, double settle);
-
-/* Whether the distance vanishes before `until`, within rounding. A source that does not move, on the axis for
- * example, passes no centre and keeps its direction. */
-static bool path_passes_centre(const struct relative_path *path, const struct extremes *extremes,
-                               double until);
-
-/* Whether the path is too short for the bodies to touch or for their centres to meet. */
-static bool path_keeps_away(const struct relative_path *path);
-
 /* Seconds until a quantity with the rate `speed` and the half acceleration `bend` leaves the rounding `noise`
  * around zero; 0 where it is outside. Until then its sign means nothing. */
 static double leaving_time(double value, double noise, double speed, double bend)
@@ -98,6 +36,7 @@ static double margin_slope(const struct contact_shape *shape, const struct conta
     return slopes.by_gap * opening + slopes.by_rate * bend;
 }
 
+/* Rounding of the event function while separating, by rounding of the gap, of n and of n.w. */
 static double dead_band_rounding(const struct contact_shape *shape, const struct contact_law *law,
                                  const struct contact_geometry *now, double gap_rounding, double by_positions,
                                  const struct separation_path *separation)
@@ -108,6 +47,9 @@ static double dead_band_rounding(const struct contact_shape *shape, const struct
     return slopes.by_gap * gap_rounding + fmin(turn, 1.0) * slopes.by_rate * vec3_norm(separation->w[0]);
 }
 
+/* The dead band of a regime whose boundary has just been crossed: it lasts until this s of the path, whatever
+ * rounding shows. `gap_rounding` bounds the rounding of the gap, `by_positions` the rounding of a gap made
+ * from positions. `just_begun`: the force at the event is not zero but below the integrator's tolerance. */
 static double dead_band_of(const struct relative_path *path, const struct contact_shape *shape,
                            const struct contact_law *law, const struct contact_geometry *now,
                            double gap_rounding, double by_positions, const struct separation_path *separation,
@@ -128,6 +70,8 @@ static double dead_band_of(const struct relative_path *path, const struct contac
     return settle / path->horizon;
 }
 
+/* While rounding may put the source on either side of an end plane, the path has it on the side that fits the
+ * present regime. `rounding` bounds the rounding of its place along the axis [m]. */
 static void dead_band_at_ends(struct relative_path *path, const struct contact_shape *shape,
                               const struct contact_geometry *now, double rounding,
                               const struct separation_path *separation, enum contact_regime present)
@@ -151,6 +95,17 @@ static enum contact_regime regime_at(const struct relative_path *path, const str
                              relative_path_within(path, s));
 }
 
+/* The change to a regime at s of the path. */
+static struct regime_change change_at(const struct relative_path *path, double s, enum contact_regime next)
+{
+    double gap;
+    double slope;
+    relative_path_gap(path, s, &gap, &slope);
+    return (struct regime_change){s * path->horizon, next, path->scale * gap, false};
+}
+
+/* The first of `count` sorted events in [0, 1] after `settle` from which on the regime is not the present
+ * one. `ends_only`: only the passage of a cylinder's end changes it. Centres are not checked. */
 static struct regime_change path_first_change(const struct relative_path *path, const double *events,
                                               int count, const struct contact_law *law,
                                               enum contact_regime present, bool ends_only, double settle)
@@ -165,10 +120,7 @@ static struct regime_change path_first_change(const struct relative_path *path, 
                                              : relative_path_within(path, middle) ? present
                                                                                   : REGIME_APART;
             if (next != present) {
-                double gap;
-                double slope;
-                relative_path_gap(path, from, &gap, &slope);
-                return (struct regime_change){from * path->horizon, next, path->scale * gap, false};
+                return change_at(path, from, next);
             }
         }
         from = to;
@@ -187,6 +139,8 @@ static bool is_at_centre(const struct relative_path *path, double s)
     return path->side * gap + path->reach <= NO_DISTANCE;
 }
 
+/* Whether the distance vanishes before `until`, within rounding. A source that does not move, on the axis for
+ * example, passes no centre and keeps its direction. */
 static bool path_passes_centre(const struct relative_path *path, const struct extremes *extremes,
                                double until)
 {
@@ -200,6 +154,7 @@ static bool path_passes_centre(const struct relative_path *path, const struct ex
     return passes;
 }
 
+/* Whether the path is too short for the bodies to touch or for their centres to meet. */
 static bool path_keeps_away(const struct relative_path *path)
 {
     const double start = SCENE_ANY_PLANE && path->flat ? path->c[0].x : vec3_norm(path->c[0]);
@@ -212,6 +167,22 @@ static bool path_keeps_away(const struct relative_path *path)
     }
     return start + length < path->reach - NO_DISTANCE && start - length > NO_DISTANCE;
 }
+
+/*
+ * The first change of regime of a prescribed contact: neither body is free, so the path is the same in every
+ * regime.
+ *
+ * A condition that is zero at an event is computed again after it, from paths with a new origin, and rounding
+ * may then give it either sign. A change counts only where its condition exceeds its rounding, and it takes
+ * place where the condition is zero. So rounding at one event cannot cause another.
+ */
+
+/* Rounding of the positions that the path starts from, and the speed at which they change. */
+struct prescribed_rounding {
+    double gap;   /* rounding of the gap [m] */
+    double axial; /* rounding of the place along a cylinder's axis [m] */
+    double speed; /* bound of |w| over the whole path [m/s] */
+};
 
 /* Rounding of a sum of products of vectors, as in rounding_of_gap. */
 static const double ROUNDINGS = 8.0 * DBL_EPSILON;
@@ -298,19 +269,16 @@ static double halve_to_change(const struct relative_path *path, const struct con
         if (!(middle > before && middle < after)) {
             return after;
         }
-        if (prescribed_at(path, law, rounding, middle).regime == next) {
-            after = middle;
-        } else {
-            before = middle;
-        }
+        *(prescribed_at(path, law, rounding, middle).regime == next ? &after : &before) = middle;
     }
 }
 
-static struct prescribed_change prescribed_first_change(const struct relative_path *path,
-                                                        const struct contact_law *law,
-                                                        const struct prescribed_rounding *rounding,
-                                                        const double *events, int count,
-                                                        enum contact_regime present)
+/* `events`: `count` instants of the path, sorted, among them all at which the regime may change. */
+static struct regime_change prescribed_first_change(const struct relative_path *path,
+                                                    const struct contact_law *law,
+                                                    const struct prescribed_rounding *rounding,
+                                                    const double *events, int count,
+                                                    enum contact_regime present)
 {
     double from = 0.0;
     double before = -1.0;
@@ -326,15 +294,12 @@ static struct prescribed_change prescribed_first_change(const struct relative_pa
             if (by_law && before >= 0.0) {
                 from = halve_to_change(path, law, rounding, before, middle, at.regime);
             }
-            double gap;
-            double slope;
-            relative_path_gap(path, from, &gap, &slope);
-            return (struct prescribed_change){from, at.regime, path->scale * gap};
+            return change_at(path, from, at.regime);
         }
         before = middle;
         from = to;
     }
-    return (struct prescribed_change){(double)INFINITY, present, 0.0};
+    return (struct regime_change){(double)INFINITY, present, 0.0, false};
 }
 
 /* The first touch of bodies that are apart at `settle`, after which compression begins; INFINITY: none. False
@@ -429,11 +394,10 @@ static struct regime_change prescribed_regime_change(const struct relative_path 
     double events[MAX_CANDIDATES];
     const struct extremes extremes = extremes_of(path);
     const int count = candidates_of_all(path, &extremes, shape, law, events);
-    const struct prescribed_change change =
-        prescribed_first_change(path, law, rounding, events, count, present);
-    const bool touches = present == REGIME_APART && fabs(change.gap) <= rounding->gap;
-    return (struct regime_change){change.s * path->horizon, change.regime, touches ? 0.0 : change.gap,
-                                  path_passes_centre(path, &extremes, change.s)};
+    struct regime_change next = prescribed_first_change(path, law, rounding, events, count, present);
+    next.gap = present == REGIME_APART && fabs(next.gap) <= rounding->gap ? 0.0 : next.gap;
+    next.passes_centre = path_passes_centre(path, &extremes, next.after / path->horizon);
+    return next;
 }
 
 /* The first change in flight after `settle`: the first touch, or the first candidate after which the regime
@@ -519,15 +483,6 @@ static struct regime_change smooth_regime_change(const struct scene_values *v, c
     return flight_regime_change(&path, &shape, &law, present, settle, by_positions);
 }
 
-static struct regime_change change_at_rim(const struct scene_values *v, const struct scene_state *q,
-                                          const struct scene_instant *at, double clock, int contact,
-                                          double horizon)
-{
-    const struct rim_change change = zone_change_at_rim(v, q, at, clock, contact, horizon);
-    const double gap = change.regime == REGIME_APART ? 0.0 : DBL_MAX; /* as positions give it */
-    return (struct regime_change){change.time, change.regime, gap, false};
-}
-
 static struct regime_change capped_regime_change(const struct scene_values *v, const struct scene_state *q,
                                                  const struct scene_instant *at, double clock, int contact,
                                                  double horizon)
@@ -542,12 +497,18 @@ static struct regime_change capped_regime_change(const struct scene_values *v, c
     if (present == REGIME_APART) {
         return first_touch_at(zone_change_touch(v, q, at, clock, contact, horizon));
     }
-    const double end = zone_change_after(v, q, at, clock, contact, horizon);
+    const struct separation_path path = separation_path_of(v, q, at, clock, contact);
+    const double end = zone_path_end(&shape.solid, &path, horizon);
     const double until = fmin(end, horizon);
     struct regime_change next = none;
-    if (until > 0.0) {
-        next = contact_is_rim(&shape) ? change_at_rim(v, q, at, clock, contact, until)
-                                      : smooth_regime_change(v, q, at, clock, contact, until);
+    if (until > 0.0 && contact_is_rim(&shape)) {
+        const struct contact_law law = scene_contact_law(v, q, contact);
+        const struct rim_change change =
+            rim_first_change(&shape, &law, &path, rounding_of_gap(v, at, contact), present, 0.0, until);
+        const double gap = change.regime == REGIME_APART ? 0.0 : DBL_MAX; /* as positions give it */
+        next = (struct regime_change){change.time, change.regime, gap, false};
+    } else if (until > 0.0) {
+        next = smooth_regime_change(v, q, at, clock, contact, until);
     }
     if (!(next.after < end) && end < (double)INFINITY) {
         /* the gap goes on as positions give it */
@@ -591,8 +552,7 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
  * checked. The conditions of its changes are smooth functions of the motion, and none is an onset. */
 static const double LAW_INSTANTS_PER_RADIAN = 16.0, LEAST_LAW_INSTANTS = 64.0, MOST_LAW_INSTANTS = 1e6;
 
-/* Whether the axis of the destination may turn. */
-static bool axis_turns(const struct scene_values *v, int contact)
+bool contact_axis_turns(const struct scene_values *v, int contact)
 {
     const int destination = contact_destination(contact);
     return body_turns(v, destination) && body_shape(destination) != SHAPE_SPHERE;
@@ -642,11 +602,7 @@ static double halve_to_regime(const struct advancement_path *path, const struct 
         if (!(middle > before && middle < after)) {
             return after;
         }
-        if (regime_at_time(path, law, middle) == present) {
-            before = middle;
-        } else {
-            after = middle;
-        }
+        *(regime_at_time(path, law, middle) == present ? &before : &after) = middle;
     }
 }
 
@@ -711,7 +667,7 @@ struct prediction prediction_of(const struct scene_values *v, const struct scene
         if (contact_transmits(q, contact) && !contact_is_prescribed(v, contact)) {
             return nothing;
         }
-        if (SCENE_ANY_ROTATION && axis_turns(v, contact)) {
+        if (SCENE_ANY_ROTATION && contact_axis_turns(v, contact)) {
             return is_loaded(v, q, contact) ? nothing
                                             : advancement_prediction(v, q, at, contact, horizon, budget);
         }

@@ -32,6 +32,9 @@ struct regime_change next_regime_change(const struct scene_values *v, const stru
                                         const struct scene_instant *at, double clock, int contact,
                                         double horizon);
 
+/* Whether the axis of the destination may turn. */
+bool contact_axis_turns(const struct scene_values *v, int contact);
+
 /* Takes the gap from `at`, the present, to the clock `until` into account for the peak penetration of a
  * contact that transmits no force or whose motion is given: its extremes are roots of a polynomial. */
 void regime_change_note_depth(const struct scene_values *v, struct scene_state *q,

@@ -144,6 +144,26 @@ int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_
     return count;
 }
 
+int insert_sorted(double number, double *sorted, int count)
+{
+    int at = count;
+    for (; at > 0 && sorted[at - 1] > number; --at) {
+        sorted[at] = sorted[at - 1];
+    }
+    sorted[at] = number;
+    return count + 1;
+}
+
+int polynomial_add_sign_changes(const struct polynomial *p, double *sorted, int count)
+{
+    double roots[POLYNOMIAL_MAX_DEGREE];
+    const int found = polynomial_sign_changes(p, roots);
+    for (int i = 0; i < found; ++i) {
+        count = insert_sorted(roots[i], sorted, count);
+    }
+    return count;
+}
+
 /* Longest step, relative to s, after which convergence is predicted instead of tested. */
 static const double SHORT_STEP = 1e-6;
 

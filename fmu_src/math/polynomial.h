@@ -29,6 +29,10 @@ struct polynomial polynomial_multiply(const struct polynomial *a, const struct p
  */
 int polynomial_sign_changes(const struct polynomial *p, double roots[POLYNOMIAL_MAX_DEGREE]);
 
+/* Sort a number, and all of these s, into `count` ascending ones; return the new count. */
+int insert_sorted(double number, double *sorted, int count);
+int polynomial_add_sign_changes(const struct polynomial *p, double *sorted, int count);
+
 /* One root of a smooth function inside a bracket on which it is monotone and changes sign. */
 
 /* Writes f(s) and f'(s) for the function that `data` describes. */

@@ -58,23 +58,6 @@ static inline double radau_product(const double *a, const double *b, int count)
     return sum;
 }
 
-/* Copies the parts of p->jacobian by the states left and by the places. */
-static void radau_take_jacobian(const struct radau_step *p, double *by_others, double *by_places);
-
-/* The places, h A times their speeds; the residual h f - A^-1 change. */
-static void radau_move_places(struct radau_step *p);
-static void radau_evaluate_residual(struct radau_step *p);
-
-/* p->stage_others and p->stage_places at the present values of a stage. */
-static void radau_take_stage_jacobian(struct radau_step *p, int stage);
-
-/* The system of the forces: memory, factors at the present values of the stages (false where it is singular),
- * and the correction of the states left by the residual, into p->side. */
-static size_t radau_forces_memory(const struct radau_problem *problem);
-static void radau_forces_place(struct radau_step *p, double *memory);
-static bool radau_forces_factor(struct radau_step *p);
-static void radau_forces_correct(struct radau_step *p);
-
 /* Most sweeps for a quaternion: they turn it by ten radians. */
 enum { MOST_SWEEPS = 60 };
 
@@ -82,6 +65,16 @@ enum { MOST_SWEEPS = 60 };
 static int rows_of_all(const struct radau_problem *problem)
 {
     return problem->turns ? RADAU_MOST_STAGES * (problem->coupled - problem->paired) : 0;
+}
+
+/* Number of doubles that struct radau_forces needs. */
+static size_t radau_forces_memory(const struct radau_problem *problem)
+{
+    const size_t s = RADAU_MOST_STAGES;
+    const size_t f = (size_t)radau_padded_forces(problem);
+    const size_t n = (size_t)radau_padded(problem->coupled);
+    const size_t t = (size_t)problem->tipping;
+    return f > 0 ? 2 * n * f + s * (2 * n * f + t * n + t * f + 3 * n + f + 1) + s * s * (t * f + 1) : 0;
 }
 
 size_t radau_step_memory(const struct radau_problem *problem)
@@ -100,6 +93,31 @@ static double *take(double **from, int count)
     double *taken = *from;
     *from += count;
     return taken;
+}
+
+static void radau_forces_place(struct radau_step *p, double *memory)
+{
+    const struct radau_problem *problem = &p->problem;
+    struct radau_forces *to = &p->forces;
+    const int s = RADAU_MOST_STAGES;
+    const int f = radau_padded_forces(problem);
+    const int n = radau_padded(problem->coupled);
+    const int t = problem->tipping;
+    if (f == 0) {
+        return;
+    }
+    to->by_forces = take(&memory, n * f);
+    to->of_forces = take(&memory, n * f);
+    to->by = take(&memory, s * n * f);
+    to->of = take(&memory, s * n * f);
+    to->own = take(&memory, s * t * n);
+    to->row = take(&memory, s * t * f);
+    to->change = take(&memory, s * n);
+    to->places = take(&memory, s * n);
+    to->moved = take(&memory, s * n);
+    to->side = take(&memory, s * f + s);
+    to->tips = take(&memory, s * s * t * f);
+    to->twice = take(&memory, s * s);
 }
 
 /* Lists the coupled states that remain once places are eliminated. */
@@ -166,6 +184,7 @@ void radau_step_place(struct radau_step *p, const struct radau_problem *problem,
     }
 }
 
+/* Copies the parts of p->jacobian by the states left and by the places. */
 static void radau_take_jacobian(const struct radau_step *p, double *by_others, double *by_places)
 {
     const struct radau_problem *problem = &p->problem;
@@ -384,6 +403,26 @@ static void guess_on(struct radau_step *p)
     }
 }
 
+/* The places at all stages: h A times their speeds. */
+static void radau_move_places(struct radau_step *p)
+{
+    const struct radau_problem *problem = &p->problem;
+    const struct radau_stages *stages = p->stages;
+    const int s = stages->stages;
+    double *speeds = p->scratch;
+    const int width = radau_padded(problem->paired);
+    memset(speeds, 0, (size_t)(s * width) * sizeof(double));
+    for (int i = 0; i < s; ++i) {
+        for (int j = 0; j < problem->paired; ++j) {
+            speeds[i * width + j] =
+                p->length * (p->y[problem->speed[j]] + p->others_change[i * p->width + p->speed_among[j]]);
+        }
+    }
+    for (int i = 0; i < s; ++i) {
+        radau_combine(p->places_change + i * width, stages->integral + i * s, s, speeds, width, width);
+    }
+}
+
 void radau_step_guess_on(struct radau_step *p, const struct radau_stages *stages, double length)
 {
     p->stages = stages;
@@ -430,6 +469,31 @@ static bool factor_dying(struct radau_step *p, struct lu_matrix system, const do
         }
     }
     return lu_factor(system);
+}
+
+void radau_step_stage(const struct radau_step *p, int stage, double *y)
+{
+    const struct radau_problem *problem = &p->problem;
+    const double *others = p->others_change + stage * p->width;
+    const double *places = p->places_change + stage * radau_padded(problem->paired);
+    for (int j = 0; j < p->others; ++j) {
+        y[p->other[j]] = p->y[p->other[j]] + others[j];
+    }
+    for (int j = 0; j < problem->paired; ++j) {
+        y[problem->place[j]] = p->y[problem->place[j]] + places[j];
+    }
+}
+
+/* Of the states left, by columns: what depends on them at one stage, and on their places. */
+static void radau_take_stage_jacobian(struct radau_step *p, int stage)
+{
+    const struct radau_problem *problem = &p->problem;
+    const double clock = p->start + p->length * p->stages->node[stage];
+    memcpy(p->point, p->y, (size_t)problem->size * sizeof *p->point);
+    radau_step_stage(p, stage, p->point);
+    problem->jacobian(problem->context, clock, p->point, p->jacobian);
+    p->evaluations += 1;
+    radau_take_jacobian(p, p->stage_others, p->stage_places);
 }
 
 /* A part with the rate lambda decays by 1 - 1/(1 + h lambda) of the defect, and leaves an error of 1/(1 + h
@@ -540,25 +604,6 @@ static double correct(struct radau_step *p)
     return largest;
 }
 
-static void radau_move_places(struct radau_step *p)
-{
-    const struct radau_problem *problem = &p->problem;
-    const struct radau_stages *stages = p->stages;
-    const int s = stages->stages;
-    double *speeds = p->scratch;
-    const int width = radau_padded(problem->paired);
-    memset(speeds, 0, (size_t)(s * width) * sizeof(double));
-    for (int i = 0; i < s; ++i) {
-        for (int j = 0; j < problem->paired; ++j) {
-            speeds[i * width + j] =
-                p->length * (p->y[problem->speed[j]] + p->others_change[i * p->width + p->speed_among[j]]);
-        }
-    }
-    for (int i = 0; i < s; ++i) {
-        radau_combine(p->places_change + i * width, stages->integral + i * s, s, speeds, width, width);
-    }
-}
-
 bool radau_step_guess(struct radau_step *p, const struct radau_stages *stages, double length)
 {
     p->stages = stages;
@@ -600,19 +645,7 @@ bool radau_step_guess_again(struct radau_step *p, const struct radau_stages *sta
     return factor(p, stages, length);
 }
 
-void radau_step_stage(const struct radau_step *p, int stage, double *y)
-{
-    const struct radau_problem *problem = &p->problem;
-    const double *others = p->others_change + stage * p->width;
-    const double *places = p->places_change + stage * radau_padded(problem->paired);
-    for (int j = 0; j < p->others; ++j) {
-        y[p->other[j]] = p->y[p->other[j]] + others[j];
-    }
-    for (int j = 0; j < problem->paired; ++j) {
-        y[problem->place[j]] = p->y[problem->place[j]] + places[j];
-    }
-}
-
+/* h f - A^-1 change, of the states left. */
 static void radau_evaluate_residual(struct radau_step *p)
 {
     const struct radau_problem *problem = &p->problem;
@@ -668,41 +701,6 @@ bool radau_step_solve(struct radau_step *p, double tolerance)
  * system are the changes of the forces at all stages, which are fewer than the states. The direct effect of
  * the states on each other, as of a place on the direction of a force, is left out: it is not stiff, and the
  * iterations make up for it. */
-
-/* Number of doubles that struct radau_forces needs. */
-static size_t radau_forces_memory(const struct radau_problem *problem)
-{
-    const size_t s = RADAU_MOST_STAGES;
-    const size_t f = (size_t)radau_padded_forces(problem);
-    const size_t n = (size_t)radau_padded(problem->coupled);
-    const size_t t = (size_t)problem->tipping;
-    return f > 0 ? 2 * n * f + s * (2 * n * f + t * n + t * f + 3 * n + f + 1) + s * s * (t * f + 1) : 0;
-}
-
-static void radau_forces_place(struct radau_step *p, double *memory)
-{
-    const struct radau_problem *problem = &p->problem;
-    struct radau_forces *to = &p->forces;
-    const int s = RADAU_MOST_STAGES;
-    const int f = radau_padded_forces(problem);
-    const int n = radau_padded(problem->coupled);
-    const int t = problem->tipping;
-    if (f == 0) {
-        return;
-    }
-    to->by_forces = take(&memory, n * f);
-    to->of_forces = take(&memory, n * f);
-    to->by = take(&memory, s * n * f);
-    to->of = take(&memory, s * n * f);
-    to->own = take(&memory, s * t * n);
-    to->row = take(&memory, s * t * f);
-    to->change = take(&memory, s * n);
-    to->places = take(&memory, s * n);
-    to->moved = take(&memory, s * n);
-    to->side = take(&memory, s * f + s);
-    to->tips = take(&memory, s * s * t * f);
-    to->twice = take(&memory, s * s);
-}
 
 /* The parts of the Jacobian at a stage: the states left by the forces, one row for each force; the forces by
  * the states left and the places, one row for each state; and tipping states by the states left, one row for
@@ -979,18 +977,6 @@ static const double FULL_ROUNDING_SHARE = 0.25;
 
 /* Integrals do not see what is less than this part of the error allowed. */
 static const double INTEGRAL_SHARE = 0.02;
-
-/* Of the states left, by columns: what depends on them at one stage, and on their places. */
-static void radau_take_stage_jacobian(struct radau_step *p, int stage)
-{
-    const struct radau_problem *problem = &p->problem;
-    const double clock = p->start + p->length * p->stages->node[stage];
-    memcpy(p->point, p->y, (size_t)problem->size * sizeof *p->point);
-    radau_step_stage(p, stage, p->point);
-    problem->jacobian(problem->context, clock, p->point, p->jacobian);
-    p->evaluations += 1;
-    radau_take_jacobian(p, p->stage_others, p->stage_places);
-}
 
 /* Puts A^-1 - h J (by the states left) - h^2 A J (by the places) into the rows of one stage. */
 static void put_stage(struct radau_step *p, int stage)

@@ -50,6 +50,19 @@ static inline bool vec3_is_zero(struct vec3 a)
     return a.x == 0.0 && a.y == 0.0 && a.z == 0.0;
 }
 
+/* Out of three numbers and into them. */
+static inline struct vec3 vec3_from(const double *data)
+{
+    return (struct vec3){data[0], data[1], data[2]};
+}
+
+static inline void vec3_to(struct vec3 a, double *data)
+{
+    data[0] = a.x;
+    data[1] = a.y;
+    data[2] = a.z;
+}
+
 /* Component 0, 1 or 2. */
 static inline double vec3_get(struct vec3 a, int index)
 {

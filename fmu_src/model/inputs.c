@@ -99,20 +99,6 @@ static void input_path_renew(const struct model *m, int body, const uint8_t *mar
     }
 }
 
-static bool is_set(const uint8_t *marks)
-{
-    return (marks[0] | marks[1] | marks[2]) != 0;
-}
-
-/* Until it is set, a prescribed axis is the parameter's. */
-static void start_axis(struct model *m, int body)
-{
-    const bool given = SCENE_ANY_ROTATION && is_set(&m->state.marks[body][12]);
-    if (body_shape(body) != SHAPE_SPHERE && !given) {
-        m->state.motion.path[body].axis[0] = body_axis(&m->state.values, body);
-    }
-}
-
 void model_start_paths(struct model *m)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
@@ -121,8 +107,11 @@ void model_start_paths(struct model *m)
             marks[k] = m->state.marks[i][k] | SIGNAL_VALUE;
         }
         input_path_renew(m, i, marks, &m->state.motion.path[i]);
-        if (SCENE_ANY_ROTATION) {
-            start_axis(m, i);
+        if (SCENE_ANY_ROTATION && body_shape(i) != SHAPE_SPHERE) {
+            const uint8_t *set = &m->state.marks[i][12];
+            if (!(set[0] | set[1] | set[2])) { /* until one is set, the axis is the parameter's */
+                m->state.motion.path[i].axis[0] = body_axis(&m->state.values, i);
+            }
         }
     }
 }
@@ -139,14 +128,12 @@ static bool same_coefficients(const struct vec3 *a, const struct vec3 *b, int co
 
 static bool input_path_is_same(const struct body_path *a, const struct body_path *b)
 {
-    if (SCENE_ANY_ROTATION) {
-        if (!same_coefficients(a->angular_velocity, b->angular_velocity, 3) ||
-            !same_coefficients(a->axis, b->axis, 3) || !same_coefficients(a->torque, b->torque, 3) ||
-            a->turn_follows != b->turn_follows) {
-            return false;
-        }
-    }
-    return same_coefficients(a->displacement, b->displacement, 4) &&
+    const bool turn_is_same =
+        !SCENE_ANY_ROTATION ||
+        (same_coefficients(a->angular_velocity, b->angular_velocity, 3) &&
+         same_coefficients(a->axis, b->axis, 3) && same_coefficients(a->torque, b->torque, 3) &&
+         a->turn_follows == b->turn_follows);
+    return turn_is_same && same_coefficients(a->displacement, b->displacement, 4) &&
            same_coefficients(a->velocity, b->velocity, 3) && same_coefficients(a->force, b->force, 3);
 }
 
@@ -233,11 +220,6 @@ struct contact_law model_law_slope(const struct model *m, int contact, double di
  * are kept meanwhile, so that what is set back, or set without an effect, changes nothing.
  */
 
-static bool same_vector(struct vec3 a, struct vec3 b)
-{
-    return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
 static struct tunable_values tunable_values_of(const struct scene_values *v)
 {
     struct tunable_values now = {.gravity = gravity(v),
@@ -265,8 +247,9 @@ void model_begin_tuning(struct model *m)
 static bool differs(const struct scene_values *v, const struct scene_state *q,
                     const struct tunable_values *before, struct motion_tuning *tuning)
 {
-    bool any = !same_vector(gravity(v), before->gravity);
-    tuning->more_gravity = vec3_sub(gravity(v), before->gravity);
+    const struct vec3 now_gravity = gravity(v);
+    bool any = !same_coefficients(&now_gravity, &before->gravity, 1);
+    tuning->more_gravity = vec3_sub(now_gravity, before->gravity);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_coefficients *now = &q->contact[j].parameters.factors;
         const struct contact_coefficients next = model_factors(v, q, j);
@@ -319,22 +302,15 @@ bool model_can_tune(const struct model *m, const struct variable *variable, cons
 /* Which of a body's input signals a variable is; -1 when it is no input. */
 static int signal_of(const struct variable *variable)
 {
-    switch (variable->row) {
-    case ROW_body_prescribed_displacement:
-        return variable->component;
-    case ROW_body_prescribed_velocity:
-        return 3 + variable->component;
-    case ROW_body_external_force:
-        return 6 + variable->component;
-    case ROW_body_prescribed_angular_velocity:
-        return 9 + variable->component;
-    case ROW_body_prescribed_axis:
-        return 12 + variable->component;
-    case ROW_body_external_torque:
-        return 15 + variable->component;
-    default:
-        return -1;
+    static const int rows[] = {ROW_body_prescribed_displacement, ROW_body_prescribed_velocity,
+                               ROW_body_external_force,          ROW_body_prescribed_angular_velocity,
+                               ROW_body_prescribed_axis,         ROW_body_external_torque};
+    for (int i = 0; i < (int)(sizeof rows / sizeof rows[0]); ++i) {
+        if (variable->row == rows[i]) {
+            return 3 * i + variable->component;
+        }
     }
+    return -1;
 }
 
 static void note_value(struct model *m, const struct variable *variable)

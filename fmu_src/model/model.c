@@ -255,12 +255,6 @@ static bool all_finite(const void *from, const void *to)
     return all_within(from, to, DBL_MAX);
 }
 
-/* Inputs and their derivatives are below 1e150; more would overflow when the path's origin is moved. */
-static bool paths_are_sound(const struct scene_state *q)
-{
-    return all_within(q->path, q->path + SCENE_BODIES, 1e300);
-}
-
 /* An orientation, to rounding; after the end of initialization all have one. */
 static bool is_orientation(struct quaternion a, bool initialized)
 {
@@ -350,7 +344,9 @@ static bool motion_is_sound(const struct scene_values *v, const struct scene_sta
         q->integrator_fresh == 1 || (q->integrator_fresh == 0 && !(initialized && motion_has_history(v)));
     const bool clocks_are_sound = q->clock >= 0.0 && !isnan(q->horizon_clock) &&
                                   !isnan(q->deferrable_clock) && (q->deferred == 0 || q->deferred == 1);
-    return counted && fresh && clocks_are_sound && paths_are_sound(q) &&
+    /* Inputs and their derivatives are below 1e150; more would overflow when the path's origin is moved. */
+    const bool paths_are_sound = all_within(q->path, q->path + SCENE_BODIES, 1e300);
+    return counted && fresh && clocks_are_sound && paths_are_sound &&
            unfinished_is_sound(v, q, initialized) && all_finite(q->origin, &q->counters) &&
            all_finite(q, q->contact);
 }

@@ -134,12 +134,9 @@ enum model_status model_restore(struct model *m, const void *bytes, size_t size)
  * Regimes change in event mode only, where an indicator has passed zero by more than rounding. The importer
  * says when it changes between event mode and continuous-time mode. A jump of an input in event mode is a
  * jump of the motion, whose work is booked. In continuous-time mode the power of the inputs is integrated. A
- * scene without a body that may be free has neither states nor indicators.
+ * scene without a body that may be free has neither states nor indicators. SCENE_STATES and
+ * SCENE_INDICATORS are their numbers.
  */
-
-/* SCENE_STATES and SCENE_INDICATORS. */
-size_t model_exchange_states(void);
-size_t model_exchange_indicators(void);
 
 /* Begins continuous-time mode, or event mode; a model begins in event mode. */
 void model_exchange_set_continuous(struct model *m, bool continuous);

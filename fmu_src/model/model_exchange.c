@@ -341,16 +341,6 @@ static double touch_after(const struct scene_values *v, const struct scene_state
 
 /* The interface of model.h. */
 
-size_t model_exchange_states(void)
-{
-    return SCENE_STATES;
-}
-
-size_t model_exchange_indicators(void)
-{
-    return SCENE_INDICATORS;
-}
-
 void model_exchange_set_continuous(struct model *m, bool continuous)
 {
     if (!model_apply_inputs(m)) { /* set in the mode that ends; if they are too large, reading says so */

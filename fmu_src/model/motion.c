@@ -98,13 +98,9 @@ static void take_paths(const struct scene_values *v, struct scene_state *q, cons
     scene_rebase(v, q);
     memcpy(q->path, next, sizeof q->path);
     turning_take_axes(v, q);
-#if SCENE_ANY_FRICTION
-    if (SCENE_ANY_FREE && jumps && scene_turns(v) && scene_is_force_element(v)) {
+    if (SCENE_ANY_FRICTION && SCENE_ANY_FREE && jumps && scene_turns(v) && scene_is_force_element(v)) {
         prescribed_lay_springs(v, q);
     }
-#else
-    (void)jumps;
-#endif
 }
 
 bool motion_follow(const struct scene_values *v, struct scene_state *q, const struct body_path *next,
@@ -297,18 +293,14 @@ bool motion_defer(struct model *m, double end_time)
     return true;
 }
 
-/* A measure of a free body's motion that is infinite or NaN where any part of it is. */
-static double size_of_motion(const struct scene_values *v, const struct scene_state *q, int body)
-{
-    const struct vec3 speed = q->body[body].velocity;
-    return body_mass(v, body) * vec3_dot(speed, speed) + vec3_norm(q->body[body].moved);
-}
-
 double motion_size(const struct scene_values *v, const struct scene_state *q)
 {
     double sum = !SCENE_ANY_FREE || scene_is_force_element(v) ? 0.0 : q->dissipated + q->external_work;
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        sum += body_is_free(v, i) ? size_of_motion(v, q, i) : 0.0;
+        if (body_is_free(v, i)) {
+            const struct vec3 speed = q->body[i].velocity;
+            sum += body_mass(v, i) * vec3_dot(speed, speed) + vec3_norm(q->body[i].moved);
+        }
     }
     for (int j = 0; !SCENE_ANY_FREE && SUMS_UP_STEPS && j < SCENE_CONTACTS; ++j) {
         const struct contact_state *state = &q->contact[j];

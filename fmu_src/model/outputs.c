@@ -152,12 +152,6 @@ static bool step_term(const struct model *m, const struct scene_state *q, const 
     }
 }
 
-/* What turns and rubs has of the balance. */
-static double turning_balance_term(const struct scene_values *v, const struct scene_jet *along, int order)
-{
-    return SCENE_ANY_TURNING ? turning_jet_of_rotational(v, along, order) + along->friction[order] : 0.0;
-}
-
 static double energy_term(const struct model *m, const struct scene_jet *along, int row, int order)
 {
     const struct scene_values *v = &m->state.values;
@@ -183,7 +177,8 @@ static double energy_term(const struct model *m, const struct scene_jet *along, 
         return along->external_work[order];
     case ROW_energy_total:
         return kinetic + potential + stored + along->dissipated[order] - along->external_work[order] +
-               turning_balance_term(v, along, order);
+               (SCENE_ANY_TURNING ? turning_jet_of_rotational(v, along, order) + along->friction[order]
+                                  : 0.0);
     default:
         return 0.0;
     }
@@ -438,13 +433,6 @@ static double distance_of(const struct contact_shape *shape, const struct scene_
     return at->geometry[contact].distance;
 }
 
-static void put_force(struct scene_values *v, int contact, double normal_force, struct vec3 source_force)
-{
-    put_contact_normal_force(v, contact, normal_force);
-    put_contact_source_force(v, contact, source_force);
-    put_contact_destination_force(v, contact, vec3_scale(-1.0, source_force));
-}
-
 /* A sum that is finite only if both factors are. */
 static double put_hertz(struct scene_values *v, int contact, const struct contact_law *law)
 {
@@ -482,7 +470,10 @@ static double put_contact(struct scene_values *v, const struct scene_state *q, c
     put_contact_active(v, contact, regime != REGIME_APART);
     put_contact_within_extents(v, contact, within);
     put_contact_zone(v, contact, (int32_t)zones_shown(v, q, at, contact));
-    put_force(v, contact, force, vec3_scale(-shape.side * force, g->normal));
+    const struct vec3 source_force = vec3_scale(-shape.side * force, g->normal);
+    put_contact_normal_force(v, contact, force);
+    put_contact_source_force(v, contact, source_force);
+    put_contact_destination_force(v, contact, vec3_scale(-1.0, source_force));
     return force + distance + g->gap_rate + factors.k + factors.c + put_hertz(v, contact, &law);
 }
 

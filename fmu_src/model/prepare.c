@@ -33,21 +33,6 @@ static enum model_status check_inertia(struct model *m, int body)
                      name, shortest_digits(transverse).text, name, shortest_digits(axial).text);
 }
 
-static enum model_status check_free_rotation(struct model *m, int body)
-{
-    const char *name = scene_body_name(body);
-    const enum shape shape = body_shape(body);
-    if (!body_turns_freely(&m->state.values, body)) {
-        return MODEL_OK;
-    }
-    return shape == SHAPE_PLANE
-               ? model_report(m, MODEL_ERROR,
-                              "%s.rotation = free contradicts its shape: a plane has no inertia (allowed: "
-                              "none, prescribed).",
-                              name)
-               : check_inertia(m, body);
-}
-
 static enum model_status check_rotation(struct model *m, int body)
 {
     const struct scene_values *v = &m->state.values;
@@ -60,10 +45,15 @@ static enum model_status check_rotation(struct model *m, int body)
             "no direction (allowed: at least one component other than zero).",
             name, name, name);
     }
-    if (SCENE_ANY_FREE_ROTATION) {
-        return check_free_rotation(m, body);
+    if (!SCENE_ANY_FREE_ROTATION || !body_turns_freely(v, body)) {
+        return MODEL_OK;
     }
-    return MODEL_OK;
+    return body_shape(body) == SHAPE_PLANE
+               ? model_report(m, MODEL_ERROR,
+                              "%s.rotation = free contradicts its shape: a plane has no inertia (allowed: "
+                              "none, prescribed).",
+                              name)
+               : check_inertia(m, body);
 }
 
 /* What is refused at the end of initialization, and what is warned of. */
@@ -483,21 +473,6 @@ double model_diagonal_slope(const struct model *m, int contact, struct vec3 rate
     return bounding_box_diagonal_rate(&boxes[0], &boxes[1], rate);
 }
 
-/* Inside when the centre (or axis) is closer than r_d and the source fits in, else outside. */
-static int automatic_side(const struct contact_shape *shape, const struct contact_geometry *start)
-{
-    const bool inside = start->distance < shape->other_radius && shape->source_radius < shape->other_radius;
-    return inside ? -1 : 1;
-}
-
-/* A thousandth of the diagonal per second, or the user's [m/s]. */
-static double slip_velocity_of(const struct scene_values *v, int contact, double diagonal)
-{
-    return contact_slip_velocity_control(v, contact) == SLIP_VELOCITY_CONTROL_AUTOMATIC
-               ? 1e-3 * diagonal
-               : contact_characteristic_slip_velocity(v, contact);
-}
-
 static void prepare_contact(const struct scene_values *v, struct scene_state *q, int contact)
 {
     struct contact_state *state = &q->contact[contact];
@@ -506,8 +481,11 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
     state->parameters.diagonal = bounding_box_diagonal(&boxes[0], &boxes[1]);
     state->side = 1;
     state->regime = (int32_t)REGIME_APART;
-    if (SCENE_ANY_FRICTION) {
-        state->parameters.slip_velocity = slip_velocity_of(v, contact, state->parameters.diagonal);
+    if (SCENE_ANY_FRICTION) { /* a thousandth of the diagonal per second, or the user's */
+        state->parameters.slip_velocity =
+            contact_slip_velocity_control(v, contact) == SLIP_VELOCITY_CONTROL_AUTOMATIC
+                ? 1e-3 * state->parameters.diagonal
+                : contact_characteristic_slip_velocity(v, contact);
     }
     if ((SCENE_ANY_CYLINDER || SCENE_ANY_PLANE) && body_shape(contact_destination(contact)) != SHAPE_SPHERE) {
         state->parameters.axis = unit_axis(v, contact_destination(contact));
@@ -516,10 +494,13 @@ static void prepare_contact(const struct scene_values *v, struct scene_state *q,
     state->normal = contact_default_normal(&shape);
     struct scene_instant at;
     scene_now(v, q, &at);
+    state->side = shape.side;
     if (contact_location(v, contact) == LOCATION_AUTOMATIC && !contact_is_capped(&shape)) {
-        state->side = automatic_side(&shape, &at.geometry[contact]);
-    } else {
-        state->side = shape.side;
+        /* inside when the centre (or axis) is closer than r_d and the source fits in */
+        state->side =
+            at.geometry[contact].distance < shape.other_radius && shape.source_radius < shape.other_radius
+                ? -1
+                : 1;
     }
     state->normal = at.geometry[contact].normal;
     state->parameters.factors = model_factors(v, q, contact);

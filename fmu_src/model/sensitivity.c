@@ -100,12 +100,6 @@ static void move_inputs(const struct scene_values *v, const struct scene_state *
     }
 }
 
-static bool factors_are_given(const struct scene_values *v, int contact)
-{
-    return contact_penalty_control(v, contact) == PENALTY_CONTROL_USER_DEFINED &&
-           contact_viscous_control(v, contact) == VISCOUS_CONTROL_USER_DEFINED;
-}
-
 /* Until the end of initialization the diagonal follows the start. */
 static double diagonal_slope(const struct model *m, const struct scene_jet *along, int contact)
 {
@@ -120,7 +114,8 @@ static double diagonal_slope(const struct model *m, const struct scene_jet *alon
 static void vary_factors(const struct model *m, struct scene_jet *along)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        if (!factors_are_given(&m->state.values, j)) {
+        if (contact_penalty_control(&m->state.values, j) != PENALTY_CONTROL_USER_DEFINED ||
+            contact_viscous_control(&m->state.values, j) != VISCOUS_CONTROL_USER_DEFINED) {
             along->law_slope[j] = model_law_slope(m, j, diagonal_slope(m, along, j));
         }
         if (SCENE_ANY_FRICTION &&

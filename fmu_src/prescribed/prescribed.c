@@ -79,19 +79,10 @@ CONTACT_NOINLINE static void instant_at(const struct prescribed_contact *c, doub
                                         struct scene_instant *at)
 {
     kinematics_at(c, clock, at);
-#if SCENE_ANY_FRICTION
-    c->q->turning.spring[c->contact] = spring;
-#else
-    (void)spring;
-#endif
+    if (SCENE_ANY_FRICTION) {
+        c->q->turning.spring[c->contact] = spring;
+    }
     scene_forces(c->v, c->q, clock, at);
-}
-
-static void put_vector(double *out, struct vec3 a)
-{
-    out[0] = a.x;
-    out[1] = a.y;
-    out[2] = a.z;
 }
 
 /* The torques and what friction takes, with the length of both arms [m]. Returns the speeds that the
@@ -100,26 +91,24 @@ static double torque_rates(const struct prescribed_contact *c, const struct scen
                            double rate[TERMS], double *arm)
 {
     *arm = 0.0;
-#if SCENE_ANY_TURNING
+    if (!SCENE_ANY_TURNING) {
+        return 0.0;
+    }
     const int j = c->contact;
     const struct turning_instant *turning = &at->turning;
     if (!scene_turns(c->v)) {
-        put_vector(rate + TERM_DESTINATION_TORQUE, scene_torque_of_force(at, j));
+        vec3_to(scene_torque_of_force(at, j), rate + TERM_DESTINATION_TORQUE);
         *arm = vec3_norm(at->separation[j]);
         return 0.0;
     }
-    put_vector(rate + TERM_SOURCE_TORQUE, turning->source_torque[j]);
-    put_vector(rate + TERM_DESTINATION_TORQUE, turning->destination_torque[j]);
+    vec3_to(turning->source_torque[j], rate + TERM_SOURCE_TORQUE);
+    vec3_to(turning->destination_torque[j], rate + TERM_DESTINATION_TORQUE);
     if (SCENE_ANY_FREE) {
         rate[TERM_FRICTION] = -vec3_dot(turning->friction_force[j], turning->slip[j]);
     }
     *arm = vec3_norm(turning->source_arm[j]) + vec3_norm(turning->destination_arm[j]);
     return *arm * (vec3_norm(turning->body[contact_source(j)].angular_velocity) +
                    vec3_norm(turning->body[contact_destination(j)].angular_velocity));
-#else
-    (void)c, (void)at, (void)rate;
-    return 0.0;
-#endif
 }
 
 /* The integrands. `scale`: how large the quantities are that they are made of. `lever`: what a unit of
@@ -135,7 +124,7 @@ static double rates_at(const struct prescribed_contact *c, const struct scene_in
     for (int k = 0; k < TERMS; ++k) {
         rate[k] = 0.0;
     }
-    put_vector(rate + TERM_FORCE, at->source_force[j]);
+    vec3_to(at->source_force[j], rate + TERM_FORCE);
     const double turning = torque_rates(c, at, rate, &arm);
     const double speed = vec3_norm(at->velocity[contact_source(j)]) +
                          vec3_norm(at->velocity[contact_destination(j)]) + turning;
@@ -157,8 +146,6 @@ static double rates_at(const struct prescribed_contact *c, const struct scene_in
     }
     return speed;
 }
-
-#if SCENE_ANY_ELASTIC_FRICTION
 
 /* Integrals from 0 to node i of [0, 1] of the polynomial that is 1 at node j and 0 at the other nodes of the
  * Gauss rule; computed from that definition with 30 digits. */
@@ -228,7 +215,7 @@ static void put_equations(const struct spring_problem *p, const struct vec3 x[GA
         for (int j = 0; j < GAUSS_NODES; ++j) {
             left = vec3_axpy(left, COLLOCATION[i][j] * p->node[j].factor, rate[j]);
         }
-        put_vector(residual + 3 * i, left);
+        vec3_to(left, residual + 3 * i);
     }
 }
 
@@ -251,7 +238,7 @@ static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NOD
         double change = 0.0;
         double size = vec3_norm(p->start);
         for (int i = 0; i < GAUSS_NODES; ++i) {
-            const struct vec3 d = vec3_make(by[3 * i], by[3 * i + 1], by[3 * i + 2]);
+            const struct vec3 d = vec3_from(by + 3 * i);
             x[i] = vec3_add(x[i], d);
             change = fmax(change, vec3_norm(d));
             size = fmax(size, vec3_norm(x[i]));
@@ -296,8 +283,6 @@ static bool put_springs(const struct prescribed_contact *c, bool graded, struct 
     return true;
 }
 
-#endif
-
 /* Near the touch Hertz's force goes with the power 3/2 of time. A panel at one end of which the depth is
  * less than this part of the depth in its middle is graded (nodes.h). Elsewhere equal steps converge
  * faster. */
@@ -329,11 +314,9 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
         panel->node[i].clock = from + half * gauss_place(i, graded).at;
         panel->node[i].spring = spring;
     }
-#if SCENE_ANY_ELASTIC_FRICTION
     if (contact_rubs_elastically(c->v, c->contact) && !put_springs(c, graded, spring, panel)) {
         return false;
     }
-#endif
     for (int i = 0; i < GAUSS_NODES; ++i) {
         struct scene_instant at;
         double rate[TERMS];
@@ -348,18 +331,16 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
             panel->lever[k] += weight * lever[k];
         }
         panel->node[i].normal = at.geometry[c->contact].normal;
-#if SCENE_ANY_TURNING
-        panel->node[i].slip = at.turning.slip[c->contact];
-        panel->slipped += weight * vec3_norm(panel->node[i].slip);
-#endif
+        if (SCENE_ANY_TURNING) {
+            panel->node[i].slip = at.turning.slip[c->contact];
+            panel->slipped += weight * vec3_norm(panel->node[i].slip);
+        }
     }
     if (SCENE_ANY_FREE) {
         counter_add(&c->q->counters.force_evaluations, GAUSS_NODES);
     }
     return true;
 }
-
-#if SCENE_ANY_TURNING
 
 /*
  * The regimes of law and friction of a contact that turns or rubs: which they are as it begins, the event
@@ -379,25 +360,17 @@ struct margins {
 
 static struct vec3 spring_of(const struct scene_state *q, int contact)
 {
-#if SCENE_ANY_FRICTION
-    return q->turning.spring[contact];
-#else
-    (void)q, (void)contact;
-    return vec3_make(0.0, 0.0, 0.0);
-#endif
+    return SCENE_ANY_FRICTION ? q->turning.spring[contact] : vec3_make(0.0, 0.0, 0.0);
 }
 
-static void margins_at(const struct prescribed_contact *c, double clock, struct vec3 spring,
-                       struct margins *margins);
-
-/* The first event whose function is below zero by more than rounding, of friction below what it was at
- * `start` too; REGIME_EVENTS: none is. */
-static enum regime_event event_passed(const struct margins *now, const struct margins *start);
-
-/* The regimes and the spring after an event at an instant. What sticks again keeps the spring that sliding
- * had. */
-static void take_regime_event(const struct prescribed_contact *c, double clock, struct vec3 spring,
-                              enum regime_event event);
+/* A spring laid across the normal at an instant. */
+static struct vec3 laid_spring(const struct prescribed_contact *c, double clock, struct vec3 spring)
+{
+    struct scene_instant at;
+    instant_at(c, clock, spring, &at);
+    const struct vec3 n = at.geometry[c->contact].normal;
+    return vec3_axpy(spring, -vec3_dot(spring, n), n);
+}
 
 static double event_rounding(const struct prescribed_contact *c, const struct contact_law *law,
                              enum contact_regime regime, const struct scene_instant *at)
@@ -406,8 +379,6 @@ static double event_rounding(const struct prescribed_contact *c, const struct co
     const struct contact_slopes slopes = contact_event_slopes(law, regime, g->gap, g->gap_rate);
     return rounding_of_event(c->v, law, &slopes, at, c->contact, 0.0);
 }
-
-#if SCENE_ANY_FRICTION
 
 static const struct vec3 NO_SPRING = {0.0, 0.0, 0.0};
 
@@ -435,12 +406,6 @@ static struct vec3 first_spring(const struct prescribed_contact *c, const struct
     return vec3_scale(fmax(length, least) / speed, slip);
 }
 
-/* Whether the dashpot may pull while the bodies overlap: F_n is then the law's push, and changes its sign. */
-static bool may_pull(const struct contact_law *law)
-{
-    return law->dashpot == DASHPOT_UNCLAMPED && !contact_is_elastic(law);
-}
-
 /* Friction begins at an instant, its spring at rest. A force that only rounding keeps from being above zero
  * slides. */
 static void start_friction(const struct prescribed_contact *c, double clock)
@@ -451,7 +416,7 @@ static void start_friction(const struct prescribed_contact *c, double clock)
     const struct contact_law normal = scene_contact_law(c->v, c->q, j);
     rub_with(c, FRICTION_STICKING, NO_SPRING);
     instant_at(c, clock, NO_SPRING, &at);
-    const double force = may_pull(&normal) ? at.normal_force[j] : fmax(at.normal_force[j], 0.0);
+    const double force = contact_may_pull(&normal) ? at.normal_force[j] : fmax(at.normal_force[j], 0.0);
     const double rate = turning_normal_force_rate(c->v, c->q, clock, &at, j);
     enum friction_regime next = friction_onset_regime(&law, force, rate, at.turning.slip[j]);
     next = force < 0.0 ? FRICTION_LIFTED : next;
@@ -488,7 +453,7 @@ static void friction_margins(const struct prescribed_contact *c, double clock, c
     const double force = fabs(at->normal_force[j]);
     const double force_noise = rounding_of_force(c->v, c->q, at, j) + MARGIN_ROUNDING * force;
     struct contact_law pull = scene_contact_law(c->v, c->q, j);
-    if (may_pull(&pull)) {
+    if (contact_may_pull(&pull)) {
         const struct contact_geometry *g = &at->geometry[j];
         const double push = contact_push(&pull, g->gap, g->gap_rate);
         pull.dashpot = DASHPOT_NON_ADHESIVE; /* whose event it is that the push ends */
@@ -506,17 +471,38 @@ static void friction_margins(const struct prescribed_contact *c, double clock, c
     }
 }
 
-/* At a corner of the force the slip may no longer stretch the spring, or the spring may be too long. One
- * event at most follows. */
-static void reconsider_friction(const struct prescribed_contact *c, double clock)
+static void margins_at(const struct prescribed_contact *c, double clock, struct vec3 spring,
+                       struct margins *margins)
 {
-    struct margins margins;
-    const struct vec3 spring = c->q->turning.spring[c->contact];
-    margins_at(c, clock, spring, &margins);
-    const enum regime_event event = event_passed(&margins, NULL);
-    if (event > EVENT_LAW && event < REGIME_EVENTS) {
-        take_regime_event(c, clock, spring, event);
+    struct scene_instant at;
+    const struct contact_law law = scene_contact_law(c->v, c->q, c->contact);
+    for (int i = 0; i < REGIME_EVENTS; ++i) {
+        margins->value[i] = 1.0;
+        margins->noise[i] = 0.0;
     }
+    instant_at(c, clock, spring, &at);
+    if (contact_has_events(&law)) {
+        const struct contact_geometry *g = &at.geometry[c->contact];
+        margins->value[EVENT_LAW] = contact_event(&law, regime_of(c), g->gap, g->gap_rate);
+        margins->noise[EVENT_LAW] = event_rounding(c, &law, regime_of(c), &at);
+    }
+    if (contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact)) {
+        friction_margins(c, clock, &at, margins);
+    }
+}
+
+/* The first event whose function is below zero by more than rounding, of friction below what it was at
+ * `start` too; REGIME_EVENTS: none is. */
+static enum regime_event event_passed(const struct margins *now, const struct margins *start)
+{
+    for (int i = 0; i < REGIME_EVENTS; ++i) {
+        /* the law's may jump, in the centre, so that it starts below zero on the other side */
+        const double floor = start && i != EVENT_LAW ? fmin(start->value[i], 0.0) : 0.0;
+        if (now->value[i] < floor - now->noise[i]) {
+            return (enum regime_event)i;
+        }
+    }
+    return REGIME_EVENTS;
 }
 
 static void take_friction_event(const struct prescribed_contact *c, double clock, struct vec3 spring,
@@ -541,6 +527,19 @@ static void take_friction_event(const struct prescribed_contact *c, double clock
     }
 }
 
+/* At a corner of the force the slip may no longer stretch the spring, or the spring may be too long. One
+ * event at most follows. */
+static void reconsider_friction(const struct prescribed_contact *c, double clock)
+{
+    struct margins margins;
+    const struct vec3 spring = c->q->turning.spring[c->contact];
+    margins_at(c, clock, spring, &margins);
+    const enum regime_event event = event_passed(&margins, NULL);
+    if (event > EVENT_LAW && event < REGIME_EVENTS) {
+        take_friction_event(c, clock, spring, event);
+    }
+}
+
 /* After the law's event: friction ends with the force, begins with it, and may stick at its corner. */
 static void follow_law(const struct prescribed_contact *c, double clock, enum contact_regime before)
 {
@@ -556,11 +555,8 @@ static void follow_law(const struct prescribed_contact *c, double clock, enum co
 
 static void lay_spring(const struct prescribed_contact *c)
 {
-    struct scene_instant at;
     struct vec3 *spring = &c->q->turning.spring[c->contact];
-    instant_at(c, c->q->clock, *spring, &at);
-    const struct vec3 n = at.geometry[c->contact].normal;
-    *spring = vec3_axpy(*spring, -vec3_dot(*spring, n), n);
+    *spring = laid_spring(c, c->q->clock, *spring);
 }
 
 void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q)
@@ -570,42 +566,8 @@ void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-#endif
-
-static void margins_at(const struct prescribed_contact *c, double clock, struct vec3 spring,
-                       struct margins *margins)
-{
-    struct scene_instant at;
-    const struct contact_law law = scene_contact_law(c->v, c->q, c->contact);
-    for (int i = 0; i < REGIME_EVENTS; ++i) {
-        margins->value[i] = 1.0;
-        margins->noise[i] = 0.0;
-    }
-    instant_at(c, clock, spring, &at);
-    if (contact_has_events(&law)) {
-        const struct contact_geometry *g = &at.geometry[c->contact];
-        margins->value[EVENT_LAW] = contact_event(&law, regime_of(c), g->gap, g->gap_rate);
-        margins->noise[EVENT_LAW] = event_rounding(c, &law, regime_of(c), &at);
-    }
-#if SCENE_ANY_FRICTION
-    if (contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact)) {
-        friction_margins(c, clock, &at, margins);
-    }
-#endif
-}
-
-static enum regime_event event_passed(const struct margins *now, const struct margins *start)
-{
-    for (int i = 0; i < REGIME_EVENTS; ++i) {
-        /* the law's may jump, in the centre, so that it starts below zero on the other side */
-        const double floor = start && i != EVENT_LAW ? fmin(start->value[i], 0.0) : 0.0;
-        if (now->value[i] < floor - now->noise[i]) {
-            return (enum regime_event)i;
-        }
-    }
-    return REGIME_EVENTS;
-}
-
+/* The regimes and the spring after an event at an instant. What sticks again keeps the spring that sliding
+ * had. */
 static void take_regime_event(const struct prescribed_contact *c, double clock, struct vec3 spring,
                               enum regime_event event)
 {
@@ -614,15 +576,11 @@ static void take_regime_event(const struct prescribed_contact *c, double clock, 
         const struct contact_law law = scene_contact_law(c->v, c->q, c->contact);
         c->q->contact[c->contact].regime = (int32_t)contact_regime_after(&law, before);
     }
-#if SCENE_ANY_FRICTION
-    if (event == EVENT_LAW) {
+    if (SCENE_ANY_FRICTION && event == EVENT_LAW) {
         follow_law(c, clock, before);
-    } else {
+    } else if (SCENE_ANY_FRICTION) {
         take_friction_event(c, clock, spring, event);
     }
-#else
-    (void)clock, (void)spring;
-#endif
 }
 
 /* The regimes from the touch on, and after the parting. */
@@ -633,49 +591,18 @@ static void begin_regimes(const struct prescribed_contact *c, double clock)
     kinematics_at(c, clock, &at);
     (void)onset_note(c->v, c->q, &at, c->contact, scene_regime_of_touching(c->v, c->q, &at, c->contact));
     state->regime = (int32_t)scene_regime_of_touching(c->v, c->q, &at, c->contact);
-#if SCENE_ANY_FRICTION
-    friction_from(c, clock);
-#endif
+    if (SCENE_ANY_FRICTION) {
+        friction_from(c, clock);
+    }
 }
 
 static void end_regimes(const struct prescribed_contact *c)
 {
     c->q->contact[c->contact].regime = (int32_t)REGIME_APART;
-#if SCENE_ANY_FRICTION
-    rub_with(c, FRICTION_STICKING, NO_SPRING);
-#endif
+    if (SCENE_ANY_FRICTION) {
+        rub_with(c, FRICTION_STICKING, NO_SPRING);
+    }
 }
-
-#if !SCENE_ANY_FREE
-/* Puts the regimes to what the present asks for: at the start, and after inputs have jumped. */
-static void settle_regimes(const struct scene_values *v, struct scene_state *q, int contact)
-{
-    struct scene_instant at;
-    const struct prescribed_contact c = {v, q, contact};
-    const enum contact_regime before = regime_of(&c);
-    kinematics_at(&c, q->clock, &at);
-    const enum contact_regime next = onset_note(v, q, &at, contact, scene_regime(v, q, &at, contact));
-    q->contact[contact].regime = (int32_t)next;
-    if (next == REGIME_APART) {
-        end_regimes(&c);
-        return;
-    }
-#if SCENE_ANY_FRICTION
-    if (before != REGIME_APART) {
-        lay_spring(&c);
-    }
-    if (before == REGIME_APART || (contact_rubs(v, contact) && !contact_rubs_elastically(v, contact))) {
-        friction_from(&c, q->clock);
-    } else {
-        follow_law(&c, q->clock, before);
-    }
-#else
-    (void)before;
-#endif
-}
-#endif
-
-#endif
 
 /* A panel and its halves agree to this part of what they are summed up of. The halves are a thousand times
  * better. */
@@ -685,16 +612,13 @@ static const double PANELS_AGREE = 1e-12;
 static const double JUMPS_AGREE = 1e-14;
 /* A slip is a difference of speeds, of which this part is rounding. A spring that sticks adds it up. */
 static const double SLIP_ROUNDINGS = 8.0 * DBL_EPSILON;
-#if SCENE_ANY_TURNING
 /* The integral of the law's event function agrees so closely that its changes of sign show at the nodes. */
 static const double EVENTS_AGREE = 1e-6;
-#endif
 
 /* The cosine of the largest rotation of n between an end of a panel and the node next to it, 0.5 rad.
  * Where it turns further it may reverse, in the centre. */
 static const double LARGEST_TURN_COSINE = 0.88;
 
-#if SCENE_ANY_FRICTION
 /* In characteristic slip velocities: so fast a slip leaves nothing of exp(-|v_t|/v_0); the change of the slip
  * within which an interpolation follows that; so slow that friction is proportional to the slip. */
 static const double SATURATED = 40.0, FOLLOWED = 2.0, PROPORTIONAL = 1e-6;
@@ -713,7 +637,6 @@ static bool sees_layer(const struct span *s, struct vec3 slip, struct vec3 next)
     }
     return speed > SATURATED * unit || vec3_norm(vec3_sub(next, slip)) <= FOLLOWED * unit;
 }
-#endif
 
 /* Whether the nodes see what may happen on the way from an end of a panel to the node next to it. Where
  * the bodies are concentric, to rounding, n has no meaning. */
@@ -724,14 +647,8 @@ static bool sees_end(const struct span *s, const struct scene_instant *at, const
     const struct contact_geometry *g = &at->geometry[j];
     const bool has_direction = !g->degenerate && fabs(g->distance) > rounding_of_gap(s->c.v, at, j);
     const double cosine = vec3_dot(g->normal, panel->node[node].normal);
-    if (has_direction && !(cosine > LARGEST_TURN_COSINE)) {
-        return false;
-    }
-#if SCENE_ANY_FRICTION
-    return sees_layer(s, at->turning.slip[j], panel->node[node].slip);
-#else
-    return true;
-#endif
+    return !(has_direction && !(cosine > LARGEST_TURN_COSINE)) &&
+           (!SCENE_ANY_FRICTION || sees_layer(s, at->turning.slip[j], panel->node[node].slip));
 }
 
 /* In a scene without a free body in which nothing turns no panel goes beyond an extreme of the gap, where the
@@ -760,10 +677,10 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
                               rounding_of_force(s->c.v, s->c.q, &at[1], s->c.contact));
     for (int k = 0; k < TERMS; ++k) {
         const double size = left->size[k] + right->size[k];
-        double allowed = PANELS_AGREE * size + noise * whole->lever[k] + JUMPS_AGREE * s->size[k] + DBL_MIN;
-#if SCENE_ANY_TURNING
-        allowed = k == TERM_EVENT ? EVENTS_AGREE * size + DBL_MIN : allowed;
-#endif
+        const double allowed =
+            SCENE_ANY_TURNING && k == TERM_EVENT
+                ? EVENTS_AGREE * size + DBL_MIN
+                : PANELS_AGREE * size + noise * whole->lever[k] + JUMPS_AGREE * s->size[k] + DBL_MIN;
         const bool overflows = isinf(size); /* a torque may, where the force does not; no panel mends that */
         if (!overflows && !(fabs(left->sum[k] + right->sum[k] - whole->sum[k]) <= allowed)) {
             return false;
@@ -795,17 +712,6 @@ static void add_sums(struct span *s, const struct panel *panel)
         s->size[k] += panel->size[k];
     }
     s->spring = panel->spring;
-}
-
-#if SCENE_ANY_TURNING
-
-/* The spring lies across the normal. */
-static void lay_present_spring(struct span *s, double clock)
-{
-    struct scene_instant at;
-    instant_at(&s->c, clock, s->spring, &at);
-    const struct vec3 n = at.geometry[s->c.contact].normal;
-    s->spring = vec3_axpy(s->spring, -vec3_dot(s->spring, n), n);
 }
 
 /* A place of a panel, and the event functions there. */
@@ -933,15 +839,13 @@ static bool passes_event(struct span *s, const struct panel *left, const struct 
     }
     add_sums(s, &panel);
     note_peaks_between(s, panel.from, panel.to);
-    lay_present_spring(s, panel.to);
+    s->spring = laid_spring(&s->c, panel.to, s->spring);
     take_regime_event(&s->c, panel.to, s->spring, event);
     s->spring = spring_of(s->c.q, s->c.contact);
     counter_add(&s->c.q->counters.events, 1);
     *clock = panel.to;
     return true;
 }
-
-#endif
 
 /* Adds the integrals from one clock to another, between which the bodies touch; returns the clock reached,
  * before `end` where no panels are left. */
@@ -968,20 +872,16 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
             continue;
         }
         width *= 2.0;
-#if SCENE_ANY_TURNING
         if (s->turns && made && divides && passes_event(s, &left, &right, &clock)) {
             continue;
         }
-#endif
         if (made) { /* else one rounding of the clock, in which no force adds up to anything */
             add_sums(s, &left);
             add_sums(s, &right);
             note_peaks_between(s, clock, to);
-#if SCENE_ANY_TURNING
             if (s->turns) {
-                lay_present_spring(s, to);
+                s->spring = laid_spring(&s->c, to, s->spring);
             }
-#endif
         }
         clock = to;
     }
@@ -1002,42 +902,35 @@ static struct span span_of(const struct scene_values *v, struct scene_state *q, 
                          .panel_cost = contact_rubs_elastically(v, contact) ? ELASTIC_PANEL : 1};
 }
 
-static struct vec3 vector_from(const double *a)
-{
-    return vec3_make(a[0], a[1], a[2]);
-}
-
 /* Adds impulses and energies to those of the scene. Scenes without a free body keep means over the span. */
 static void book_span(const struct span *s)
 {
     struct scene_state *q = s->c.q;
     struct contact_state *state = &q->contact[s->c.contact];
-    const struct vec3 force = vector_from(s->sum + TERM_FORCE);
-#if SCENE_ANY_FREE
-    state->physics.impulse = vec3_add(state->physics.impulse, force);
-    q->dissipated += s->sum[TERM_DISSIPATED];
-    q->external_work += s->sum[TERM_WORK];
-#else
-    state->mean_force = vec3_scale(1.0 / s->length, force);
-#endif
-#if SCENE_ANY_TURNING
+    const struct vec3 force = vec3_from(s->sum + TERM_FORCE);
     struct contact_torques *torques = &state->torques;
-    const struct vec3 source = vector_from(s->sum + TERM_SOURCE_TORQUE);
-    const struct vec3 destination = vector_from(s->sum + TERM_DESTINATION_TORQUE);
-#if SCENE_ANY_FREE
-    torques->source_impulse = vec3_add(torques->source_impulse, source);
-    torques->destination_impulse = vec3_add(torques->destination_impulse, destination);
-    q->friction_energy += s->sum[TERM_FRICTION];
-#else
-    torques->source_mean = vec3_scale(1.0 / s->length, source);
-    torques->destination_mean = vec3_scale(1.0 / s->length, destination);
-#endif
-#endif
-#if SCENE_ANY_FRICTION
-    if (s->turns) {
+    if (SCENE_ANY_FREE) {
+        state->physics.impulse = vec3_add(state->physics.impulse, force);
+        q->dissipated += s->sum[TERM_DISSIPATED];
+        q->external_work += s->sum[TERM_WORK];
+    } else {
+        state->mean_force = vec3_scale(1.0 / s->length, force);
+    }
+    if (SCENE_ANY_TURNING) {
+        const struct vec3 source = vec3_from(s->sum + TERM_SOURCE_TORQUE);
+        const struct vec3 destination = vec3_from(s->sum + TERM_DESTINATION_TORQUE);
+        if (SCENE_ANY_FREE) {
+            torques->source_impulse = vec3_add(torques->source_impulse, source);
+            torques->destination_impulse = vec3_add(torques->destination_impulse, destination);
+            q->friction_energy += s->sum[TERM_FRICTION];
+        } else {
+            torques->source_mean = vec3_scale(1.0 / s->length, source);
+            torques->destination_mean = vec3_scale(1.0 / s->length, destination);
+        }
+    }
+    if (SCENE_ANY_FRICTION && s->turns) {
         q->turning.spring[s->c.contact] = s->spring;
     }
-#endif
 }
 
 #if SCENE_ANY_FREE
@@ -1093,13 +986,10 @@ double prescribed_integrate(const struct scene_values *v, struct scene_state *q,
 
 #endif
 
-#if SCENE_ANY_TURNING
-
 static struct axis_motion axis_from(const struct span *s, const struct scene_instant *at, double clock)
 {
     const int destination = contact_destination(s->c.contact);
     const struct vec3 axis = at->turning.axis[s->c.contact];
-#if SCENE_ANY_ROTATION
     if (body_turn_is_prescribed(s->c.v, destination) && body_shape(destination) != SHAPE_SPHERE) {
         struct body_path path = s->c.q->path[destination];
         path_shift(path.angular_velocity, 3, clock);
@@ -1108,9 +998,6 @@ static struct axis_motion axis_from(const struct span *s, const struct scene_ins
                    ? axis_motion_prescribed(axis, path.angular_velocity, 3)
                    : axis_motion_following(path.axis, 3);
     }
-#else
-    (void)destination, (void)clock;
-#endif
     return axis_motion_fixed(axis);
 }
 
@@ -1152,24 +1039,22 @@ static void begin_contact(struct span *s, double clock)
     struct scene_state *q = s->c.q;
     begin_regimes(&s->c, clock);
     s->spring = spring_of(q, s->c.contact);
-#if SCENE_ANY_FREE
-    struct contact_record *record = &q->contact[s->c.contact].record;
-    counter_add(&record->onsets, 1);
-    record->onset_time = q->base + (q->base_tail + clock);
-    record->touch_clock = clock;
-#endif
+    if (SCENE_ANY_FREE) {
+        struct contact_record *record = &q->contact[s->c.contact].record;
+        counter_add(&record->onsets, 1);
+        record->onset_time = q->base + (q->base_tail + clock);
+        record->touch_clock = clock;
+    }
     counter_add(&q->counters.events, 1);
 }
 
 static void end_contact(struct span *s, double clock)
 {
     end_regimes(&s->c);
-#if SCENE_ANY_FREE
-    struct contact_record *record = &s->c.q->contact[s->c.contact].record;
-    record->last_duration = clock - record->touch_clock;
-#else
-    (void)clock;
-#endif
+    if (SCENE_ANY_FREE) {
+        struct contact_record *record = &s->c.q->contact[s->c.contact].record;
+        record->last_duration = clock - record->touch_clock;
+    }
     counter_add(&s->c.q->counters.events, 1);
 }
 
@@ -1217,8 +1102,6 @@ static bool integrate_located(struct span *s)
 /* So many steps of turning_prescribed_steps in all of its evaluations take as long as a panel does else. */
 static const double STEPS_OF_PANEL = 5.0;
 
-#endif
-
 #if !SCENE_ANY_FREE
 
 /*
@@ -1226,14 +1109,38 @@ static const double STEPS_OF_PANEL = 5.0;
  * turns or rubs. Places are parts of the step, from 0 to 1.
  */
 
+/* Puts the regimes to what the present asks for: at the start, and after inputs have jumped. */
+static void settle_regimes(const struct scene_values *v, struct scene_state *q, int contact)
+{
+    struct scene_instant at;
+    const struct prescribed_contact c = {v, q, contact};
+    const enum contact_regime before = regime_of(&c);
+    kinematics_at(&c, q->clock, &at);
+    const enum contact_regime next = onset_note(v, q, &at, contact, scene_regime(v, q, &at, contact));
+    q->contact[contact].regime = (int32_t)next;
+    if (next == REGIME_APART) {
+        end_regimes(&c);
+        return;
+    }
+    if (!SCENE_ANY_FRICTION) {
+        return;
+    }
+    if (before != REGIME_APART) {
+        lay_spring(&c);
+    }
+    if (before == REGIME_APART || (contact_rubs(v, contact) && !contact_rubs_elastically(v, contact))) {
+        friction_from(&c, q->clock);
+    } else {
+        follow_law(&c, q->clock, before);
+    }
+}
+
 static void book_mean(struct contact_state *state, struct vec3 force, struct vec3 torque)
 {
     state->mean_force = force;
-#if SCENE_HAS_TORQUES
-    state->torques.destination_mean = torque;
-#else
-    (void)torque;
-#endif
+    if (SCENE_HAS_TORQUES) {
+        state->torques.destination_mean = torque;
+    }
 }
 
 void prescribed_settle(const struct scene_values *v, struct scene_state *q)
@@ -1241,12 +1148,10 @@ void prescribed_settle(const struct scene_values *v, struct scene_state *q)
     struct scene_instant at;
     scene_kinematics_now(v, q, &at);
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-#if SCENE_ANY_TURNING
         if (scene_turns(v)) {
             settle_regimes(v, q, j);
             continue;
         }
-#endif
         q->contact[j].regime = (int32_t)onset_note(v, q, &at, j, scene_regime(v, q, &at, j));
     }
 }
@@ -1436,32 +1341,29 @@ static bool integrate_polynomial(struct span *s)
 
 bool prescribed_over(const struct scene_values *v, struct scene_state *q, double length, long panels)
 {
-#if SCENE_ANY_TURNING
     long evaluations = SEARCH_BUDGET;
-    const double steps = turning_prescribed_steps(v, q, q->clock + length);
-#endif
+    const double steps = SCENE_ANY_TURNING ? turning_prescribed_steps(v, q, q->clock + length) : 0.0;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         struct span s = span_of(v, q, j, length, &panels);
-        (void)s; /* used by scenes that turn or that have no free body */
+        bool done = true;
         if (!contact_is_prescribed(v, j)) {
             continue;
         }
-#if SCENE_ANY_TURNING
         if (s.turns) {
             s.evaluations = &evaluations;
             s.panel_cost += (long)fmin(steps / STEPS_OF_PANEL, PRESCRIBED_PANELS);
-            if (!integrate_located(&s)) {
-                return false;
+            done = integrate_located(&s);
+            if (done) {
+                book_span(&s);
             }
-            book_span(&s);
-            continue;
-        }
-#endif
+        } else {
 #if !SCENE_ANY_FREE
-        if (!integrate_polynomial(&s)) {
+            done = integrate_polynomial(&s);
+#endif
+        }
+        if (!done) {
             return false;
         }
-#endif
     }
     return true;
 }

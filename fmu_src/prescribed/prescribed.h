@@ -33,9 +33,7 @@ void prescribed_settle(const struct scene_values *v, struct scene_state *q);
 /* Settles the regimes; notes the force of the present instant as the peak, with a mean of zero. */
 void prescribed_begin(const struct scene_values *v, struct scene_state *q);
 
-#if SCENE_ANY_FRICTION
 /* After inputs have jumped, the springs of contacts that touch lie across the new normals. */
 void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q);
-#endif
 
 #endif

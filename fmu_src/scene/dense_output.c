@@ -61,14 +61,6 @@ static void probe_slope(const void *data, double s, double *value, double *slope
     *slope = probe->what->factor * at.of[probe->what->quantity][2];
 }
 
-static double value_at(const struct probe *probe, double s)
-{
-    double value;
-    double slope;
-    probe_value(probe, s, &value, &slope);
-    return value;
-}
-
 /* The quantity at a place, or its slope: ends of a bracket of probe_value, probe_slope. */
 static struct root_bracket_end value_end(const struct probe *probe, int i)
 {
@@ -247,8 +239,9 @@ static double larger_between(const struct probe *probe, struct root_bracket_end 
     }
     if (brackets_top(probe, &low, &high) &&
         !dense_output_climb(probe->output, what, root_guess(low, high), low.s, high.s, &largest)) {
-        const double top = root_in_bracket(probe_slope, probe, low.s, high.s);
-        largest = fmax(largest, value_at(probe, top));
+        struct root_bracket_end top = {.s = root_in_bracket(probe_slope, probe, low.s, high.s)};
+        probe_value(probe, top.s, &top.value, &top.slope);
+        largest = fmax(largest, top.value);
     }
     return largest;
 }

@@ -128,18 +128,12 @@ static struct quaternion rotation_over(const struct vec3 *omega, double clock, s
     return q;
 }
 
-/* Around one direction the angle is the integral of the speed. */
-static bool is_around_one_direction(const struct vec3 omega[3])
-{
-    return path_is_steady(omega, 3);
-}
-
 static struct quaternion turned_by(const struct vec3 *omega, double clock, struct quaternion q)
 {
     if (clock == 0.0) {
         return q;
     }
-    if (is_around_one_direction(omega)) {
+    if (path_is_steady(omega, 3)) { /* about one direction: the angle is the integral of the speed */
         return quaternion_unit(quaternion_product(quaternion_of_rotation(vec3_scale(clock, omega[0])), q));
     }
     return rotation_over(omega, clock, q);
@@ -150,7 +144,7 @@ double turning_prescribed_steps(const struct scene_values *v, const struct scene
     double steps = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         const struct vec3 *omega = q->path[i].angular_velocity;
-        if (body_turn_is_prescribed(v, i) && !is_around_one_direction(omega)) {
+        if (body_turn_is_prescribed(v, i) && !path_is_steady(omega, 3)) {
             steps += length * (vec3_norm(omega[0]) +
                                length * (vec3_norm(omega[1]) / 2.0 + length * vec3_norm(omega[2]) / 3.0));
         }
@@ -252,15 +246,6 @@ void turning_of_bodies(const struct scene_values *v, const struct scene_state *q
     }
 }
 
-/* Torques from the force on the source. */
-static void put_torques(struct scene_instant *at, int contact)
-{
-    struct turning_instant *turning = &at->turning;
-    const struct vec3 force = at->source_force[contact];
-    turning->source_torque[contact] = vec3_cross(turning->source_arm[contact], force);
-    turning->destination_torque[contact] = vec3_cross(force, turning->destination_arm[contact]);
-}
-
 void turning_of_contact(const struct scene_values *v, const struct scene_state *q,
                         const struct turning_state *state, int contact, struct scene_instant *at)
 {
@@ -282,13 +267,14 @@ void turning_of_contact(const struct scene_values *v, const struct scene_state *
     turning->friction_force[contact] = vec3_make(0.0, 0.0, 0.0);
     if (contact_rubs(v, contact) && q->contact[contact].regime != (int32_t)REGIME_APART) {
         const struct friction_law law = scene_friction_law(v, q, contact);
-        const struct friction_state rubbing = {at->normal_force[contact], turning->slip[contact],
-                                               state->spring[contact]};
+        const struct friction_state rubbing = turning_rubbing(state, at, contact);
         turning->friction_force[contact] =
             friction_force(&law, (enum friction_regime)q->contact[contact].friction_regime, rubbing);
         at->source_force[contact] = vec3_add(at->source_force[contact], turning->friction_force[contact]);
     }
-    put_torques(at, contact);
+    const struct vec3 force = at->source_force[contact];
+    turning->source_torque[contact] = vec3_cross(arm, force);
+    turning->destination_torque[contact] = vec3_cross(force, turning->destination_arm[contact]);
 }
 
 void turning_complete(const struct scene_values *v, const struct scene_state *q, struct scene_instant *at)
@@ -397,27 +383,14 @@ CONTACT_NOINLINE void scene_kinematics_turning(const struct scene_values *v, con
     }
 }
 
-/* Gravity and the external force; contacts are added by scene_evaluate. */
-static struct vec3 free_acceleration(const struct scene_values *v, const struct scene_state *q, double clock,
-                                     int body)
-{
-    const struct vec3 force = path_at(q->path[body].force, 3, clock);
-    return vec3_axpy(gravity(v), 1.0 / body_mass(v, body), force);
-}
-
-/* d/dt of a prescribed velocity. */
-static struct vec3 path_rate(const struct scene_state *q, double clock, int body)
-{
-    return vec3_axpy(q->path[body].velocity[1], 2.0 * clock, q->path[body].velocity[2]);
-}
-
 /* `turning`: NULL where nothing turns or rubs. */
 static inline void put_forces(const struct scene_values *v, const struct scene_state *q, double clock,
                               const struct turning_state *turning, struct scene_instant *at)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {
-        at->acceleration[i] = body_is_free(v, i)         ? free_acceleration(v, q, clock, i)
-                              : body_is_prescribed(v, i) ? path_rate(q, clock, i)
+        at->acceleration[i] = body_is_free(v, i)         ? vec3_axpy(gravity(v), 1.0 / body_mass(v, i),
+                                                                     path_at(q->path[i].force, 3, clock))
+                              : body_is_prescribed(v, i) ? path_slope(q->path[i].velocity, clock)
                                                          : vec3_make(0.0, 0.0, 0.0);
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
@@ -715,8 +688,7 @@ struct vec3 turning_acceleration(const struct scene_values *v, const struct scen
                                     turning_torque_on(v, q, clock, at, body));
     }
     if (body_turn_is_prescribed(v, body)) {
-        const struct vec3 *path = q->path[body].angular_velocity;
-        return vec3_axpy(path[1], 2.0 * clock, path[2]);
+        return path_slope(q->path[body].angular_velocity, clock);
     }
     return vec3_make(0.0, 0.0, 0.0);
 }
@@ -750,13 +722,6 @@ struct friction_state turning_rubbing(const struct turning_state *turning, const
                                    turning->spring[contact]};
 }
 
-/* w as the destination's frame sees it. */
-static struct vec3 seen_rate(const struct scene_instant *at, int contact)
-{
-    const struct vec3 omega = at->turning.body[contact_destination(contact)].angular_velocity;
-    return vec3_sub(at->rate[contact], vec3_cross(omega, at->separation[contact]));
-}
-
 struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene_state *q,
                                 const struct scene_instant *at, int contact)
 {
@@ -767,7 +732,7 @@ struct vec3 turning_normal_rate(const struct scene_values *v, const struct scene
     if (!contact_turns(&shape, g)) {
         return turned;
     }
-    const struct vec3 across = contact_turning_part(&shape, g, seen_rate(at, contact));
+    const struct vec3 across = contact_turning_part(&shape, g, rate_in_destination(v, at, contact));
     return vec3_axpy(turned, 1.0 / g->distance, across);
 }
 
@@ -796,14 +761,13 @@ static double gap_acceleration(const struct scene_values *v, const struct scene_
     const int destination = contact_destination(contact);
     const struct contact_shape shape = scene_shape_met(v, q, at, contact);
     const struct contact_geometry *g = &at->geometry[contact];
-    struct vec3 seen = at->rate[contact];
+    const struct vec3 seen = rate_in_destination(v, at, contact);
     struct vec3 change = vec3_sub(at->acceleration[destination], at->acceleration[contact_source(contact)]);
     double turned = 0.0;
     if (scene_turns(v)) {
         const struct vec3 c = at->separation[contact];
         const struct vec3 omega = at->turning.body[destination].angular_velocity;
         const struct vec3 faster = turning_acceleration(v, q, clock, at, destination);
-        seen = vec3_sub(seen, vec3_cross(omega, c));
         change = vec3_sub(change, vec3_add(vec3_cross(faster, c), vec3_cross(omega, at->rate[contact])));
         turned = vec3_dot(vec3_cross(omega, g->normal), seen);
     }
@@ -886,21 +850,6 @@ void zones_follow(struct scene_state *q, const struct scene_instant *at, int con
     }
 }
 
-/* The rate of the separation as the destination's axis sees it, which may turn. */
-static struct vec3 rate_by_axis(const struct scene_values *v, const struct scene_instant *at, int contact)
-{
-    if (scene_turns(v)) {
-        const struct vec3 spin = at->turning.body[contact_destination(contact)].angular_velocity;
-        return vec3_sub(at->rate[contact], vec3_cross(spin, at->separation[contact]));
-    }
-    return at->rate[contact];
-}
-
-static bool is_at_rim(int zone)
-{
-    return abs(zone) == ZONE_RIM;
-}
-
 bool zones_pass(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
                 int contact)
 {
@@ -911,10 +860,11 @@ bool zones_pass(const struct scene_values *v, struct scene_state *q, const struc
     const struct contact_shape shape = scene_contact_shape_at(v, q, at, contact);
     const struct vec3 c = at->separation[contact];
     const double rounding = fmax(rounding_of_gap(v, at, contact), fabs(zones_margin(v, q, at, contact)));
-    const int next = contact_zone_next(&shape.solid, zone, c, rate_by_axis(v, at, contact), rounding);
+    const int next = contact_zone_next(&shape.solid, zone, c, rate_in_destination(v, at, contact), rounding);
     const struct solid_place place = contact_place_at(&shape.solid, c);
     q->contact[contact].zone = next;
-    return !(is_at_rim(zone) || is_at_rim(next)) || fmax(fabs(place.radial), fabs(place.axial)) <= rounding;
+    return (abs(zone) != ZONE_RIM && abs(next) != ZONE_RIM) ||
+           fmax(fabs(place.radial), fabs(place.axial)) <= rounding;
 }
 
 void zones_settle(const struct scene_values *v, struct scene_state *q, const struct scene_instant *at,
@@ -1195,16 +1145,20 @@ double energy_potential_of(const struct scene_values *v, const struct scene_inst
 }
 
 /* I_t omega^2/2 + (I_a - I_t) (omega.e)^2/2 */
+double body_rotational_energy(const struct scene_values *v, int body, const struct body_turn *turn)
+{
+    const struct body_inertia inertia = body_inertia_of(v, body);
+    const double axial = vec3_dot(turn->angular_velocity, quaternion_third_axis(turn->orientation));
+    return 0.5 * inertia.transverse * vec3_dot(turn->angular_velocity, turn->angular_velocity) +
+           0.5 * (inertia.axial - inertia.transverse) * axial * axial;
+}
+
 double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at)
 {
     double sum = 0.0;
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_turns_freely(v, i)) {
-            const struct body_inertia inertia = body_inertia_of(v, i);
-            const struct body_turn *turn = &at->turning.body[i];
-            const double axial = vec3_dot(turn->angular_velocity, quaternion_third_axis(turn->orientation));
-            sum += 0.5 * inertia.transverse * vec3_dot(turn->angular_velocity, turn->angular_velocity) +
-                   0.5 * (inertia.axial - inertia.transverse) * axial * axial;
+            sum += body_rotational_energy(v, i, &at->turning.body[i]);
         }
     }
     return sum;
@@ -1217,8 +1171,7 @@ double energy_tangential_of(const struct scene_values *v, const struct scene_sta
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (contact_rubs_elastically(v, j) && q->contact[j].regime != (int32_t)REGIME_APART) {
             const struct friction_law law = scene_friction_law(v, q, j);
-            const struct friction_state rubbing = {at->normal_force[j], at->turning.slip[j],
-                                                   q->turning.spring[j]};
+            const struct friction_state rubbing = turning_rubbing(&q->turning, at, j);
             sum += friction_stored_energy(&law, (enum friction_regime)q->contact[j].friction_regime, rubbing);
         }
     }

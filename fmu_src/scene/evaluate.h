@@ -355,7 +355,8 @@ enum contact_regime onset_note(const struct scene_values *v, struct scene_state 
 /* Sum of m v^2 / 2 over the free bodies. */
 double energy_kinetic_of(const struct scene_values *v, const struct scene_instant *at);
 
-/* Sum of omega I omega / 2 over the bodies that turn freely; energy stored by the tangential springs. */
+/* omega I omega / 2 of a body; its sum over bodies of free rotation; what the tangential springs store. */
+double body_rotational_energy(const struct scene_values *v, int body, const struct body_turn *turn);
 double energy_rotational_of(const struct scene_values *v, const struct scene_instant *at);
 double energy_tangential_of(const struct scene_values *v, const struct scene_state *q,
                             const struct scene_instant *at);

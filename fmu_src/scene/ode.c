@@ -49,10 +49,7 @@ struct turning_layout turning_layout_of(const struct scene_values *v)
 
 int ode_impulse(const struct scene_values *v, int contact)
 {
-    if (scene_turns(v)) {
-        return turning_layout_of(v).integrals + TURNING_IMPULSES * contact;
-    }
-    return ode_body(v, SCENE_BODIES) + 3 * contact;
+    return ode_integrals(v) + (scene_turns(v) ? TURNING_IMPULSES : 3) * contact;
 }
 
 int ode_dissipated(const struct scene_values *v)
@@ -62,18 +59,12 @@ int ode_dissipated(const struct scene_values *v)
 
 int ode_coupled(const struct scene_values *v)
 {
-    if (scene_turns(v)) {
-        return turning_layout_of(v).coupled;
-    }
-    return ode_body(v, SCENE_BODIES);
+    return scene_turns(v) ? turning_layout_of(v).coupled : ode_body(v, SCENE_BODIES);
 }
 
 int ode_integrals(const struct scene_values *v)
 {
-    if (scene_turns(v)) {
-        return turning_layout_of(v).integrals;
-    }
-    return ode_body(v, SCENE_BODIES);
+    return scene_turns(v) ? turning_layout_of(v).integrals : ode_body(v, SCENE_BODIES);
 }
 
 int ode_size(const struct scene_values *v)
@@ -83,18 +74,12 @@ int ode_size(const struct scene_values *v)
 
 int ode_forces(const struct scene_values *v)
 {
-    if (scene_turns(v)) {
-        const int forces = 3 * SCENE_CONTACTS;
-        int left = turning_layout_of(v).coupled;
-        for (int i = 0; i < SCENE_BODIES; ++i) {
-            left -= body_is_free(v, i) ? 3 : 0;
-        }
-        for (int j = 0; j < SCENE_CONTACTS; ++j) {
-            left = contact_rubs_elastically(v, j) ? 0 : left; /* springs couple the states, too */
-        }
-        return forces < left ? forces : 0;
+    const int forces = 3 * SCENE_CONTACTS;
+    int left = scene_turns(v) ? ode_coupled(v) - ode_body(v, SCENE_BODIES) / 2 : 0;
+    for (int j = 0; j < SCENE_CONTACTS; ++j) {
+        left = contact_rubs_elastically(v, j) ? 0 : left; /* springs couple, too */
     }
-    return 0;
+    return forces < left ? forces : 0;
 }
 
 int ode_tipping(const struct scene_values *v)
@@ -109,32 +94,21 @@ int ode_tipping(const struct scene_values *v)
     return count;
 }
 
-double turning_inertia(const struct scene_values *v, int body)
+/* I_1 of a body of free rotation [kg m^2], and I_1/I_3 - 1. */
+static double turning_inertia(const struct scene_values *v, int body)
 {
     return body_inertia_of(v, body).transverse;
 }
 
-double turning_flatness(const struct scene_values *v, int body)
+static double turning_flatness(const struct scene_values *v, int body)
 {
     const struct body_inertia inertia = body_inertia_of(v, body);
     return (inertia.transverse - inertia.axial) / inertia.axial;
 }
 
-struct quaternion turning_orientation_from(const double *data)
+static struct quaternion four_from(const double *data)
 {
-    return quaternion_unit((struct quaternion){data[0], data[1], data[2], data[3]});
-}
-
-static void three_to(struct vec3 a, double *data)
-{
-    data[0] = a.x;
-    data[1] = a.y;
-    data[2] = a.z;
-}
-
-static struct vec3 three_from(const double *data)
-{
-    return vec3_make(data[0], data[1], data[2]);
+    return (struct quaternion){data[0], data[1], data[2], data[3]};
 }
 
 static void four_to(struct quaternion a, double *data)
@@ -161,14 +135,15 @@ static struct vec3 angular_velocity_of(const struct scene_values *v, struct quat
     return vec3_axpy(spin, turning_flatness(v, body) * vec3_dot(spin, e), e);
 }
 
-void turning_pack(const struct scene_ode *ode, double *y)
+/* The states of bodies that turn and of springs into y, and out of it; y's orientations need not be unit. */
+static void turning_pack(const struct scene_ode *ode, double *y)
 {
     const struct turning_layout layout = turning_layout_of(ode->values);
     if (SCENE_ANY_ROTATION) {
         for (int i = 0; i < SCENE_BODIES; ++i) {
             if (layout.spin[i] >= 0) {
                 const struct body_turn *turn = &ode->state->turning.body[i];
-                three_to(spin_of(ode->values, turn, i), y + layout.spin[i]);
+                vec3_to(spin_of(ode->values, turn, i), y + layout.spin[i]);
                 four_to(turn->orientation, y + layout.orientation[i]);
             }
         }
@@ -176,56 +151,56 @@ void turning_pack(const struct scene_ode *ode, double *y)
     if (SCENE_ANY_FRICTION) {
         for (int j = 0; j < SCENE_CONTACTS; ++j) {
             if (layout.spring[j] >= 0) {
-                three_to(ode->state->turning.spring[j], y + layout.spring[j]);
+                vec3_to(ode->state->turning.spring[j], y + layout.spring[j]);
             }
         }
     }
 }
 
-void turning_unpack(const struct scene_values *v, const double *y, struct turning_state *turning)
+static void turning_unpack(const struct scene_values *v, const double *y, struct turning_state *turning)
 {
     const struct turning_layout layout = turning_layout_of(v);
     if (SCENE_ANY_ROTATION) {
         for (int i = 0; i < SCENE_BODIES; ++i) {
             if (layout.spin[i] >= 0) {
                 struct body_turn *turn = &turning->body[i];
-                turn->orientation = turning_orientation_from(y + layout.orientation[i]);
+                turn->orientation = quaternion_unit(four_from(y + layout.orientation[i]));
                 turn->angular_velocity =
-                    angular_velocity_of(v, turn->orientation, three_from(y + layout.spin[i]), i);
+                    angular_velocity_of(v, turn->orientation, vec3_from(y + layout.spin[i]), i);
             }
         }
     }
     if (SCENE_ANY_FRICTION) {
         for (int j = 0; j < SCENE_CONTACTS; ++j) {
             if (layout.spring[j] >= 0) {
-                turning->spring[j] = three_from(y + layout.spring[j]);
+                turning->spring[j] = vec3_from(y + layout.spring[j]);
             }
         }
     }
 }
 
-void turning_pack_integrals(const struct scene_ode *ode, double *y)
+static void turning_pack_integrals(const struct scene_ode *ode, double *y)
 {
     const struct scene_values *v = ode->values;
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         const struct contact_torques *torques = &ode->state->contact[j].torques;
-        three_to(torques->source_impulse, y + ode_impulse(v, j) + 3);
-        three_to(torques->destination_impulse, y + ode_impulse(v, j) + 6);
+        vec3_to(torques->source_impulse, y + ode_impulse(v, j) + 3);
+        vec3_to(torques->destination_impulse, y + ode_impulse(v, j) + 6);
     }
     y[ode_dissipated(v) + 2] = ode->state->friction_energy;
 }
 
-void turning_unpack_integrals(const struct scene_values *v, struct scene_state *q, const double *y)
+static void turning_unpack_integrals(const struct scene_values *v, struct scene_state *q, const double *y)
 {
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
-        q->contact[j].torques.source_impulse = three_from(y + ode_impulse(v, j) + 3);
-        q->contact[j].torques.destination_impulse = three_from(y + ode_impulse(v, j) + 6);
+        q->contact[j].torques.source_impulse = vec3_from(y + ode_impulse(v, j) + 3);
+        q->contact[j].torques.destination_impulse = vec3_from(y + ode_impulse(v, j) + 6);
     }
     q->friction_energy = y[ode_dissipated(v) + 2];
 }
 
-void turning_rates(const struct scene_ode *ode, double clock, const double *y, const struct scene_instant *at,
-                   double *rates)
+static void turning_rates(const struct scene_ode *ode, double clock, const double *y,
+                          const struct scene_instant *at, double *rates)
 {
     const struct scene_values *v = ode->values;
     const struct turning_layout layout = turning_layout_of(v);
@@ -234,46 +209,46 @@ void turning_rates(const struct scene_ode *ode, double clock, const double *y, c
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout.spin[i] >= 0) {
             const struct vec3 torque = turning_torque_on(v, ode->state, clock, at, i);
-            const double *o = y + layout.orientation[i];
-            const struct quaternion orientation = {o[0], o[1], o[2], o[3]};
-            three_to(vec3_scale(1.0 / turning_inertia(v, i), torque), rates + layout.spin[i]);
+            const struct quaternion orientation = four_from(y + layout.orientation[i]);
+            vec3_to(vec3_scale(1.0 / turning_inertia(v, i), torque), rates + layout.spin[i]);
             four_to(quaternion_rate(orientation, at->turning.body[i].angular_velocity),
                     rates + layout.orientation[i]);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (layout.spring[j] >= 0) {
-            three_to(turning_spring_rate(v, ode->state, &turning, at, j), rates + layout.spring[j]);
+            vec3_to(turning_spring_rate(v, ode->state, &turning, at, j), rates + layout.spring[j]);
         }
-        three_to(at->turning.source_torque[j], rates + ode_impulse(v, j) + 3);
-        three_to(at->turning.destination_torque[j], rates + ode_impulse(v, j) + 6);
+        vec3_to(at->turning.source_torque[j], rates + ode_impulse(v, j) + 3);
+        vec3_to(at->turning.destination_torque[j], rates + ode_impulse(v, j) + 6);
     }
     rates[ode_dissipated(v) + 2] = turning_friction_power(v, at);
 }
 
+static void set_three(double *sizes, double size)
+{
+    sizes[0] = sizes[1] = sizes[2] = size;
+}
+
 /* An orientation is as large as a unit quaternion. */
-void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes)
+static void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes)
 {
     const struct scene_values *v = ode->values;
     const struct turning_layout layout = turning_layout_of(v);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (layout.spin[i] >= 0) {
-            const double spin = vec3_norm(three_from(y + layout.spin[i]));
-            three_to(vec3_make(spin, spin, spin), sizes + layout.spin[i]);
+            set_three(sizes + layout.spin[i], vec3_norm(vec3_from(y + layout.spin[i])));
             four_to((struct quaternion){1.0, 1.0, 1.0, 1.0}, sizes + layout.orientation[i]);
         }
     }
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         if (layout.spring[j] >= 0) {
-            const double length = vec3_norm(three_from(y + layout.spring[j]));
-            three_to(vec3_make(length, length, length), sizes + layout.spring[j]);
+            set_three(sizes + layout.spring[j], vec3_norm(vec3_from(y + layout.spring[j])));
         }
         const double lever = body_radius(v, contact_source(j));
         for (int k = 3; k < TURNING_IMPULSES; k += 3) {
-            double *size = sizes + ode_impulse(v, j) + k;
-            const double impulse =
-                fmax(vec3_norm(three_from(y + ode_impulse(v, j) + k)), lever * ode->momentum_scale);
-            three_to(vec3_make(impulse, impulse, impulse), size);
+            const int index = ode_impulse(v, j) + k;
+            set_three(sizes + index, fmax(vec3_norm(vec3_from(y + index)), lever * ode->momentum_scale));
         }
     }
 }
@@ -337,8 +312,8 @@ static void friction_events(const struct scene_ode *ode, double clock, const str
     }
 }
 
-void turning_events(const struct scene_ode *ode, double clock, const double *y,
-                    const struct scene_instant *at, int contact, double out[ODE_EVENTS_EACH])
+static void turning_events(const struct scene_ode *ode, double clock, const double *y,
+                           const struct scene_instant *at, int contact, double out[ODE_EVENTS_EACH])
 {
     const struct turning_laws laws = turning_laws_of(ode->values, ode->state, contact);
     const struct contact_geometry *g = &at->geometry[contact];
@@ -372,12 +347,6 @@ static double stick_rounding(const struct turning_laws *laws, double normal_forc
     return is_force ? law->damping * tolerated + of_limit : tolerated;
 }
 
-/* Error of contact_push, which is the force or its factor. */
-static double push_rounding(const struct contact_law *law, double of_force, double tolerated)
-{
-    return contact_is_hertz(law) ? 8.0 * DBL_EPSILON + law->damping * tolerated : of_force;
-}
-
 /* Sets offsets by rounding alone. */
 static void put_friction_offsets(struct scene_ode *ode, const struct scene_instant *at, int contact,
                                  double tolerated)
@@ -391,7 +360,10 @@ static void put_friction_offsets(struct scene_ode *ode, const struct scene_insta
     ode->stick_offset[contact] = 2.0 * stick_rounding(&laws, force, of_force, tolerated);
     ode->cap_offset[contact] =
         breaks_away(&laws) ? ode->stick_offset[contact] : 2.0 * laws.friction.coefficient * rounding;
-    ode->lift_offset[contact] = 2.0 * push_rounding(&laws.normal, rounding, tolerated);
+    /* of contact_push, which is the force or its factor */
+    ode->lift_offset[contact] =
+        2.0 *
+        (contact_is_hertz(&laws.normal) ? 8.0 * DBL_EPSILON + laws.normal.damping * tolerated : rounding);
 }
 
 void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,
@@ -404,13 +376,15 @@ void turning_friction_events(struct scene_ode *ode, const struct scene_instant *
     friction_events(ode, ode->state->clock, &ode->state->turning, at, contact, events);
 }
 
-void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int contact, double tolerated)
+/* Sets the offsets of friction's event functions, for speeds that are right to `tolerated` [m/s]. */
+static void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int contact,
+                          double tolerated)
 {
     double events[ODE_EVENTS_EACH];
     ode->stick_offset[contact] = ode->cap_offset[contact] = ode->lift_offset[contact] = 0.0;
     if (!SCENE_ANY_FRICTION || !contact_transmits(ode->state, contact) ||
         !contact_rubs(ode->values, contact)) {
-        return;
+        return; /* `events` has no room for those of friction */
     }
     turning_friction_events(ode, at, contact, tolerated, events);
     ode->stick_offset[contact] += 2.0 * fmax(-events[ODE_EVENT_STICK], 0.0);
@@ -480,18 +454,6 @@ void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double rel
     }
 }
 
-static struct vec3 vec3_from(const double *data)
-{
-    return vec3_make(data[0], data[1], data[2]);
-}
-
-static void vec3_to(struct vec3 a, double *data)
-{
-    data[0] = a.x;
-    data[1] = a.y;
-    data[2] = a.z;
-}
-
 static void unpack_bodies(const struct scene_values *v, const double *y,
                           struct body_state bodies[SCENE_BODIES])
 {
@@ -551,8 +513,9 @@ void ode_instant(const struct scene_ode *ode, double clock, const double *y, str
     scene_evaluate(ode->values, ode->state, clock, bodies, at);
 }
 
-void ode_rates(const struct scene_ode *ode, double clock, const double *y, double *rates)
+void ode_rates(const void *scene_ode, double clock, const double *y, double *rates)
 {
+    const struct scene_ode *ode = scene_ode;
     const struct scene_values *v = ode->values;
     struct scene_instant at;
     ode_instant(ode, clock, y, &at);
@@ -570,11 +533,6 @@ void ode_rates(const struct scene_ode *ode, double clock, const double *y, doubl
     if (scene_turns(v)) {
         turning_rates(ode, clock, y, &at, rates);
     }
-}
-
-static void set_three(double *sizes, double size)
-{
-    sizes[0] = sizes[1] = sizes[2] = size;
 }
 
 void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
@@ -601,29 +559,27 @@ void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes)
 
 /* The Jacobian of a scene that turns or rubs: exact, by directional derivatives of each contact. */
 
-#include <string.h>
-
 /* The leading rows and columns of the Jacobian, dense, by columns. Entries outside are dropped. */
-struct turning_matrix {
+struct jacobian {
     double *at;
     int size;
 };
 
-static void add_entry(struct turning_matrix m, int row, int column, double value)
+static void add_entry(struct jacobian m, int row, int column, double value)
 {
     if (row < m.size && column < m.size) {
         m.at[column * m.size + row] += value;
     }
 }
 
-static void add_three(struct turning_matrix m, int row, int column, double factor, struct vec3 a)
+static void add_three(struct jacobian m, int row, int column, double factor, struct vec3 a)
 {
     for (int k = 0; k < 3; ++k) {
         add_entry(m, row + k, column, factor * vec3_get(a, k));
     }
 }
 
-static void add_four(struct turning_matrix m, int row, int column, struct quaternion a)
+static void add_four(struct jacobian m, int row, int column, struct quaternion a)
 {
     add_entry(m, row, column, a.w);
     add_three(m, row + 1, column, 1.0, quaternion_vector(a));
@@ -636,7 +592,7 @@ struct turning_linearization {
     struct scene_instant at;
     struct turning_state turning;
     struct turning_layout layout;
-    struct turning_matrix matrix;
+    struct jacobian matrix;
     double *of_forces; /* [coupled][3 contacts]: only the forces by the states are wanted; else NULL */
 };
 
@@ -645,11 +601,6 @@ static struct vec3 along_axis(int component)
     struct vec3 a = {0.0, 0.0, 0.0};
     vec3_set(&a, component, 1.0);
     return a;
-}
-
-static struct quaternion along_component(int component)
-{
-    return (struct quaternion){component == 0, component == 1, component == 2, component == 3};
 }
 
 /* d omega of a body by component k of its spin: e_k + (I_1/I_3 - 1) e (e.e_k). */
@@ -664,7 +615,7 @@ static struct vec3 rotation_by_spin(const struct turning_linearization *l, int b
 static struct vec3 axis_by_orientation(const struct turning_linearization *l, int body, int k)
 {
     const double *data = l->y + l->layout.orientation[body];
-    const struct quaternion q = {data[0], data[1], data[2], data[3]};
+    const struct quaternion q = four_from(data);
     const struct vec3 slopes[4] = {
         {q.y, -q.x, q.w}, {q.z, -q.w, -q.x}, {q.w, q.z, -q.y}, {q.x, q.y, q.z}}; /* halves */
     const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
@@ -674,8 +625,7 @@ static struct vec3 axis_by_orientation(const struct turning_linearization *l, in
 /* d omega by that change of the axis, under the same spin. */
 static struct vec3 rotation_by_axis(const struct turning_linearization *l, int body, struct vec3 change)
 {
-    const double *data = l->y + l->layout.spin[body];
-    const struct vec3 spin = vec3_make(data[0], data[1], data[2]);
+    const struct vec3 spin = vec3_from(l->y + l->layout.spin[body]);
     const struct vec3 e = quaternion_third_axis(l->at.turning.body[body].orientation);
     const struct vec3 both = vec3_axpy(vec3_scale(vec3_dot(spin, change), e), vec3_dot(spin, e), change);
     return vec3_scale(turning_flatness(l->ode->values, body), both);
@@ -788,8 +738,7 @@ static void add_rotation(const struct turning_linearization *l, double clock, in
     const int spin = l->layout.spin[body];
     const int orientation = l->layout.orientation[body];
     const int work = ode_dissipated(l->ode->values) + 1;
-    const double *data = l->y + orientation;
-    const struct quaternion q = {data[0], data[1], data[2], data[3]};
+    const struct quaternion q = four_from(l->y + orientation);
     const struct vec3 torque = path_at(l->ode->state->path[body].torque, 3, clock);
     for (int k = 0; k < 3; ++k) {
         const struct vec3 change = rotation_by_spin(l, body, k);
@@ -799,9 +748,9 @@ static void add_rotation(const struct turning_linearization *l, double clock, in
     for (int k = 0; k < 4; ++k) {
         const struct vec3 change = rotation_by_axis(l, body, axis_by_orientation(l, body, k));
         const struct vec3 omega = l->at.turning.body[body].angular_velocity;
-        add_four(
-            l->matrix, orientation, orientation + k,
-            quaternion_axpy(quaternion_rate(along_component(k), omega), 1.0, quaternion_rate(q, change)));
+        const struct quaternion along = {k == 0, k == 1, k == 2, k == 3};
+        add_four(l->matrix, orientation, orientation + k,
+                 quaternion_axpy(quaternion_rate(along, omega), 1.0, quaternion_rate(q, change)));
         add_entry(l->matrix, work, orientation + k, vec3_dot(torque, change));
     }
 }
@@ -825,15 +774,18 @@ static void linearize(struct turning_linearization *l, double clock)
     }
 }
 
-void turning_jacobian(const struct scene_ode *ode, double clock, const double *y, int size, double *columns)
+/* The leading `size` rows and columns of the Jacobian, by columns. */
+static void turning_jacobian(const struct scene_ode *ode, double clock, const double *y, int size,
+                             double *columns)
 {
     struct turning_linearization l = {.ode = ode, .y = y, .matrix = {columns, size}};
     linearize(&l, clock);
 }
 
-void turning_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
-                            double *by_forces, double *of_forces)
+void ode_split_jacobian(const void *scene_ode, double clock, const double *y, double *columns,
+                        double *by_forces, double *of_forces)
 {
+    const struct scene_ode *ode = scene_ode;
     const int coupled = ode_coupled(ode->values);
     const size_t count = 3 * SCENE_CONTACTS * (size_t)coupled;
     struct turning_linearization l = {
@@ -841,7 +793,7 @@ void turning_split_jacobian(const struct scene_ode *ode, double clock, const dou
     memset(of_forces, 0, count * sizeof *of_forces);
     memset(by_forces, 0, count * sizeof *by_forces);
     linearize(&l, clock);
-    struct turning_matrix by = {by_forces, coupled};
+    struct jacobian by = {by_forces, coupled};
     for (int j = 0; j < 3 * SCENE_CONTACTS; ++j) {
         const int contact = j / 3;
         const struct vec3 force = along_axis(j % 3);
@@ -948,31 +900,20 @@ enum contact_regime ode_regime_after(const struct scene_values *v, const struct 
     return contact_regime_of(&law, gap, at.geometry[contact].gap_rate, true);
 }
 
-/* Dense, by columns. */
-struct matrix {
-    double *at;
-    int rows;
-};
-
-static double *entry(struct matrix m, int row, int column)
-{
-    return m.at + column * m.rows + row;
-}
-
-static void add_block(struct matrix jacobian, int row, int column, double factor, double block[3][3])
+static void add_block(struct jacobian m, int row, int column, double factor, double block[3][3])
 {
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
-            *entry(jacobian, row + i, column + j) += factor * block[i][j];
+            add_entry(m, row + i, column + j, factor * block[i][j]);
         }
     }
 }
 
-static void add_row(struct matrix jacobian, int row, int column, double factor, struct vec3 entries)
+static void add_row(struct jacobian m, int row, int column, double factor, struct vec3 entries)
 {
-    *entry(jacobian, row, column) += factor * entries.x;
-    *entry(jacobian, row, column + 1) += factor * entries.y;
-    *entry(jacobian, row, column + 2) += factor * entries.z;
+    for (int k = 0; k < 3; ++k) {
+        add_entry(m, row, column + k, factor * vec3_get(entries, k));
+    }
 }
 
 /* a^T M */
@@ -984,7 +925,7 @@ static struct vec3 left_product(struct vec3 a, double m[3][3])
 }
 
 /* Adds the effects of the state of `body` (sign -1: source, +1: destination) through contact j. */
-static void contact_columns(struct matrix jacobian, const struct scene_ode *ode,
+static void contact_columns(struct jacobian jacobian, const struct scene_ode *ode,
                             const struct scene_instant *at, int j, int body, double sign,
                             struct contact_jacobian *gradient)
 {
@@ -1011,22 +952,23 @@ static void contact_columns(struct matrix jacobian, const struct scene_ode *ode,
     add_row(jacobian, ode_dissipated(v), column + 3, sign, gradient->power_by_rate);
 }
 
-void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns)
+void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
 {
+    const struct scene_ode *ode = scene_ode;
     const struct scene_values *v = ode->values;
-    const struct matrix jacobian = {columns, ode_size(v)};
+    const struct jacobian jacobian = {columns, ode_size(v)};
     if (scene_turns(v)) {
         turning_jacobian(ode, clock, y, ode_size(v), columns);
         return;
     }
     struct scene_instant at;
     ode_instant(ode, clock, y, &at);
-    memset(columns, 0, (size_t)jacobian.rows * (size_t)jacobian.rows * sizeof *columns);
+    memset(columns, 0, (size_t)jacobian.size * (size_t)jacobian.size * sizeof *columns);
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_is_free(v, i)) {
             const int index = ode_body(v, i);
             for (int k = 0; k < 3; ++k) {
-                *entry(jacobian, index + k, index + 3 + k) = 1.0;
+                add_entry(jacobian, index + k, index + 3 + k, 1.0);
             }
             add_row(jacobian, ode_dissipated(v) + 1, index + 3, 1.0,
                     path_at(ode->state->path[i].force, 3, clock));
@@ -1050,8 +992,9 @@ void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, do
     }
 }
 
-void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns)
+void ode_coupled_jacobian(const void *scene_ode, double clock, const double *y, double *columns)
 {
+    const struct scene_ode *ode = scene_ode;
     double whole[ODE_MOST_STATES * ODE_MOST_STATES];
     const int size = ode_size(ode->values);
     const int coupled = ode_coupled(ode->values);
@@ -1065,27 +1008,14 @@ void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const doubl
     }
 }
 
-void ode_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
-                        double *by_forces, double *of_forces)
-{
-    if (SCENE_ANY_TURNING) {
-        turning_split_jacobian(ode, clock, y, columns, by_forces, of_forces);
-    }
-}
-
-static bool path_rests(const struct vec3 *coefficients, int count)
-{
-    return path_is_steady(coefficients, count) && vec3_is_zero(coefficients[0]);
-}
-
 /* Whether only gravity and contacts do work on a body. A prescribed body rests by both of its inputs. */
 static bool body_is_undriven(const struct scene_values *v, const struct scene_state *q, int body)
 {
     const struct body_path *path = &q->path[body];
     if (body_is_prescribed(v, body)) {
-        return path_is_steady(path->displacement, 4) && path_rests(path->velocity, 3);
+        return path_is_steady(path->displacement, 4) && path_rests(path->velocity);
     }
-    return !body_is_free(v, body) || path_rests(path->force, 3);
+    return !body_is_free(v, body) || path_rests(path->force);
 }
 
 /* Whether a contact keeps the energy of its relative motion, and no other contact acts. Bodies that turn

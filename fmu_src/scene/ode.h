@@ -79,14 +79,14 @@ void ode_begin(struct scene_ode *ode, const struct scene_instant *at, double rel
 void ode_pack(const struct scene_ode *ode, double *y);
 void ode_unpack(const struct scene_values *v, struct scene_state *q, const double *y);
 
-/* dy/dt. */
-void ode_rates(const struct scene_ode *ode, double clock, const double *y, double *rates);
+/* dy/dt. This and the Jacobians are handed to integrators that know no scene (math/radau_step.h). */
+void ode_rates(const void *scene_ode, double clock, const double *y, double *rates);
 
 /* d(dy/dt)_i / dy_j at [j * ode_size + i]: dense, by columns. */
-void ode_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns);
+void ode_jacobian(const void *scene_ode, double clock, const double *y, double *columns);
 
 /* The Jacobian of the coupled states: ode_coupled rows and columns. */
-void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns);
+void ode_coupled_jacobian(const void *scene_ode, double clock, const double *y, double *columns);
 
 /* Number of forces by which the coupled states act on each other, 0: they do not act by a few forces only;
  * number of the last coupled states whose rates depend on other states directly as well. The split Jacobian:
@@ -94,7 +94,7 @@ void ode_coupled_jacobian(const struct scene_ode *ode, double clock, const doubl
  * * ode_forces + force]. The effect of the places of the forces on their torques is left out. */
 int ode_forces(const struct scene_values *v);
 int ode_tipping(const struct scene_values *v);
-void ode_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
+void ode_split_jacobian(const void *scene_ode, double clock, const double *y, double *columns,
                         double *by_forces, double *of_forces);
 
 void ode_events(const struct scene_ode *ode, double clock, const double *y, double events[ODE_EVENTS]);
@@ -112,12 +112,10 @@ enum contact_regime ode_regime_after(const struct scene_values *v, const struct 
  * do not depend on the place. Energies and impulses are at least those of the free bodies. */
 void ode_nominal(const struct scene_ode *ode, const double *y, double *sizes);
 
-/* The instant at y; for ode.c. */
+/* The instant at y. */
 void ode_instant(const struct scene_ode *ode, double clock, const double *y, struct scene_instant *at);
 
-/* Rotations and friction in the differential equations. */
-
-/* Indices of the states in y; -1: the scene has no such state. */
+/* Where the states of scenes that turn or rub are in y; -1: there is none. */
 struct turning_layout {
     int spin[SCENE_BODIES];        /* L / I_1 */
     int orientation[SCENE_BODIES]; /* w, x, y, z */
@@ -129,46 +127,10 @@ enum { TURNING_IMPULSES = 9 }; /* of a contact: of force, of torque on the sourc
 
 struct turning_layout turning_layout_of(const struct scene_values *v);
 
-/* I_1 of a body that turns freely [kg m^2], and I_1/I_3 - 1. */
-double turning_inertia(const struct scene_values *v, int body);
-double turning_flatness(const struct scene_values *v, int body);
-
-/* The orientation in y, made unit. */
-struct quaternion turning_orientation_from(const double *data);
-
-/* Packs the states of bodies that turn and of springs into y, and unpacks them. Orientations in y need not
- * have unit length. */
-void turning_pack(const struct scene_ode *ode, double *y);
-void turning_unpack(const struct scene_values *v, const double *y, struct turning_state *turning);
-
-/* Packs the impulses of torques and the work on friction into y. */
-void turning_pack_integrals(const struct scene_ode *ode, double *y);
-void turning_unpack_integrals(const struct scene_values *v, struct scene_state *q, const double *y);
-
-/* Rates of these states, and event functions of friction of a contact; `at` is the instant at y. */
-void turning_rates(const struct scene_ode *ode, double clock, const double *y, const struct scene_instant *at,
-                   double *rates);
-void turning_events(const struct scene_ode *ode, double clock, const double *y,
-                    const struct scene_instant *at, int contact, double out[ODE_EVENTS_EACH]);
-
-/* The leading `size` rows and columns of the Jacobian, by columns. */
-void turning_jacobian(const struct scene_ode *ode, double clock, const double *y, int size, double *columns);
-
-/* ode_split_jacobian of a scene that turns or rubs. */
-void turning_split_jacobian(const struct scene_ode *ode, double clock, const double *y, double *columns,
-                            double *by_forces, double *of_forces);
-
-/* Sets the offsets of these event functions of a contact for a phase that begins at the instant `at` of
- * ode->state, of speeds that are right to `tolerated` [m/s]. */
-void turning_begin(struct scene_ode *ode, const struct scene_instant *at, int contact, double tolerated);
-
-/* The event functions of friction at the present instant `at` of ode->state, each raised by twice the error
- * that rounding and an error of the speeds by `tolerated` [m/s] cause. */
+/* The event functions of friction at the present of ode->state, the instant `at`, each raised by twice what
+ * rounding and an error of the speeds by `tolerated` [m/s] make of it. */
 void turning_friction_events(struct scene_ode *ode, const struct scene_instant *at, int contact,
                              double tolerated, double events[ODE_EVENTS_EACH]);
-
-/* ode_nominal of rotations and springs. */
-void turning_nominal(const struct scene_ode *ode, const double *y, double *sizes);
 
 /*
  * Invariants at the end of a contact phase (projection methods: Hairer, Lubich, Wanner, Geometric Numerical

@@ -45,12 +45,6 @@ static void put_bodies(const struct scene_values *v, const struct scene_state *q
     }
 }
 
-/* d/dt of a path of three coefficients. */
-static struct vec3 path_slope(const struct vec3 *path, double clock)
-{
-    return vec3_axpy(path[1], 2.0 * clock, path[2]);
-}
-
 struct vec3 free_bodies_half_jerk(const struct scene_values *v, const struct scene_jet *along, int body)
 {
     struct vec3 force = along->force[body];
@@ -238,7 +232,7 @@ void turning_jet_put_bodies(const struct scene_values *v, const struct scene_sta
                 put_prescribed(q, i, along);
             } else if (body_turns_freely(v, i)) {
                 const struct body_path *path = &q->path[i];
-                along->torque[i] = vec3_axpy(path->torque[1], 2.0 * q->clock, path->torque[2]);
+                along->torque[i] = path_slope(path->torque, q->clock);
                 put_turning_axis(along->angular_velocity[i], along->axis[i]);
                 put_orientation(along->angular_velocity[i], along->orientation[i]);
             }
@@ -279,13 +273,6 @@ static struct vec3 half_spin_jerk(const struct scene_values *v, const struct sce
     return vec3_scale(0.5 / inertia.transverse, vec3_axpy(torque[1], -more, gyration));
 }
 
-static struct vec3 times(const double m[3][3], struct vec3 a)
-{
-    return vec3_make(m[0][0] * a.x + m[0][1] * a.y + m[0][2] * a.z,
-                     m[1][0] * a.x + m[1][1] * a.y + m[1][2] * a.z,
-                     m[2][0] * a.x + m[2][1] * a.y + m[2][2] * a.z);
-}
-
 /* Half of the spring's xi'', where xi' = f(F_n, v_t, xi) - n (xi.n'). */
 static struct vec3 half_spring_change(const struct scene_values *v, const struct scene_state *q,
                                       const struct scene_instant *at, const struct scene_jet *along,
@@ -300,9 +287,8 @@ static struct vec3 half_spring_change(const struct scene_values *v, const struct
     const struct vec3 bend[2] = {geometry->normal[1], vec3_scale(2.0, geometry->normal[2])};
     const double tilted[2] = {vec3_dot(spring[0], bend[0]),
                               vec3_dot(spring[1], bend[0]) + vec3_dot(spring[0], bend[1])};
-    struct vec3 sum = vec3_scale(geometry->normal_force[1], slopes.by_normal_force);
-    sum = vec3_add(sum, times(slopes.by_slip, along->turning[contact].slip[1]));
-    sum = vec3_add(sum, times(slopes.by_spring, spring[1]));
+    const struct vec3 sum =
+        friction_slopes_along(&slopes, geometry->normal_force[1], along->turning[contact].slip[1], spring[1]);
     return vec3_scale(0.5, vec3_sub(sum, jet_scale(tilted, geometry->normal, 1)));
 }
 

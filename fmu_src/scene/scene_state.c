@@ -41,6 +41,16 @@ double scene_remaining(const struct scene_state *q, double end_time)
     return (end_time - q->base) - q->base_tail - q->clock;
 }
 
+bool path_rests(const struct vec3 path[3])
+{
+    return path_is_steady(path, 3) && vec3_is_zero(path[0]);
+}
+
+struct vec3 path_slope(const struct vec3 path[3], double clock)
+{
+    return vec3_axpy(path[1], 2.0 * clock, path[2]);
+}
+
 struct vec3 path_at(const struct vec3 *coefficients, int count, double clock)
 {
     struct vec3 value = coefficients[count - 1];

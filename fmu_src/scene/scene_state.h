@@ -225,8 +225,14 @@ void scene_rebase(const struct scene_values *v, struct scene_state *q);
 /* A path's value at a clock, of `count` coefficients. */
 struct vec3 path_at(const struct vec3 *coefficients, int count, double clock);
 
+/* The derivative of a path of three coefficients at a clock. */
+struct vec3 path_slope(const struct vec3 path[3], double clock);
+
 /* Whether nothing but the first coefficient counts, as of most paths. */
 bool path_is_steady(const struct vec3 *coefficients, int count);
+
+/* Whether a path of three coefficients is zero throughout. */
+bool path_rests(const struct vec3 path[3]);
 
 /* The same path with its origin moved to `clock`. */
 void path_shift(struct vec3 *coefficients, int count, double clock);

@@ -65,7 +65,6 @@ enum contact_regime regime_by_margins(const struct scene_values *v, const struct
     return within || !contact_has_events(&law) ? regime : contact_regime_after(&law, regime);
 }
 
-#if SCENE_ANY_FRICTION
 static bool is_beyond(enum friction_regime regime, enum ode_event event)
 {
     switch (event) {
@@ -117,9 +116,6 @@ enum ode_event regime_friction_event(const struct scene_values *v, const struct 
     }
     return ODE_EVENT_GAP;
 }
-#endif
-
-#if SCENE_ANY_FRICTION
 
 static void set_friction_regime(struct scene_state *q, int contact, enum friction_regime regime)
 {
@@ -294,8 +290,11 @@ static void reconsider(const struct scene_values *v, struct scene_state *q, int 
     }
 }
 
-void turning_take_regime(const struct scene_values *v, struct scene_state *q, int contact,
-                         enum contact_regime before)
+/* After a contact has changed its regime from `before` at the present instant: friction begins with a spring
+ * at rest, sticking where that persists; or ends, and what its spring stores is dissipated; or goes on, in
+ * the regime that the new force asks for. */
+static void turning_take_regime(const struct scene_values *v, struct scene_state *q, int contact,
+                                enum contact_regime before)
 {
     if (!contact_rubs(v, contact)) {
         return;
@@ -310,8 +309,9 @@ void turning_take_regime(const struct scene_values *v, struct scene_state *q, in
     }
 }
 
-void turning_take_event(const struct scene_values *v, struct scene_state *q, int contact,
-                        enum ode_event event)
+/* After one of friction's own events (scene/ode.h) at the present instant. */
+static void turning_take_event(const struct scene_values *v, struct scene_state *q, int contact,
+                               enum ode_event event)
 {
     const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime;
     if (regime == FRICTION_STICKING && (event == ODE_EVENT_STICK || event == ODE_EVENT_CAP)) {
@@ -326,8 +326,6 @@ void turning_take_event(const struct scene_values *v, struct scene_state *q, int
         end_friction(q, contact);
     }
 }
-
-#endif
 
 static void note_regime(struct scene_state *q, int contact, enum contact_regime regime)
 {
@@ -348,14 +346,11 @@ static void note_regime(struct scene_state *q, int contact, enum contact_regime 
 static void set_regime(const struct scene_values *v, struct scene_state *q, int contact,
                        enum contact_regime regime)
 {
-#if SCENE_ANY_FRICTION
     const enum contact_regime before = (enum contact_regime)q->contact[contact].regime;
     note_regime(q, contact, regime);
-    turning_take_regime(v, q, contact, before);
-#else
-    (void)v;
-    note_regime(q, contact, regime);
-#endif
+    if (SCENE_ANY_FRICTION) {
+        turning_take_regime(v, q, contact, before);
+    }
 }
 
 /* Rounding of the gap after contact, besides its rounding bound: that of the distance covered into and out of
@@ -436,11 +431,9 @@ static enum contact_regime regime_at_jump(const struct scene_values *v, struct s
 {
     q->contact[contact].physics.accumulated_gap = DBL_MAX;
     scene_kinematics_now(v, q, at);
-#if SCENE_ANY_FRICTION
-    if (contact_rubs(v, contact)) {
+    if (SCENE_ANY_FRICTION && contact_rubs(v, contact)) {
         end_friction(q, contact);
     }
-#endif
     return scene_regime_of_touching(v, q, at, contact);
 }
 
@@ -483,18 +476,22 @@ void transition_change_regime(const struct scene_values *v, struct scene_state *
     note_peaks_of_touching(v, q, at);
 }
 
-#if SCENE_ANY_FRICTION
 void transition_change_friction(const struct scene_values *v, struct scene_state *q, int contact,
                                 enum ode_event event, struct scene_instant *at)
 {
-    scene_rebase(v, q);
-    turning_take_event(v, q, contact, event);
-    counter_add(&q->counters.events, 1);
+    transition_switch_friction(v, q, contact, event);
     scene_kinematics_now(v, q, at);
     begin_phase(v, q, at);
     note_peaks_of_touching(v, q, at);
 }
-#endif
+
+void transition_switch_friction(const struct scene_values *v, struct scene_state *q, int contact,
+                                enum ode_event event)
+{
+    scene_rebase(v, q);
+    turning_take_event(v, q, contact, event);
+    counter_add(&q->counters.events, 1);
+}
 
 void transition_switch_regime(const struct scene_values *v, struct scene_state *q, int contact,
                               enum contact_regime regime)
@@ -513,16 +510,6 @@ void transition_switch_regime(const struct scene_values *v, struct scene_state *
     q->dissipated += before - energy_stored(v, q, &at);
     counter_add(&q->counters.events, 1);
 }
-
-#if SCENE_ANY_FRICTION
-void transition_switch_friction(const struct scene_values *v, struct scene_state *q, int contact,
-                                enum ode_event event)
-{
-    scene_rebase(v, q);
-    turning_take_event(v, q, contact, event);
-    counter_add(&q->counters.events, 1);
-}
-#endif
 
 void transition_settle_regimes(const struct scene_values *v, struct scene_state *q, double stored_before,
                                bool starting)
@@ -585,10 +572,10 @@ void transition_begin_step(const struct scene_values *v, struct scene_state *q, 
     for (int j = 0; j < SCENE_CONTACTS; ++j) {
         q->contact[j].record.impulse_mark = q->contact[j].physics.impulse;
         q->contact[j].record.force_bound = 0.0;
-#if SCENE_ANY_TURNING
-        q->contact[j].torques.source_mark = q->contact[j].torques.source_impulse;
-        q->contact[j].torques.destination_mark = q->contact[j].torques.destination_impulse;
-#endif
+        if (SCENE_ANY_TURNING) {
+            q->contact[j].torques.source_mark = q->contact[j].torques.source_impulse;
+            q->contact[j].torques.destination_mark = q->contact[j].torques.destination_impulse;
+        }
         q->contact[j].peaks = (struct contact_peaks){0.0, 0.0};
     }
     note_instant(q, at);

@@ -642,11 +642,9 @@ void collocation_deviation_at_node(const struct collocation *p, int node, double
                     x);
 }
 
-void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[3])
+void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[4])
 {
-    double all[4];
-    nodal_derivatives(p->result.normal_mismatch, p->nodes->points, s, all);
-    memcpy(normal_mismatch, all, 3 * sizeof *normal_mismatch);
+    nodal_derivatives(p->result.normal_mismatch, p->nodes->points, s, normal_mismatch);
 }
 
 void collocation_overdamped_push(const struct collocation *p, double s, double push[3])

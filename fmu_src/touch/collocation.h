@@ -125,10 +125,10 @@ bool collocation_finish(struct collocation *p, double before, double tolerance);
 /* Error of a resolved step at s close to its end, where the order of the nodes' quadrature counts [m]. */
 double collocation_error_near_end(const struct collocation *p, double s);
 
-/* x and its first three derivatives; half n.E and its first two. */
+/* x, half n.E, and the first three derivatives of either. */
 void collocation_deviation(const struct collocation *p, double s, double x[4]);
 void collocation_deviation_at_node(const struct collocation *p, int node, double x[4]);
-void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[3]);
+void collocation_mismatch(const struct collocation *p, double s, double normal_mismatch[4]);
 
 /* The contact force over m_red of an overdamped step, half^2 (x'' - n.A - |H|^2 / d^3) = -(omega2 x +
  * damping_rate (x' + n.E)), and its first two derivatives. They come from x'' and f, because spring and

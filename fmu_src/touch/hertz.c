@@ -380,14 +380,6 @@ static void slow_acceleration(const struct frame_flight *flight, double time, do
     }
 }
 
-/* A at the nodes. */
-static void slow_note_pull(struct quasi_static *p)
-{
-    for (int i = 0; i < QUASI_STATIC_N; ++i) {
-        slow_acceleration(&p->flight, p->half * (1.0 + radau.node[i]), p->pull[i]);
-    }
-}
-
 static double slow_dot(const double *a, const double *b)
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -513,15 +505,7 @@ static struct rim_slopes slow_rim_slopes(const struct quasi_static *p, int node,
     double turned[QUASI_STATIC_TURNING];
     turned_at(p, node, turned); /* they start at zero */
     *at = slow_rim_state(p, turned, p->depth[node]);
-    return rim_slopes_at(at, vec3_make(pull[0], pull[1], pull[2]));
-}
-
-/* The frame, and the flight in it. */
-static void slow_rim_begin(struct quasi_static *p)
-{
-    p->rim = pair_rim_start(p->from);
-    p->flight = frame_flight_at_rim(p->from);
-    memset(p->start, 0, sizeof p->start);
+    return rim_slopes_at(at, vec3_from(pull));
 }
 
 /* Two rows, from `first` of rim_rows on, and their rates; returns the largest change by this sweep. */
@@ -558,17 +542,10 @@ static void slow_rim_load(const struct quasi_static *p, double load[QUASI_STATIC
     }
 }
 
-static void put_components(struct vec3 a, double out[FRAME])
-{
-    out[0] = a.x;
-    out[1] = a.y;
-    out[2] = a.z;
-}
-
 static void slow_rim_normal(const struct quasi_static *p, const struct slow_place *at, double n[FRAME])
 {
     const struct rim_state state = slow_rim_state(p, at->turned, at->depth);
-    put_components(rim_normal(&state), n);
+    vec3_to(rim_normal(&state), n);
 }
 
 static void slow_rim_deviation(const struct quasi_static *p, const struct slow_place *at, double s,
@@ -578,8 +555,8 @@ static void slow_rim_deviation(const struct quasi_static *p, const struct slow_p
     const double time = p->half * s;
     const struct rim_state start = rim_state_of(&p->rim, none, 0.0);
     const struct rim_state then = slow_rim_state(p, at->turned, at->depth);
-    put_components(rim_moved(&p->rim, &then), r);
-    put_components(
+    vec3_to(rim_moved(&p->rim, &then), r);
+    vec3_to(
         vec3_sub(rim_velocity(&then, -at->rate / p->half), rim_velocity(&start, -p->rate_start / p->half)),
         r_rate);
     for (int j = 0; j < FRAME; ++j) {
@@ -606,7 +583,7 @@ static void slow_rim_edges(const struct quasi_static *p, const struct slow_place
         const struct rim_state state = slow_rim_state(p, at->turned, at->depth);
         double pull[FRAME];
         slow_acceleration(&p->flight, p->half * s, pull);
-        const struct rim_slopes slopes = rim_slopes_at(&state, vec3_make(pull[0], pull[1], pull[2]));
+        const struct rim_slopes slopes = rim_slopes_at(&state, vec3_from(pull));
         const double bend = p->half * p->half * slopes.tilt_momentum / (state.d * state.d);
         tilt[0] = state.tilt;
         tilt[1] = p->half * slopes.tilt;
@@ -825,9 +802,13 @@ static bool quasi_static_solve(struct quasi_static *p, const struct contact_pair
     p->turns = &about_a_centre;
     if (contact_is_rim(&from->shape) && p->flight.dimensions > 1) {
         p->turns = &about_a_rim;
-        slow_rim_begin(p);
+        p->rim = pair_rim_start(from);
+        p->flight = frame_flight_at_rim(from);
+        memset(p->start, 0, sizeof p->start);
     }
-    slow_note_pull(p);
+    for (int i = 0; i < QUASI_STATIC_N; ++i) {
+        slow_acceleration(&p->flight, p->half * (1.0 + radau.node[i]), p->pull[i]);
+    }
     if (!slow_iterate(p, depth_tolerance) || !slow_is_accurate(p, tolerance, depth_tolerance)) {
         return false;
     }
@@ -879,25 +860,9 @@ void quasi_static_sample(const void *quasi_static, double s, struct pair_sample 
     }
 }
 
-static struct slow_place slow_place_of_node(const struct quasi_static *p, int node)
-{
-    struct slow_place at = {.depth = p->depth[node], .rate = p->rate[node]};
-    turned_at(p, node, at.turned);
-    return at;
-}
-
-/* F_n at a place [N]. */
-static double slow_force(const struct quasi_static *p, const struct slow_place *at)
-{
-    double law[3];
-    slow_law(p, at->depth, at->rate, law);
-    return p->from->reduced_mass * law[0] / (p->half * p->half);
-}
-
 static bool has_work(const struct pair_work *work)
 {
-    return work->order > 0 &&
-           !(vec3_is_zero(work->path[0]) && vec3_is_zero(work->path[1]) && vec3_is_zero(work->path[2]));
+    return work->order > 0 && !path_rests(work->path);
 }
 
 /* The integrals of pair_work and of the dashpot's power over [0, s], by Radau's quadrature, whose places are
@@ -912,8 +877,15 @@ static void slow_powers(const struct quasi_static *p, double s, struct pair_chan
         const double place = 0.5 * s * (1.0 + radau.node[i]);
         const double weight = 0.5 * s * p->half * radau.integral[i * QUASI_STATIC_N + QUASI_STATIC_N - 1];
         const double time = p->half * place;
-        const struct slow_place at = s == 2.0 ? slow_place_of_node(p, i) : slow_place_at(p, place);
-        const double force = slow_force(p, &at);
+        struct slow_place at = {.depth = p->depth[i], .rate = p->rate[i]};
+        double law[3];
+        if (s == 2.0) {
+            turned_at(p, i, at.turned);
+        } else {
+            at = slow_place_at(p, place);
+        }
+        slow_law(p, at.depth, at.rate, law);
+        const double force = p->from->reduced_mass * law[0] / (p->half * p->half);
         const double rate = at.rate / p->half;
         const double spring = p->from->hertz_stiffness * at.depth * sqrt(at.depth);
         double rows[3][FRAME];

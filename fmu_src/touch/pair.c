@@ -232,7 +232,7 @@ static inline void move_body(const struct scene_values *v, struct scene_state *q
 {
     struct vec3 force[3];
     flight_force(q, body, q->clock, force);
-    if (!vec3_is_zero(force[0]) || !vec3_is_zero(force[1]) || !vec3_is_zero(force[2])) {
+    if (!path_rests(force)) {
         q->external_work += flight_work(v, body, q->body[body], force, time);
     }
     const struct body_state flown = flight_from(v, body, q->body[body], force, time);
@@ -308,7 +308,7 @@ static void move_head_on(const struct contact_pair *p, const struct pair_change 
     }
     const struct vec3 apart = vec3_axpy(p->rounded, side * (change->gap - p->gap), p->normal);
     const struct vec3 moved = vec3_axpy(flight_displacement(common->velocity, 2, change->time), share, apart);
-    if (!vec3_is_zero(force[0]) || !vec3_is_zero(force[1]) || !vec3_is_zero(force[2])) {
+    if (!path_rests(force)) {
         q->external_work +=
             flight_work_along(velocity, terms, force, change->time) + vec3_dot(force[0], moved);
     }
@@ -690,14 +690,6 @@ struct pair_change pair_oscillation_advance(const void *pair_oscillation, double
     return change;
 }
 
-static void add_force(const struct contact_pair *from, struct pair_sample *sample)
-{
-    for (int i = 0; i < 3; ++i) {
-        sample->of[PAIR_FORCE][i] =
-            contact_linear_force(from->coefficients, sample->of[PAIR_GAP][i], sample->of[PAIR_GAP_RATE][i]);
-    }
-}
-
 /* Spring and dashpot nearly cancel, so the force comes from the acceleration. */
 static void add_overdamped_force(const struct pair_collocation *p, double s, struct pair_sample *sample)
 {
@@ -714,7 +706,7 @@ static void fill_sample(const struct pair_collocation *p, const double x[4], dou
 {
     const double side = p->from->shape.side;
     const double per_time = side / p->step.half;
-    double normal_mismatch[3] = {0.0, 0.0, 0.0};
+    double normal_mismatch[4] = {0.0, 0.0, 0.0, 0.0};
     if (p->step.from.has_mismatch) {
         collocation_mismatch(&p->step, s, normal_mismatch);
     }
@@ -727,8 +719,11 @@ static void fill_sample(const struct pair_collocation *p, const double x[4], dou
     }
     if (p->step.kind == COLLOCATION_OVERDAMPED) {
         add_overdamped_force(p, s, sample);
-    } else {
-        add_force(p->from, sample);
+        return;
+    }
+    for (int i = 0; i < 3; ++i) {
+        sample->of[PAIR_FORCE][i] = contact_linear_force(p->from->coefficients, sample->of[PAIR_GAP][i],
+                                                         sample->of[PAIR_GAP_RATE][i]);
     }
 }
 
@@ -901,14 +896,6 @@ static void drop_rounded_mismatch(const struct contact_pair *p, double tangentia
     }
 }
 
-/* The reach from which the deviation is measured, so that d = reach + deviation is positive. A plane may be
- * deeper in the source than that is wide. */
-static double origin_below(const struct contact_pair *p, double deviation)
-{
-    const double reach = contact_reach(&p->shape);
-    return contact_is_plane(&p->shape) ? fmax(reach, -2.0 * deviation) : reach;
-}
-
 void pair_timescales_make(struct pair_timescales *out, const struct contact_pair *p)
 {
     struct collocation_problem *problem = &out->problem;
@@ -919,7 +906,10 @@ void pair_timescales_make(struct pair_timescales *out, const struct contact_pair
     }
     problem->rate = out->felt[0];
     problem->deviation = p->shape.side * p->gap;
-    problem->reach = origin_below(p, problem->deviation);
+    problem->reach = contact_reach(&p->shape);
+    if (contact_is_plane(&p->shape)) { /* it may be deeper in the source than that is wide: d > 0 */
+        problem->reach = fmax(problem->reach, -2.0 * problem->deviation);
+    }
     problem->omega2 = p->coefficients.k / p->reduced_mass;
     problem->damping_rate = p->coefficients.c / p->reduced_mass;
     set_paths(p, out->felt, problem);

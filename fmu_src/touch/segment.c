@@ -76,12 +76,6 @@ static double terminal_event_gap_tolerance(const struct segment *p)
     return part >= most ? most : fmin(most, fmax(part, fmax(terminal_event_gap_noise(&p->pair), DIED_AWAY)));
 }
 
-/* Whether the law can end the regime before the gap opens. */
-static bool terminal_event_by_law(const struct segment *p)
-{
-    return contact_has_events(&p->pair.law);
-}
-
 /* k and c of the law in compression; under Hertz's law its slopes at the segment's largest depth. */
 static struct contact_coefficients full_coefficients(const struct segment *p)
 {
@@ -92,13 +86,6 @@ static struct contact_coefficients full_coefficients(const struct segment *p)
     const struct contact_slopes slopes =
         contact_force_slopes(law, REGIME_COMPRESSION, -largest_size(p, PAIR_GAP), 0.0);
     return (struct contact_coefficients){-slopes.by_gap, -slopes.by_rate};
-}
-
-/* Approach speed at which the spring alone ends, over the separation speed r0 at which it began. */
-static double rebound_of(struct contact_coefficients full, double reduced_mass)
-{
-    const double swing = full.c / sqrt(full.k * reduced_mass);
-    return full.k > 0.0 && swing >= CRITICAL_SWING ? REBOUND * swing : 1.0;
 }
 
 /* Speed of separation at which an approach-only dashpot stops, rounding apart [m/s]; `open` is a force. */
@@ -128,7 +115,9 @@ static struct event_function terminal_event_margin(const struct segment *p)
     if (law->dashpot == DASHPOT_NON_ADHESIVE) {
         return (struct event_function){PAIR_FORCE, 1.0, open + full.c * rate};
     }
-    const double rebound = rebound_of(full, p->pair.reduced_mass);
+    const double swing = full.c / sqrt(full.k * p->pair.reduced_mass);
+    /* approach speed at which the spring alone ends, over the separation speed r0 at which it began */
+    const double rebound = full.k > 0.0 && swing >= CRITICAL_SWING ? REBOUND * swing : 1.0;
     const double separating = separating_speed(p, full, open) + rate;
     return p->regime == REGIME_RESTITUTION ? (struct event_function){PAIR_GAP_RATE, 1.0, rebound * separating}
                                            : (struct event_function){PAIR_GAP_RATE, -1.0, separating};
@@ -181,7 +170,7 @@ static struct terminal_event terminal_event_first(struct segment *p)
         return first;
     }
     first = parting(p);
-    if (terminal_event_by_law(p)) {
+    if (contact_has_events(&p->pair.law)) {
         const struct event_function margin = terminal_event_margin(p);
         const double s = dense_output_first_event(&p->output, &margin);
         if (s < first.s) {
@@ -264,7 +253,7 @@ static bool is_event_free(const struct segment *p)
         return false;
     }
     const struct event_function margin = terminal_event_margin(p);
-    return !terminal_event_by_law(p) ||
+    return !contact_has_events(&p->pair.law) ||
            pair_oscillation_stays_above(made, margin.quantity, margin.factor, margin.offset);
 }
 
@@ -463,7 +452,7 @@ static double event_free_until(const struct segment *p)
     const struct pair_collocation *made = &p->as.collocation;
     const struct pair_lower_bound overlap = {made, PAIR_GAP, -1.0, terminal_event_gap_tolerance(p)};
     const double parts = positive_until(&p->output, &overlap);
-    if (!terminal_event_by_law(p)) {
+    if (!contact_has_events(&p->pair.law)) {
         return parts;
     }
     const struct event_function margin = terminal_event_margin(p);
@@ -1017,12 +1006,6 @@ struct lever {
     struct vec3 bend[SEPARATION_DEGREE - 1];
 };
 
-/* Whether the relative acceleration of the flight varies. */
-static bool varies(const struct vec3 c[SEPARATION_DEGREE + 1])
-{
-    return !vec3_is_zero(c[3]) || !vec3_is_zero(c[4]);
-}
-
 /* C x r' - C' x r. */
 static inline struct vec3 boundary_terms(const struct vec3 c[SEPARATION_DEGREE + 1], bool vary,
                                          const struct pair_change *change)
@@ -1173,7 +1156,7 @@ static struct vec3 at_face(struct segment *p, const struct pair_change *change, 
         const struct vec3 flight = p->pair.flight.c[i];
         c[i] = is_rim ? flight : contact_across_plane(p->pair.normal, flight);
     }
-    const bool vary = varies(c);
+    const bool vary = !vec3_is_zero(c[3]) || !vec3_is_zero(c[4]);
     bool bends = vary || !vec3_is_zero(vec3_cross(c[2], p->pair.normal));
     struct vec3 sum = boundary_terms(c, vary, change);
     if (is_rim) {
@@ -1250,15 +1233,6 @@ static struct face_path face_path_of(const struct segment *p)
     }
     path.raised = zone_path_rounding(&p->pair.shape.solid, &path.flight);
     return path;
-}
-
-/* The force has no part along the side, nor across the axis at a cap: the centre leaves the face by its
- * flight, at a root of polynomials. */
-static double end_of_face(const struct face_path *path, double end)
-{
-    const struct segment *p = path->segment;
-    const double time = zone_path_leaves_face(&p->pair.shape.solid, &path->flight, segment_time(p, end));
-    return time < (double)INFINITY ? segment_place(p, time) : (double)INFINITY;
 }
 
 /* Margin [m] that is negative where another face is nearer to a centre inside the solid, raised by rounding
@@ -1345,7 +1319,10 @@ static bool may_change_face(const struct face_path *path)
 static double zone_end_of_face(const struct segment *p, double end)
 {
     struct face_path path = face_path_of(p);
-    const double s = end_of_face(&path, end);
+    /* The force has no part along the side, nor across the axis at a cap: the centre leaves the face by its
+     * flight, at a root of polynomials. */
+    const double time = zone_path_leaves_face(&p->pair.shape.solid, &path.flight, segment_time(p, end));
+    const double s = time < (double)INFINITY ? segment_place(p, time) : (double)INFINITY;
     return may_change_face(&path) ? fmin(s, end_by_depth(&path, fmin(s, end))) : s;
 }
 
@@ -1380,15 +1357,10 @@ static double zone_longest_inside(const struct segment *p)
     return longest < segment_time(p, p->end) && may_change_face(&path) ? longest : (double)INFINITY;
 }
 
-static bool always_applies(const struct segment *p)
-{
-    (void)p;
-    return true;
-}
-
 /* The first kind that applies and can be made is taken. `work` is the cost of making a segment and of what
  * follows from it, in steps in closed form of 3,000 instructions each: a series or half a period takes 30,000
- * instructions, a radian of the tangential motion 125,000. Without `time` and `place` the time is unit s. */
+ * instructions, a radian of the tangential motion 125,000. Without `applies` it always does. Without `time`
+ * and `place` the time is unit s. */
 static const struct {
     bool (*applies)(const struct segment *p);
     bool (*make)(struct segment *p);
@@ -1413,8 +1385,7 @@ static const struct {
                             pair_collocation_advance, 40, NULL, NULL},
     /* Everything else, soft contacts, short remainders and Hertz's law: two radians of the contact, of its
      * passage or of the rim. */
-    [SEGMENT_SERIES] = {always_applies, series_make, series_sample, series_advance, 10, series_time,
-                        series_place},
+    [SEGMENT_SERIES] = {NULL, series_make, series_sample, series_advance, 10, series_time, series_place},
 #if SCENE_ANY_HERTZ
     /* Hertz's law after the oscillation has died away: a radian of the tangential motion. */
     [SEGMENT_QUASI_STATIC] = {quasi_static_applies, quasi_static_make, quasi_static_sample,
@@ -1456,7 +1427,7 @@ static bool make_kind(struct segment *p, enum segment_kind kind)
     p->output.worth_a_search = DENSE_OUTPUT_WORTH_A_SEARCH;
     p->output.count = 0;
     p->output.latest_s = -1.0;
-    if (!kinds[kind].applies(p)) {
+    if (kinds[kind].applies != NULL && !kinds[kind].applies(p)) {
         return false;
     }
     p->work += kinds[kind].work;
@@ -1524,14 +1495,6 @@ static void make_up_to(struct segment *p, double longest)
  * first part of it: the segment is made again with twice the contact's length. */
 static const double EARLY_EVENT = 1e-3;
 
-static void keep_faces_apart(struct segment *p)
-{
-    const double longest = zone_longest_inside(p);
-    if (longest < (double)INFINITY) {
-        make_up_to(p, longest);
-    }
-}
-
 /* A collocated step is most accurate at its end. If a zone ends within, the step is made to end there, longer
  * by this part so that the edge is found again. */
 static const double BEYOND_EDGE = 1e-6;
@@ -1556,7 +1519,10 @@ bool segment_make(struct segment *p, const struct scene_values *v, const struct 
     p->tolerance = tolerance;
     make_up_to(p, longest);
     if (SCENE_ANY_CAPS) {
-        keep_faces_apart(p);
+        const double inside = zone_longest_inside(p);
+        if (inside < (double)INFINITY) {
+            make_up_to(p, inside);
+        }
     }
     if (is_collocated(p) && p->terminal.s > 0.0 && p->terminal.s < EARLY_EVENT * p->end) {
         make_up_to(p, 2.0 * p->terminal.s * p->unit);
