@@ -290,11 +290,8 @@ static void reconsider(const struct scene_values *v, struct scene_state *q, int 
     }
 }
 
-/* After a contact has changed its regime from `before` at the present instant: friction begins with a spring
- * at rest, sticking where that persists; or ends, and what its spring stores is dissipated; or goes on, in
- * the regime that the new force asks for. */
-static void turning_take_regime(const struct scene_values *v, struct scene_state *q, int contact,
-                                enum contact_regime before)
+void turning_take_regime(const struct scene_values *v, struct scene_state *q, int contact,
+                         enum contact_regime before)
 {
     if (!contact_rubs(v, contact)) {
         return;
@@ -309,9 +306,8 @@ static void turning_take_regime(const struct scene_values *v, struct scene_state
     }
 }
 
-/* After one of friction's own events (scene/ode.h) at the present instant. */
-static void turning_take_event(const struct scene_values *v, struct scene_state *q, int contact,
-                               enum ode_event event)
+void turning_take_event(const struct scene_values *v, struct scene_state *q, int contact,
+                        enum ode_event event)
 {
     const enum friction_regime regime = (enum friction_regime)q->contact[contact].friction_regime;
     if (regime == FRICTION_STICKING && (event == ODE_EVENT_STICK || event == ODE_EVENT_CAP)) {

@@ -38,6 +38,18 @@ enum ode_event regime_friction_event(const struct scene_values *v, const struct 
 enum contact_regime regime_by_margins(const struct scene_values *v, const struct scene_state *q,
                                       const struct scene_instant *at, int contact);
 
+/*
+ * After a contact has changed its regime from `before` at the present instant: friction begins with a spring
+ * at rest, sticking where that persists; or ends, and what its spring stores is dissipated; or goes on, in
+ * the regime that the new force asks for. Nothing is done where the contact does not rub.
+ */
+void turning_take_regime(const struct scene_values *v, struct scene_state *q, int contact,
+                         enum contact_regime before);
+
+/* Changes the regime of friction after one of friction's own events (scene/ode.h) at the present instant. */
+void turning_take_event(const struct scene_values *v, struct scene_state *q, int contact,
+                        enum ode_event event);
+
 /* Transitions: a contact changes its regime, bodies begin or cease to touch; peaks and communication
  * steps. */
 
