@@ -76,8 +76,8 @@ enum friction_regime friction_sliding_regime(const struct friction_law *law, dou
     return law->coefficient * normal_force > law->largest ? FRICTION_CAPPED : FRICTION_SLIDING;
 }
 
-/* A force that jumps to F_n > 0 at the touch bears the dashpot's share of F*. One that grows from zero must
- * outgrow the spring's, which grows with the slip. */
+/* A normal force that jumps to F_n > 0 at the touch must bear the dashpot's share of F* for sticking. A
+ * normal force that grows from zero must outgrow the spring's share, which grows with the slip. */
 enum friction_regime friction_onset_regime(const struct friction_law *law, double normal_force,
                                            double normal_force_rate, struct vec3 slip)
 {
@@ -149,8 +149,8 @@ friction_force_slopes(const struct friction_law *law, enum friction_regime regim
  * it changes the rate by 1e-10 of it. */
 static const double SHORTEST = 1e-5;
 
-/* How fast the slip turns a spring of sliding friction without a dashpot, which it does not lengthen: a
- * factor of the slip across it, and its derivatives with respect to L and to |xi|. */
+/* Sliding friction without a dashpot keeps the spring's length, and the slip only turns the spring: xi' is
+ * this factor times the slip across xi. `by_limit` and `by_length` are its derivatives by L and |xi|. */
 struct turning_factor {
     double value, by_limit, by_length;
 };
@@ -276,7 +276,7 @@ double friction_stick_event(const struct friction_law *law, enum friction_regime
         return f.length - limit;
     }
     if (law->coefficient == 0.0) {
-        return 1.0; /* it slides freely: no spring that could stop */
+        return 1.0; /* without friction sliding never ends */
     }
     const double limit_rate = limit_slope(law, regime) * normal_force_rate;
     return vec3_dot(at.slip, f.unit) - limit_rate / law->stiffness;

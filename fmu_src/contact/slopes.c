@@ -1,7 +1,7 @@
 #include "contact/slopes.h"
 #include "math/vec3.h"
 
-/* Adds factor T. */
+/* m += factor T. */
 static void add_projector(double m[3][3], double factor, const struct contact_shape *shape,
                           const struct contact_geometry *at)
 {
@@ -65,8 +65,8 @@ struct vec3 jet_scale(const double *a, const struct vec3 *b, int order)
     return sum;
 }
 
-/* Coefficient `order` of a root from sums of products, r r = a a + b b: i r_i = sum of j (a/r)_(i-j) a_j +
- * the same of b. */
+/* Coefficient i = `order` of r = sqrt(a^2 + b^2) along a path, from r dr = a da + b db with cosine = a/r and
+ * sine = b/r: i r_i is the sum of j (cosine_(i-j) a_j + sine_(i-j) b_j) over j = 1 ... i. */
 static double jet_of_hypotenuse(const double *cosine, const double *a, const double *sine, const double *b,
                                 int order)
 {
@@ -86,8 +86,8 @@ static double jet_of_quotient(const double *a, const double *b, const double *qu
     return rest / b[0];
 }
 
-/* All coefficients of d and n of a rim: n = (dr a + dz e) / d, with a the unit vector to the axis, which
- * turns along the circle, and e the normal of the cap; dz < 0 here is how far the centre is above it. */
+/* All coefficients of d and n of a rim: n = (dr a + dz e) / d. The unit vector a points to the axis and turns
+ * along the circle, e is the normal of the cap, and -dz > 0 is the height of the centre above the cap. */
 static void jet_of_rim(const struct contact_shape *shape, const struct contact_geometry *at,
                        const struct vec3 *c, struct contact_jet *result)
 {
@@ -116,7 +116,8 @@ static void jet_of_rim(const struct contact_shape *shape, const struct contact_g
     }
 }
 
-/* i d_i = sum of j n_(i-j).c_j, and n_i from the coefficients of d n = offset. */
+/* All coefficients of d and n: i d_i is the sum of j n_(i-j).c_j over j = 1 ... i, and n_i follows from d n =
+ * offset. */
 static void jet_of_direction(const struct contact_shape *shape, const struct contact_geometry *at,
                              const struct vec3 *c, int order, struct contact_jet *result)
 {
@@ -176,7 +177,7 @@ void jet_length(const struct vec3 a[JET_TERMS], double length[JET_TERMS])
     length[2] = length[1] > 0.0 ? vec3_dot(a[1], a[2]) / length[1] : 0.0;
 }
 
-/* The limit of the regime. */
+/* Coefficients of the largest friction force L in the regime. */
 static void put_limit(const struct friction_law *law, enum friction_regime regime,
                       const struct friction_path *path, double limit[JET_TERMS])
 {
@@ -339,7 +340,7 @@ struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const
     return s;
 }
 
-/* Changes of the geometry: of n, d, w_g, the part of it across n, and its part n.w_g along n. */
+/* Changes of n, d, w_g, the part of w_g across n, and n.w_g. */
 struct geometry_change {
     struct vec3 normal, seen_rate, tangential;
     double distance, along;
@@ -367,7 +368,7 @@ static struct vec3 rim_offset_along(const struct turning_slopes *s, const struct
     return vec3_axpy(vec3_axpy(radial, more_axial, e), axial + s->shape.solid.half_height, d->axis);
 }
 
-/* What the part along the circle takes from n': d of (r_d / rho) b (b.w_g) */
+/* Change of (r_d / rho) b (b.w_g), which n' of a rim lacks along its circle. */
 static struct vec3 hoop_along(const struct turning_slopes *s, const struct geometry_change *d)
 {
     const struct vec3 b = s->geometry.circumferential;
@@ -378,7 +379,7 @@ static struct vec3 hoop_along(const struct turning_slopes *s, const struct geome
     return vec3_axpy(vec3_scale(more, b), part * rate, d->circumferential);
 }
 
-/* d offset, of a shape whose normal turns with it. */
+/* Change of the offset d n. */
 static struct vec3 offset_along(const struct turning_slopes *s, const struct turning_motion *change,
                                 struct geometry_change *d)
 {

@@ -21,8 +21,8 @@ struct contact_jacobian {
     struct vec3 power_by_rate;       /* d/dw of the dissipated power [W s/m] */
 };
 
-/* At separation rate w, in a regime of contact. Where d = 0 the direction stays as it is and T is taken as
- * zero. */
+/* The derivatives at a separation rate w in a regime of contact. Where d = 0 the direction is constant and T
+ * is taken as zero. */
 struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
                                             const struct contact_geometry *at, struct vec3 w,
                                             const struct contact_law *law, enum contact_regime regime);
@@ -59,7 +59,7 @@ struct vec3 jet_scale(const double *a, const struct vec3 *b, int order);
 
 /* The laws of friction (friction.h) along a path, as contact/slopes.h has the normal one. */
 
-/* What F_t depends on: F_n, v_t, xi and d/ds of v_0. */
+/* The arguments of F_t along a path: F_n, v_t, xi and d/ds of v_0. */
 struct friction_path {
     double normal_force[JET_TERMS];
     struct vec3 slip[JET_TERMS], spring[JET_TERMS];
@@ -71,7 +71,7 @@ struct friction_path {
 CONTACT_COLD struct vec3 friction_force_term(const struct friction_law *law, enum friction_regime regime,
                                              const struct friction_path *path, int order);
 
-/* And of the energy stored in the spring [J]. */
+/* Coefficient `order` of the energy stored in the spring [J]. */
 CONTACT_COLD double friction_stored_term(const struct friction_law *law, enum friction_regime regime,
                                          const struct friction_path *path, int order);
 
@@ -79,8 +79,8 @@ CONTACT_COLD double friction_stored_term(const struct friction_law *law, enum fr
 CONTACT_COLD void jet_length(const struct vec3 a[JET_TERMS], double length[JET_TERMS]);
 
 /*
- * How force, torques and the spring's rate of a contact that turns or rubs change with its motion: exact
- * directional derivatives, for implicit integration. World frame, SI units.
+ * Exact directional derivatives of force, torques and the spring's rate of a contact that turns or rubs with
+ * respect to its motion, for implicit integration. World frame, SI units.
  *
  *   w_g = w - omega_d x c                          the rate of c as the destination sees it
  *   g' = side n.w_g
@@ -90,11 +90,11 @@ CONTACT_COLD void jet_length(const struct vec3 a[JET_TERMS], double length[JET_T
  *   xi' = friction_spring_rate - n (xi.n')
  */
 
-/* What a change of F_n, slip and spring changes. */
+/* Change of F_t or of the spring's rate by a change of F_n, slip and spring. */
 struct vec3 friction_slopes_along(const struct friction_slopes *slopes, double normal_force, struct vec3 slip,
                                   struct vec3 spring);
 
-/* The motion of a contact; or a change of it, whose `axis` is one of shape.axis. */
+/* The motion of a contact, or a change of this motion in which `axis` is the change of shape.axis. */
 struct turning_motion {
     struct vec3 separation, rate;                      /* c [m], w [m/s] */
     struct vec3 source_rotation, destination_rotation; /* omega_s, omega_d [rad/s] */
@@ -110,7 +110,7 @@ struct turning_laws {
     enum friction_regime friction_regime;
 };
 
-/* What changes with it. */
+/* The change of forces, torques and powers of a contact by a change of its motion. */
 struct turning_change {
     struct vec3 force;                             /* F_src [N] */
     struct vec3 source_torque, destination_torque; /* about the centres [N m] */
@@ -118,7 +118,7 @@ struct turning_change {
     double dissipated_power, friction_power;       /* of the normal law; -F_t.v_t [W] */
 };
 
-/* All that does not depend on the direction of the change. */
+/* Slopes of a contact at one motion, by which turning_slopes_along makes every directional derivative. */
 struct turning_slopes {
     struct contact_shape shape;
     struct contact_geometry geometry;
@@ -132,7 +132,7 @@ struct turning_slopes {
     struct friction_slopes force_slopes, spring_slopes;
 };
 
-/* At a motion whose geometry is `at`, g' of which is side n.w_g. */
+/* The slopes at a motion whose geometry is `at`, with g' = side n.w_g. */
 struct turning_slopes turning_slopes_at(const struct contact_shape *shape, const struct contact_geometry *at,
                                         const struct turning_motion *motion, const struct turning_laws *laws);
 

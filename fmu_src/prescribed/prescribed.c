@@ -39,11 +39,11 @@ enum {
 struct panel {
     double from, to;     /* clocks [s] */
     double sum[TERMS];   /* the integrals */
-    double size[TERMS];  /* the integrals of the size of what each is summed up from */
-    double lever[TERMS]; /* the integrals of what a unit of force makes of each */
+    double size[TERMS];  /* the integrals of the size of the terms of each integrand */
+    double lever[TERMS]; /* the integrals of d integrand / d force */
     struct vec3 spring;  /* xi at the end [m] */
     double slipped;      /* the path of the slip [m] */
-    double passed;       /* the path of all speeds whose difference the slip is [m] */
+    double passed;       /* the path of the sum of all speeds whose difference is the slip [m] */
     struct {
         double clock;
         struct vec3 spring, slip, normal;
@@ -55,12 +55,12 @@ struct span {
     struct prescribed_contact c;
     double length;      /* [s], from q->clock on */
     double sum[TERMS];  /* the integrals so far */
-    double size[TERMS]; /* and their sizes */
+    double size[TERMS]; /* the integrals of the sizes of their terms so far */
     struct vec3 spring; /* xi at present [m] */
     bool turns;         /* something in the scene turns or rubs */
     bool elastic;       /* friction has a spring */
-    long *panels;       /* that are left to the quadrature */
-    long *evaluations;  /* that are left to the search for touches */
+    long *panels;       /* panels that the quadrature may still make */
+    long *evaluations;  /* evaluations that the search for touches may still make */
     long panel_cost;    /* in panels of bodies without springs that turn about fixed directions */
 };
 
@@ -85,8 +85,8 @@ CONTACT_NOINLINE static void instant_at(const struct prescribed_contact *c, doub
     scene_forces(c->v, c->q, clock, at);
 }
 
-/* The torques and what friction takes, with the length of both arms [m]. Returns the speeds that the
- * bodies' rotations give the arms [m/s]. */
+/* Puts the torques, the power that friction takes, and the sum of the lengths of both arms [m]. Returns a
+ * bound of the speeds of the contact points by the bodies' rotations [m/s]. */
 static double torque_rates(const struct prescribed_contact *c, const struct scene_instant *at,
                            double rate[TERMS], double *arm)
 {
@@ -111,8 +111,8 @@ static double torque_rates(const struct prescribed_contact *c, const struct scen
                    vec3_norm(turning->body[contact_destination(j)].angular_velocity));
 }
 
-/* The integrands. `scale`: how large the quantities are that they are made of. `lever`: what a unit of
- * force makes of each. Returns the sum of the speeds whose difference the slip is [m/s]. */
+/* Puts the integrands, the size of their terms (`scale`) and d integrand / d force (`lever`). Returns the sum
+ * of the speeds whose difference is the slip [m/s]. */
 static double rates_at(const struct prescribed_contact *c, const struct scene_instant *at, double rate[TERMS],
                        double scale[TERMS], double lever[TERMS])
 {
@@ -165,7 +165,7 @@ static const double COLLOCATION[GAUSS_NODES][GAUSS_NODES] = {
  * them (lu.h). */
 enum { UNKNOWNS = 3 * GAUSS_NODES, COLUMN = UNKNOWNS + 1 };
 
-/* What the rate of the spring depends on at a node, besides the spring. */
+/* The arguments of the spring's rate at a node, besides the spring. */
 struct spring_node {
     struct friction_state rubbing;
     struct vec3 normal, normal_rate;
@@ -221,7 +221,7 @@ static void put_equations(const struct spring_problem *p, const struct vec3 x[GA
 
 /* Newton's method converges in two or three steps where the panel is short enough. */
 enum { NEWTON_STEPS = 12 };
-static const double NEWTON_PART = 1e-14; /* of the spring or of its change, where the steps end */
+static const double NEWTON_PART = 1e-14; /* last correction / spring or its change */
 
 static bool solve_spring(const struct spring_problem *p, struct vec3 x[GAUSS_NODES])
 {
@@ -303,7 +303,7 @@ static bool wants_grading(const struct prescribed_contact *c, double from, doubl
     return fmax(gap[0], gap[2]) > SHALLOW * gap[1];
 }
 
-/* False where the spring is not found: the panel is too long for it. */
+/* Makes a panel; false where Newton's method finds no spring because the panel is too long. */
 CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, double from, double to,
                                         struct vec3 spring, struct panel *panel)
 {
@@ -343,16 +343,15 @@ CONTACT_NOINLINE static bool panel_make(const struct prescribed_contact *c, doub
 }
 
 /*
- * The regimes of law and friction of a contact that turns or rubs: which they are as it begins, the event
- * functions that end them, and what follows each event. Between two events nothing changes them, so that
- * all forces are smooth there.
+ * The regimes of law and friction of a contact that turns or rubs: the regimes at its onset, the event
+ * functions that end them, and the regimes after each event. All forces are smooth between two events.
  */
 
-/* The law's event (contact/law.h); friction ends or begins under a dashpot that pulls, reaches its largest
- * force or leaves it, sticks or breaks away (contact/friction.h). */
+/* EVENT_LAW is the law's event (contact/law.h). By its events (contact/friction.h) friction ends or begins
+ * under a dashpot that pulls, reaches or leaves its largest force, sticks or breaks away. */
 enum regime_event { EVENT_LAW, EVENT_LIFT, EVENT_CAP, EVENT_STICK, REGIME_EVENTS };
 
-/* Event functions, positive within the regimes, and what rounding makes of them. */
+/* Event functions, positive within the regimes, and bounds of their rounding. */
 struct margins {
     double value[REGIME_EVENTS];
     double noise[REGIME_EVENTS];
@@ -388,10 +387,11 @@ static void rub_with(const struct prescribed_contact *c, enum friction_regime re
     c->q->turning.spring[c->contact] = spring;
 }
 
-/* Where no force tells how long the spring is: of the source's radius. */
+/* Typical length of a spring / the source's radius where no force gives the length. */
 static const double FIRST_LENGTH = 1e-4;
 
-/* Of sliding without a dashpot the state is the spring's direction; it begins with that of the slip. */
+/* The spring at the start of sliding without a dashpot: only its direction is a state, and it begins along
+ * the slip. */
 static struct vec3 first_spring(const struct prescribed_contact *c, const struct friction_law *law,
                                 const struct scene_instant *at)
 {
@@ -406,8 +406,7 @@ static struct vec3 first_spring(const struct prescribed_contact *c, const struct
     return vec3_scale(fmax(length, least) / speed, slip);
 }
 
-/* Friction begins at an instant, its spring at rest. A force that only rounding keeps from being above zero
- * slides. */
+/* Begins friction at an instant with a spring at rest. The contact slides where F_n is zero to rounding. */
 static void start_friction(const struct prescribed_contact *c, double clock)
 {
     const int j = c->contact;
@@ -424,7 +423,7 @@ static void start_friction(const struct prescribed_contact *c, double clock)
     rub_with(c, next, law.kind == FRICTION_ELASTIC && slides ? first_spring(c, &law, &at) : NO_SPRING);
 }
 
-/* As the regime of the law begins at an instant. */
+/* Sets friction at the instant at which a regime of the law begins. */
 static void friction_from(const struct prescribed_contact *c, double clock)
 {
     if (contact_rubs(c->v, c->contact) && contact_transmits(c->q, c->contact)) {
@@ -434,7 +433,7 @@ static void friction_from(const struct prescribed_contact *c, double clock)
     }
 }
 
-/* The part of what a friction's event function is a difference of that is rounding. */
+/* Rounding of friction's event functions / the terms whose difference they are. */
 static const double MARGIN_ROUNDING = 1e-13;
 
 static void put_margin(struct margins *margins, enum regime_event event, double value, double noise)
@@ -456,7 +455,7 @@ static void friction_margins(const struct prescribed_contact *c, double clock, c
     if (contact_may_pull(&pull)) {
         const struct contact_geometry *g = &at->geometry[j];
         const double push = contact_push(&pull, g->gap, g->gap_rate);
-        pull.dashpot = DASHPOT_NON_ADHESIVE; /* whose event it is that the push ends */
+        pull.dashpot = DASHPOT_NON_ADHESIVE; /* its event function is the end of the push */
         put_margin(margins, EVENT_LIFT, friction_lift_event(&law, regime, push),
                    event_rounding(c, &pull, REGIME_COMPRESSION, at));
     }
@@ -491,8 +490,8 @@ static void margins_at(const struct prescribed_contact *c, double clock, struct 
     }
 }
 
-/* The first event whose function is below zero by more than rounding, of friction below what it was at
- * `start` too; REGIME_EVENTS: none is. */
+/* The first event whose function is below zero by more than rounding; a function of friction must be below
+ * its value at `start`, too. REGIME_EVENTS: none. */
 static enum regime_event event_passed(const struct margins *now, const struct margins *start)
 {
     for (int i = 0; i < REGIME_EVENTS; ++i) {
@@ -540,7 +539,8 @@ static void reconsider_friction(const struct prescribed_contact *c, double clock
     }
 }
 
-/* After the law's event: friction ends with the force, begins with it, and may stick at its corner. */
+/* Sets friction after the law's event: it ends or begins with the force, and may stick at the force's
+ * corner. */
 static void follow_law(const struct prescribed_contact *c, double clock, enum contact_regime before)
 {
     if (!contact_rubs(c->v, c->contact)) {
@@ -566,8 +566,8 @@ void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-/* The regimes and the spring after an event at an instant. What sticks again keeps the spring that sliding
- * had. */
+/* Sets the regimes and the spring after an event at an instant. A contact that sticks again keeps the spring
+ * of sliding. */
 static void take_regime_event(const struct prescribed_contact *c, double clock, struct vec3 spring,
                               enum regime_event event)
 {
@@ -583,7 +583,7 @@ static void take_regime_event(const struct prescribed_contact *c, double clock, 
     }
 }
 
-/* The regimes from the touch on, and after the parting. */
+/* Sets the regimes from the touch on, and after the parting. */
 static void begin_regimes(const struct prescribed_contact *c, double clock)
 {
     struct scene_instant at;
@@ -604,13 +604,13 @@ static void end_regimes(const struct prescribed_contact *c)
     }
 }
 
-/* A panel and its halves agree to this part of what they are summed up of. The halves are a thousand times
- * better. */
+/* A panel and its halves agree to this part of the size of their terms. The error of the halves is a
+ * thousandth of that. */
 static const double PANELS_AGREE = 1e-12;
-/* Where the normal reverses in the centre the force jumps. That is not located but ends in panels so short
- * that they make no more than this part of the whole span. */
+/* Where the normal reverses in the centre the force jumps. The jump is enclosed by panels so short that they
+ * contribute at most this part of the whole span. */
 static const double JUMPS_AGREE = 1e-14;
-/* A slip is a difference of speeds, of which this part is rounding. A spring that sticks adds it up. */
+/* Rounding of a slip / the speeds whose difference it is. A spring that sticks integrates it. */
 static const double SLIP_ROUNDINGS = 8.0 * DBL_EPSILON;
 /* The integral of the law's event function agrees so closely that its changes of sign show at the nodes. */
 static const double EVENTS_AGREE = 1e-6;
@@ -619,8 +619,8 @@ static const double EVENTS_AGREE = 1e-6;
  * Where it turns further it may reverse, in the centre. */
 static const double LARGEST_TURN_COSINE = 0.88;
 
-/* In characteristic slip velocities: so fast a slip leaves nothing of exp(-|v_t|/v_0); the change of the slip
- * within which an interpolation follows that; so slow that friction is proportional to the slip. */
+/* Slips / v_0: above SATURATED exp(-|v_t|/v_0) is rounding; an interpolation follows it over a change of
+ * FOLLOWED; below PROPORTIONAL friction is proportional to the slip. */
 static const double SATURATED = 40.0, FOLLOWED = 2.0, PROPORTIONAL = 1e-6;
 
 /* Regularized friction reverses with the slip within a layer that ends with exp(-|v_t|/v_0) and has a corner
@@ -638,8 +638,8 @@ static bool sees_layer(const struct span *s, struct vec3 slip, struct vec3 next)
     return speed > SATURATED * unit || vec3_norm(vec3_sub(next, slip)) <= FOLLOWED * unit;
 }
 
-/* Whether the nodes see what may happen on the way from an end of a panel to the node next to it. Where
- * the bodies are concentric, to rounding, n has no meaning. */
+/* Whether n and the slip change so little between an end of a panel and the node next to it that the nodes
+ * show every event. Where the bodies are concentric to rounding n has no meaning. */
 static bool sees_end(const struct span *s, const struct scene_instant *at, const struct panel *panel,
                      int node)
 {
@@ -665,8 +665,8 @@ static bool sees_ends(const struct span *s, const struct panel *left, const stru
            sees_end(s, &middle, right, 0) && sees_end(s, &at[1], right, GAUSS_NODES - 1);
 }
 
-/* Near the centre n may be rounding at one end of both panels: the bound of the other end then holds for
- * nearly all of the time between. */
+/* Whether a panel and its halves agree. Near the centre n may be rounding at one end of both halves; the
+ * bound of the other end then holds for nearly all of the time between. */
 CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct panel *whole,
                                           const struct panel *left, const struct panel *right)
 {
@@ -681,7 +681,7 @@ CONTACT_NOINLINE static bool panels_agree(const struct span *s, const struct pan
             SCENE_ANY_TURNING && k == TERM_EVENT
                 ? EVENTS_AGREE * size + DBL_MIN
                 : PANELS_AGREE * size + noise * whole->lever[k] + JUMPS_AGREE * s->size[k] + DBL_MIN;
-        const bool overflows = isinf(size); /* a torque may, where the force does not; no panel mends that */
+        const bool overflows = isinf(size); /* a torque may overflow; shorter panels do not help */
         if (!overflows && !(fabs(left->sum[k] + right->sum[k] - whole->sum[k]) <= allowed)) {
             return false;
         }
@@ -720,7 +720,7 @@ struct place {
     struct margins at;
 };
 
-/* Of both halves of a panel: the start, the nodes and the end. */
+/* The places of both halves of a panel: the start, the nodes and the end. */
 enum { PANEL_PLACES = 2 * GAUSS_NODES + 2 };
 
 static void put_place(const struct span *s, double clock, struct vec3 spring, struct place *place)
@@ -744,7 +744,8 @@ static void dip_at(const void *data, double clock, double *value, double *slope)
     *slope = (double)NAN; /* not needed */
 }
 
-/* Whether one of those falls below zero between three places, and to where from the first. */
+/* Whether an event function of a contact without a spring falls below zero between three places, and the
+ * clock at which it is lowest. */
 static bool finds_dip(const struct span *s, const struct place place[3], double *after)
 {
     for (int event = 0; event < EVENT_STICK; ++event) {
@@ -794,8 +795,8 @@ static bool finds_event(const struct span *s, const struct panel *left, const st
 /* A whole panel and its two halves are one of the panels that are left to the quadrature. */
 enum { PANELS_COMPARED = 3 };
 
-/* Halves the bracket of an event that is between `before` and `after` until the clock is known to rounding;
- * the panel that ends there, just past the event, and which event it is. */
+/* Bisects between `before` and `after` until the clock of an event is known to rounding. Makes the panel that
+ * ends just past the event. False: there is no such panel or no event. */
 static bool panel_to_event(const struct span *s, const struct place *start, double before, double after,
                            struct panel *panel, enum regime_event *event)
 {
@@ -875,7 +876,7 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
         if (s->turns && made && divides && passes_event(s, &left, &right, &clock)) {
             continue;
         }
-        if (made) { /* else one rounding of the clock, in which no force adds up to anything */
+        if (made) { /* else the span is one rounding of the clock, and its integrals are zero */
             add_sums(s, &left);
             add_sums(s, &right);
             note_peaks_between(s, clock, to);
@@ -888,7 +889,7 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
     return clock;
 }
 
-/* The springs of elastic friction take as long as all else that a panel is made of. */
+/* Cost of a panel with the springs of elastic friction, in panels without. */
 enum { ELASTIC_PANEL = 2 };
 
 static struct span span_of(const struct scene_values *v, struct scene_state *q, int contact, double length,
@@ -970,7 +971,8 @@ static double integrate_contacts(const struct scene_values *v, struct scene_stat
     return end;
 }
 
-/* Where the panels run out within one contact, all begin again and go as far as that one has come. */
+/* Where the panels run out within one contact, all contacts begin again and are integrated up to the clock
+ * that this one has reached. */
 double prescribed_integrate(const struct scene_values *v, struct scene_state *q, double end, long *budget)
 {
     const long allowed = *budget < PRESCRIBED_PANELS ? *budget : PRESCRIBED_PANELS;
@@ -1001,7 +1003,7 @@ static struct axis_motion axis_from(const struct span *s, const struct scene_ins
     return axis_motion_fixed(axis);
 }
 
-/* The motion from a clock on. */
+/* The path of the separation from a clock on. */
 static struct advancement_path path_from(const struct span *s, double clock)
 {
     struct scene_instant at;
@@ -1016,11 +1018,11 @@ static struct advancement_path path_from(const struct span *s, double clock)
     return path;
 }
 
-/* So many evaluations of the gap in search of touches and partings, some tenths of a second; some dozens are
- * usual. */
+/* Limit of evaluations of the gap in the search for touches and partings, which take some tenths of a second;
+ * some dozens are usual. */
 static const long SEARCH_BUDGET = 1000000;
 
-/* The clock of the next change, `end` where there is none. False where that is not found out. */
+/* Finds the clock of the next change, `end` where there is none. False: the evaluations are used up. */
 static bool finds_change(const struct span *s, double clock, double end, enum advancement_change change,
                          double *next)
 {
@@ -1058,8 +1060,8 @@ static void end_contact(struct span *s, double clock)
     counter_add(&s->c.q->counters.events, 1);
 }
 
-/* What a finite cylinder's end or a jump leaves of the stored energy is dissipated, and what it brings is
- * gained. */
+/* Books the energy that is stored at a clock, times a sign, as dissipated: at a finite cylinder's end or at a
+ * jump of the regime. */
 static void book_stored(struct span *s, double clock, double sign)
 {
     if (SCENE_ANY_FREE) {
@@ -1071,7 +1073,7 @@ static void book_stored(struct span *s, double clock, double sign)
     }
 }
 
-/* Goes from touch to parting to touch where something turns or rubs. */
+/* Integrates from touch to parting to touch where something turns or rubs. */
 static bool integrate_located(struct span *s)
 {
     struct scene_state *q = s->c.q;
@@ -1099,7 +1101,7 @@ static bool integrate_located(struct span *s)
     return true;
 }
 
-/* So many steps of turning_prescribed_steps in all of its evaluations take as long as a panel does else. */
+/* Number of steps of turning_prescribed_steps that cost as much as the rest of a panel. */
 static const double STEPS_OF_PANEL = 5.0;
 
 #if !SCENE_ANY_FREE
@@ -1109,7 +1111,7 @@ static const double STEPS_OF_PANEL = 5.0;
  * turns or rubs. Places are parts of the step, from 0 to 1.
  */
 
-/* Puts the regimes to what the present asks for: at the start, and after inputs have jumped. */
+/* Sets the regimes by the present instant, at the start and after inputs have jumped. */
 static void settle_regimes(const struct scene_values *v, struct scene_state *q, int contact)
 {
     struct scene_instant at;
@@ -1185,7 +1187,7 @@ static enum contact_regime regime_between(const struct span *s, double from, dou
     return scene_regime(s->c.v, s->c.q, &at, s->c.contact);
 }
 
-/* Between two places next to each other at which the law may change, or the gap has an extreme. */
+/* Integrates between two neighbouring places at which the law may change or the gap has an extreme. */
 static bool integrate_regime(struct span *s, double from, double to)
 {
     const enum contact_regime regime = regime_between(s, from, to);
@@ -1194,7 +1196,7 @@ static bool integrate_regime(struct span *s, double from, double to)
            !(integrate_between(s, clock_of(s, from), clock_of(s, to)) < clock_of(s, to));
 }
 
-/* The first of ascending places after one, 1 where there is none. */
+/* The first of ascending places beyond a given place; 1: none. */
 static double first_after(const double *places, int count, double from)
 {
     for (int i = 0; i < count; ++i) {
@@ -1205,7 +1207,7 @@ static double first_after(const double *places, int count, double from)
     return 1.0;
 }
 
-/* Whether the bodies begin to touch between two such places, which gives the law its damping. */
+/* Whether the bodies begin to touch between two places, so that the onset sets the damping. */
 CONTACT_COLD static bool takes_damping(struct span *s, double from, double to)
 {
     if (!scene_damps_by_onset(s->c.v, s->c.contact) || regime_of(&s->c) != REGIME_APART) {
@@ -1218,13 +1220,13 @@ CONTACT_COLD static bool takes_damping(struct span *s, double from, double to)
     return next != REGIME_APART;
 }
 
-/* A part of the step, within which the shape is smooth and has this path. */
+/* Integrates a part of the step, within which the shape is smooth and has this path. */
 static bool integrate_path(struct span *s, const struct contact_shape *shape,
                            const struct relative_path *path, double from, double end)
 {
     const struct extremes extremes = extremes_of(path);
     double events[MAX_CANDIDATES];
-    int count = -1; /* the law's are not known */
+    int count = -1; /* the places of the law's events are not known */
     while (from < end) {
         if (count < 0) {
             const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
@@ -1246,15 +1248,15 @@ static bool integrate_path(struct span *s, const struct contact_shape *shape,
 
 #if SCENE_ANY_CAPS
 
-/* A path changes the regime at a rim a dozen times at most. What changes more often is rounding, and its
- * law is then looked at in the middle of what is left. */
+/* A path changes the regime at a rim a dozen times at most. More changes than this are rounding; the rest of
+ * the part is then integrated in the regime of its middle. */
 enum { MOST_RIM_CHANGES = 100 };
 
-/* A part of the step at a rim, from change to change of the regime. */
+/* Integrates the part of the step in which the contact is at a rim, one regime after another. */
 CONTACT_COLD static bool integrate_at_rim(struct span *s, const struct contact_shape *shape,
                                           const struct separation_path *path, double from, double end)
 {
-    const double soon = 1e-9; /* of the part: a place right after its start */
+    const double soon = 1e-9; /* a place right after the start of the part, as a fraction of it */
     for (int changes = 0; from < end; ++changes) {
         const double after = from + soon * (end - from);
         const struct contact_law law = scene_contact_law(s->c.v, s->c.q, s->c.contact);
@@ -1273,7 +1275,7 @@ CONTACT_COLD static bool integrate_at_rim(struct span *s, const struct contact_s
     return true;
 }
 
-/* From zone to zone of a capped cylinder. */
+/* Integrates the step of a contact with a capped cylinder, one zone after another. */
 CONTACT_COLD static bool integrate_capped(struct span *s, const struct contact_shape *whole,
                                           const struct separation_path *path)
 {
@@ -1300,7 +1302,7 @@ CONTACT_COLD static bool integrate_capped(struct span *s, const struct contact_s
 }
 #endif
 
-/* A communication step of one contact, from root to root of the polynomials that tell when its law
+/* Integrates a communication step of one contact between the roots of the polynomials at which its law
  * changes. */
 static bool integrate_polynomial(struct span *s)
 {

@@ -13,7 +13,7 @@
 
 #include "scene/scene_state.h"
 
-/* A step may take so many panels: about a second. A contact takes some dozens. */
+/* Limit of the panels in a communication step, which take about a second. A contact takes some dozens. */
 enum { PRESCRIBED_PANELS = 20000 };
 
 /* Integrates the prescribed contacts over [q->clock, end], on which no regime changes, and books impulses,
@@ -21,19 +21,19 @@ enum { PRESCRIBED_PANELS = 20000 };
  * Returns the clock reached, before `end` where the budget ran out; does not change q->clock. */
 double prescribed_integrate(const struct scene_values *v, struct scene_state *q, double end, long *budget);
 
-/* The same over `length` seconds from the present, through all changes of regimes: in a scene without a
- * free body, and in a force element that turns or rubs. Scenes without a free body get the mean force
- * instead of its impulse. The regimes and the spring of q become those at the end. False, and q is
- * undefined, where so many panels or the search for touches were not enough. */
+/* Integrates the prescribed contacts over `length` seconds from the present, through all changes of regimes.
+ * It serves scenes without a free body, which get the mean force instead of its impulse, and force elements
+ * that turn or rub. The regimes and the spring of q become those at the end. False, and q is undefined, where
+ * PRESCRIBED_PANELS panels or the search for touches did not suffice. */
 bool prescribed_over(const struct scene_values *v, struct scene_state *q, double length, long panels);
 
-/* Puts the regimes of q to what the present instant asks for. */
+/* Sets the regimes of q by the present instant. */
 void prescribed_settle(const struct scene_values *v, struct scene_state *q);
 
 /* Settles the regimes; notes the force of the present instant as the peak, with a mean of zero. */
 void prescribed_begin(const struct scene_values *v, struct scene_state *q);
 
-/* After inputs have jumped, the springs of contacts that touch lie across the new normals. */
+/* Turns the springs of contacts that touch into the new tangent planes after inputs have jumped. */
 void prescribed_lay_springs(const struct scene_values *v, struct scene_state *q);
 
 #endif

@@ -25,7 +25,7 @@ double hertz_depth_to_come(const struct contact_pair *from, double opening)
     const double k = from->hertz_stiffness / from->reduced_mass;
     const double load = pair_load(from) / from->reduced_mass;
     const double speed = fabs(opening);
-    const double stops = fmin(0.5 * speed, 1.0 / from->chi); /* chi = 0: the former */
+    const double stops = fmin(0.5 * speed, 1.0 / from->chi); /* chi = 0: 0.5 speed */
     const double by_speed = pow(2.5 * speed * stops / k, 0.4);
     const double creeps = sqrt(sqrt(0.5 * load) / (k * from->chi)); /* chi = 0: INFINITY, or NaN */
     const double by_load = fmin(hertz_depth_under(from, load), creeps);
@@ -131,8 +131,8 @@ static double elastic_deepest(double k, double load, double touch)
     return depth;
 }
 
-/* Whether the motion is of this kind and the impact is fast: e >= 4 L delta_max. A contact that hardly parts
- * is not. */
+/* Solves for the motion; false where the closed form does not apply or the impact is slow: e < 4 L delta_max.
+ * A contact that hardly parts is slow. */
 static bool elastic_solve(struct hertz_elastic *p, const struct contact_pair *from)
 {
     const double k = from->hertz_stiffness / from->reduced_mass;
@@ -591,7 +591,7 @@ static void slow_rim_edges(const struct quasi_static *p, const struct slow_place
     } else {
         tilt[0] = pair_rim_start(p->from).tilt;
     }
-    if (SCENE_ANY_CAPS) { /* samples have no room for the edges elsewhere */
+    if (SCENE_ANY_CAPS) { /* other scenes have no PAIR_RADIAL and PAIR_AXIAL */
         rim_edges(tilt, contact_reach(&p->from->shape), sample->of[PAIR_RADIAL], sample->of[PAIR_AXIAL]);
     }
 }
@@ -688,8 +688,8 @@ static bool guess_depth(struct quasi_static *p, const double *load, double apart
     return true;
 }
 
-/* By how much the polynomial through the nodes misses the value at the start: the truncation error, and any
- * part that is too fast for the step. */
+/* Difference between the polynomial through the nodes and the value at the start: the truncation error, and
+ * any part of the motion that is too fast for the step. */
 static double misses_start(const double *values, double start)
 {
     nodal_values a;
@@ -721,7 +721,7 @@ static bool slow_iterate(struct quasi_static *p, double depth_tolerance)
         return false;
     }
     double change = 1.0;
-    double largest = 0.0; /* of the changes of delta and n; none yet */
+    double largest = 0.0; /* largest change of delta and n in the last sweep */
     for (int i = 0; i < SLOW_SWEEPS; ++i) {
         double error[SLOW_STRIDE] = {0.0};
         const double before = largest;
@@ -746,7 +746,7 @@ static bool slow_iterate(struct quasi_static *p, double depth_tolerance)
         }
         largest = fmax(change, turned);
         if (sweeps_have_converged(largest, before)) {
-            (void)p->turns->sweep(p); /* with the last delta */
+            (void)p->turns->sweep(p); /* makes n and H consistent with the final depth */
             return true;
         }
         if (i == LOOK_AFTER && misses_start(p->depth, p->depth_start) > TOO_FAST * depth_tolerance) {
@@ -777,7 +777,7 @@ static bool slow_is_accurate(const struct quasi_static *p, double tolerance, dou
     return true;
 }
 
-/* Makes a step [s]. Whether it is accurate: delta and its oscillation to `depth_tolerance`, d n to
+/* Makes a step [s]; false where it is not accurate: delta and its oscillation to `depth_tolerance`, d n to
  * `tolerance` [m]. */
 static bool quasi_static_solve(struct quasi_static *p, const struct contact_pair *from, double step,
                                double tolerance, double depth_tolerance)
