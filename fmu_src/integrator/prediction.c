@@ -548,8 +548,9 @@ void regime_change_note_depth(const struct scene_values *v, struct scene_state *
     contact_peaks_note(&q->contact[contact].peaks, 0.0, -candidates_least_gap(&path));
 }
 
-/* Number of instants, per radian that the axis turns and at least, at which the law of a lasting contact is
- * checked. The conditions of its changes are smooth functions of the motion, and none is an onset. */
+/* Number of instants at which the law of a lasting contact is checked: per radian that the axis turns, the
+ * least, and the most. So few suffice, because the conditions of its changes are smooth functions of the
+ * motion. */
 static const double LAW_INSTANTS_PER_RADIAN = 16.0, LEAST_LAW_INSTANTS = 64.0, MOST_LAW_INSTANTS = 1e6;
 
 bool contact_axis_turns(const struct scene_values *v, int contact)

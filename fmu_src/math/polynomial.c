@@ -298,7 +298,7 @@ double root_lowest(root_function *f, const void *data, const struct root_place p
     return low.s;
 }
 
-/* Halvings, after which two places are not told apart. */
+/* Largest number of bisections: afterwards an interval of [0, 1] is 1e-12 long. */
 enum { DEPTH = 40 };
 
 /* The polynomial on one part of [0, 1]. */

@@ -394,7 +394,7 @@ void model_warn_of_idle(struct model *m)
             !is_idle(&m->state.values, variable, remedy)) {
             continue;
         }
-        warned = variable; /* once a vector */
+        warned = variable; /* one warning for the three components of a vector */
         model_report(m, MODEL_WARNING, "%s = %s was set and is not in force: nothing reads it unless %s.",
                      variable->name, shortest_digits(number).text, remedy);
     }

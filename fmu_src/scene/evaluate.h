@@ -261,8 +261,9 @@ double turning_friction_power(const struct scene_values *v, const struct scene_i
 bool singularity_is_reached(const struct scene_values *v, const struct scene_instant *at, int contact,
                             const struct contact_shape *shape);
 
-/* The escape direction, in which bodies leave d = 0: that of their relative velocity `rate`; at relative rest
- * that of `acceleration`, the relative one that counts; without both, `held`. */
+/* The escape direction, in which bodies leave d = 0: the direction of their relative velocity `rate`; at
+ * relative rest the direction of `acceleration`, the relative acceleration by all but this contact; without
+ * both `held`, the direction that n had before. */
 struct vec3 singularity_escape(const struct contact_shape *shape, struct vec3 rate, struct vec3 acceleration,
                                struct vec3 held);
 

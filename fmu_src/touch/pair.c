@@ -876,8 +876,8 @@ static void set_paths(const struct contact_pair *p, const struct vec3 felt[SEPAR
  * load, and the spring turns it into an oscillation. */
 static const double NEGLIGIBLE_LOAD = 1e-6;
 
-/* Sets E to zero where its rounding, over a radian of the tangential motion, makes a force above
- * NEGLIGIBLE_LOAD. */
+/* Sets the mismatch E = W - C' to zero where it cannot be told from rounding: where rounding of E, by the
+ * dashpot and over a radian of the tangential motion, makes a force above NEGLIGIBLE_LOAD. */
 static void drop_rounded_mismatch(const struct contact_pair *p, double tangential_rate,
                                   struct collocation_problem *problem)
 {

@@ -30,14 +30,14 @@ typedef double series_row[TAYLOR_TERMS];
 struct pair_series {
     const struct contact_pair *from;
     struct frame_flight flight;
-    bool by_root;             /* whether u = sqrt(delta) is integrated; else the law is linear */
-    double unit;              /* time per s [s], or [s/sqrt(m)] */
-    double step;              /* the sums are as exact as asked for up to this s */
-    series_row time;          /* t since the start [s] */
-    series_row opened;        /* g [m], or u [sqrt(m)] */
-    series_row rate;          /* g' as the law sees it [m/s] */
-    series_row drag;          /* -dt/ds / unit times the dashpot's part of F_n [N], or [N sqrt(m)] */
-    series_row r[FRAME];      /* deviation of the separation from flight [m] */
+    bool by_root;        /* whether u = sqrt(delta) is integrated; else the law is linear */
+    double unit;         /* time per s [s], or [s/sqrt(m)] */
+    double step;         /* the sums are as exact as asked for up to this s */
+    series_row time;     /* t since the start [s] */
+    series_row opened;   /* g [m], or u [sqrt(m)] */
+    series_row rate;     /* g' as the law sees it [m/s] */
+    series_row drag;     /* -(dt/ds) / unit times the dashpot's part of F_n; by u [N sqrt(m)], else [N] */
+    series_row r[FRAME]; /* deviation of the separation from flight [m] */
     series_row r_rate[FRAME]; /* r' [m/s] */
     series_row radial, axial; /* at a rim: how far the centre is beyond side and cap [m] */
 };
