@@ -48,7 +48,10 @@ struct vec3 contact_across_axis(const struct contact_shape *shape, struct vec3 c
 
 struct vec3 contact_across(const struct contact_shape *shape, struct vec3 c)
 {
-    return contact_is_cylinder(shape) ? contact_across_axis(shape, c, vec3_dot(c, shape->axis)) : c;
+    if (!contact_is_cylinder(shape)) {
+        return c;
+    }
+    return contact_across_axis(shape, c, vec3_dot(c, shape->axis));
 }
 
 double contact_along_plane(struct vec3 normal, struct vec3 a)

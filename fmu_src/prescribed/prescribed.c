@@ -57,7 +57,6 @@ struct span {
     double sum[TERMS];  /* the integrals so far */
     double size[TERMS]; /* the integrals of the sizes of their terms so far */
     struct vec3 spring; /* xi at present [m] */
-    bool turns;         /* something in the scene turns or rubs */
     bool elastic;       /* friction has a spring */
     long *panels;       /* panels that the quadrature may still make */
     long *evaluations;  /* evaluations that the search for touches may still make */
@@ -657,7 +656,7 @@ static bool sees_ends(const struct span *s, const struct panel *left, const stru
                       const struct scene_instant at[2])
 {
     struct scene_instant middle;
-    if (!SCENE_ANY_FREE && !s->turns) {
+    if (!SCENE_ANY_FREE && !scene_turns(s->c.v)) {
         return true;
     }
     instant_at(&s->c, left->to, left->spring, &middle);
@@ -873,14 +872,14 @@ CONTACT_NOINLINE static double integrate_between(struct span *s, double from, do
             continue;
         }
         width *= 2.0;
-        if (s->turns && made && divides && passes_event(s, &left, &right, &clock)) {
+        if (scene_turns(s->c.v) && made && divides && passes_event(s, &left, &right, &clock)) {
             continue;
         }
         if (made) { /* else the span is one rounding of the clock, and its integrals are zero */
             add_sums(s, &left);
             add_sums(s, &right);
             note_peaks_between(s, clock, to);
-            if (s->turns) {
+            if (scene_turns(s->c.v)) {
                 s->spring = laid_spring(&s->c, to, s->spring);
             }
         }
@@ -897,7 +896,6 @@ static struct span span_of(const struct scene_values *v, struct scene_state *q, 
 {
     return (struct span){.c = {v, q, contact},
                          .length = length,
-                         .turns = scene_turns(v),
                          .elastic = contact_rubs_elastically(v, contact),
                          .panels = panels,
                          .panel_cost = contact_rubs_elastically(v, contact) ? ELASTIC_PANEL : 1};
@@ -929,7 +927,7 @@ static void book_span(const struct span *s)
             torques->destination_mean = vec3_scale(1.0 / s->length, destination);
         }
     }
-    if (SCENE_ANY_FRICTION && s->turns) {
+    if (SCENE_ANY_FRICTION && scene_turns(s->c.v)) {
         q->turning.spring[s->c.contact] = s->spring;
     }
 }
@@ -1351,7 +1349,7 @@ bool prescribed_over(const struct scene_values *v, struct scene_state *q, double
         if (!contact_is_prescribed(v, j)) {
             continue;
         }
-        if (s.turns) {
+        if (scene_turns(v)) {
             s.evaluations = &evaluations;
             s.panel_cost += (long)fmin(steps / STEPS_OF_PANEL, PRESCRIBED_PANELS);
             done = integrate_located(&s);

@@ -52,7 +52,7 @@ def lives(shim: Path, what: str, scene: str, library: Path, method: int = 0) -> 
     fmu = raw.load(scene)
     names = ("contact.gap", "solver.method") if method else ("contact.gap",)
     numbers = [*(fmu.variables[name].reference for name in names), 0][:2]
-    command = python("support.fmi2.solver_faults", what, library, fmu.guid, *numbers)
+    command = python("support.fmi2.solver_faults", what, library, fmu.guid, *numbers, method)
     run = subprocess.run(
         command, capture_output=True, text=True, timeout=PATIENCE, env=environment(LD_PRELOAD=str(shim))
     )
