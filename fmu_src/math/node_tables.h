@@ -1,5 +1,5 @@
-/* Constants of collocation at the Gauss-Lobatto nodes of [-1, 1]. scripts/tools/make_nodes.py writes all
- * tables and says what each array holds. */
+/* Constants of collocation at the Gauss-Lobatto nodes of [-1, 1]. cmake/make_nodes.py computes all tables
+ * as CMake runs and says what each array holds. */
 #ifndef CONTACT_MATH_NODE_TABLES_H
 #define CONTACT_MATH_NODE_TABLES_H
 
