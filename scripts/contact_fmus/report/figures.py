@@ -29,7 +29,7 @@ def save(figure: Figure, folder: Path, name: str) -> None:
     figure.savefig(folder / f"{name}.png", dpi=130, metadata={"Software": None})
 
 
-def _panels(rows: int, columns: int, height: float) -> tuple[Figure, list[Axes]]:
+def panels(rows: int, columns: int, height: float) -> tuple[Figure, list[Axes]]:
     figure = Figure(figsize=(9.6, height), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False)
     for one in axes.flat:
@@ -40,10 +40,10 @@ def _panels(rows: int, columns: int, height: float) -> tuple[Figure, list[Axes]]
 
 def work_precision(rows: Sequence[Row], problems: Iterable[Problem], folder: Path, name: str) -> None:
     """Our solvers on an even number of problems; marks of one communication step are filled"""
-    panels = list(problems)
+    chosen = list(problems)
     with mpl.rc_context(fname=STYLE):
-        figure, axes = _panels(len(panels) // 2, 2, 3.6 * (len(panels) // 2))
-        for panel, problem in zip(axes, panels, strict=True):
+        figure, axes = panels(len(chosen) // 2, 2, 3.6 * (len(chosen) // 2))
+        for panel, problem in zip(axes, chosen, strict=True):
             found = tables.curves(rows, problem.name)
             least = min((steps for _, steps in found), default=1)
             for (solver, steps), points in found.items():
@@ -54,7 +54,7 @@ def work_precision(rows: Sequence[Row], problems: Iterable[Problem], folder: Pat
             panel.set_title(f"{problem.name}: {problem.title}")
             panel.set(xlabel="error of the position at the end, m", ylabel="time, s")
         steps = sorted({row.communication_steps for row in rows})
-        _legend(figure, [*_solver_marks(), *_step_marks(steps)])
+        legend(figure, [*_solver_marks(), *_step_marks(steps)])
         save(figure, folder, name)
 
 
@@ -73,7 +73,7 @@ def _step_marks(steps: Sequence[int]) -> list[Line2D]:
     return marks
 
 
-def _legend(figure: Figure, marks: Sequence[Line2D], columns: int = 5) -> None:
+def legend(figure: Figure, marks: Sequence[Line2D], columns: int = 5) -> None:
     figure.legend(handles=marks, loc="outside upper center", ncols=min(columns, len(marks)), frameon=False)
 
 
@@ -86,7 +86,7 @@ def peers(own: Sequence[Row], others: Sequence[Row], folder: Path) -> None:
     fewest = min(row.communication_steps for row in own)
     best = [row for row in own if (row.solver, row.communication_steps) == (METHODS[0], fewest)]
     with mpl.rc_context(fname=STYLE):
-        figure, axes = _panels(2, 2, 7.8)
+        figure, axes = panels(2, 2, 7.8)
         for panel, problem in zip(axes, benchmarks().values(), strict=True):
             for solver, (color, marker) in styles.items():
                 points = [row for row in others if (row.problem, row.solver) == (problem.name, solver)]
@@ -100,7 +100,7 @@ def peers(own: Sequence[Row], others: Sequence[Row], folder: Path) -> None:
         marks += [_mark(solver, *style) for solver, style in styles.items()]
         if any(row.law == SIMILAR for row in others):
             marks.append(Line2D([], [], color="#475569", linestyle="--", label="similar law"))
-        _legend(figure, marks, 4)
+        legend(figure, marks, 4)
         save(figure, folder, "peers")
 
 
@@ -134,7 +134,7 @@ def stiffness(rows: Sequence[Row], folder: Path) -> None:
     chosen = [row for row in rows if row.setting == stiff_setting(STIFF_TOLERANCE) and row.measured]
     chosen = [row for row in chosen if row.communication_steps == 1]
     with mpl.rc_context(fname=STYLE):
-        figure, axes = _panels(2, 2, 6.6)
+        figure, axes = panels(2, 2, 6.6)
         for column, damping in enumerate(("damped", "undamped")):
             time, error = axes[column], axes[2 + column]
             for shape in ("cylinder", "sphere"):
@@ -163,5 +163,5 @@ def stiffness(rows: Sequence[Row], folder: Path) -> None:
             style = {"color": "#475569", "marker": "o", "markersize": 5, "mfc": face, "linestyle": line}
             marks.append(Line2D([], [], label=f"in a hollow {shape}", **style))
         marks.append(Line2D([], [], color="#94a3b8", linestyle=":", label="what the reference is good for"))
-        _legend(figure, marks, 3)
+        legend(figure, marks, 3)
         save(figure, folder, "stiffness")
