@@ -19,9 +19,7 @@ if(CONTACT_FMI3)
     list(TRANSFORM shipped REPLACE "/fmus/" "/fmus-fmi3/")
     install(FILES ${shipped} DESTINATION build/fmus-fmi3 ${component})
 endif()
-install(FILES "${built}/Idle.fmu" DESTINATION build ${component}) # what bench compares with
-install(PROGRAMS "${built}/fmu_host" "${built}/contact_batch.so" "${built}/bare_loop"
-    DESTINATION build ${component})
+install(PROGRAMS "${built}/fmu_host" "${built}/contact_batch.so" DESTINATION build ${component})
 
 add_custom_target(package_archives ALL)
 foreach(part cvode nvecserial core) # core came with 7.0

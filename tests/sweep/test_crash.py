@@ -6,35 +6,60 @@ import zipfile
 import pyarrow.parquet as pq
 import pytest
 
-from support.sources import BUILD, ROOT, fmi_headers
+from support.sources import fmi_headers
 from support.sweeps import sweep
 
-IDLE = ROOT / "scripts" / "tools" / "fmu_host" / "idle"
 STUDY = """
-outputs = { there = "position[1]" }
+outputs = { there = "x" }
 fmu = "crashing.fmu"
 experiment.stop_time = 1.0
-vary."position[1]" = [1.0, 2.0, 3.0]
+vary.x = [1.0, 2.0, 3.0]
+"""
+DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Crashing" guid="g">
+  <CoSimulation modelIdentifier="Crashing" canHandleVariableCommunicationStepSize="true"/>
+  <ModelVariables>
+    <ScalarVariable name="x" valueReference="0" causality="output" variability="discrete" initial="exact">
+      <Real start="1.0"/>
+    </ScalarVariable>
+  </ModelVariables>
+  <ModelStructure><Outputs><Unknown index="1"/></Outputs></ModelStructure>
+</fmiModelDescription>
+"""
+# One number, kept as it is set; a step from 2 aborts. What a sweep loads and never needs here does nothing.
+CODE = """
+#include <stdlib.h>
+#include "fmi2Functions.h"
+static fmi2Real x;
+fmi2Component fmi2Instantiate(fmi2String a, fmi2Type b, fmi2String c, fmi2String d,
+    const fmi2CallbackFunctions *e, fmi2Boolean f, fmi2Boolean g) { return &x; }
+void fmi2FreeInstance(fmi2Component c) {}
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean a, fmi2Real b, fmi2Real d, fmi2Boolean e,
+    fmi2Real f) { return fmi2OK; }
+#define PLAIN(name) fmi2Status name(fmi2Component c) { return fmi2OK; }
+PLAIN(fmi2EnterInitializationMode) PLAIN(fmi2ExitInitializationMode) PLAIN(fmi2Reset) PLAIN(fmi2Terminate)
+#define NUMBERS const fmi2ValueReference *r, size_t n
+fmi2Status fmi2GetReal(fmi2Component c, NUMBERS, fmi2Real *v) { *v = x; return fmi2OK; }
+fmi2Status fmi2SetReal(fmi2Component c, NUMBERS, const fmi2Real *v) { x = *v; return fmi2OK; }
+fmi2Status fmi2GetInteger(fmi2Component c, NUMBERS, fmi2Integer *v) { return fmi2OK; }
+fmi2Status fmi2SetInteger(fmi2Component c, NUMBERS, const fmi2Integer *v) { return fmi2OK; }
+fmi2Status fmi2GetBoolean(fmi2Component c, NUMBERS, fmi2Boolean *v) { return fmi2OK; }
+fmi2Status fmi2SetBoolean(fmi2Component c, NUMBERS, const fmi2Boolean *v) { return fmi2OK; }
+fmi2Status fmi2SetString(fmi2Component c, NUMBERS, const fmi2String *v) { return fmi2OK; }
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean n)
+    { if (x == 2.0) abort(); return fmi2OK; }
 """
 
 
 @pytest.fixture
 def crashing(tmp_path):
-    """Idle.fmu, but a step from position[1] = 2 aborts"""
-    text = (IDLE / "idle_fmu.c").read_text()
-    step = "    idle->time = currentCommunicationPoint"
-    changed = text.replace(step, f"    if (idle->values[0] == 2.0) abort();\n{step}")
-    assert changed != text
-    (tmp_path / "crashing.c").write_text(changed)
-    library = tmp_path / "Idle.so"
-    sources = [tmp_path / "crashing.c", IDLE / "idle_absent.c"]
-    options = ["-shared", "-fPIC", "-o", library, "-I", IDLE, "-isystem", fmi_headers()]
-    subprocess.run(["gcc", *options, *sources, "-lm"], check=True)
-    made = tmp_path / "crashing.fmu"
-    with zipfile.ZipFile(BUILD / "Idle.fmu") as idle, zipfile.ZipFile(made, "w") as archive:
-        for name in idle.namelist():
-            content = library.read_bytes() if name.endswith("Idle.so") else idle.read(name)
-            archive.writestr(name, content)
+    code, library, made = (tmp_path / f"crashing.{kind}" for kind in ("c", "so", "fmu"))
+    code.write_text(CODE)
+    command = ["gcc", "-shared", "-fPIC", "-o", library, "-isystem", fmi_headers(), code]
+    subprocess.run(command, check=True)
+    with zipfile.ZipFile(made, "w") as archive:
+        archive.writestr("modelDescription.xml", DESCRIPTION)
+        archive.write(library, "binaries/linux64/Crashing.so")
     return made
 
 

@@ -25,16 +25,12 @@ def main(arguments: list[str] | None = None) -> int:
     options.study = _study(options.study)
     if options.workers is not None and options.workers < 1:
         raise UserError(f"--workers: a whole number from 1 is wanted, not {options.workers}")
-    if options.study.is_file() and not options.scheduler and not options.compare:
+    if options.study.is_file() and not options.scheduler:
         start_early()
     from .study import columns_of, picture_file, read_study
 
     study = read_study(options.study)
     folder = options.output or FOLDER / options.study.stem
-    if options.compare:
-        from .compare import compare
-
-        return compare(study, folder, options)
     drawn = None
     if options.plot is not None:
         drawn = picture_file(options.plot, folder), columns_of(study, options.x, options.y, options.color)
