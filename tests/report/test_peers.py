@@ -83,19 +83,19 @@ FINE = [
 def test_a_peer_comes_near_the_reference_or_says_that_it_is_not_installed(
     peer, name, integrator, parameter, bound
 ):
-    module = command.module_of(peer)
-    if importlib.util.find_spec(module.IMPORT) is None:
+    about = command.PEERS[peer]
+    if importlib.util.find_spec(about["import"]) is None:
         (row,) = command.run([name], quick=True, names=[peer])
         assert not row.measured
-        assert row.note == f"not installed: {' and '.join(module.PACKAGES)}"
+        assert row.note == f"not installed: {' and '.join(about['packages'])}"
         return
     problem = problems.problem_of(name)
     found = [
         case
-        for case in module.cases(problem, quick=False)
+        for case in command.cases(about, name, quick=False)
         if (case.integrator, case.parameter) == (integrator, parameter)
     ]
-    with command.Worker(module.__name__) as process:
+    with command.Worker(f"contact_fmus.peers.{peer}_peer") as process:
         measured, late = process.ask(problem, found[-1], command.QUICK)
     assert (measured.error, late) == ("", False)
     assert problems.error_of(name, measured.position) < bound
@@ -104,23 +104,23 @@ def test_a_peer_comes_near_the_reference_or_says_that_it_is_not_installed(
 @pytest.mark.parametrize("peer", ["mujoco", "drake"])
 def test_a_peer_without_a_hollow_cylinder_says_so(peer):
     for name in ("P3", "P3b"):
-        rows = list(command.run_problem(command.module_of(peer), None, problems.problem_of(name), quick=True))
+        rows = list(command.run_problem(command.PEERS[peer], None, problems.problem_of(name), quick=True))
         assert [row.measured for row in rows] == [False]
         assert rows[0].note.startswith("cannot be expressed: no hollow cylinder")
 
 
 def test_a_law_is_the_same_or_similar_in_every_case():
-    laws = {}
-    for peer in command.NAMES:
-        problem = problems.problem_of("P2")
-        laws[peer] = {case.law for case in command.module_of(peer).cases(problem, quick=False)}
+    laws = {
+        name: {case.law for case in command.cases(peer, "P2", quick=False)}
+        for name, peer in command.PEERS.items()
+    }
     same, similar = {SAME}, {SIMILAR}
     assert laws == {"scipy": same, "exudyn": same, "mujoco": similar, "lammps": same, "drake": similar}
 
 
 def peer_that(advance, position=(0.0, 0.0, 0.0)):
     run = Run(advance, lambda: list(position))
-    return SimpleNamespace(NAME="made up", prepare=lambda _problem, _case: run, cases=lambda _p, _q: [CASE])
+    return SimpleNamespace(prepare=lambda _problem, _case: run)
 
 
 def test_what_a_peer_raises_is_a_note():
@@ -133,7 +133,7 @@ def test_what_a_peer_raises_is_a_note():
 
 def test_a_position_that_is_no_number_is_a_note():
     module, problem = peer_that(lambda: None, (0.0, float("nan"), 0.0)), problems.problem_of("P1")
-    row = command.measured_row(module, problem, CASE, command.measure(module, problem, CASE, PLAN))
+    row = command.measured_row(("P1", PEER, "made up"), CASE, command.measure(module, problem, CASE, PLAN))
     assert (row.measured, row.note) == (False, "the position at the end is not finite")
 
 
@@ -150,21 +150,15 @@ def prepare(problem, _case):
     return Run(lambda: time.sleep(60) if problem.name == "P1" else os._exit(7), lambda: [0.0, 0.0, 0.0])
 
 
-def cases(_problem, _quick):
-    return [CASE, CASE._replace(parameter=0.5)]
-
-
-NAME = "trouble"
+RUNS = {"integrator": "made up", "settings": ["step size in s"], "quick": [1.0, 0.5]}
 
 
 def trouble(name, start, monkeypatch):
     monkeypatch.setattr(command, "START", start)
     monkeypatch.setattr(command, "QUICK", PLAN)
-    module = SimpleNamespace(NAME=NAME, cases=cases)
+    peer = {"name": "trouble", "runs": [RUNS]}
     with command.Worker(__name__) as process:
-        return [
-            row.note for row in command.run_problem(module, process, problems.problem_of(name), quick=True)
-        ]
+        return [row.note for row in command.run_problem(peer, process, problems.problem_of(name), quick=True)]
 
 
 def test_a_run_that_takes_too_long_is_ended_and_finer_ones_are_left_out(monkeypatch):

@@ -5,6 +5,7 @@ Writes peers.csv and peers.json for the report's page. FOLDER may also be the na
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import importlib.metadata
 import importlib.util
@@ -13,16 +14,17 @@ import multiprocessing
 import os
 import statistics
 import time
+import tomllib
 from collections.abc import Iterable, Iterator
-from types import ModuleType
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from contact_fmus.bench.problems import benchmarks
 from contact_fmus.options import parse
 from contact_fmus.pages import stopwatch, write_json
-from contact_fmus.report.measure import PEER, Row, write_rows
+from contact_fmus.report.measure import PEER, SAME, Row, write_rows
 
-from .problems import BallAndWall, CannotExpress, Case, error_of, problem_of
+from .problems import BallAndWall, Case, error_of, problem_of
 
 # One peer in a process of its own, so that it may hang, crash or print without harm to the report.
 #
@@ -134,74 +136,70 @@ class Worker:
 # must be there. A peer that is missing, cannot express a problem, fails or takes too long gives rows that say
 # so.
 
-NAMES = ("scipy", "exudyn", "mujoco", "lammps", "drake")
+PEERS = tomllib.loads(Path(__file__).with_name("peers.toml").read_text(encoding="utf-8"))
 
 
-def module_of(name: str) -> ModuleType:
-    return importlib.import_module(f"contact_fmus.peers.{name}_peer")
+def cases(peer: dict[str, Any], problem: str, quick: bool) -> Iterator[Case]:
+    for row in peer["runs"]:
+        if problem not in row.get("problems", [problem]):
+            continue
+        law, note = row.get("law", SAME), row.get("note", {}).get(problem, "")
+        for setting in row["settings"]:
+            for parameter in row.get("quick", ()) if quick else row["parameters"]:
+                if parameter >= row.get("finest", {}).get(problem, 0.0):
+                    yield Case(row["integrator"], setting, parameter, law, note)
 
 
 def versions() -> dict[str, str]:
     """The versions of installed peers, and of the packages that they need"""
     found = {}
-    for name in NAMES:
-        for package in module_of(name).PACKAGES:
-            try:
-                found[package] = importlib.metadata.version(package)
-            except importlib.metadata.PackageNotFoundError:
-                continue
+    for package in (package for peer in PEERS.values() for package in peer["packages"]):
+        with contextlib.suppress(importlib.metadata.PackageNotFoundError):
+            found[package] = importlib.metadata.version(package)
     return found
 
 
-def run(problems: Iterable[str] | None = None, quick: bool = False, names: Iterable[str] = NAMES) -> Iterator[Row]:
+def run(
+    problems: Iterable[str] | None = None, quick: bool = False, names: Iterable[str] = tuple(PEERS)
+) -> Iterator[Row]:
     """Rows of each peer on each problem, as they come"""
     chosen = [problem_of(name) for name in (benchmarks() if problems is None else problems)]
     for name in names:
-        module = module_of(name)
-        if importlib.util.find_spec(module.IMPORT) is None:
+        peer = PEERS[name]
+        if importlib.util.find_spec(peer["import"]) is None:
             for problem in chosen:
-                yield unmeasured(module, problem, f"not installed: {' and '.join(module.PACKAGES)}")
+                note = f"not installed: {' and '.join(peer['packages'])}"
+                yield Row(problem.name, PEER, peer["name"], note=note)
             continue
-        with Worker(module.__name__) as worker:
+        with Worker(f"contact_fmus.peers.{name}_peer") as worker:
             for problem in chosen:
-                yield from run_problem(module, worker, problem, quick)
+                yield from run_problem(peer, worker, problem, quick)
 
 
-def run_problem(module: ModuleType, worker: Worker, problem: BallAndWall, quick: bool) -> Iterator[Row]:
+def run_problem(peer: dict[str, Any], worker: Worker, problem: BallAndWall, quick: bool) -> Iterator[Row]:
     too_long: set[tuple[str, str]] = set()
-    try:
-        cases = list(module.cases(problem, quick))
-    except CannotExpress as reason:
-        yield unmeasured(module, problem, f"cannot be expressed: {reason}")
-        return
-    for case in cases:
+    case = None
+    for case in cases(peer, problem.name, quick):
+        known = (problem.name, PEER, f"{peer['name']} {case.integrator}", case.law, case.setting, case.parameter)
         key = case.integrator, case.setting
         if key in too_long:
-            yield row_of(module, problem, case, note="left out: a coarser run already took too long")
+            yield Row(*known, note="left out: a coarser run already took too long")
             continue
         measured, late = worker.ask(problem, case, QUICK if quick else FULL)
         if late:
             too_long.add(key)
-        yield measured_row(module, problem, case, measured)
+        yield measured_row(known, case, measured)
+    if case is None:
+        yield Row(problem.name, PEER, peer["name"], note=f"cannot be expressed: {peer['cannot']}")
 
 
-def measured_row(module: ModuleType, problem: BallAndWall, case: Case, measured: Measured) -> Row:
+def measured_row(known: tuple, case: Case, measured: Measured) -> Row:
     if measured.error:
-        return row_of(module, problem, case, note=measured.error)
-    error, times = error_of(problem.name, measured.position), measured.times
+        return Row(*known, note=measured.error)
+    error, times = error_of(known[0], measured.position), measured.times
     if not math.isfinite(error):
-        return row_of(module, problem, case, note="the position at the end is not finite")
-    found = {"time_s": statistics.median(times), "time_min_s": min(times), "error_m": error}
-    return row_of(module, problem, case, **found, onsets=measured.onsets, note=case.note)
-
-
-def row_of(module: ModuleType, problem: BallAndWall, case: Case, **found: Any) -> Row:
-    solver = f"{module.NAME} {case.integrator}"
-    return Row(problem.name, PEER, solver, case.law, case.setting, case.parameter, **found)
-
-
-def unmeasured(module: ModuleType, problem: BallAndWall, note: str) -> Row:
-    return Row(problem.name, PEER, module.NAME, note=note)
+        return Row(*known, note="the position at the end is not finite")
+    return Row(*known, None, statistics.median(times), min(times), error, measured.onsets, case.note)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -209,11 +207,11 @@ def main(arguments: list[str] | None = None) -> int:
     file = options.output if options.output.suffix == ".csv" else options.output / "peers.csv"
     file.parent.mkdir(parents=True, exist_ok=True)
     rows, say = [], stopwatch()
-    for row in run(quick=options.quick, names=options.only or NAMES):
+    for row in run(quick=options.quick, names=options.only or PEERS):
         rows.append(row)
         say(line(row))
     write_rows(file, rows)
-    part = {"versions": versions(), "sections": [section(rows, options.only or NAMES)]}
+    part = {"versions": versions(), "sections": [section(rows, options.only or PEERS)]}
     write_json(file.with_suffix(".json"), part)
     return 0
 
@@ -227,7 +225,7 @@ def line(row: Row) -> str:
 
 def section(rows: Iterable[Row], names: Iterable[str]) -> dict:
     """The section of the page: each peer's law, and the runs that could not be measured"""
-    peers = [[module_of(name).NAME, module_of(name).LAW] for name in names]
+    peers = [[PEERS[name]["name"], PEERS[name]["law"]] for name in names]
     gaps = dict.fromkeys(
         (row.solver, row.problem, row.setting, f"{row.parameter or ''}", row.note) for row in rows if not row.measured
     )

@@ -6,37 +6,9 @@ approximation: a linear spring and a dashpot (relaxation time p_nv/p_n) that nev
 of first order: similar. Stiffnesses of two bodies act in series, relaxation times add up.
 """
 
-from contact_fmus.report.measure import RELATIVE_TOLERANCE, SAME, SIMILAR
+from .problems import Run
 
-from .problems import STEP_SIZE, CannotExpress, Case, Run
-
-NAME = "Drake"
-PACKAGES = ("drake",)
-IMPORT = "pydrake"
-LAW = (
-    "the same without a dashpot (continuous plant, point contact of no dissipation); similar with SAP"
-    " (discrete plant: a spring and a dashpot that never pulls, implicit steps)"
-)
-
-TOLERANCES = {
-    "runge_kutta3": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11),
-    "radau3": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7),
-}
-STEPS = (1e-3, 1e-4, 3e-5)
 LARGEST_STEP = 0.1
-SAP = "SAP"
-
-
-def cases(problem, quick):
-    if problem.inside:
-        raise CannotExpress("no hollow cylinder: point contact takes every shape as convex and solid")
-    if not problem.damping:
-        for scheme, tolerances in TOLERANCES.items():
-            for tolerance in tolerances[1:3] if quick else tolerances:
-                yield Case(scheme, RELATIVE_TOLERANCE, tolerance, SAME)
-    note = "implicit steps of first order" + ("; the dashpot never pulls" if problem.damping else "")
-    for size in STEPS[:1] if quick else STEPS:
-        yield Case(SAP, STEP_SIZE, size, SIMILAR, note)
 
 
 def material(pydrake, problem):
@@ -77,7 +49,7 @@ def scene(pydrake, problem, time_step):
 def prepare(problem, case):
     import pydrake.all as pydrake
 
-    discrete = case.integrator == SAP
+    discrete = case.integrator == "SAP"
     diagram, plant = scene(pydrake, problem, case.parameter if discrete else 0.0)
     simulator = pydrake.Simulator(diagram)
     context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())

@@ -8,34 +8,9 @@ the ball, so that the ball is always in its middle plane, is one.
 User function: the same law in Exudyn's symbolic expressions, evaluated in C++ without Python.
 """
 
-from contact_fmus.report.measure import RELATIVE_TOLERANCE, SAME
+from contact_fmus.report.measure import RELATIVE_TOLERANCE
 
-from .problems import STEP_SIZE, Case, Run, steps_of
-
-NAME = "Exudyn"
-PACKAGES = ("exudyn",)
-IMPORT = "exudyn"
-LAW = (
-    "the same: its own contact of two spheres (a hollow one that slides along with the ball stands for the"
-    " cylinder), and the law as a symbolic user function"
-)
-
-BUILT_IN, USER = "built-in contact", "user function"
-TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
-FINEST = {"P3": 1e-8, "P3b": 1e-10}  # finer ones take many seconds or stall at the least step
-STEPS = {"RK44": (1e-3, 3e-4, 1e-4, 3e-5), "GeneralizedAlpha": (1e-3, 3e-4, 1e-4)}
-STALLS = "whether the bodies touch is decided once a step: finer steps need not be better"
-
-
-def cases(problem, quick):
-    for contact in (BUILT_IN, USER):
-        note = STALLS if contact == BUILT_IN and problem.damping and not problem.touching else ""
-        for tolerance in (1e-5, 1e-7) if quick else TOLERANCES:
-            if tolerance >= FINEST.get(problem.name, 0.0):
-                yield Case("DOPRI5", f"{RELATIVE_TOLERANCE}, {contact}", tolerance, SAME, note)
-    for method, steps in STEPS.items():
-        for size in steps[-2:-1] if quick else steps:
-            yield Case(method, f"{STEP_SIZE}, {BUILT_IN}", size, SAME, note)
+from .problems import Run, steps_of
 
 
 def inertia(problem):
@@ -133,7 +108,7 @@ def prepare(problem, case):
 
     container = exudyn.SystemContainer()
     system = container.AddSystem()
-    build = ball_and_built_in_contact if case.setting.endswith(BUILT_IN) else ball_and_user_function
+    build = ball_and_built_in_contact if case.setting.endswith("built-in contact") else ball_and_user_function
     ball, kept = build(exudyn, system, problem)
     system.Assemble()
     options, solver = settings(exudyn, problem, case)

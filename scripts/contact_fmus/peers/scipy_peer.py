@@ -10,33 +10,11 @@ that lasts longer is left to the error control) and to 0.1 s in flight.
 
 from math import inf, sqrt
 
-from contact_fmus.report.measure import RELATIVE_TOLERANCE, SAME
+from .problems import Run
 
-from .problems import Case, Run
-
-NAME = "scipy"
-PACKAGES = ("scipy",)
-IMPORT = "scipy"
-LAW = "the same, as a right-hand side in Python; solve_ivp restarts at every start and end of contact"
-
-METHODS = ("DOP853", "Radau", "LSODA")
-TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-FINEST = {"DOP853": 1e-10, "Radau": 1e-8, "LSODA": 1e-12}  # in lasting contact; finer ones take many seconds
-LIMITED, UNLIMITED = "max_step", "no max_step"
-QUICK_TOLERANCES = (1e-6,)
 FLIGHT_STEP = 0.1  # s, a quarter of what the ball takes to fall through the sphere
 PASSED = 1e-13  # m, above what the event is found to: 8 ε times 5 s at 6 m/s, and the rounding of the gap
 PHASES = 10_000  # more than any problem has: a run that restarts for ever is ended
-
-
-def cases(problem, quick):
-    for method in METHODS[:1] if quick else METHODS:
-        for limited in (False, True):
-            for tolerance in QUICK_TOLERANCES if quick else TOLERANCES:
-                if problem.inside and tolerance < FINEST[method]:
-                    continue
-                setting = f"{RELATIVE_TOLERANCE}, {LIMITED if limited else UNLIMITED}"
-                yield Case(method, setting, tolerance, SAME)
 
 
 def equations(problem):
@@ -96,7 +74,7 @@ class Motion:
         self.problem, self.state = problem, np.array([*problem.position, *problem.velocity])
         self.equations = equations(problem)
         self.method, self.tolerance = case.integrator, case.parameter
-        self.limited = not case.setting.endswith(UNLIMITED)
+        self.limited = not case.setting.endswith("no max_step")
         self.onsets = 0
 
     def phase(self, start, end, touching, resume):
