@@ -109,7 +109,7 @@ def test_a_run_that_takes_too_long_is_ended(fmu_path):
 def test_names_are_checked_before_anything_runs(fmu_path):
     with pytest.raises(KeyError, match=r"SphereSphere\.fmu has no variable 'source\.colour'"):
         run_host([case_of(fmu_path, "P1", start={"source.colour": 1})])
-    with pytest.raises(ValueError, match=r"source\.center takes 3 value"):
+    with pytest.raises(ValueError, match=r"source\.center takes 3 numbers"):
         run_host([case_of(fmu_path, "P1", start={"source.center": 1.0})])
 
 

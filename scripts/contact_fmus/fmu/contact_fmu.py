@@ -29,7 +29,7 @@ from contact_fmus.errors import RunFailure, UserError
 
 from .files import fmu_file, fmus_folder, repository, unpack
 from .slaves import slave_of
-from .variables import Variable, is_fmi3, item_value, read_variables
+from .variables import Variable, is_fmi3, numbers_of, read_variables, value_of
 
 # A state of an FMU's instance that ContactFmu.save() kept
 
@@ -76,6 +76,9 @@ __all__ = ["ContactFmu", "FmuError", "Message", "Status", "Variable", "fmu_file"
 # Loading a library through fmpy changes the working directory for a moment, and unpacking fills a shared
 # table: one thread at a time.
 _loading = threading.Lock()
+
+# Functions by a variable's type; those of Integer serve enumerations too
+GETTERS, SETTERS = {"Real": "reals", "Boolean": "getBoolean"}, {"Real": "setReal", "Boolean": "setBoolean"}
 
 
 class Status(enum.IntEnum):
@@ -222,31 +225,11 @@ class ContactFmu:
 
     def __getitem__(self, name: str) -> Any:
         variable = self.variable(name)
-        if variable.type == "Real":
-            values = self.call("reals", variable.references)
-            return np.array(values) if variable.is_vector else values[0]
-        if variable.type == "Boolean":
-            return bool(self.call("getBoolean", variable.references)[0])
-        value = self.call("getInteger", variable.references)[0]
-        return variable.items[variable.item_values.index(value)] if variable.items else value
+        return value_of(variable, self.call(GETTERS.get(variable.type, "getInteger"), variable.references))
 
     def __setitem__(self, name: str, value: Any) -> None:
         variable = self.variable(name)
-        if variable.type == "Real":
-            try:
-                values = np.atleast_1d(np.asarray(value, dtype=float))
-            except (TypeError, ValueError):
-                values = np.empty(0)
-            if values.shape != (len(variable.references),):
-                count = len(variable.references)
-                wanted = f"{count} numbers" if count > 1 else "a number"
-                unit = f" in {variable.unit}" if variable.unit else ""
-                raise ValueError(f"{name} takes {wanted}{unit}, not {value!r}")
-            self.call("setReal", variable.references, values.tolist())
-        elif variable.type == "Boolean":
-            self.call("setBoolean", variable.references, [bool(value)])
-        else:
-            self.call("setInteger", variable.references, [item_value(variable, value)])
+        self.call(SETTERS.get(variable.type, "setInteger"), variable.references, numbers_of(variable, value))
 
     def set_derivative(self, name: str, value: Any, order: int = 1) -> None:
         """The order-th time derivative of a Real input, from this communication point on. FMI 3.0 knows none:

@@ -27,7 +27,7 @@ import numpy as np
 from contact_fmus.errors import RunFailure
 
 from .files import repository, unpack
-from .variables import Variable, item_value, read_variables
+from .variables import Variable, numbers_of, read_variables, value_of
 
 TYPES = {"Real": "real", "Integer": "integer", "Enumeration": "integer", "Boolean": "boolean"}
 
@@ -125,7 +125,10 @@ def case_arguments(case: Case) -> list[str]:
     arguments += ["--steps", str(case.steps)]
     arguments += ["--tolerance", repr(float(case.tolerance))] if case.tolerance is not None else []
     for name, value in case.start.items():
-        arguments += _start_arguments(_variable(case, variables, name), value)
+        variable = _variable(case, variables, name)
+        for reference, number in zip(variable.references, numbers_of(variable, value), strict=True):
+            number = int(number) if variable.type == "Boolean" else number
+            arguments += [f"--set-{TYPES[variable.type]}", f"{reference}={number!r}"]
     for names in case.get:
         references = [_variable(case, variables, name).references for name in names]
         arguments += ["--get", ",".join(str(one) for group in references for one in group)]
@@ -141,18 +144,6 @@ def _variable(case: Case, variables: dict[str, Variable], name: str) -> Variable
     return variables[name]
 
 
-def _start_arguments(variable: Variable, value: Any) -> list[str]:
-    if variable.type == "Real":
-        values = [repr(float(one)) for one in np.atleast_1d(np.asarray(value, dtype=float))]
-    else:
-        values = [str(int(value) if variable.type == "Boolean" else item_value(variable, value))]
-    if len(values) != len(variable.references):
-        raise ValueError(f"{variable.name} takes {len(variable.references)} value(s), not {value!r}")
-    option = f"--set-{TYPES[variable.type]}"
-    pairs = [f"{reference}={one}" for reference, one in zip(variable.references, values, strict=True)]
-    return [argument for pair in pairs for argument in (option, pair)]
-
-
 def _result(case: Case, line: dict[str, Any]) -> Result:
     if "error" in line:
         return Result(line["case"], [], [], {}, line["error"])
@@ -164,9 +155,4 @@ def _result(case: Case, line: dict[str, Any]) -> Result:
 def _output(variable: Variable, line: dict[str, Any]) -> Any:
     """A value that is not finite comes as null and is NaN here."""
     values = [line[TYPES[variable.type]][str(reference)] for reference in variable.references]
-    if variable.type == "Real":
-        reals = [np.nan if value is None else value for value in values]
-        return np.array(reals) if variable.is_vector else reals[0]
-    if variable.type == "Boolean":
-        return bool(values[0])
-    return variable.items[variable.item_values.index(values[0])] if variable.items else values[0]
+    return value_of(variable, [np.nan if value is None else value for value in values])

@@ -12,6 +12,8 @@ from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from contact_fmus.errors import UserError, similar
 
 from .files import Scene, fmu_file, has_scene, read_scene, repository, unpack
@@ -117,6 +119,29 @@ def plain(variable: Variable, value: Any) -> Any:
     if variable.items and value in variable.item_values:
         return variable.items[variable.item_values.index(value)]
     return value
+
+
+def value_of(variable: Variable, values: Any) -> Any:
+    """What the FMU gave for the references, as a user reads it: a vector as an array"""
+    if variable.type == "Real":
+        return np.array(values) if variable.is_vector else values[0]
+    return plain(variable, values[0])
+
+
+def numbers_of(variable: Variable, value: Any) -> list:
+    """What the FMU is given for the references; ValueError for a value that is none of the variable's"""
+    if variable.type != "Real":
+        return [bool(value) if variable.type == "Boolean" else item_value(variable, value)]
+    try:
+        values = np.atleast_1d(np.asarray(value, dtype=float))
+    except (TypeError, ValueError):
+        values = np.empty(0)
+    count = len(variable.references)
+    if values.shape != (count,):
+        unit = f" in {variable.unit}" if variable.unit else ""
+        wanted = f"{count} numbers" if count > 1 else "a number"
+        raise ValueError(f"{variable.name} takes {wanted}{unit}, not {value!r}")
+    return values.tolist()
 
 
 def item_value(variable: Variable, value: Any) -> int:

@@ -96,11 +96,11 @@ def _more_problems(
 
 
 def _stiffness(own: list[Row], folder: Path) -> Section:
-    words, families = WORDS["stiffness"], stiff_families()
+    words = WORDS["stiffness"]
     figures.stiffness(own, folder)
-    listed = [tables.stiffness(name, family, own) for name, family in families.items()]
+    listed = [tables.stiffness(name, family, own) for name, family in stiff_families().items()]
     figure = {"name": "stiffness", "caption": words["caption"]}
-    return Section(words["title"], [words["text"]], [tables.growth(families, own), *listed], [figure])
+    return Section(words["title"], [words["text"]], listed, [figure])
 
 
 def given_section(section: dict[str, Any], folder: Path) -> Section:

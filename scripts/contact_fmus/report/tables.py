@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
-from contact_fmus.bench.problems import EVENT_DRIVEN, METHODS, STIFF_TOLERANCE, Problem, benchmarks
+from contact_fmus.bench.problems import METHODS, STIFF_TOLERANCE, Problem, benchmarks
 from contact_fmus.pages import Table, read_words
 
 from .measure import PEER, RELATIVE_TOLERANCE, THIS_FMU, TOO_LONG, Row, stiff_setting
@@ -107,33 +107,6 @@ def _time_and_error(row: Row | None) -> tuple[str, str]:
     if row.note.startswith(TOO_LONG):
         return f">{row.note.removeprefix(TOO_LONG)}", MISSING
     return "not run" if row.note.startswith("not run") else "failed", MISSING
-
-
-def growth(names: Iterable[str], rows: Sequence[Row]) -> Table:
-    """Time of event_driven at the stiffest against 1e7 N/m, runs taking turns"""
-    cells = []
-    for name in names:
-        for setting in dict.fromkeys(row.setting for row in rows if row.problem == name):
-            for steps in dict.fromkeys(row.communication_steps for row in rows if row.setting == setting):
-                cells += _growth_row(name, setting, steps, rows)
-    header = ["family", "relative tolerance", "communication steps", "at 1e7 N/m", "at the stiffest", "ratio"]
-    return Table("event_driven: time at the stiffest contact against that at 1e7 N/m", header, cells, 1)
-
-
-def _growth_row(name: str, setting: str, steps: int, rows: Sequence[Row]) -> list:
-    key = (name, setting, steps, EVENT_DRIVEN)
-    times = {
-        row.parameter: row.time_s
-        for row in rows
-        if (row.problem, row.setting, row.communication_steps, row.solver) == key
-    }
-    if not times:
-        return []
-    stiffest = max(times)
-    base, last = times.get(1e7), times[stiffest]
-    ratio = f"{last / base:.2g}" if base and last else MISSING
-    end = f"{seconds(last)} ({stiffest:.0e} N/m)"
-    return [[name, setting.rpartition(" ")[2], str(steps), seconds(base), end, ratio]]
 
 
 def curves(rows: Sequence[Row], problem: str) -> dict[tuple[str, int | None], list[Row]]:
