@@ -6,7 +6,10 @@ raise UserError("run: no FMU 'Sphere' (similar: SphereSphere)")
 from __future__ import annotations
 
 import difflib
+import tomllib
 from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
 
 # Statuses of the command `contact-fmus`
 DONE = 0
@@ -35,3 +38,15 @@ def similar(word: str, known: Iterable[str]) -> str:
     if not near:
         return ""
     return f" (did you mean {' or '.join(repr(one) for one in near)}?)"
+
+
+def read_toml(file: Path) -> dict[str, Any]:
+    """A scenario or a study; UserError where there is no such file, or something else in it"""
+    try:
+        return tomllib.loads(file.read_text(encoding="utf-8-sig"))
+    except OSError as error:
+        raise UserError(f"{file}: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise UserError(f"{file}: this is no text, but binary: a TOML file in UTF-8 is needed") from None
+    except tomllib.TOMLDecodeError as error:
+        raise UserError(f"{file}: this is no TOML file: {error}") from None

@@ -127,3 +127,18 @@ def _column(path: str | Path, name: str, texts: list[str]) -> np.ndarray:
         if name == "time":
             raise UserError(f"{path}: column time holds something that is no number") from None
         return np.array(texts)
+
+
+PICTURES = (".png", ".svg", ".pdf")
+
+
+def output_file(asked: Path | None, usual: str, suffixes: tuple[str, ...]) -> Path:
+    """UserError before anything is run, where the file could not be written in the end"""
+    output = Path(usual) if asked is None else asked
+    if output.suffix not in suffixes:
+        known = ", ".join(suffixes)
+        near = similar(output.suffix, suffixes)
+        raise UserError(f"{output}: '{output.suffix}' is none of the formats {known}{near}")
+    if output.is_dir():
+        raise UserError(f"{output}: this is a folder")
+    return output

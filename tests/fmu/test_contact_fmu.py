@@ -5,7 +5,7 @@ import gc
 import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError
-from contact_fmus.scenarios import command
+from contact_fmus.running import scenarios as command
 
 NAME = "SphereSphere"
 FALL = {"source.center": [0.03, 0.04, 1.1], "contact.method": "penalty"}

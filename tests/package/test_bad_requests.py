@@ -125,7 +125,6 @@ WRONG = {
     "sweep: column": (["sweep", "study.toml", "--plot", "--x", "hight"], "did you mean 'height'"),
     "picture": (["picture", "nowhere.toml", "--output", "x.png"], "nowhere.toml"),
     "page": (["page", "--output", "folder.fmu"], "folder.fmu"),
-    "bench: two wishes": (["bench", "--instructions", "--baseline", "main"], "leave out --instructions"),
     "bench: another build": (["bench", "--instructions", "--against", "folder.fmu"], "folder.fmu"),
     "stability": (["stability", "--output", "text.fmu"], "text.fmu"),
     "report": (["report", "--output", "text.fmu"], "text.fmu"),

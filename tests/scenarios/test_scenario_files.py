@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from contact_fmus.__main__ import main
+from contact_fmus.errors import UserError
 from contact_fmus.scenarios.experiment import InputSignal
-from contact_fmus.scenarios.scenario import ScenarioError, read_scenario
+from contact_fmus.scenarios.scenario import read_scenario
 
 SHIPPED = sorted((Path(__file__).resolve().parents[2] / "scripts" / "scenarios").glob("*.toml"))
 
@@ -76,7 +77,7 @@ def test_wrong_file_is_refused_in_one_line_naming_file_place_and_key(case, tmp_p
     assert GOOD.count(old) == 1
     file = tmp_path / "wrong.toml"
     file.write_text(GOOD.replace(old, new))
-    with pytest.raises(ScenarioError) as refused:
+    with pytest.raises(UserError) as refused:
         read_scenario(file)
     assert str(refused.value).startswith(f"{file}: ")
     assert message in str(refused.value)
@@ -85,7 +86,7 @@ def test_wrong_file_is_refused_in_one_line_naming_file_place_and_key(case, tmp_p
 
 
 def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(ScenarioError, match=r"absent\.toml: No such file"):
+    with pytest.raises(UserError, match=r"absent\.toml: No such file"):
         read_scenario(tmp_path / "absent.toml")
 
 

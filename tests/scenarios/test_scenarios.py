@@ -6,23 +6,18 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from contact_fmus.scenarios import command
+from contact_fmus.running import scenarios as command
+from contact_fmus.running.scenarios import run_scenario, write_report
 from contact_fmus.scenarios.claims import Outcome
-from contact_fmus.scenarios.command import run_scenario, write_report
 from contact_fmus.scenarios.experiment import Claim
-from contact_fmus.scenarios.scenario import read_scenario
 
 FOLDER = Path(__file__).resolve().parents[2] / "scripts" / "scenarios"
 SHIPPED = sorted(FOLDER.glob("*.toml"))
 
 
-def ignore(_steps):
-    pass
-
-
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
 def test_every_claim_of_the_scenario_holds_in_every_run(file):
-    result = run_scenario(read_scenario(file), None, ignore)
+    result = run_scenario(file)
     assert result.failures == []
     assert result.results
     broken = [
@@ -42,7 +37,7 @@ def test_a_run_writes_its_plot_and_a_page_that_shows_it(tmp_path, capsys):
 
 
 def test_the_page_typesets_formulas_and_stands_alone(tmp_path):
-    results = [run_scenario(read_scenario(FOLDER / "contact_duration.toml"), None, ignore)]
+    results = [run_scenario(FOLDER / "contact_duration.toml")]
     page = etree.HTML(write_report(results, tmp_path).read_text(encoding="utf-8"))
     assert page.xpath("//td/sub/text()")[0] == "n"
     assert "$" not in page.xpath("string(//body)")

@@ -10,11 +10,10 @@ import numpy as np
 from contact_fmus.errors import UserError, similar
 from contact_fmus.options import parse
 from contact_fmus.plot import page
-from contact_fmus.plot.command import output_file
 from contact_fmus.plot.page import environment, numbers
 from contact_fmus.plot.panels import touches, usual
 from contact_fmus.plot.source import Run, motion_of, open_runs
-from contact_fmus.results import Result
+from contact_fmus.results import Result, output_file
 from contact_fmus.scenarios.experiment import Motion
 from contact_fmus.scenarios.scenario import ANY, find
 

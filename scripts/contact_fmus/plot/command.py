@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from contact_fmus.errors import UserError, similar
+from contact_fmus.errors import UserError
 from contact_fmus.fmu.files import has_scene, read_scene
 from contact_fmus.options import parse
-from contact_fmus.results import Result
-from contact_fmus.scenarios.scenario import ANY, find
+from contact_fmus.results import PICTURES, Result, output_file
+from contact_fmus.scenarios.scenario import ANY, SCENARIOS, find
 
 from . import page, panels, picture
 from .panels import usual
 from .source import Run, open_runs
 
-SUFFIXES = (*picture.SUFFIXES, ".html")
+SUFFIXES = (*PICTURES, ".html")
 
 
 def draw(result: Result, file: str | Path) -> None:
@@ -47,13 +47,17 @@ def main(arguments: list[str] | None = None) -> int:
     return 0
 
 
-def output_file(asked: Path | None, usual: str, suffixes: tuple[str, ...]) -> Path:
-    """UserError before anything is run, where the file could not be written in the end"""
-    output = Path(usual) if asked is None else asked
-    if output.suffix not in suffixes:
-        known = ", ".join(suffixes)
-        near = similar(output.suffix, suffixes)
-        raise UserError(f"{output}: '{output.suffix}' is none of the formats {known}{near}")
-    if output.is_dir():
-        raise UserError(f"{output}: this is a folder")
-    return output
+def draw_scenario(file: Path, output: Path) -> None:
+    """The runs that the scenario compares, with the path"""
+    runs = open_runs(str(file), (), None)
+    picture.draw(runs[0].title, runs, usual(runs[0].result), output, path=True)
+
+
+def scenario(arguments: list[str] | None = None) -> int:
+    """0: drawn; 2: the request makes no sense; 3: an FMU refused"""
+    options = parse("picture", arguments)
+    file = find(options.file, SCENARIOS)
+    output = output_file(options.output, f"{file.stem}.png", PICTURES)
+    draw_scenario(file, output)
+    print(output)
+    return 0

@@ -11,8 +11,6 @@ from typing import Any
 import jinja2
 import numpy as np
 
-from contact_fmus.results import Result
-
 from .panels import Panel, threshold, touches, values
 from .source import Run
 
@@ -71,10 +69,6 @@ def _readable(unit: str, drawn: list[np.ndarray]) -> tuple[float, str]:
     return 1.0 / scale, prefix + unit
 
 
-def times(result: Result) -> str:
-    return numbers(result.time)
-
-
 HERE = Path(__file__).parent
 
 
@@ -99,7 +93,7 @@ def environment() -> jinja2.Environment:
 def write_page(title: str, runs: list[Run], panels: list[Panel], file: Path) -> None:
     content = {
         "title": title,
-        "times": [times(run.result) for run in runs],
+        "times": [numbers(run.result.time) for run in runs],
         "charts": charts(panels, runs),
         "touches": [[one.begin, one.end, one.contact] for one in touches(runs[0].result)],
     }

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -38,24 +37,11 @@ def open_runs(name: str, settings: Sequence[str], stop: float | None, fmu: Path 
             raise UserError(f"{path}: {len(result.time)} row of values; two are needed")
         result.fmu = fmu or result.fmu
         return [Run(path.stem, "", result)]
-    with readable(path):
-        experiments = [changed(one, settings, stop) for one in drawn_runs(path)]
+    experiments = [changed(one, settings, stop) for one in drawn_runs(path)]
     runs = [Run(one.title, one.label, record_densely(one)) for one in experiments]
     for run in runs:
         run.result.tell_warnings()
     return runs
-
-
-@contextlib.contextmanager
-def readable(fmu: Path) -> Iterator[None]:
-    """Whatever fmpy makes of a file that is no FMU becomes one sentence."""
-    try:
-        yield
-    except UserError:
-        raise
-    except Exception as error:
-        text = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise UserError(f"{fmu}: this is no FMU that can be run: {text}") from None
 
 
 def motion_of(result: Result) -> Motion:
@@ -65,8 +51,7 @@ def motion_of(result: Result) -> Motion:
     fmu = Path(result.fmu)
     if not fmu.is_file():
         raise UserError(f"{fmu}, which made the result, does not exist: name it by --fmu")
-    with readable(fmu):
-        scene, starts = read_scene(fmu), _start_values(fmu)
+    scene, starts = read_scene(fmu), _start_values(fmu)
     _check_columns(result, scene)
 
     def value(name: str) -> Any:

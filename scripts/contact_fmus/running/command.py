@@ -16,7 +16,7 @@ from rich.progress import Progress
 
 from contact_fmus.errors import UserError
 from contact_fmus.options import parse
-from contact_fmus.results import Result
+from contact_fmus.results import PICTURES, Result, output_file
 from contact_fmus.scenarios.experiment import Experiment
 from contact_fmus.scenarios.recording import StoppedEarly, simulate
 from contact_fmus.scenarios.scenario import changed, find, first_run
@@ -57,9 +57,7 @@ def _check_files(experiment: Experiment, options: argparse.Namespace) -> None:
     if options.csv is not None and not options.csv.parent.is_dir():
         raise UserError(f"{options.csv}: there is no folder {options.csv.parent}")
     if options.plot is not None:
-        from contact_fmus.plot.command import SUFFIXES, output_file
-
-        output_file(_picture(experiment, options), "", SUFFIXES)
+        output_file(_picture(experiment, options), "", (*PICTURES, ".html"))
 
 
 def _picture(experiment: Experiment, options: argparse.Namespace) -> Path:

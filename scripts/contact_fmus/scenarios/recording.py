@@ -27,7 +27,6 @@ POINTS = 600  # of a run besides those of contacts: as many as a screen shows, a
 DENSE = 8000  # shared by all contacts of a run
 FEWEST, MOST = 5, 32  # points of one contact
 AHEAD = 100  # each contact gets this part of the points that are left
-DRAWN = 12  # rows within a contact in the picture of a scenario
 
 # What a scenario's recording has of every body, of every contact, of the world, where the FMU has it
 OF_BODIES = ("position", "velocity", "orientation", "angular_velocity", "current_axis")
@@ -94,22 +93,6 @@ def begin(fmu: ContactFmu, experiment: Experiment | Scenario, values: dict[str, 
     set_inputs(fmu, experiment, start)
 
 
-def go_through(
-    fmu: ContactFmu, experiment: Experiment | Scenario, times: Sequence[float], row: Callable[[int | None], int]
-) -> None:
-    """Calls `row` with the number of each time, and with None on both sides of an onset or release on the way. It
-    returns how many points are wanted within the next contact, or -1 for steps without any stop."""
-    touching, inside = Touching(fmu), row(0)
-    for index, time in enumerate(times[1:], 1):
-        if inside < 0:
-            fmu.step(time - fmu.time)
-        else:
-            for _ in touching.step(time, inside):
-                row(None)
-        set_inputs(fmu, experiment, time)
-        inside = row(index)
-
-
 def simulate(
     experiment: Experiment, interval: float | None = None, advance: Callable[[float], None] = lambda time: None
 ) -> Result:
@@ -151,16 +134,7 @@ def _result(
         recorder = Recorder(fmu, names)
         every_name = [name for name, one in fmu.variables.items() if one.causality in PARAMETERS]
         parameters = {name: _value(fmu, name) for name in every_name if fmu.variables[name].type in READERS}
-        inside = 0
-
-        def row(index: int | None) -> int:
-            nonlocal inside
-            kept = True
-            if index is not None:
-                kept, inside = wanted(index, len(recorder.times))
-            if kept:
-                recorder.row()
-            return inside
+        touching, inside = Touching(fmu), 0
 
         def result() -> Result:
             columns, units = recorder.columns(), {name: fmu.variables[name].unit for name in names}
@@ -168,7 +142,14 @@ def _result(
             return Result(time, columns, units, experiment.fmu.resolve(), parameters, fmu.warnings())
 
         try:
-            go_through(fmu, experiment, times, row)
+            for index, time in enumerate(times):
+                if index > 0:
+                    for _ in touching.step(time, inside):
+                        recorder.row()
+                    set_inputs(fmu, experiment, time)
+                kept, inside = wanted(index, len(recorder.times))
+                if kept:
+                    recorder.row()
         except FmuError as error:
             raise StoppedEarly(f"at {fmu.time!r} s: {said(error)}", result()) from None
         return result()
@@ -239,36 +220,28 @@ def recorded(fmu: ContactFmu) -> list[str]:
     return [name for name in names if name in energies or name.partition(".")[2] in OF_BODIES + OF_CONTACTS]
 
 
-def record(
-    scenario: Scenario, variant: Variant, advance: Callable[[int], None] = lambda steps: None, inside: int | None = None
-) -> Recording:
-    """Rows at the communication points. `advance` is told now and then how many steps were done. `inside`: for
-    pictures, rows on both sides of each onset and release as well, and so many within each contact."""
+def record(scenario: Scenario, variant: Variant) -> Recording:
+    """Rows at the communication points"""
     try:
         with ContactFmu(fmu_file(scenario.fmu)) as fmu:
             begin(fmu, scenario, variant.start, variant.tolerance)
-            return _recording(fmu, scenario, variant, advance, inside)
+            return _recording(fmu, scenario, variant)
     except (FmuError, KeyError, ValueError, FileNotFoundError) as error:
         where = f"{scenario.name} ({variant.label})" if variant.label else scenario.name
         raise RunError(f"{where}: {error.args[0] if isinstance(error, KeyError) else error}") from None
 
 
-def _recording(
-    fmu: ContactFmu, scenario: Scenario, variant: Variant, advance: Callable[[int], None], inside: int | None
-) -> Recording:
+def _recording(fmu: ContactFmu, scenario: Scenario, variant: Variant) -> Recording:
     names, initial = recorded(fmu), _snapshot(fmu)
     parts = {name: [f"{name}[{i + 1}]" for i in range(len(fmu.variables[name].references))] for name in names}
     parts = {name: found if fmu.variables[name].is_vector else [name] for name, found in parts.items()}
     recorder = Recorder(fmu, [one for found in parts.values() for one in found])
-
-    def row(index: int | None) -> int:
-        recorder.row()
-        if index and (index % 100 == 0 or index == variant.steps):
-            advance(index % 100 or 100)
-        return -1 if inside is None else inside
-
+    recorder.row()
     # Communication points are fractions of the whole: the last one is stop_time, not a sum of roundings.
-    go_through(fmu, scenario, np.linspace(scenario.start_time, scenario.stop_time, variant.steps + 1), row)
+    for time in np.linspace(scenario.start_time, scenario.stop_time, variant.steps + 1)[1:]:
+        fmu.step(time - fmu.time)
+        set_inputs(fmu, scenario, time)
+        recorder.row()
     columns = recorder.columns()
     series = {
         name: np.column_stack([columns[one] for one in found]) if fmu.variables[name].is_vector else columns[name]

@@ -33,7 +33,7 @@
     steps = 2000                      # communication steps of the run that is drawn
     compare = "contact.dashpot"       # a name of [vary]: one curve each
 
-Errors are ScenarioError: file, place, what is wrong and what is allowed, in one line.
+Errors are UserError: file, place, what is wrong and what is allowed, in one line.
 """
 
 from __future__ import annotations
@@ -42,12 +42,11 @@ import dataclasses
 import inspect
 import itertools
 import math
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from contact_fmus.errors import UserError, similar
+from contact_fmus.errors import UserError, read_toml, similar
 from contact_fmus.fmu.files import fmu_file, fmus_folder, has_scene, read_scene, repository, shipped_fmus, unpack
 from contact_fmus.fmu.variables import read_settings, read_variables
 
@@ -83,32 +82,25 @@ PLOT = {"steps": int, "compare": str}
 VARIED_SETTINGS = ("steps", "tolerance")
 
 
-class ScenarioError(UserError):
-    """The file says what it cannot mean"""
-
-
 def read_scenario(path: Path) -> Scenario:
-    try:
-        table = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise ScenarioError(f"{path}: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise ScenarioError(f"{path}: this is no text: a scenario is a TOML file in UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{path}: {error}") from None
+    table = read_toml(path)
+    if "body" in table:
+        raise UserError(f"{path}: this is a scene; contact-fmus build {path} makes the FMU that can be run")
+    if "vary" in table and "outputs" in table:
+        raise UserError(f"{path}: this is a study; contact-fmus sweep {path} runs it")
     place = str(path)
     _check(place, table, TOP, required=("title", "fmu", "experiment"))
     experiment = table["experiment"]
     _check(f"{place}: [experiment]", experiment, EXPERIMENT, required=("stop_time", "steps"))
     start_time, stop_time = float(experiment.get("start_time", 0.0)), float(experiment["stop_time"])
     if not stop_time > start_time:
-        raise ScenarioError(f"{place}: [experiment]: stop_time {stop_time} is not after start_time {start_time}")
+        raise UserError(f"{place}: [experiment]: stop_time {stop_time} is not after start_time {start_time}")
     variants = _variants(place, experiment, table.get("start", {}), table.get("vary", {}))
     plot = table.get("plot", {})
     _check(f"{place}: [plot]", plot, PLOT)
     _positive(f"{place}: [plot]", plot.get("steps", 1))
     if plot.get("compare") not in (None, *table.get("vary", {})):
-        raise ScenarioError(f"{place}: [plot]: compare = '{plot['compare']}' is not a name of [vary]")
+        raise UserError(f"{place}: [plot]: compare = '{plot['compare']}' is not a name of [vary]")
     return Scenario(
         Path(path).stem,
         table["title"],
@@ -130,7 +122,7 @@ def read_scenario(path: Path) -> Scenario:
 def _variants(place: str, experiment: dict, start: dict, vary: dict) -> list[Variant]:
     for name, values in vary.items():
         if not isinstance(values, list) or not values:
-            raise ScenarioError(f"{place}: [vary]: {name} needs a list of values")
+            raise UserError(f"{place}: [vary]: {name} needs a list of values")
     variants = []
     for values in itertools.product(*vary.values()):
         choice = dict(zip(vary, values, strict=True))
@@ -150,18 +142,18 @@ def _inputs(place: str, entries: list) -> list[InputSignal]:
         options = {key: value for key, value in entry.items() if key not in ("variable", "derivatives")}
         if "derivative_of" in options:
             if options["derivative_of"] not in signals:
-                raise ScenarioError(f"{here}: derivative_of = '{options['derivative_of']}' is no input before it")
+                raise UserError(f"{here}: derivative_of = '{options['derivative_of']}' is no input before it")
             options = {"derivative_of": signals[options["derivative_of"]]}
         try:
             signals[entry["variable"]] = InputSignal.make(entry["variable"], entry.get("derivatives", 0), options)
         except ValueError as error:
-            raise ScenarioError(f"{here}: {error}") from None
+            raise UserError(f"{here}: {error}") from None
     return list(signals.values())
 
 
 def _claim(place: str, entry: dict, vary: dict) -> Claim:
     if not isinstance(entry, dict) or entry.get("check") not in claims.CHECKS:
-        raise ScenarioError(f"{place}: check is one of {', '.join(sorted(claims.CHECKS))}")
+        raise UserError(f"{place}: check is one of {', '.join(sorted(claims.CHECKS))}")
     parameters = list(inspect.signature(claims.CHECKS[entry["check"]]).parameters.values())[1:]
     _check(
         place,
@@ -170,14 +162,14 @@ def _claim(place: str, entry: dict, vary: dict) -> Claim:
         required=("text", *(p.name for p in parameters if p.default is p.empty)),
     )
     if ("absolute" in entry) == ("relative" in entry):
-        raise ScenarioError(f"{place}: give either absolute or relative, the error allowed")
+        raise UserError(f"{place}: give either absolute or relative, the error allowed")
     relative = "relative" in entry
     allowed = entry["relative" if relative else "absolute"]
     if not allowed >= 0.0:
-        raise ScenarioError(f"{place}: the error allowed is {allowed}, less than 0")
+        raise UserError(f"{place}: the error allowed is {allowed}, less than 0")
     for name, value in entry.get("when", {}).items():
         if value not in vary.get(name, []):
-            raise ScenarioError(f"{place}: when: [vary] has no {name} = {value!r}")
+            raise UserError(f"{place}: when: [vary] has no {name} = {value!r}")
     options = {key: value for key, value in entry.items() if key not in CLAIM}
     return Claim(entry["check"], entry["text"], float(allowed), relative, options, entry.get("when", {}))
 
@@ -185,22 +177,22 @@ def _claim(place: str, entry: dict, vary: dict) -> Claim:
 def _check(place: str, table: Any, kinds: dict[str, Any], required: tuple[str, ...] = ()) -> None:
     """Keys and types of one table"""
     if not isinstance(table, dict):
-        raise ScenarioError(f"{place}: a table is needed, not {table!r}")
+        raise UserError(f"{place}: a table is needed, not {table!r}")
     for key, value in table.items():
         if key not in kinds:
-            raise ScenarioError(f"{place}: unknown key '{key}' (allowed: {', '.join(sorted(kinds))})")
+            raise UserError(f"{place}: unknown key '{key}' (allowed: {', '.join(sorted(kinds))})")
         kind = kinds[key]
         if not isinstance(value, kind) or (isinstance(value, bool) and kind is not object):
             names = " or ".join(one.__name__ for one in (kind if isinstance(kind, tuple) else (kind,)))
-            raise ScenarioError(f"{place}: {key} = {value!r} is not of type {names}")
+            raise UserError(f"{place}: {key} = {value!r} is not of type {names}")
     for key in required:
         if key not in table:
-            raise ScenarioError(f"{place}: key '{key}' is missing")
+            raise UserError(f"{place}: key '{key}' is missing")
 
 
 def _positive(place: str, steps: Any) -> None:
     if not isinstance(steps, int) or isinstance(steps, bool) or steps < 1:
-        raise ScenarioError(f"{place}: {steps!r} is not a positive whole number")
+        raise UserError(f"{place}: {steps!r} is not a positive whole number")
 
 
 # What a command is given by its user: an FMU or a scenario, as a file or by the name of a shipped one
@@ -251,7 +243,7 @@ def first_run(path: Path) -> tuple[Experiment, str]:
     """An FMU's own default experiment or the first run of a scenario, and how many runs that has, if more"""
     if path.suffix == ".fmu":
         return of_fmu(path), ""
-    scenario = _scenario(path)
+    scenario = read_scenario(path)
     one, count = of_scenario(scenario, path, scenario.variants[0]), len(scenario.variants)
     return one, f"{path.name} varies: this is the first of {count} runs, {one.label}" if count > 1 else ""
 
@@ -260,7 +252,7 @@ def drawn_runs(path: Path) -> list[Experiment]:
     """An FMU's own default experiment, or the runs that a scenario compares"""
     if path.suffix == ".fmu":
         return [of_fmu(path)]
-    scenario = _scenario(path)
+    scenario = read_scenario(path)
     return [of_scenario(scenario, path, variant) for variant in scenario.plotted()]
 
 
@@ -309,16 +301,3 @@ def changed(experiment: Experiment, settings: Iterable[str], stop: float | None 
         raise UserError(f"--stop {stop:g}: a time after the start at {experiment.start_time:g} s is needed")
     step = min(experiment.step, stop - experiment.start_time)
     return dataclasses.replace(experiment, values=experiment.values | values, stop_time=stop, step=step)
-
-
-def _scenario(file: Path) -> Scenario:
-    """A scene is no scenario, which its file tells before read_scenario would complain of it"""
-    try:
-        table = tomllib.loads(file.read_text(encoding="utf-8-sig"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
-        table = {}  # read_scenario says what is wrong
-    if "body" in table:
-        raise UserError(f"{file}: this is a scene; contact-fmus build {file} makes the FMU that can be run")
-    if "vary" in table and "outputs" in table:
-        raise UserError(f"{file}: this is a study; contact-fmus sweep {file} runs it")
-    return read_scenario(file)

@@ -16,6 +16,7 @@ from mpmath import mp, mpf
 
 from contact_fmus.bench.problems import METHODS
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError, Status, fmu_file
+from contact_fmus.scenarios.recording import said
 
 from .line_motion import DIGITS
 from .motions import Expected, Motion, Similar
@@ -86,7 +87,7 @@ def run(name: str, start: dict[str, Any], end: float, steps: int, jumps=()) -> O
         try:
             values = np.array(fmu.call("reals", references))
         except FmuError as error:
-            if "is not known" not in _text(error):
+            if "is not known" not in said(error):
                 raise
             # Peaks are a scale of energies only, and then none.
             values = np.append(fmu.call("reals", references[:-PEAKS]), [0.0] * PEAKS)
@@ -99,7 +100,7 @@ def run(name: str, start: dict[str, Any], end: float, steps: int, jumps=()) -> O
             for order, row in enumerate(rows, start=1):
                 fmu.set_derivative(name.removesuffix(".derivatives"), row, order=order)
     except FmuError as error:
-        return Outcome(status="refused", message=_text(error))
+        return Outcome(status="refused", message=said(error))
     sample()
     for step in range(steps):
         for jump in jumps:
@@ -110,7 +111,7 @@ def run(name: str, start: dict[str, Any], end: float, steps: int, jumps=()) -> O
             fmu.step(end * ((step + 1) / steps) - fmu.time)
         except FmuError as error:
             outcome.status = "discarded" if error.status == Status.DISCARD else "error"
-            outcome.message = _text(error)
+            outcome.message = said(error)
         outcome.seconds += time.perf_counter() - begin
         if outcome.status != "error":
             sample()
@@ -119,10 +120,6 @@ def run(name: str, start: dict[str, Any], end: float, steps: int, jumps=()) -> O
     if outcome.status != "error":
         outcome.counts = {row: fmu[row] for row in COUNTS}
     return outcome
-
-
-def _text(error: FmuError) -> str:
-    return " ".join(message.text for message in error.messages) or str(error)
 
 
 # What is asked of a run. Every figure is free of units: errors over the size of the motion, energies over

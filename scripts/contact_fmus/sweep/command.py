@@ -14,6 +14,7 @@ from pathlib import Path
 
 from contact_fmus.errors import DONE, INTERRUPTED, UserError, similar
 from contact_fmus.options import parse
+from contact_fmus.results import PICTURES, output_file
 
 from .processes import start_early
 
@@ -27,13 +28,14 @@ def main(arguments: list[str] | None = None) -> int:
         raise UserError(f"--workers: a whole number from 1 is wanted, not {options.workers}")
     if options.study.is_file() and not options.scheduler:
         start_early()
-    from .study import columns_of, picture_file, read_study
+    from .study import columns_of, read_study
 
     study = read_study(options.study)
     folder = options.output or FOLDER / options.study.stem
     drawn = None
     if options.plot is not None:
-        drawn = picture_file(options.plot, folder), columns_of(study, options.x, options.y, options.color)
+        target = output_file(Path(options.plot or folder / "plot.png"), "", PICTURES)
+        drawn = target, columns_of(study, options.x, options.y, options.color)
     from .store import Store
 
     store = Store(folder, study)

@@ -10,7 +10,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import tomllib
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -19,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from contact_fmus.errors import RunFailure, UserError, similar
+from contact_fmus.errors import RunFailure, UserError, read_toml, similar
 from contact_fmus.fmu.files import fmu_file, fmus_folder, unpack
 from contact_fmus.fmu.variables import Variable, is_fmi3, read_variables, scalars
 
@@ -178,13 +177,7 @@ def item(variable: Variable, value: Any, where: str) -> int:
 
 
 def read_interface(file: Path) -> Interface:
-    try:
-        _, description = unpack(file)
-    except UserError:
-        raise
-    except Exception as error:  # fmpy raises what its parsers raise
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise UserError(f"{file} is no FMU that can be read: {reason}") from None
+    _, description = unpack(file)
     variable_list = scalars(description)
     settable = {one.name for one in variable_list if _settable(one)}
     variables = read_variables(description)
@@ -562,7 +555,7 @@ def fmu_digest(fmu: Path) -> str:
 
 
 def read_study(file: Path) -> Study:
-    content = _load(file)
+    content = read_toml(file)
     top = Table(content, str(file), ("title", "fmu", "experiment", "start", "vary", "samples", "outputs"))
     fmu = find_fmu(text(top.needed("fmu"), top.place("fmu")), file.parent)
     interface = read_interface(fmu)
@@ -589,17 +582,6 @@ def read_study(file: Path) -> Study:
     )
     _check_columns(study)
     return study
-
-
-def _load(file: Path) -> dict[str, Any]:
-    try:
-        return tomllib.loads(file.read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        raise UserError(f"{file}: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise UserError(f"{file} is no text: a study is a TOML file in UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
-        raise UserError(f"{file} is no TOML file: {error}") from None
 
 
 def _filled(content: dict[str, Any], key: str) -> bool:
@@ -738,19 +720,6 @@ def _check_columns(study: Study) -> None:
 
 
 # What is asked of a sweep's picture, known to make sense before the first run
-
-SUFFIXES = (".png", ".svg", ".pdf")
-
-
-def picture_file(asked: str, folder: Path) -> Path:
-    """`asked` may be empty"""
-    file = Path(asked) if asked else folder / "plot.png"
-    if file.suffix not in SUFFIXES:
-        near = similar(file.suffix, SUFFIXES)
-        raise UserError(f"--plot {file}: '{file.suffix}' is none of the formats {', '.join(SUFFIXES)}{near}")
-    if file.is_dir():
-        raise UserError(f"--plot {file}: this is a folder")
-    return file
 
 
 def columns_of(study: Study, x: str | None, y: str | None, color: str | None) -> list[str]:

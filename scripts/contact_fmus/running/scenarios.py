@@ -1,4 +1,4 @@
-"""The commands scenarios, picture and leave-out"""
+"""The commands scenarios and leave-out"""
 
 from __future__ import annotations
 
@@ -6,15 +6,12 @@ import contextlib
 import datetime
 import math
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-from rich.table import Table
 
 from contact_fmus import pages
 from contact_fmus.errors import UserError
@@ -22,11 +19,11 @@ from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
 from contact_fmus.fmu.files import fmus_folder, repository
 from contact_fmus.options import parse
 from contact_fmus.pages import plain, write_pages
-
-from . import claims, plots
-from .experiment import Claim, RunError, Scenario, Variant, scene_file
-from .recording import DRAWN, record
-from .scenario import SCENARIOS, find, read_scenario
+from contact_fmus.plot.command import draw_scenario
+from contact_fmus.scenarios import claims
+from contact_fmus.scenarios.experiment import Claim, Scenario, Variant, scene_file
+from contact_fmus.scenarios.recording import record
+from contact_fmus.scenarios.scenario import SCENARIOS, find, read_scenario
 
 # Runs scenarios: every variant with its claims, then the runs that are drawn
 
@@ -64,11 +61,11 @@ class ScenarioResult:
         return max(own, key=lambda result: (math.isnan(result.error), result.error), default=None)
 
 
-def run_scenario(scenario: Scenario, plot_folder: Path | None, advance: Callable[[int], None]) -> ScenarioResult:
-    result = ScenarioResult(scenario)
+def run_scenario(file: Path, plot_folder: Path | None = None) -> ScenarioResult:
+    result = ScenarioResult(scenario := read_scenario(file))
     for variant in scenario.variants:
         with _failures_kept(result):
-            recording = record(scenario, variant, advance)
+            recording = record(scenario, variant)
             result.warnings |= dict.fromkeys(recording.warnings)
             for claim in scenario.claims:
                 if all(variant.choice[name] == value for name, value in claim.when.items()):
@@ -76,8 +73,8 @@ def run_scenario(scenario: Scenario, plot_folder: Path | None, advance: Callable
                     result.results.append(ClaimResult(claim, variant, outcome))
     if plot_folder is not None:
         with _failures_kept(result):
-            recordings = [record(scenario, variant, advance, DRAWN) for variant in scenario.plotted()]
-            result.plot = plots.draw(recordings, plot_folder / f"{scenario.name}.png")
+            draw_scenario(file, plot := plot_folder / f"{scenario.name}.png")
+            result.plot = plot
     return result
 
 
@@ -85,25 +82,8 @@ def run_scenario(scenario: Scenario, plot_folder: Path | None, advance: Callable
 def _failures_kept(result: ScenarioResult) -> Iterator[None]:
     try:
         yield
-    except RunError as error:
+    except UserError as error:
         result.failures.append(str(error))
-
-
-def run_scenarios(scenarios: list[Scenario], plot_folder: Path | None, console: Console) -> list[ScenarioResult]:
-    """A progress bar counts communication steps; on something that is not a terminal it stays silent."""
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("", total=sum(_steps(scenario, plot_folder) for scenario in scenarios))
-        results = []
-        for scenario in scenarios:
-            progress.update(task, description=scenario.title)
-            results.append(run_scenario(scenario, plot_folder, lambda steps: progress.advance(task, steps)))
-    return results
-
-
-def _steps(scenario: Scenario, plot_folder: Path | None) -> int:
-    drawn = scenario.plotted() if plot_folder is not None else []
-    return sum(variant.steps for variant in [*scenario.variants, *drawn])
 
 
 # Results as tables in the terminal, and the number formats that the HTML page shares
@@ -129,32 +109,22 @@ def _error_unit(result: ClaimResult) -> str:
     return "" if result.outcome.unit == "1" else f" {result.outcome.unit}"
 
 
-def claims_table(results: list[ScenarioResult]) -> Table:
+def claims_table(results: list[ScenarioResult]) -> pages.Table:
     """A line for each claim, with the run that is furthest from it"""
-    table = Table(title="Claims (of several runs of a scenario, the one with the largest error)", title_justify="left")
-    for name in ("scenario", "claim"):
-        table.add_column(name, overflow="fold")
-    table.add_column("runs", justify="right")
-    for name in ("measured", "expected"):
-        table.add_column(name, overflow="fold", justify="right")
-    for name in ("error", "allowed"):
-        table.add_column(name, justify="right", no_wrap=True)
-    table.add_column("holds", no_wrap=True)
+    cells = []
     for result in results:
         title = result.scenario.title
         for claim in result.scenario.claims:
-            worst = result.worst(claim)
-            if worst is not None:
-                runs = sum(one.claim is claim for one in result.results)
-                unit = worst.outcome.unit
-                table.add_row(
-                    title, plain(claim.text), str(runs), format_value(worst.outcome.measured, unit),
-                    format_value(worst.outcome.expected, unit), format_error(worst), format_allowed(worst),
-                    "[green]yes[/]" if worst.holds else "[red]NO[/]",
-                )  # fmt: skip
+            if (worst := result.worst(claim)) is not None:
+                runs, unit = sum(one.claim is claim for one in result.results), worst.outcome.unit
+                values = (format_value(value, unit) for value in (worst.outcome.measured, worst.outcome.expected))
+                holds = "[green]yes[/]" if worst.holds else "[red]NO[/]"
+                errors = format_error(worst), format_allowed(worst)
+                cells.append([title, plain(claim.text), str(runs), *values, *errors, holds])
                 title = ""
-        table.add_section()
-    return table
+    caption = "Claims (of several runs of a scenario, the one with the largest error)"
+    header = ["scenario", "claim", "runs", "measured", "expected", "error", "allowed", "holds"]
+    return pages.Table(caption, header, cells, 2)
 
 
 # The HTML page of all scenarios
@@ -193,9 +163,7 @@ def plotted_labels(result: ScenarioResult) -> str:
     return ", ".join(labels) if len(labels) > 1 else ""
 
 
-# The commands run, picture and leave-out of contact_fmus
-
-PICTURES = (".png", ".svg", ".pdf")
+# The commands
 
 
 def run(arguments: list[str] | None = None) -> int:
@@ -204,12 +172,17 @@ def run(arguments: list[str] | None = None) -> int:
     files = [find(one, SCENARIOS) for one in options.files] or sorted(
         (repository() / "scripts" / "scenarios").glob("*.toml")
     )
-    scenarios = [read_scenario(file) for file in files]
+    for file in files:
+        read_scenario(file)  # a wrong file is refused before anything runs
     console = pages.make_console()
     options.output.mkdir(parents=True, exist_ok=True)
     plot_folder = None if options.no_plots else options.output / "plots"
-    results = run_scenarios(scenarios, plot_folder, console)
-    console.print(claims_table(results))
+    with console.status("") as status:
+        results = []
+        for file in files:
+            status.update(file.stem)
+            results.append(run_scenario(file, plot_folder))
+    pages.show(claims_table(results), console)
     for result in results:
         for text in result.warnings:
             print(f"warning: {result.scenario.name}: {text}", file=sys.stderr)
@@ -223,23 +196,6 @@ def run(arguments: list[str] | None = None) -> int:
         print(f"plots: {plot_folder}")
     print(f"page:  {write_report(results, options.output)}")
     return 0 if all(result.holds for result in results) else 1
-
-
-def picture(arguments: list[str] | None = None) -> int:
-    """0: drawn; 2: the request makes no sense; 3: an FMU refused"""
-    options = parse("picture", arguments)
-    file = find(options.file, SCENARIOS)
-    output = options.output or Path(f"{file.stem}.png")
-    if output.suffix not in PICTURES:
-        known = ", ".join(PICTURES)
-        raise UserError(f"{output}: '{output.suffix}' is none of the formats {known}")
-    scenario = read_scenario(file)
-    recordings = [record(scenario, variant, inside=DRAWN) for variant in scenario.plotted()]
-    for text in dict.fromkeys(text for recording in recordings for text in recording.warnings):
-        print(f"warning: {text}", file=sys.stderr)
-    plots.draw(recordings, output)
-    print(output)
-    return 0
 
 
 def leave_out(arguments: list[str] | None = None) -> int:
