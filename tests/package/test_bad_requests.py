@@ -125,10 +125,10 @@ WRONG = {
     "sweep: column": (["sweep", "study.toml", "--plot", "--x", "hight"], "did you mean 'height'"),
     "picture": (["picture", "nowhere.toml", "--output", "x.png"], "nowhere.toml"),
     "page": (["page", "--output", "folder.fmu"], "folder.fmu"),
-    "bench: another build": (["bench", "--instructions", "--against", "folder.fmu"], "folder.fmu"),
+    "bench: another build": (["bench", "--against", "folder.fmu"], "folder.fmu"),
     "stability": (["stability", "--output", "text.fmu"], "text.fmu"),
     "report": (["report", "--output", "text.fmu"], "text.fmu"),
-    "beyond": (["beyond", "one", "two"], "one"),
+    "beyond": (["stability", "--beyond", "one", "two"], "one"),
 }
 
 
