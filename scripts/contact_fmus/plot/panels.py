@@ -188,41 +188,44 @@ def _positions(result: Result) -> list[Panel]:
     moving = [body for body in bodies if any(ranges[f"{body}.position[{i}]"] > 0.0 for i in (1, 2, 3))]
     if not moving:
         return []
-    unit = result.units.get(f"{moving[0]}.position[1]", "")
     if len(moving) == 1:
-        lines = [Line(f"{moving[0]}.position[{i}]", axis) for i, axis in AXES.items()]
-        return [Panel(f"position of {moving[0]}", unit, tuple(lines))]
+        return _components(result, f"{moving[0]}.position")
+    unit = result.units.get(f"{moving[0]}.position[1]", "")
     total = {i: sum(ranges[f"{body}.position[{i}]"] for body in moving) for i in AXES}
     component = max(total, key=lambda i: total[i])
     lines = [Line(f"{body}.position[{component}]", body) for body in moving[:MOST]]
     return [Panel(f"position, {AXES[component]}", unit, tuple(lines))]
 
 
+def _vectors(result: Result, names: list[str], title: str) -> list[Panel]:
+    """The sizes of vectors, whose directions turn, of contacts or bodies"""
+    found = [name for name in names if f"{name}[1]" in result.columns][:MOST]
+    lines = tuple(Line(f"|{name}|", name.partition(".")[0]) for name in found)
+    return [Panel(f"{title}, size", result.units.get(f"{found[0]}[1]", ""), lines)] if found else []
+
+
 def _rubbing(result: Result, contacts: list[str]) -> list[Panel]:
-    """Friction and slip of contacts that rub, as sizes: their directions turn"""
+    """Friction and slip of contacts that rub"""
     rubbing = [one for one in contacts if _largest(result, f"{one}.friction_force") > 0.0]
-    panels = []
-    for field, title in (("friction_force", "friction force"), ("slip_velocity", "slip velocity")):
-        lines = [Line(f"|{one}.{field}|", one) for one in rubbing if f"{one}.{field}[1]" in result.columns]
-        if lines:
-            unit = result.units.get(f"{rubbing[0]}.{field}[1]", "")
-            panels.append(Panel(f"{title}, size", unit, tuple(lines)))
-    return panels
+    return [
+        panel
+        for title in ("friction force", "slip velocity")
+        for panel in _vectors(result, [f"{one}.{title.replace(' ', '_')}" for one in rubbing], title)
+    ]
 
 
 def _turning(result: Result) -> list[Panel]:
     """Angular velocity of bodies that turn: all components of a single one, the sizes of several"""
-    found = [name for name in result.columns if name.endswith(".angular_velocity[1]")]
-    bodies = [name.partition(".")[0] for name in found]
-    turning = [body for body in bodies if _largest(result, f"{body}.angular_velocity") > 0.0][:MOST]
-    if not turning:
-        return []
-    unit = result.units.get(f"{turning[0]}.angular_velocity[1]", "")
-    if len(turning) == 1:
-        lines = [Line(f"{turning[0]}.angular_velocity[{i}]", axis) for i, axis in AXES.items()]
-        return [Panel(f"angular velocity of {turning[0]}", unit, tuple(lines))]
-    lines = [Line(f"|{body}.angular_velocity|", body) for body in turning]
-    return [Panel("angular velocity, size", unit, tuple(lines))]
+    found = [name[:-3] for name in result.columns if name.endswith(".angular_velocity[1]")]
+    turning = [name for name in found if _largest(result, name) > 0.0]
+    return _components(result, turning[0]) if len(turning) == 1 else _vectors(result, turning, "angular velocity")
+
+
+def _components(result: Result, vector: str) -> list[Panel]:
+    """All components of one vector"""
+    body, _, field = vector.partition(".")
+    lines = tuple(Line(f"{vector}[{i}]", axis) for i, axis in AXES.items())
+    return [Panel(f"{field.replace('_', ' ')} of {body}", result.units.get(f"{vector}[1]", ""), lines)]
 
 
 def _largest(result: Result, vector: str) -> float:

@@ -46,7 +46,11 @@ def draw_page(folder: Path) -> list[Path]:
         versions |= part.get("versions", {})
     given = [given_section(section, folder) for part in parts for section in part.get("sections", ())]
     sections = [
-        _summary(measured["ratios"], others),
+        Section(
+            WORDS["summary"]["title"],
+            tables.paragraphs(measured["ratios"], others),
+            [tables.comparison(measured["ratios"], others), tables.problems()],
+        ),
         _work_precision(own, others, measured["ratios"], "sections" in parts[0], folder),
         *(
             section
@@ -61,11 +65,6 @@ def draw_page(folder: Path) -> list[Path]:
     context = {key: measured[key] for key in ("made", "plan")}
     context |= {"contents": contents, "versions": versions, "sections": sections}
     return write_pages(Path(__file__).parent, folder, context)
-
-
-def _summary(ratios: list[dict], others: list[Row]) -> Section:
-    listed = [tables.comparison(ratios, others), tables.problems()]
-    return Section(WORDS["summary"]["title"], tables.paragraphs(ratios, others), listed)
 
 
 def _work_precision(own: list[Row], others: list[Row], ratios: list[dict], given: bool, folder: Path) -> Section:

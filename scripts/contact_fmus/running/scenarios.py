@@ -150,11 +150,9 @@ def write_report(results: list[ScenarioResult], folder: Path) -> Path:
 def summary(results: list[ScenarioResult]) -> str:
     """How many comparisons there are, and how many of them do not hold"""
     every = [one for result in results for one in result.results]
-    broken = sum(not one.holds for one in every)
     failures = sum(len(result.failures) for result in results)
-    text = f"{len(results)} scenario{'s' * (len(results) != 1)}, {len(every)} comparisons: "
-    text += "all hold." if not broken else f"{broken} do not hold."
-    return text + (f" {failures} runs failed." if failures else "")
+    text = f"{len(results)} scenario{'s' * (len(results) != 1)}, {len(every)} comparisons, "
+    return f"{text}{sum(not one.holds for one in every)} do not hold, {failures} runs failed"
 
 
 def plotted_labels(result: ScenarioResult) -> str:
@@ -188,10 +186,7 @@ def run(arguments: list[str] | None = None) -> int:
             print(f"warning: {result.scenario.name}: {text}", file=sys.stderr)
         for failure in result.failures:
             console.print(f"FAILED {failure}", style="red", markup=False)
-    count = sum(len(result.results) for result in results)
-    broken = sum(not one.holds for result in results for one in result.results)
-    failures = sum(len(result.failures) for result in results)
-    console.print(f"{len(results)} scenarios, {count} claims checked, {broken} do not hold, {failures} runs failed")
+    console.print(summary(results))
     if plot_folder is not None:
         print(f"plots: {plot_folder}")
     print(f"page:  {write_report(results, options.output)}")

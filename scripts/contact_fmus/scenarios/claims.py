@@ -69,19 +69,16 @@ def _relative(run: Recording, kind: str) -> np.ndarray:
 def recomputed_diagonal(run: Recording) -> float:
     """Diagonal of the bounding box of both bodies at the start; of an infinite cylinder, its cross-section,
     and nothing of a plane"""
-    centers, extents = [], []
+    corners = []
     for body in _pair(run)[1:]:
         if run.motion.is_plane(body):
             continue
-        radius, axis = run.value(f"{body}.radius"), run.motion.axis(body)
-        centers.append(np.asarray(run.value(f"{body}.position"), dtype=float))
-        if axis is None:
-            extents.append(closed_forms.sphere_extent(radius))
-        else:
-            extents.append(closed_forms.cylinder_extent(radius, axis, run.motion.length(body) or 0.0))
-    lower = [center - extent for center, extent in zip(centers, extents, strict=True)]
-    upper = [center + extent for center, extent in zip(centers, extents, strict=True)]
-    return closed_forms.box_diagonal(lower, upper)
+        extent, axis = np.full(3, run.value(f"{body}.radius")), run.motion.axis(body)
+        if axis is not None:
+            extent = closed_forms.cylinder_extent(extent[0], axis, run.motion.length(body) or 0.0)
+        center = np.asarray(run.value(f"{body}.position"), dtype=float)
+        corners += [center - extent, center + extent]
+    return float(np.linalg.norm(np.ptp(corners, axis=0)))
 
 
 CHECKS: dict[str, Callable[..., Outcome]] = {}

@@ -129,15 +129,6 @@ def free_flight(time: float, position: np.ndarray, velocity: np.ndarray, gravity
     return np.asarray(position) + np.asarray(velocity) * time + 0.5 * np.asarray(gravity) * time**2
 
 
-def box_diagonal(lower: list[np.ndarray], upper: list[np.ndarray]) -> float:
-    """Diagonal of the smallest box with all the given corners"""
-    return float(np.linalg.norm(np.max(upper, axis=0) - np.min(lower, axis=0)))
-
-
-def sphere_extent(radius: float) -> np.ndarray:
-    return np.full(3, radius)
-
-
 def cylinder_extent(radius: float, axis: np.ndarray, length: float) -> np.ndarray:
     """Half the edges of a cylinder's box: |e_i| L/2 + r sqrt(1 - e_i^2); length 0 is its cross-section"""
     unit = np.asarray(axis, dtype=float) / np.linalg.norm(axis)

@@ -54,29 +54,11 @@ from . import claims
 from .experiment import Claim, Experiment, InputSignal, Scenario, Variant
 
 NUMBER = (int, float)
-TOP = {
-    "title": str,
-    "description": str,
-    "fmu": str,
-    "experiment": dict,
-    "start": dict,
-    "vary": dict,
-    "input": list,
-    "claim": list,
-    "plot": dict,
-}
+TOP = dict.fromkeys(("title", "description", "fmu"), str) | dict.fromkeys(("input", "claim"), list)
+TOP |= dict.fromkeys(("experiment", "start", "vary", "plot"), dict)
 EXPERIMENT = {"stop_time": NUMBER, "steps": int, "tolerance": NUMBER, "start_time": NUMBER}
-INPUT = {
-    "variable": str,
-    "times": list,
-    "values": list,
-    "offset": (*NUMBER, list),
-    "amplitude": (*NUMBER, list),
-    "frequency": NUMBER,
-    "phase": NUMBER,
-    "derivative_of": str,
-    "derivatives": int,
-}
+INPUT = {"variable": str, "derivative_of": str, "derivatives": int, "times": list, "values": list}
+INPUT |= dict.fromkeys(("offset", "amplitude"), (*NUMBER, list)) | dict.fromkeys(("frequency", "phase"), NUMBER)
 CLAIM = {"check": str, "text": str, "absolute": NUMBER, "relative": NUMBER, "when": dict}
 PLOT = {"steps": int, "compare": str}
 VARIED_SETTINGS = ("steps", "tolerance")

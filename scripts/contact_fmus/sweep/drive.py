@@ -243,6 +243,9 @@ def _embedded(workers: int, dashboard: str | None) -> Iterator[Client]:
     try:
         with cluster, Client(cluster) as client:
             yield client
+            # A worker that an FMU has ended comes back: while its cluster closes it would complain on stderr.
+            with contextlib.suppress(TimeoutError):
+                client.wait_for_workers(workers, timeout=ARRIVE)
     finally:
         end()
 
