@@ -13,21 +13,18 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from contact_fmus.errors import DONE, INTERRUPTED, UserError, similar
+from contact_fmus.fmu.files import repository
 from contact_fmus.options import parse
 from contact_fmus.results import PICTURES, output_file
-
-from .processes import start_early
 
 FOLDER = Path("results")
 
 
 def main(arguments: list[str] | None = None) -> int:
-    options = parse("sweep", arguments, guide=str(_tree() / "docs" / "sweep.md"))
+    options = parse("sweep", arguments, guide=str(repository() / "docs" / "sweep.md"))
     options.study = _study(options.study)
     if options.workers is not None and options.workers < 1:
         raise UserError(f"--workers: a whole number from 1 is wanted, not {options.workers}")
-    if options.study.is_file() and not options.scheduler:
-        start_early()
     from .study import columns_of, read_study
 
     study = read_study(options.study)
@@ -50,17 +47,11 @@ def _study(given: Path) -> Path:
     """The file, or the shipped study of this name"""
     if given.is_file() or given.suffix:
         return given
-    shipped = {file.stem: file for file in (_tree() / "scripts" / "studies").glob("*.toml")}
+    shipped = {file.stem: file for file in (repository() / "scripts" / "studies").glob("*.toml")}
     if given.name not in shipped:
         known = f"{similar(given.name, shipped)}; studies: {', '.join(sorted(shipped))}"
         raise UserError(f"'{given}' is no shipped study and no file NAME.toml{known}")
     return shipped[given.name]
-
-
-def _tree() -> Path:
-    """contact_fmus.fmu.files.repository says the same, but brings fmpy; workers start before that."""
-    package = Path(__file__).resolve().parents[1]
-    return share if (share := package / "share").is_dir() else package.parents[1]
 
 
 def _sweep(store, options: argparse.Namespace, drawn: tuple[Path, list[str]] | None) -> int:

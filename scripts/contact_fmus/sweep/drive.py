@@ -21,7 +21,6 @@ from distributed.scheduler import KilledWorker
 from contact_fmus.errors import RunFailure, UserError
 
 from .native import AT, MAX, MEAN, MIN, Batch, Plan, Rows, Setting
-from .processes import METHOD, end, keep_dask_from_importing
 from .store import CRASH, Store, make_table
 from .study import Samples, Study, point_of
 from .worker import Work, run_batch, work
@@ -199,7 +198,7 @@ SETTINGS = {
     "distributed.admin.tick.limit": "60s",
     "distributed.worker.memory.terminate": False,
     "distributed.worker.memory.pause": False,
-    "distributed.worker.multiprocessing-method": METHOD,
+    "distributed.worker.multiprocessing-method": "forkserver",  # which imports dask once for all workers
     # What an embedded cluster can do without: it would take a tenth of the processors.
     "distributed.worker.profile.enabled": False,
     "distributed.scheduler.active-memory-manager.start": False,
@@ -227,7 +226,6 @@ def connected(address: str | None, workers: int, dashboard: str | None = None) -
 @contextlib.contextmanager
 def _embedded(workers: int, dashboard: str | None) -> Iterator[Client]:
     """Processes of this machine that nobody else can reach"""
-    keep_dask_from_importing()
     cluster = LocalCluster(
         n_workers=workers,
         threads_per_worker=1,
@@ -240,14 +238,11 @@ def _embedded(workers: int, dashboard: str | None) -> Iterator[Client]:
         preload="contact_fmus.sweep.worker",
         silence_logs=logging.CRITICAL,
     )
-    try:
-        with cluster, Client(cluster) as client:
-            yield client
-            # A worker that an FMU has ended comes back: while its cluster closes it would complain on stderr.
-            with contextlib.suppress(TimeoutError):
-                client.wait_for_workers(workers, timeout=ARRIVE)
-    finally:
-        end()
+    with cluster, Client(cluster) as client:
+        yield client
+        # A worker that an FMU has ended comes back: while its cluster closes it would complain on stderr.
+        with contextlib.suppress(TimeoutError):
+            client.wait_for_workers(workers, timeout=ARRIVE)
 
 
 @contextlib.contextmanager
