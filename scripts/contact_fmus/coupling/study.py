@@ -260,7 +260,7 @@ def draw(rows: list[dict[str, Any]], sizes: dict[str, list[float]], folder: Path
             axes[place].set_title(integrator)
             axes[place].set_xlabel("communication step h ω")
             axes[place].set_ylabel(PROBLEMS[name].title if place % len(integrators) == 0 else "")
-        legend(figure, axes[0].lines[:-1], len(LOOKS))
+        legend(figure, len(LOOKS))
         save(figure, folder, FIGURE)
 
 
