@@ -5,7 +5,7 @@ from __future__ import annotations
 from .coupling import study
 from .options import parse
 from .peers import command
-from .report import command as report
+from .report import measure, page
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -13,10 +13,10 @@ def main(arguments: list[str] | None = None) -> int:
     options = parse("report", arguments)
     folder, quick = ["--output", str(options.output)], ["--quick"] if options.quick else []
     parts = [
-        ("The FMU's solvers", report.measure, [*quick, *folder]),
+        ("The FMU's solvers", measure.main, [*quick, *folder]),
         ("The FMU as a force element", study.main, [*quick, *folder]),
         ("Other simulators", command.main, [*quick, *folder]),
-        ("Page", report.page, folder),
+        ("Page", page.main, folder),
     ]
     for title, part, given in parts:
         if part is command.main and not options.peers:

@@ -28,8 +28,8 @@ from contact_fmus.bench.problems import (
     turning_problems,
 )
 from contact_fmus.fmu.host import HostTimeout, run_host
-from contact_fmus.report import command as report_command
 from contact_fmus.report import measure
+from contact_fmus.report import page as report_page
 from contact_fmus.report.measure import (
     COLUMNS,
     PEER,
@@ -54,8 +54,8 @@ def report(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(measure, "QUICK", dataclasses.replace(QUICK, limit=PATIENCE))
-        assert report_command.measure(["--quick", "--output", str(folder)]) == 0
-    assert report_command.page(["--output", str(folder)]) == 0
+        assert measure.main(["--quick", "--output", str(folder)]) == 0
+    assert report_page.main(["--output", str(folder)]) == 0
     return folder
 
 
@@ -212,7 +212,7 @@ def with_parts(report, tmp_path):
 
 
 def test_optional_parts_are_shown_when_they_are_there(with_parts):
-    assert report_command.page(["--output", str(with_parts)]) == 0
+    assert report_page.main(["--output", str(with_parts)]) == 0
     html = (with_parts / "index.html").read_text(encoding="utf-8")
     text = (with_parts / "README.md").read_text(encoding="utf-8")
     assert html.count("<img ") == 5 + 1 + 1  # of the report, of the peers, of the section
@@ -234,7 +234,7 @@ def test_a_part_that_is_wrong_is_refused(with_parts, capsys):
     assert "section 'T' shows" in capsys.readouterr().err
     (with_parts / "peers.csv").write_text("problem,time\nP1,3\n")
     with pytest.raises(ValueError, match="the columns are"):
-        report_command.page(["--output", str(with_parts)])
+        report_page.main(["--output", str(with_parts)])
 
 
 def test_rows_survive_their_file(tmp_path):

@@ -9,8 +9,9 @@ import numpy as np
 
 from contact_fmus.errors import UserError, similar
 from contact_fmus.options import parse
+from contact_fmus.pages import environment
 from contact_fmus.plot import page
-from contact_fmus.plot.page import environment, numbers
+from contact_fmus.plot.page import numbers
 from contact_fmus.plot.panels import touches, usual
 from contact_fmus.plot.source import Run, motion_of, open_runs
 from contact_fmus.results import Result, output_file
@@ -189,7 +190,7 @@ def write_page(run: Run, file: Path) -> None:
     content["times"] = [content["time"]]
     content["charts"] = page.charts(usual(result), [thin])
     text = (
-        environment()
+        environment(HERE, page.HERE)
         .get_template("page.html")
         .render(
             title=", ".join(part for part in (run.title, run.label) if part),

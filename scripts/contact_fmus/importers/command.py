@@ -42,16 +42,16 @@ class Importer:
     package: str  # as the registry knows it
     module: str  # of Python; empty for Java, see prepared_java
     script: str
-    script3: str = ""  # for FMI 3.0; empty where nobody has tried
+    fmi3: bool = True  # False where nobody has tried
 
 
 IMPORTERS = (
-    Importer("fmpy", "PyPI", "fmpy", "fmpy", "with_fmpy.py", "with_fmpy.py"),
-    Importer("libcosim", "PyPI", "libcosimpy", "libcosimpy", "with_libcosim.py", "with_libcosim.py"),
-    Importer("fmuloader", "PyPI", "fmuloader", "fmuloader", "with_fmuloader.py", "with_fmuloader.py"),
-    Importer("ecos", "PyPI", "ecospy", "ecospy", "with_ecos.py", "with_ecos.py"),
-    Importer("FMI4j", "Maven", "info.laht.fmi4j:fmi-import", "", "WithFmi4j.java", "WithFmi4j.java"),
-    Importer("Maestro", "Maven", "org.into-cps.maestro:maestro", "", "with_maestro.py"),
+    Importer("fmpy", "PyPI", "fmpy", "fmpy", "with_fmpy.py"),
+    Importer("libcosim", "PyPI", "libcosimpy", "libcosimpy", "with_libcosim.py"),
+    Importer("fmuloader", "PyPI", "fmuloader", "fmuloader", "with_fmuloader.py"),
+    Importer("ecos", "PyPI", "ecospy", "ecospy", "with_ecos.py"),
+    Importer("FMI4j", "Maven", "info.laht.fmi4j:fmi-import", "", "WithFmi4j.java"),
+    Importer("Maestro", "Maven", "org.into-cps.maestro:maestro", "", "with_maestro.py", False),
 )
 
 
@@ -149,8 +149,7 @@ def chosen(fmu: Path, settings: dict[str, int]) -> list[str]:
 
 def tried(importer: Importer, fmu: Path, given: Given) -> Trial:
     """The importer runs in a folder of its own, where it may write logs."""
-    script = importer.script3 if version_of(fmu) == 3 else importer.script
-    program = given.java.get(importer.name) or [str(given.python), str(RUNNERS / script)]
+    program = given.java.get(importer.name) or [str(given.python), str(RUNNERS / importer.script)]
     names = [f"{name}={reference}" for name, reference in outputs(fmu).items()]
     settings = chosen(fmu, given.settings)
     command = [*program, str(fmu.resolve()), repr(given.step), str(given.count), *settings, *names]
@@ -235,7 +234,7 @@ def main(arguments: list[str] | None = None) -> int:
     console, good, tables = Console(stderr=True), True, {}
     for version in (2, 3):
         fmus = [fmu for fmu in options.fmus if version_of(fmu) == version]
-        taking = [importer for importer in IMPORTERS if version == 2 or importer.script3]
+        taking = [importer for importer in IMPORTERS if version == 2 or importer.fmi3]
         trials = []
         for fmu in fmus:
             with console.status(fmu.stem):

@@ -163,30 +163,30 @@ def write_pages(
     templates: Path, folder: Path, context: Mapping[str, Any], names: Mapping[str, str] = BOTH
 ) -> list[Path]:
     """Renders each template of `names` as the file it stands for, next to the images it shows"""
-    environment = _environment(templates, folder)
-    files = []
-    for template, name in names.items():
-        page = environment.get_template(template).render(context)
-        (folder / name).write_text(page.rstrip() + "\n", encoding="utf-8")
-        files.append(folder / name)
-    return files
-
-
-def _environment(templates: Path, folder: Path) -> Environment:
-    environment = Environment(
-        loader=FileSystemLoader([templates, OWN]),
-        autoescape=select_autoescape(["html"]),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
 
     def embedded(name: str) -> str:
         file = folder / name
         return f"data:{IMAGES[file.suffix]};base64,{base64.b64encode(file.read_bytes()).decode()}"
 
-    def cell(text: str) -> str:
-        return str(text).replace("|", "\\|").replace("\n", " ")
+    made = environment(templates, OWN)
+    made.filters["embedded"] = embedded
+    files = []
+    for template, name in names.items():
+        page = made.get_template(template).render(context)
+        (folder / name).write_text(page.rstrip() + "\n", encoding="utf-8")
+        files.append(folder / name)
+    return files
 
-    environment.filters |= {"embedded": embedded, "cell": cell, "typeset": typeset, "plain": plain}
-    return environment
+
+def environment(*folders: Path) -> Environment:
+    made = Environment(
+        loader=FileSystemLoader(folders),
+        autoescape=select_autoescape(["html"]),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    made.filters |= {"typeset": typeset, "plain": plain}
+    made.filters["cell"] = lambda text: str(text).replace("|", "\\|").replace("\n", " ")
+    return made

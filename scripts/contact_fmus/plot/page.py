@@ -8,8 +8,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
+
+from contact_fmus.pages import environment
 
 from .panels import Panel, threshold, touches, values
 from .source import Run
@@ -72,24 +73,6 @@ def _readable(unit: str, drawn: list[np.ndarray]) -> tuple[float, str]:
 HERE = Path(__file__).parent
 
 
-def environment() -> jinja2.Environment:
-    """Templates of this package, with `include_text` for scripts and styles, which are no templates"""
-    folders = [HERE, HERE.parent / "animate"]
-    result = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(folders),
-        undefined=jinja2.StrictUndefined,
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-
-    def include_text(name: str) -> str:
-        return next((one / name).read_text(encoding="utf-8") for one in folders if (one / name).is_file())
-
-    result.globals["include_text"] = include_text
-    return result
-
-
 def write_page(title: str, runs: list[Run], panels: list[Panel], file: Path) -> None:
     content = {
         "title": title,
@@ -97,6 +80,6 @@ def write_page(title: str, runs: list[Run], panels: list[Panel], file: Path) -> 
         "charts": charts(panels, runs),
         "touches": [[one.begin, one.end, one.contact] for one in touches(runs[0].result)],
     }
-    text = environment().get_template("plot.html").render(title=title, data=script_json(content))
+    text = environment(HERE).get_template("plot.html").render(title=title, data=script_json(content))
     file.parent.mkdir(parents=True, exist_ok=True)
     file.write_text(text, encoding="utf-8")

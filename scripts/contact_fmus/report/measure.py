@@ -1,8 +1,9 @@
-"""The FMU's solvers, measured: error against time, the ratio of the best ones, time against stiffness."""
+"""The command measure: the FMU's solvers, error against time, the ratio of the best ones, time against stiffness."""
 
 from __future__ import annotations
 
 import csv
+import datetime
 import json
 import math
 import statistics
@@ -20,9 +21,15 @@ from contact_fmus.bench.problems import (
     STIFF_TOLERANCE,
     Problem,
     Setting,
+    benchmarks,
+    hertz_problems,
+    shape_problems,
     stiff_families,
+    turning_problems,
 )
 from contact_fmus.fmu.host import HostError, HostTimeout, Result, run_host
+from contact_fmus.options import parse
+from contact_fmus.pages import stopwatch, versions, write_json
 
 # The rows of the report and the files its parts leave for the page.
 #
@@ -247,3 +254,36 @@ def stiffness(plan: Plan, say: Say) -> list[Row]:
         ladders = [[Setting(problem, method, STIFF_TOLERANCE, 1) for problem in problems] for method in METHODS]
         rows += [row_of(*pair, stiff=True) for pair in run_ladders(ladders, plan).items()]
     return rows
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """0: done; 2: something is not built; 3: an FMU refused"""
+    options = parse("measure", arguments)
+    options.output.mkdir(parents=True, exist_ok=True)
+    plan = QUICK if options.quick else FULL
+    say, rows, ratios = stopwatch(), [], []
+    for some in (benchmarks, shape_problems, hertz_problems, turning_problems):
+        problems = some().values()
+        found = work_precision(problems, plan, say)
+        ratios.append(compare_best(problems, found, plan, say))
+        rows += found
+    rows += stiffness(plan, say)
+    write_rows(options.output / "results.csv", rows)
+    summary = {
+        "made": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "plan": _describe(plan, options.quick),
+        "versions": versions(),
+        "ratios": ratios[0],
+        "shape_ratios": ratios[1],
+        "hertz_ratios": ratios[2],
+        "turning_ratios": ratios[3],
+    }
+    write_json(options.output / "summary.json", summary)
+    say("measured")
+    return 0
+
+
+def _describe(plan: Plan, quick: bool) -> str:
+    text = "A quick run with few repetitions, for trying out. " if quick else ""
+    text += f"Settings of a problem take turns in one process, {plan.repeat} turns of {plan.burst} runs, fewer"
+    return f"{text} once a setting has run {plan.budget:g} s; a run is ended after {plan.limit:g} s."

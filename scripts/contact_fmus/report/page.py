@@ -1,4 +1,4 @@
-"""The page of the report: index.html, which holds its figures, and README.md next to them"""
+"""The command page: the report's index.html, which holds its figures, and README.md next to them"""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from contact_fmus.bench.problems import (
     stiff_families,
     turning_problems,
 )
+from contact_fmus.options import parse
 from contact_fmus.pages import Table, read_words, write_pages
 
 from . import figures, tables
@@ -119,3 +120,10 @@ def given_section(section: dict[str, Any], folder: Path) -> Section:
 
 def _text(cell: Any) -> str:
     return f"{cell:.4g}" if isinstance(cell, float) else str(cell)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """0: drawn; 2: something is missing"""
+    for file in draw_page(parse("page", arguments).output):
+        print(file)
+    return 0

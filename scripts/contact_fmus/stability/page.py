@@ -8,7 +8,6 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -144,31 +143,20 @@ STYLE = {"font.family": "DejaVu Sans", "font.size": 8, "axes.titlesize": 10}
 REFUSED, NOTHING = "#94a3b8", "#f1f5f9"
 
 
-LEGEND = WORDS["legend"]
-
-
-class Map(NamedTuple):
-    """What a figure shows of a run: a column, its colours' ends"""
-
-    name: str
-    column: str
-    bounds: tuple[float, float]
-
-
-MAPS = (Map("error", "error", (1e-17, 1.0)), Map("energy", "balance", (1e-17, 1.0)), Map("steps", "work", (1.0, 1e4)))
+# Figures: the column of a run that is shown, and its colours' ends
+MAPS = {"error": ("error", (1e-17, 1.0)), "energy": ("balance", (1e-17, 1.0)), "steps": ("work", (1.0, 1e4))}
 
 
 def draw(table: pd.DataFrame, folder: Path) -> list[dict[str, str]]:
     """Name and caption of each figure; the files are name.png"""
-    for one in MAPS:
+    found = []
+    for name, (column, bounds) in MAPS.items():
         with mpl.rc_context(STYLE):
-            _figure(one, table).savefig(folder / f"{one.name}.png", dpi=90, metadata={"Software": None})
-    return [{"name": one.name, "caption": f"{WORDS['maps'][one.name]} {_scale(one)} {LEGEND}"} for one in MAPS]
-
-
-def _scale(shown: Map) -> str:
-    low, high = (short(bound) for bound in shown.bounds)
-    return f"Dark blue is {low} or less, yellow {high} or more."
+            _figure(column, bounds, table).savefig(folder / f"{name}.png", dpi=90, metadata={"Software": None})
+        low, high = map(short, bounds)
+        scale = f"Dark blue is {low} or less, yellow {high} or more."
+        found.append({"name": name, "caption": f"{WORDS['maps'][name]} {scale} {WORDS['legend']}"})
+    return found
 
 
 def short(value: float) -> str:
@@ -177,7 +165,7 @@ def short(value: float) -> str:
     return re.sub(r"e([-+])0*", lambda match: "e" + match[1].replace("+", ""), text)
 
 
-def _figure(shown: Map, table: pd.DataFrame) -> Figure:
+def _figure(column: str, bounds: tuple[float, float], table: pd.DataFrame) -> Figure:
     families = [family for family in FAMILIES if (table.family == family.name).any()]
     height = 1.28 * len(families) + 1.4  # inches, of which 0.5 at the top and 0.9 at the bottom
     figure = Figure(figsize=(12.5, height))
@@ -186,7 +174,7 @@ def _figure(shown: Map, table: pd.DataFrame) -> Figure:
     for line, family in zip(panels, families, strict=True):
         for panel, method in zip(line, METHODS, strict=True):
             own = table[(table.family == family.name) & (table.method == method)]
-            image = _panel(panel, shown, family, own)
+            image = _panel(panel, column, LogNorm(*bounds), family, own)
             if panel is not line[0]:
                 panel.set_yticklabels([])
     for panel, method in zip(panels[0], METHODS, strict=True):
@@ -196,7 +184,7 @@ def _figure(shown: Map, table: pd.DataFrame) -> Figure:
     return figure
 
 
-def _panel(panel: Axes, shown: Map, family: Family, table: pd.DataFrame) -> mpl.image.AxesImage:
+def _panel(panel: Axes, name: str, norm: LogNorm, family: Family, table: pd.DataFrame) -> mpl.image.AxesImage:
     values = sorted(set(table.value))
     image, refused = np.full((len(LAWS), len(values)), math.nan), []
     for (law, value), members in table.groupby(["law", "value"]):
@@ -205,8 +193,8 @@ def _panel(panel: Axes, shown: Map, family: Family, table: pd.DataFrame) -> mpl.
         if ended.empty:
             refused.append(place)
             continue
-        worst = ended[shown.column].max()
-        image[place] = worst if math.isnan(worst) else max(worst, shown.bounds[0])
+        worst = ended[name].max()
+        image[place] = worst if math.isnan(worst) else max(worst, norm.vmin)
         if (members.wrong != "").any():
             panel.plot(place[1], place[0], "x", color="#dc2626", markersize=5)
         elif len(ended) < len(members):
@@ -214,7 +202,7 @@ def _panel(panel: Axes, shown: Map, family: Family, table: pd.DataFrame) -> mpl.
     panel.set_facecolor(NOTHING)
     for line, column in refused:
         panel.add_patch(mpl.patches.Rectangle((column - 0.5, line - 0.5), 1, 1, color=REFUSED, lw=0))
-    drawn = panel.imshow(image, cmap="viridis", norm=LogNorm(*shown.bounds), aspect="auto")
+    drawn = panel.imshow(image, cmap="viridis", norm=norm, aspect="auto")
     panel.set_yticks(range(len(LAWS)), [law.replace("_", " ") for law in LAWS])
     stride = max(1, math.ceil(len(values) / 9))
     ticks = range(0, len(values), stride)
@@ -237,7 +225,7 @@ def draw_page(rows: Sequence[SceneRun], folder: Path, plan: str) -> list[Path]:
         "most_steps": MOST_STEPS,
         "families": [family for family in FAMILIES if (table.family == family.name).any()],
         "figures": drawn,
-        "legend": LEGEND,
+        "legend": WORDS["legend"],
         "counts": counts(table),
         "limits": [axes(table), refusals(table)],
         "mistakes": mistakes(table),

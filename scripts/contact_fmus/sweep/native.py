@@ -116,16 +116,11 @@ class _Batch(ctypes.Structure):
 
 
 def library_file() -> Path | None:
-    """The compiled loop"""
-    return built_file(FILE)
-
-
-def built_file(name: str) -> Path | None:
-    """The file is where CONTACT_BUILD says, in an installed package (ContactPackage.cmake) or in a clone's build"""
+    """The compiled loop, where CONTACT_BUILD says, in an installed package (ContactPackage.cmake) or a clone's build"""
     folders = [PACKAGE / "share" / "build", PACKAGE.parents[1] / "build"]
     if os.environ.get("CONTACT_BUILD"):
         folders.insert(0, Path(os.environ["CONTACT_BUILD"]))
-    return next((folder / name for folder in folders if (folder / name).is_file()), None)
+    return next((folder / FILE for folder in folders if (folder / FILE).is_file()), None)
 
 
 @cache

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contact_fmus.errors import RunFailure, UserError, read_toml, similar
-from contact_fmus.fmu.files import fmu_file, fmus_folder, unpack
+from contact_fmus.fmu.files import fmu_file, unpack
 from contact_fmus.fmu.variables import Variable, is_fmi3, read_variables, scalars
 
 # The keys of a study file, taken one by one; what is wrong is said in one sentence
@@ -178,31 +178,18 @@ def item(variable: Variable, value: Any, where: str) -> int:
 
 def read_interface(file: Path) -> Interface:
     _, description = unpack(file)
-    variable_list = scalars(description)
-    settable = {one.name for one in variable_list if _settable(one)}
-    variables = read_variables(description)
+    every, variables, kind = scalars(description), read_variables(description), description.coSimulation
+    # What may be set before the start: FMI 2.0, 2.2.7
+    settable = {
+        one.name
+        for one in every
+        if one.causality in ("parameter", "input")
+        or (one.initial in ("exact", "approx") and one.variability != "constant")
+    }
     settable |= {name for name, one in variables.items() if one.is_vector and f"{name}[1]" in settable}
-    ranges = {one.valueReference: _range(one) for one in variable_list if one.type in ("Real", "Integer")}
-    identifier = description.coSimulation.modelIdentifier
-    single = description.coSimulation.canBeInstantiatedOnlyOncePerProcess
-    names = frozenset(settable)
-    return Interface(
-        description.modelName,
-        identifier,
-        description.guid,
-        variables,
-        ranges,
-        names,
-        bool(single),
-        is_fmi3(description),
-    )
-
-
-def _settable(scalar: Any) -> bool:
-    """Before the start: FMI 2.0, 2.2.7"""
-    if scalar.causality in ("parameter", "input"):
-        return True
-    return scalar.initial in ("exact", "approx") and scalar.variability != "constant"
+    ranges = {one.valueReference: _range(one) for one in every if one.type in ("Real", "Integer")}
+    about = (description.modelName, kind.modelIdentifier, description.guid, variables, ranges, frozenset(settable))
+    return Interface(*about, bool(kind.canBeInstantiatedOnlyOncePerProcess), is_fmi3(description))
 
 
 def _range(scalar: Any) -> tuple[float, float]:
@@ -225,13 +212,9 @@ def find_fmu(name: str, folder: Path) -> Path:
             raise UserError(f"{where}: there is no file {places[0]}")
         return build_scene(file) if file.suffix == ".toml" else file.resolve()
     try:
-        return Path(fmu_file(name))
-    except (FileNotFoundError, UserError) as error:
-        shipped = sorted(one.stem for one in fmus_folder().glob("*.fmu"))
-        if not shipped:
-            raise UserError(f"{where}: {error}") from None
-        said = f"{where}: '{name}' is no shipped FMU ({', '.join(shipped)}) and no file NAME.fmu or SCENE.toml"
-        raise UserError(said + similar(name, shipped)) from None
+        return fmu_file(name)
+    except FileNotFoundError as error:
+        raise UserError(f"{where}: '{name}' is no file NAME.fmu or SCENE.toml, and {error}") from None
 
 
 def build_scene(scene: Path) -> Path:

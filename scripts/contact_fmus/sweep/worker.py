@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import contextlib
 import hashlib
 import io
 import shutil
@@ -40,25 +41,19 @@ def work(made: Work) -> Work:
     return made
 
 
-def run_batch(given: Work, batch: Batch) -> Rows:
-    folder = unpacked(given.fmu)
-    loop = library_file() if given.compiled and not given.plan.fmi3 else None
-    if not given.single:
-        return _run(given.plan, batch, folder, loop)
-    with _one_instance:
-        return _run(given.plan, batch, folder, loop)
-
-
 _one_instance = threading.Lock()
 
 
-def _run(plan: Plan, batch: Batch, folder: Path, loop: Path | None) -> Rows:
-    if loop is None:
-        from . import python_loop  # brings fmpy
+def run_batch(given: Work, batch: Batch) -> Rows:
+    folder, plan = unpacked(given.fmu), given.plan
+    loop = library_file() if given.compiled and not plan.fmi3 else None
+    with _one_instance if given.single else contextlib.nullcontext():
+        if loop is None:
+            from . import python_loop  # brings fmpy
 
-        return python_loop.run(plan, batch, folder)
-    library = folder / "binaries" / "linux64" / f"{plan.identifier}.so"
-    return run(plan, batch, library, (folder / "resources").as_uri(), loop)
+            return python_loop.run(plan, batch, folder)
+        library = folder / "binaries" / "linux64" / f"{plan.identifier}.so"
+        return run(plan, batch, library, (folder / "resources").as_uri(), loop)
 
 
 def unpacked(fmu: bytes) -> Path:
