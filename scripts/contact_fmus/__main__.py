@@ -48,14 +48,6 @@ def version() -> str:
         return "not installed, run from its sources"
 
 
-def missing_module(error: ModuleNotFoundError) -> str:
-    """What to install for a module that is not there"""
-    name = (error.name or "").partition(".")[0]
-    if name in EXTRAS:
-        return f"this needs {name}: pip install 'contact-fmus[{EXTRAS[name]}]'"
-    return f"the Python package {name} is not installed: pip install {name}"
-
-
 def os_error(error: OSError) -> tuple[str, int]:
     """The sentence and the status of a failed file operation: a wrong name is a bad request"""
     names = [str(name) for name in (error.filename, error.filename2) if name is not None]
@@ -79,7 +71,10 @@ def guarded(name: str, arguments: list[str]) -> int:
     except ModuleNotFoundError as error:
         if (error.name or "").startswith("contact_fmus"):
             raise  # a fault of this package
-        text, status = missing_module(error), BAD_REQUEST
+        module, status = (error.name or "").partition(".")[0], BAD_REQUEST
+        text = f"the Python package {module} is not installed: pip install {module}"
+        if module in EXTRAS:
+            text = f"this needs {module}: pip install 'contact-fmus[{EXTRAS[module]}]'"
     except BrokenPipeError:
         # Python would complain once more when it flushes at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

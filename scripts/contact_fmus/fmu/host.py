@@ -147,12 +147,10 @@ def _variable(case: Case, variables: dict[str, Variable], name: str) -> Variable
 def _result(case: Case, line: dict[str, Any]) -> Result:
     if "error" in line:
         return Result(line["case"], [], [], {}, line["error"])
-    variables = read_variables(unpack(case.fmu)[1])
-    outputs = {name: _output(variables[name], line) for name in case.outputs}
+    variables, outputs = read_variables(unpack(case.fmu)[1]), {}
+    for name in case.outputs:
+        variable = variables[name]
+        values = [line[TYPES[variable.type]][str(reference)] for reference in variable.references]
+        # A value that is not finite comes as null.
+        outputs[name] = value_of(variable, [np.nan if value is None else value for value in values])
     return Result(line["case"], line["stepping_s"], line["initialization_s"], outputs)
-
-
-def _output(variable: Variable, line: dict[str, Any]) -> Any:
-    """A value that is not finite comes as null and is NaN here."""
-    values = [line[TYPES[variable.type]][str(reference)] for reference in variable.references]
-    return value_of(variable, [np.nan if value is None else value for value in values])

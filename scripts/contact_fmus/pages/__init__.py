@@ -111,7 +111,9 @@ PACKAGES = ("fmpy", "numpy", "scipy", "matplotlib")
 
 
 def versions() -> dict[str, str]:
-    cache = _cmake_cache(host_file().parent / "CMakeCache.txt")
+    file = host_file().parent / "CMakeCache.txt"
+    lines = file.read_text(encoding="utf-8").splitlines() if file.is_file() else []  # none in an installed package
+    cache = {match[1]: match[2] for line in lines if (match := re.match(r"([\w-]+):\w+=(.*)", line))}
     compiler = cache.get("CMAKE_C_COMPILER", "cc")
     said = subprocess.run([compiler, "--version"], capture_output=True, text=True, check=False).stdout.splitlines()
     processor = _matched(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo"), "unknown processor")
@@ -130,13 +132,6 @@ def _matched(pattern: str, file: Path, otherwise: str) -> str:
     """What the group of the pattern matches first in the file"""
     match = re.search(pattern, file.read_text(encoding="utf-8"), re.MULTILINE)
     return match[1].strip() if match else otherwise
-
-
-def _cmake_cache(file: Path) -> dict[str, str]:
-    if not file.is_file():  # an installed package has programs without their build
-        return {}
-    lines = file.read_text(encoding="utf-8").splitlines()
-    return {match[1]: match[2] for line in lines if (match := re.match(r"([\w-]+):\w+=(.*)", line))}
 
 
 def _sundials(cache: dict[str, str]) -> str:

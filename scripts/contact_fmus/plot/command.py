@@ -21,15 +21,11 @@ def draw(result: Result, file: str | Path) -> None:
     """Draws gaps, forces, positions and energies over time, as `contact-fmus run --plot` does"""
     output = output_file(Path(file), "", SUFFIXES)
     write = page.write_page if output.suffix == ".html" else picture.draw
-    title = _title(result, output)
+    title = output.stem
+    if result.fmu is not None:
+        fmu = Path(result.fmu)
+        title = read_scene(fmu).title if fmu.is_file() and has_scene(fmu) else fmu.stem
     write(title, [Run(title, "", result)], usual(result), output)
-
-
-def _title(result: Result, output: Path) -> str:
-    if result.fmu is None:
-        return output.stem
-    fmu = Path(result.fmu)
-    return read_scene(fmu).title if fmu.is_file() and has_scene(fmu) else fmu.stem
 
 
 def main(arguments: list[str] | None = None) -> int:

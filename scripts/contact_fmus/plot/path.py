@@ -111,7 +111,8 @@ def _draw_moving(axes: Axes, motion: Motion, body: str, plane: np.ndarray, color
 
 def outline(motion: Motion, body: str, index: int, plane: np.ndarray, look: dict) -> Patch:
     """At one time: a circle; a rectangle for a plane and for a cylinder that is not seen along its axis"""
-    center, axis = plane @ motion.position(body)[index], motion.axis_at(body, index)
+    center, turned = plane @ motion.position(body)[index], motion.series(f"{body}.current_axis")
+    axis = motion.axis(body) if turned is None else turned[index]
     if axis is not None and motion.is_plane(body):
         return _strip(motion, body, center, plane @ axis, plane, look)
     radius = motion.radius(body) or 0.0

@@ -216,16 +216,14 @@ def compare_best(problems: Iterable[Problem], rows: Sequence[Row], plan: Plan, s
         for steps in plan.communication_steps:
             say(f"{problem.name}, {steps} communication steps: the best of each")
             own = [row for row in rows if (row.problem, row.communication_steps) == (problem.name, steps)]
-            best = [_best(own, *side) for side in SIDES.values()]
+            best = []
+            for solvers, error in SIDES.values():
+                fit = [row for row in own if row.solver in solvers and row.measured and row.error_m <= error]
+                best.append(min(fit, key=lambda row: row.time_s, default=None))
             found.append({"problem": problem.name, "communication_steps": steps, "ratio": None})
             if None not in best:
                 found[-1] |= _race([Setting(problem, row.solver, row.parameter, steps) for row in best], plan)
     return found
-
-
-def _best(rows: Sequence[Row], solvers: Sequence[str], error: float) -> Row | None:
-    fit = [row for row in rows if row.solver in solvers and row.measured and row.error_m <= error]
-    return min(fit, key=lambda row: row.time_s, default=None)
 
 
 def _race(settings: Sequence[Setting], plan: Plan) -> dict[str, Any]:
@@ -269,9 +267,12 @@ def main(arguments: list[str] | None = None) -> int:
         rows += found
     rows += stiffness(plan, say)
     write_rows(options.output / "results.csv", rows)
+    text = "A quick run with few repetitions, for trying out. " if options.quick else ""
+    text += f"Settings of a problem take turns in one process, {plan.repeat} turns of {plan.burst} runs, fewer once"
+    text += f" a setting has run {plan.budget:g} s; a run is ended after {plan.limit:g} s."
     summary = {
         "made": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "plan": _describe(plan, options.quick),
+        "plan": text,
         "versions": versions(),
         "ratios": ratios[0],
         "shape_ratios": ratios[1],
@@ -281,9 +282,3 @@ def main(arguments: list[str] | None = None) -> int:
     write_json(options.output / "summary.json", summary)
     say("measured")
     return 0
-
-
-def _describe(plan: Plan, quick: bool) -> str:
-    text = "A quick run with few repetitions, for trying out. " if quick else ""
-    text += f"Settings of a problem take turns in one process, {plan.repeat} turns of {plan.burst} runs, fewer"
-    return f"{text} once a setting has run {plan.budget:g} s; a run is ended after {plan.limit:g} s."

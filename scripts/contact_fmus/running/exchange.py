@@ -80,17 +80,14 @@ def by_fmpy(
     columns = _columns(rows, description, variables)
     units = {name: variables[name].unit for name in columns}
     warnings = list(dict.fromkeys(text for status, text in told if status == WARNING))
-    parameters = _parameters(description, variables, experiment)
-    return Result(np.asarray(rows["time"]), columns, units, experiment.fmu.resolve(), parameters, warnings)
-
-
-def _parameters(description: Any, variables: dict[str, Variable], experiment: Experiment) -> dict[str, Any]:
-    """Start values of the description, and those of the experiment"""
+    # Start values of the description, and those of the experiment
     described = [one for one in scalars(description) if one.causality in PARAMETERS and one.start is not None]
+    parameters = {one.name: start_of(variables[one.name], one.start) for one in described}
     given = _by_scalar(variables, experiment.values)
-    return {one.name: start_of(variables[one.name], one.start) for one in described} | {
+    parameters |= {
         name: plain(variables[name], value) for name, value in given.items() if variables[name].causality in PARAMETERS
     }
+    return Result(np.asarray(rows["time"]), columns, units, experiment.fmu.resolve(), parameters, warnings)
 
 
 def _inputs(experiment: Experiment, time: float) -> dict[str, Any]:

@@ -124,7 +124,8 @@ def _mass(run: Recording, body: str) -> float:
 
 
 def _effective_mass(run: Recording) -> float:
-    return closed_forms.effective_mass(_mass(run, "source"), _mass(run, "destination"))
+    """The reduced one of both"""
+    return 1.0 / (1.0 / _mass(run, "source") + 1.0 / _mass(run, "destination"))
 
 
 def _damping(run: Recording) -> float:

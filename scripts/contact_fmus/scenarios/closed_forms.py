@@ -14,15 +14,6 @@ import math
 import numpy as np
 
 
-def effective_mass(source: float, destination: float = math.inf) -> float:
-    """Reduced mass of two free bodies; an infinite mass is a body that does not yield"""
-    if math.isinf(destination):
-        return source
-    if math.isinf(source):
-        return destination
-    return source * destination / (source + destination)
-
-
 def damping_ratio(mass: float, stiffness: float, damping: float) -> float:
     return damping / (2.0 * math.sqrt(stiffness * mass))
 

@@ -136,11 +136,6 @@ class Motion:
         axis = axis / np.max(np.abs(axis))
         return axis / np.linalg.norm(axis)
 
-    def axis_at(self, body: str, index: int) -> np.ndarray | None:
-        """The axis as it has turned, at one of the times"""
-        turned = self.series(f"{body}.current_axis")
-        return self.axis(body) if turned is None else turned[index]
-
     def length(self, body: str) -> float | None:
         """None for a sphere and for an infinite cylinder"""
         if not self.value(f"{body}.finite_length"):

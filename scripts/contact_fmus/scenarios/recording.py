@@ -73,11 +73,6 @@ class Recorder:
         return {name: found[name] for name in self.names}
 
 
-def scalars_of(fmu: ContactFmu, causalities: tuple[str, ...], types: Sequence[str] = tuple(READERS)) -> list[str]:
-    every = {name: one for name, one in fmu.variables.items() if not one.is_vector}
-    return [name for name, one in every.items() if one.causality in causalities and one.type in types]
-
-
 def set_inputs(fmu: ContactFmu, experiment: Experiment | Scenario, time: float) -> None:
     for signal in experiment.inputs:
         fmu[signal.variable] = signal.evaluate(time, 0)
@@ -128,7 +123,8 @@ def _result(
 ) -> Result:
     """`wanted`: whether a communication point has a row, and how many points the next contact gets"""
     with ContactFmu(experiment.fmu) as fmu:
-        names = scalars_of(fmu, causalities, types)
+        every_scalar = {name: one for name, one in fmu.variables.items() if not one.is_vector}
+        names = [name for name, one in every_scalar.items() if one.causality in causalities and one.type in types]
         refuse_too_much(len(names) * (len(times) // every))
         _start(fmu, experiment)
         recorder = Recorder(fmu, names)

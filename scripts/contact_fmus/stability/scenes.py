@@ -155,17 +155,13 @@ def exponent() -> Iterator[Scene]:
 # Families of the atlas whose bodies turn: a ball that slides and rolls, a cylinder that tumbles
 
 
-def slip_velocity() -> Iterator[Scene]:
-    """Friction goes from Coulomb's to one that creeps."""
-    for value, (speed, spin) in product(decades(-12, 1), ((2.0, 0.0), (0.5, -40.0))):
-        one = Rolling(speed=speed, spin=spin, slip_velocity=value)
-        yield Scene("slip velocity", value, one, note=f"spin {spin:g} rad/s")
+SPINNING = {"spin 0 rad/s": {"speed": 2.0, "spin": 0.0}, "spin -40 rad/s": {"speed": 0.5, "spin": -40.0}}
 
 
-def friction() -> Iterator[Scene]:
-    for value in decades(-9, 6):
-        yield Scene("friction", value, Rolling(friction=value))
-        yield Scene("friction", value, Rolling(friction=value, spin=-40.0), note="back-spin")
+def rolling(name: str, values: Sequence[float], field: str, others: dict[str, dict[str, float]]) -> Iterator[Scene]:
+    """A ball that slides and rolls, at each of the values; `others` by the note that tells them apart"""
+    for value, (note, given) in product(values, others.items()):
+        yield Scene(name, value, Rolling(**{field: value}, **given), note=note)
 
 
 def spin() -> Iterator[Scene]:
@@ -173,12 +169,6 @@ def spin() -> Iterator[Scene]:
         if speed or value:
             one = Rolling(speed=speed, spin=-value, slip_velocity=1e-3)
             yield Scene("spin", value, one, note=f"{speed:g} m/s")
-
-
-def inertia_ratio() -> Iterator[Scene]:
-    """A solid ball has 2/5, a hollow one 2/3"""
-    for value in [*decades(-9, 9), 0.4, 2.0 / 3.0]:
-        yield Scene("inertia ratio", value, Rolling(inertia=value))
 
 
 def tumbling_rate() -> Iterator[Scene]:
@@ -419,10 +409,22 @@ FAMILIES = (
     Family("modulus", "Young's modulus of both bodies, Pa", modulus),
     Family("restitution", "coefficient of restitution", restitution),
     Family("exponent", "exponent of the force law", exponent),
-    Family("slip velocity", "characteristic slip velocity, m/s", slip_velocity),
-    Family("friction", "coefficient of friction", friction),
+    Family(  # friction goes from Coulomb's to one that creeps
+        "slip velocity",
+        "characteristic slip velocity, m/s",
+        partial(rolling, "slip velocity", decades(-12, 1), "slip_velocity", SPINNING),
+    ),
+    Family(
+        "friction",
+        "coefficient of friction",
+        partial(rolling, "friction", decades(-9, 6), "friction", {"": {}, "back-spin": {"spin": -40.0}}),
+    ),
     Family("spin", "back-spin at the start, rad/s", spin),
-    Family("inertia ratio", "moment of inertia over m a^2", inertia_ratio),
+    Family(  # a solid ball has 2/5, a hollow one 2/3
+        "inertia ratio",
+        "moment of inertia over m a^2",
+        partial(rolling, "inertia ratio", [*decades(-9, 9), 0.4, 2.0 / 3.0], "inertia", {"": {}}),
+    ),
     Family("tumbling rate", "angular velocity across the axis, rad/s", tumbling_rate),
     Family("all at once", "group of random scenes", at_once),
     Family("unit of length", "length unit, power of two", partial(units, "length")),

@@ -302,13 +302,10 @@ class Drive:
         except (OSError, ClosedClientError):  # of a connection: the store tells its own in words
             raise RunFailure(f"the scheduler is gone; {self._kept()}") from None
         finally:
-            self._cancel()
-
-    def _cancel(self) -> None:
-        """A scheduler that lives on shall keep nothing of this study."""
-        with contextlib.suppress(OSError, CancelledError, ClosedClientError):
-            if self.client.status == "running" and self.flights:
-                self.client.cancel(list(self.flights), force=True)
+            # A scheduler that lives on shall keep nothing of this study.
+            with contextlib.suppress(OSError, CancelledError, ClosedClientError):
+                if self.client.status == "running" and self.flights:
+                    self.client.cancel(list(self.flights), force=True)
 
     def _fill(self) -> bool:
         """True while batches are left"""

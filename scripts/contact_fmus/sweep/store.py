@@ -44,7 +44,9 @@ def schema_of(study: Study) -> pa.Schema:
             fields.append(_field(name, _type(one.variable), about, nullable=False))
             assert scalar.references[0] == one.variable.references[index]
     for output in study.outputs:
-        fields.append(_field(output.name, output_type(output), _output_about(output)))
+        at = "" if output.time is None else repr(output.time)
+        about = _about(output.variable) | {"role": "output", "reduce": output.reduction, "at": at}
+        fields.append(_field(output.name, output_type(output), about))
     words = pa.dictionary(pa.int8(), pa.string())
     fields.append(_field("status", words, {"description": ", ".join(STATUSES)}))
     told = {"description": "how many warnings the FMU logged"}
@@ -70,11 +72,6 @@ def _about(variable: Variable) -> dict[str, str]:
         "variable": variable.name,
         "description": variable.description,
     }
-
-
-def _output_about(output: Output) -> dict[str, str]:
-    at = "" if output.time is None else repr(output.time)
-    return _about(output.variable) | {"role": "output", "reduce": output.reduction, "at": at}
 
 
 def _type(variable: Variable) -> pa.DataType:
