@@ -38,7 +38,7 @@ def commands() -> dict[str, dict[str, Any]]:
     return tomllib.loads(Path(__file__).with_name("commands.toml").read_text(encoding="utf-8"))
 
 
-def parser(command: str, **words: str) -> argparse.ArgumentParser:
+def parse(command: str, arguments: list[str] | None, **words: str) -> argparse.Namespace:
     """`words` replace their names in braces."""
     about = commands()[command]
     made = argparse.ArgumentParser(
@@ -60,8 +60,4 @@ def parser(command: str, **words: str) -> argparse.ArgumentParser:
 
             option |= {"type": Path, "default": results_folder(option.pop("folder"))}
         made.add_argument(*names.split(), **option)
-    return made
-
-
-def parse(command: str, arguments: list[str] | None, **words: str) -> argparse.Namespace:
-    return parser(command, **words).parse_args(arguments)
+    return made.parse_args(arguments)

@@ -75,7 +75,7 @@ def test_an_fmu_that_cannot_run_is_refused_with_the_reason(tmp_path):
     broken = tmp_path / "Broken.fmu"
     source = ROOT / "modelDescription" / "variables.toml"
     shutil.copy(source, broken)
-    with pytest.raises(UserError, match="no FMU that fmpy can read: File is not a zip file"):
+    with pytest.raises(UserError, match="this is no FMU: not a ZIP archive"):
         tried(FMPY, broken, GIVEN)
 
 

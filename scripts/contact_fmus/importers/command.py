@@ -13,12 +13,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import fmpy
 import jinja2
 import platformdirs
 from rich.console import Console
 
 from contact_fmus.errors import UserError
+from contact_fmus.fmu.files import unpack
 from contact_fmus.options import parse
 
 # Runs an FMU in each importer, in a process of its own, and compares end values with fmpy's
@@ -120,27 +120,20 @@ def _done(command: list[str]) -> bool:
         return False
 
 
-def described(fmu: Path) -> fmpy.model_description.ModelDescription:
-    try:
-        return fmpy.read_model_description(str(fmu))
-    except Exception as error:  # fmpy raises what its parts raise, of a dozen kinds
-        raise UserError(f"{fmu}: no FMU that fmpy can read: {str(error).splitlines()[0]}") from None
-
-
 def version_of(fmu: Path) -> int:
-    return int(described(fmu).fmiVersion[0])
+    return int(unpack(fmu, kind="")[1].fmiVersion[0])
 
 
 def outputs(fmu: Path) -> dict[str, int]:
     """Outputs of one number each, by name. In FMI 3.0 vectors are arrays, which few importers read."""
-    variables = described(fmu).modelVariables
+    variables = unpack(fmu, kind="")[1].modelVariables
     numbers = [v for v in variables if v.type in ("Real", "Float64") and not v.dimensions]
     return {v.name: v.valueReference for v in numbers if v.causality == "output"}
 
 
 def chosen(fmu: Path, settings: dict[str, int]) -> list[str]:
     """Settings as the runners read them. FMI sets enumerations as it sets integers."""
-    variables = {v.name: v for v in described(fmu).modelVariables}
+    variables = {v.name: v for v in unpack(fmu, kind="")[1].modelVariables}
     for name in settings:
         if name not in variables or variables[name].type not in ("Integer", "Enumeration", "Int64"):
             raise UserError(f"{fmu}: there is no Integer or Enumeration {name!r}")

@@ -24,7 +24,7 @@ from contact_fmus.options import parse
 from contact_fmus.pages import stopwatch, write_json
 from contact_fmus.report.measure import PEER, SAME, Row, write_rows
 
-from .problems import BallAndWall, Case, error_of, problem_of
+from .problems import BallAndWall, Case, problem_of
 
 # One peer in a process of its own, so that it may hang, crash or print without harm to the report.
 #
@@ -196,7 +196,7 @@ def run_problem(peer: dict[str, Any], worker: Worker, problem: BallAndWall, quic
 def measured_row(known: tuple, case: Case, measured: Measured) -> Row:
     if measured.error:
         return Row(*known, note=measured.error)
-    error, times = error_of(known[0], measured.position), measured.times
+    error, times = benchmarks()[known[0]].error(measured.position), measured.times
     if not math.isfinite(error):
         return Row(*known, note="the position at the end is not finite")
     return Row(*known, None, statistics.median(times), min(times), error, measured.onsets, case.note)

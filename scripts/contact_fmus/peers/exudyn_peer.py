@@ -13,19 +13,15 @@ from contact_fmus.report.measure import RELATIVE_TOLERANCE
 from .problems import Run, steps_of
 
 
-def inertia(problem):
-    from exudyn.utilities import InertiaSphere
-
-    return InertiaSphere(problem.mass, problem.radius)
-
-
 def ball_and_built_in_contact(exudyn, system, problem):
+    from exudyn import utilities
     from exudyn.utilities import MarkerBodyRigid, Node1D, NodeGenericData, ObjectContactSphereSphere, ObjectMass1D
 
     gravity = [0, 0, -problem.gravity]
     start = {"referencePosition": list(problem.position), "initialVelocity": list(problem.velocity)}
     upright = exudyn.NodeType.RotationRxyz  # the ball does not turn; Euler parameters exclude explicit methods
-    ball = system.CreateRigidBody(inertia=inertia(problem), gravity=gravity, nodeType=upright, **start)
+    inertia = utilities.InertiaSphere(problem.mass, problem.radius)
+    ball = system.CreateRigidBody(inertia=inertia, gravity=gravity, nodeType=upright, **start)
     if problem.inside:
         y_axis = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]  # turns the x axis into it
         place, speed = [problem.position[1]], [problem.velocity[1]]

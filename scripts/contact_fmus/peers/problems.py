@@ -99,9 +99,3 @@ def problem_of(name: str) -> BallAndWall:
     if start:
         raise ValueError(f"{name}: the peers are not given {', '.join(start)}")
     return problem
-
-
-def error_of(name: str, position: list[float]) -> float:
-    """Distance from the reference; not a number where the position is none"""
-    reference = benchmarks()[name].position
-    return sqrt(sum((a - b) ** 2 for a, b in zip(position, reference, strict=True)))

@@ -56,17 +56,6 @@ def equations(problem):
     return flight, contact, jacobian, gap
 
 
-def crossing(gap, touching):
-    """The event that ends a phase."""
-
-    def event(_time, state):
-        return gap(state) + (-PASSED if touching else PASSED)
-
-    event.terminal = True
-    event.direction = 1 if touching else -1
-    return event
-
-
 class Motion:
     def __init__(self, problem, case):
         import numpy as np
@@ -87,7 +76,11 @@ class Motion:
             options["jac"] = jacobian if touching else None
         if self.limited and not resume:
             options["max_step"] = self.problem.contact_time / 4 if touching else FLIGHT_STEP
-        event = crossing(gap, touching)
+
+        def event(_time, state):  # that ends the phase
+            return gap(state) + (-PASSED if touching else PASSED)
+
+        event.terminal, event.direction = True, 1 if touching else -1
         rates = contact if touching else flight
         run = solve_ivp(rates, (start, end), self.state, method=self.method, events=event, **options)
         if run.status < 0:

@@ -7,7 +7,6 @@ import dataclasses
 import json
 import math
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -28,14 +27,26 @@ def main(arguments: list[str] | None = None) -> int:
     """0: run to its end; 2: the request makes no sense; 3: the FMU refused on the way"""
     options = parse("run", arguments)
     experiment = _experiment(options)
-    _check_files(experiment, options)
+    picture = None if options.plot is None else Path(options.plot or f"{experiment.name}.png")
+    # Before the run, where a file could not be written after it
+    if options.csv is not None and options.csv.is_dir():
+        raise UserError(f"{options.csv}: this is a folder")
+    if options.csv is not None and not options.csv.parent.is_dir():
+        raise UserError(f"{options.csv}: there is no folder {options.csv.parent}")
+    if picture is not None:
+        output_file(picture, "", (*PICTURES, ".html"))
+    runs = exchange if options.model_exchange else simulate
+    console = Console(stderr=True)
     try:
-        runs = exchange if options.model_exchange else simulate
-        result = _with_progress(runs, experiment, options.output_interval)
+        with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
+            begin = experiment.start_time
+            task = progress.add_task(experiment.name, total=experiment.stop_time - begin)
+            told = options.output_interval, lambda time: progress.update(task, completed=time - begin)
+            result = runs(experiment, *told)
     except StoppedEarly as stopped:
-        _write(stopped.result, experiment, options)  # what there is until then
+        _write(stopped.result, experiment, options, picture)  # what there is until then
         raise
-    _write(result, experiment, options)
+    _write(result, experiment, options, picture)
     return 0
 
 
@@ -50,30 +61,7 @@ def _experiment(options: argparse.Namespace) -> Experiment:
     )
 
 
-def _check_files(experiment: Experiment, options: argparse.Namespace) -> None:
-    """Before the run, where one could not be written after it"""
-    if options.csv is not None and options.csv.is_dir():
-        raise UserError(f"{options.csv}: this is a folder")
-    if options.csv is not None and not options.csv.parent.is_dir():
-        raise UserError(f"{options.csv}: there is no folder {options.csv.parent}")
-    if options.plot is not None:
-        output_file(_picture(experiment, options), "", (*PICTURES, ".html"))
-
-
-def _picture(experiment: Experiment, options: argparse.Namespace) -> Path:
-    return Path(options.plot or f"{experiment.name}.png")
-
-
-def _with_progress(runs: Callable[..., Result], experiment: Experiment, interval: float | None) -> Result:
-    """A bar on a terminal's stderr, nothing where there is none"""
-    length = experiment.stop_time - experiment.start_time
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task(experiment.name, total=length)
-        return runs(experiment, interval, lambda time: progress.update(task, completed=time - experiment.start_time))
-
-
-def _write(result: Result, experiment: Experiment, options: argparse.Namespace) -> None:
+def _write(result: Result, experiment: Experiment, options: argparse.Namespace, picture: Path | None) -> None:
     result.tell_warnings()
     if options.csv is not None:
         result.write_csv(options.csv)
@@ -84,12 +72,11 @@ def _write(result: Result, experiment: Experiment, options: argparse.Namespace) 
         print(f"{experiment.name} at {float(result.time[-1])!r} s, {len(result.time)} rows")
         for line in end_values(result):
             print(f"  {line}")
-    if options.plot is not None:
+    if picture is not None:
         from contact_fmus.plot.command import draw
 
-        file = _picture(experiment, options)
-        draw(result, file)
-        print(file, file=sys.stderr if options.json else sys.stdout)
+        draw(result, picture)
+        print(picture, file=sys.stderr if options.json else sys.stdout)
 
 
 def _json(value: Any) -> Any:

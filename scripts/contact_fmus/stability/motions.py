@@ -167,6 +167,16 @@ class Moving:
         return values
 
 
+def dashpot_of(motion: HeadOn | Impact | Edge, kind: str, factor: dict[str, float]) -> dict[str, Any]:
+    """Start values of the dashpot, by its factor or a coefficient of restitution"""
+    if motion.law == "undamped":
+        return {"contact.method": "penalty"}
+    restitution = getattr(motion, "restitution", None)
+    if restitution is not None:
+        factor = {"contact.viscous_control": "restitution", "contact.restitution": restitution}
+    return {"contact.dashpot": kind} | factor
+
+
 # Head-on scenes: the FMU's start values and the closed form of the same motion, from one set of numbers.
 #
 # Bodies meet along z; a cylinder lies along y, so that motion along y is free of the contact. The source
@@ -246,15 +256,11 @@ class HeadOn(Moving):
         return values | self._law()
 
     def _law(self) -> dict[str, Any]:
-        if self.law == "undamped":
-            return {"contact.method": "penalty", "contact.penalty_factor": self.penalty}
-        values = {"contact.viscous_penalty_factor": self.dashpot_factor, "contact.dashpot": self.kind}
-        if self.restitution is not None:
-            values = {"contact.viscous_control": "restitution", "contact.restitution": self.restitution}
-            return values | {"contact.dashpot": self.kind, "contact.penalty_factor": self.penalty}
+        stiffness = {"contact.penalty_factor": self.penalty}
         if self.law == "viscous_only":
-            return values | {"contact.penalty_control": "viscous_only"}
-        return values | {"contact.penalty_factor": self.penalty}
+            stiffness = {"contact.penalty_control": "viscous_only"}
+        factor = {} if self.restitution is not None else {"contact.viscous_penalty_factor": self.dashpot_factor}
+        return stiffness | dashpot_of(self, self.kind, factor)
 
     def _restitution_factor(self) -> mpf:
         with mp.workdps(DIGITS):
@@ -371,7 +377,8 @@ class Impact(Moving):
         values = self.bodies([0.0, 0.0, self.place], [0.0, 0.0, -self.speed]) | {"contact.law": "hertz"}
         if self.shape != PLANE:
             values["contact.location"] = "inside" if self.inside else "outside"
-        return values | self._stiffness() | self._damping()
+        factor = {"contact.hunt_crossley_factor": self.damped / self.speed}
+        return values | self._stiffness() | dashpot_of(self, self.law, factor)
 
     def _stiffness(self) -> dict[str, Any]:
         if self.modulus is None:
@@ -380,14 +387,6 @@ class Impact(Moving):
         for body in ("source", "destination"):
             values |= {f"{body}.youngs_modulus": self.modulus, f"{body}.poissons_ratio": POISSON}
         return values
-
-    def _damping(self) -> dict[str, Any]:
-        if self.law == "undamped":
-            return {"contact.method": "penalty"}
-        values: dict[str, Any] = {"contact.dashpot": self.law}
-        if self.restitution is not None:
-            return values | {"contact.viscous_control": "restitution", "contact.restitution": self.restitution}
-        return values | {"contact.hunt_crossley_factor": self.damped / self.speed}
 
     # The closed form
 
@@ -622,10 +621,8 @@ class Edge(Moving):
             values |= {"contact.law": "hertz", "contact.hertz_stiffness": self.stiffness}
         else:
             values |= {"contact.penalty_factor": self.stiffness}
-        if self.law == "undamped":
-            return values | {"contact.method": "penalty"}
         factor = "contact.hunt_crossley_factor" if self.hertz else "contact.viscous_penalty_factor"
-        return values | {"contact.dashpot": self.law, factor: self.damping}
+        return values | dashpot_of(self, self.law, {factor: self.damping})
 
     def timed(self) -> Edge:
         lasts = math.pi * self.depth * self.source_radius / self.speed
