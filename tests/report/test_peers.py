@@ -8,6 +8,7 @@ import importlib.util
 import itertools
 import os
 import time
+from contextlib import closing
 from types import SimpleNamespace
 
 import pytest
@@ -95,7 +96,7 @@ def test_a_peer_comes_near_the_reference_or_says_that_it_is_not_installed(
         for case in command.cases(about, name, quick=False)
         if (case.integrator, case.parameter) == (integrator, parameter)
     ]
-    with command.Worker(f"contact_fmus.peers.{peer}_peer") as process:
+    with closing(command.Worker(f"contact_fmus.peers.{peer}_peer")) as process:
         measured, late = process.ask(problem, found[-1], command.QUICK)
     assert (measured.error, late) == ("", False)
     assert benchmarks()[name].error(measured.position) < bound
@@ -157,7 +158,7 @@ def trouble(name, start, monkeypatch):
     monkeypatch.setattr(command, "START", start)
     monkeypatch.setattr(command, "QUICK", PLAN)
     peer = {"name": "trouble", "runs": [RUNS]}
-    with command.Worker(__name__) as process:
+    with closing(command.Worker(__name__)) as process:
         return [row.note for row in command.run_problem(peer, process, problems.problem_of(name), quick=True)]
 
 

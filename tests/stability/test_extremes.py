@@ -6,8 +6,7 @@ import pytest
 
 from contact_fmus.stability.motions import GEOMETRIES, HeadOn
 from contact_fmus.stability.run import METHODS, run_scene
-from contact_fmus.stability.scenes import Jump, Scene
-from contact_fmus.stability.scenes import scenes as drawn_scenes
+from contact_fmus.stability.scenes import Jump, Scene, at_once
 
 
 def check_right(scene):
@@ -46,7 +45,7 @@ def test_a_shell_that_jumps_far_away_hits_its_ball_once_in_every_swing(law, radi
 
 @pytest.mark.parametrize("group, number", [(0, 17), (1, 5), (5, 7), (8, 35), (9, 29)])
 def test_random_deep_impacts_touch_once_each(group, number):
-    scenes = {(group, number): motion for group, number, motion in drawn_scenes()}
+    scenes = {(one.value, int(one.note.split()[1])): one.motion for one in at_once()}
     check_right(Scene("all at once", group, scenes[group, number]))
 
 
@@ -92,7 +91,7 @@ def test_a_start_in_the_middle_of_a_solid_is_right(geometry, overlap, speed, law
 
 @pytest.mark.parametrize("group, number", [(3, 1), (3, 2), (5, 5), (8, 13), (9, 22)])
 def test_random_ways_through_the_middle_are_right(group, number):
-    scenes = {(group, number): motion for group, number, motion in drawn_scenes()}
+    scenes = {(one.value, int(one.note.split()[1])): one.motion for one in at_once()}
     for row in check_right(Scene("all at once", group, scenes[group, number])):
         assert row.fallbacks == 0 and row.steps <= 100
 

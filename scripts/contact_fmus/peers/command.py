@@ -15,7 +15,7 @@ import os
 import statistics
 import time
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -46,14 +46,10 @@ THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 class Measured(NamedTuple):
-    times: list[float]
-    position: list[float]
-    onsets: int | None
+    times: Sequence[float] = ()
+    position: Sequence[float] = ()
+    onsets: int | None = None
     error: str = ""  # why there is nothing
-
-
-def failed(text: str) -> Measured:
-    return Measured([], [], None, text)
 
 
 def measure(module: Any, problem: BallAndWall, case: Case, plan: Plan) -> Measured:
@@ -67,7 +63,7 @@ def measure(module: Any, problem: BallAndWall, case: Case, plan: Plan) -> Measur
             position, onsets = [float(x) for x in run.position()], run.onsets()
     except Exception as error:  # whatever a peer raises is a line of the report
         text = " ".join(str(error).split())
-        return failed(f"{type(error).__name__}: {text}"[:200])
+        return Measured(error=f"{type(error).__name__}: {text}"[:200])
     return Measured(times, position, onsets)
 
 
@@ -94,12 +90,6 @@ class Worker:
         self.process: Any = None
         self.connection: Any = None
 
-    def __enter__(self) -> Worker:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.stop()
-
     def start(self) -> None:
         context = multiprocessing.get_context("spawn")
         self.connection, theirs = context.Pipe()
@@ -107,7 +97,7 @@ class Worker:
         self.process.start()
         theirs.close()
 
-    def stop(self) -> None:
+    def close(self) -> None:
         if self.process is not None:
             self.connection.close()
             self.process.kill()
@@ -126,10 +116,10 @@ class Worker:
         except (EOFError, OSError):
             self.process.join()
             status = self.process.exitcode
-            self.stop()
-            return failed(f"its process ended with status {status}"), False
-        self.stop()
-        return failed(f"not done after {plan.patience:g} s"), True
+            self.close()
+            return Measured(error=f"its process ended with status {status}"), False
+        self.close()
+        return Measured(error=f"not done after {plan.patience:g} s"), True
 
 
 # Runs the peers and yields the rows of peers.csv; requirements-peers.txt lists the packages, none of which
@@ -171,7 +161,7 @@ def run(
                 note = f"not installed: {' and '.join(peer['packages'])}"
                 yield Row(problem.name, PEER, peer["name"], note=note)
             continue
-        with Worker(f"contact_fmus.peers.{name}_peer") as worker:
+        with contextlib.closing(Worker(f"contact_fmus.peers.{name}_peer")) as worker:
             for problem in chosen:
                 yield from run_problem(peer, worker, problem, quick)
 

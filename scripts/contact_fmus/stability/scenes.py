@@ -215,12 +215,6 @@ def drawn(random: np.random.Generator) -> HeadOn:
     )
 
 
-def scenes() -> Iterator[tuple[int, int, HeadOn]]:
-    """Group, number and motion"""
-    for group, number in product(range(GROUPS), range(SIZE)):
-        yield group, number, drawn(np.random.default_rng([SEED, group, number]))
-
-
 def variants(hollow: bool | None = None) -> Iterator[HeadOn]:
     """Every geometry with every law"""
     for geometry in GEOMETRIES:
@@ -378,7 +372,8 @@ def plane() -> Iterator[Scene]:
 
 
 def at_once() -> Iterator[Scene]:
-    for group, number, motion in scenes():
+    for group, number in product(range(GROUPS), range(SIZE)):
+        motion = drawn(np.random.default_rng([SEED, group, number]))
         yield Scene("all at once", group, motion, note=f"number {number}")
 
 

@@ -6,17 +6,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
 from scipy import stats
 
 from .store import Store
-
-matplotlib.use("Agg")
-from matplotlib import pyplot as plt
-from matplotlib.axes import Axes
 
 POINTS = 5_000  # dots of a scatter plot: more hide one another
 BINS = 40  # of a parameter that has more values than this
@@ -75,7 +73,8 @@ class Column:
 def draw(store: Store, target: Path, names: Sequence[str]) -> Path:
     """`names` of columns: x, y and, for a map, color, as columns_of gives them"""
     rows = pq.read_table(store.results, columns=sorted(set(names)))
-    figure, axes = plt.subplots(figsize=(8, 5), layout="constrained")
+    figure = Figure(figsize=(8, 5), layout="constrained")
+    axes = figure.subplots()
     columns = [Column(rows, name) for name in names]
     if len(columns) == 2:
         _line(axes, *columns)
@@ -88,7 +87,6 @@ def draw(store: Store, target: Path, names: Sequence[str]) -> Path:
     axes.set_title(f"{store.study.title}\n{store.runs:,} runs", fontsize=10)
     target.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(target, dpi=150)
-    plt.close(figure)
     return target
 
 
@@ -119,7 +117,7 @@ def _map(axes: Axes, x: Column, y: Column, color: Column) -> None:
     cells = stats.binned_statistic_2d(
         y.values[finite], x.values[finite], color.values[finite], "median", [y_edges, x_edges]
     ).statistic
-    norm: Any = matplotlib.colors.LogNorm() if color.logarithmic else None
+    norm: Any = LogNorm() if color.logarithmic else None
     mesh = axes.pcolormesh(x_edges, y_edges, cells, norm=norm)
     bar = axes.figure.colorbar(mesh, ax=axes, label=f"median of {color.label}")
     if color.items:
