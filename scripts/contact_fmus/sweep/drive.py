@@ -99,7 +99,7 @@ def make_plan(study: Study) -> Plan:
         study.tolerance,
         np.array(study.points),
         reads,
-        (_setting(study, REAL), _setting(study, INTEGER), _setting(study, BOOLEAN)),
+        tuple(_setting(study, kind) for kind in (REAL, INTEGER, BOOLEAN)),  # type: ignore[arg-type]
         tuple((references[name].references[0], value) for name, value in strings),
         tuple(np.array(list(kind), np.uint32) for kind in read),  # type: ignore[arg-type]
         np.array(rows, np.int64).reshape(-1, 3),
@@ -136,7 +136,7 @@ def make_batch(study: Study, first: int, values: dict[str, np.ndarray]) -> Batch
         rows = [values[one.name].T for one in study.parameters if TYPES[one.variable.type] == kind]
         return np.ascontiguousarray(np.concatenate(rows), number) if rows else np.zeros((0, count), number)
 
-    return Batch(first, stacked(REAL), stacked(INTEGER), stacked(BOOLEAN))
+    return Batch(first, tuple(stacked(kind) for kind in (REAL, INTEGER, BOOLEAN)))
 
 
 # Ctrl-C and SIGTERM alike ask for an end

@@ -47,16 +47,14 @@ class Plan:
 
 @dataclass(frozen=True)
 class Batch:
-    """Varied start values of a stretch of runs: for each type an array of (variables, runs)"""
+    """Varied start values of a stretch of runs: for each type (Real, Integer, Boolean) an array of (variables, runs)"""
 
     first: int
-    real: np.ndarray
-    integer: np.ndarray
-    boolean: np.ndarray
+    columns: tuple[np.ndarray, ...]
 
     @property
     def runs(self) -> int:
-        return self.real.shape[1]
+        return self.columns[0].shape[1]
 
 
 @dataclass(frozen=True)
@@ -137,10 +135,9 @@ def run(plan: Plan, batch: Batch, library: Path, resources: str, loop: Path) -> 
     values = np.empty((len(plan.outputs), batch.runs))
     status, warnings = np.zeros(batch.runs, np.uint8), np.zeros(batch.runs, np.int32)
     messages = np.zeros(batch.runs, f"S{MESSAGE_SIZE}")  # memory that nothing is written to costs nothing
-    columns = (batch.real, batch.integer, batch.boolean)
     sets = [
         _Set(len(one.references), one.varied, _at(one.references), _at(column), _at(one.constants))
-        for one, column in zip(plan.settings, columns, strict=True)
+        for one, column in zip(plan.settings, batch.columns, strict=True)
     ]
     reads = [_Read(len(references), _at(references)) for references in plan.read]
     string_references = np.array([reference for reference, _ in plan.strings], np.uint32)

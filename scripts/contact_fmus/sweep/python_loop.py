@@ -77,9 +77,8 @@ def run(plan: Plan, batch: Batch, folder: Path) -> Rows:
 
 def _run_once(plan: Plan, batch: Batch, place: int, slave: Any) -> list[float]:
     slave.setupExperiment(plan.tolerance, plan.start_time, None)
-    columns = (batch.real, batch.integer, batch.boolean)
     setters = (slave.setReal, slave.setInteger, slave.setBoolean)
-    for setting, column, set_values in zip(plan.settings, columns, setters, strict=True):
+    for setting, column, set_values in zip(plan.settings, batch.columns, setters, strict=True):
         if len(setting.references):
             values = [*column[:, place].tolist(), *setting.constants.tolist()]
             set_values(setting.references.tolist(), values)
