@@ -26,8 +26,6 @@ whole_report
     from contact_fmus import ContactFmu, fmu_file
 """
 
-from __future__ import annotations
-
 import importlib
 from typing import Any
 

@@ -3,8 +3,6 @@
 Contact of spheres, cylinders and planes as FMUs of FMI 2.0 and 3.0: build them from scenes, run them, check
 them, measure them."""
 
-from __future__ import annotations
-
 import importlib
 import os
 import sys

@@ -3,8 +3,6 @@
 raise UserError("run: no FMU 'Sphere' (similar: SphereSphere)")
 """
 
-from __future__ import annotations
-
 import difflib
 import tomllib
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """The commands and their options, which commands.toml lists"""
 
-from __future__ import annotations
-
 import argparse
 import functools
 import math

@@ -2,8 +2,6 @@
 particle impact level, Granular Matter 13 (2011) 643: tests 1 to 3, normal impacts of elastic spheres
 """
 
-from __future__ import annotations
-
 import math
 import tomllib
 from dataclasses import dataclass

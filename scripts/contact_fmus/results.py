@@ -13,8 +13,6 @@ A file is a CSV table with a row of names; time comes first. Enumerations are wr
 and 1. Units, parameters, warnings and the FMU stand in bounce.csv.json beside it.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import sys

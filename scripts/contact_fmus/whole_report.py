@@ -1,7 +1,5 @@
 """The command report: all that docs/report is made of, one part after the other"""
 
-from __future__ import annotations
-
 from .coupling import study
 from .options import parse
 from .peers import command

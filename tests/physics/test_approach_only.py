@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from contact_fmus.stability.motions import GEOMETRIES, PLANE, HeadOn, of_head_on
+from contact_fmus.stability.motions import GEOMETRIES, PLANE, HeadOn
 from support.checks import check_close, run
 from support.reference.stiff_limit import StiffContact
 from support.scenes.agreement import seeds
@@ -96,7 +96,7 @@ def test_a_ball_set_down_comes_to_rest_as_the_closed_form_says(opened, geometry,
     """However stiff, to 1e-7 of the penetration, or of the last digits of the place"""
     one = HeadOn(geometry=geometry, law="approach_only", ratio=ratio, penalty=penalty, gap=0.0, speed=0.0)
     set_down = replace(one, place=-one.reach if one.inside else one.reach, end=40 * one.contact_time())
-    right = of_head_on(set_down)
+    right = set_down.expected()
     for steps in (1, 7):
         fmu = run(opened(set_down.fmu), set_down.configuration(), set_down.end, steps, 1e-9, "event_driven")
         allowed = 1e-7 * right.way + right.rounding

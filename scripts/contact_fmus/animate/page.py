@@ -1,7 +1,5 @@
 """The command animate: the page of one animation"""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

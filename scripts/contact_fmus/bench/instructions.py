@@ -7,8 +7,6 @@ several versions), so it is told to use those that every x86-64 processor has; a
 other code, so instruction_bounds.toml allows it more.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

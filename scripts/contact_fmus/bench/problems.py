@@ -2,8 +2,6 @@
 rotation, and the stiffness sweep.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import tomllib

@@ -4,8 +4,6 @@ A folder for each tree, compiler and platform is kept: what CMake finds out abou
 once.
 """
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 import importlib.util

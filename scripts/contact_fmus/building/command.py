@@ -1,7 +1,5 @@
 """The commands build and new"""
 
-from __future__ import annotations
-
 import json
 import platform
 import re

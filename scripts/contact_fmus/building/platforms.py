@@ -1,7 +1,5 @@
 """The platforms that one FMU serves, and the joining of their FMUs into one"""
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
 import struct

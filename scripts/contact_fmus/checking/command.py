@@ -1,7 +1,5 @@
 """The command check: what is wrong with an FMU file, of this project or of another maker"""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import os

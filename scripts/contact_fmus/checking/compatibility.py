@@ -7,8 +7,6 @@ NAME_cc.csv    outputs as fmpy runs it, an importer that others have written
 ReadMe.txt     what made these files
 """
 
-from __future__ import annotations
-
 import csv
 import shutil
 from pathlib import Path

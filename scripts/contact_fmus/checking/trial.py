@@ -3,8 +3,6 @@
 python -m contact_fmus.checking.trial CHECK FILE.fmu       prints JSON: findings
 """
 
-from __future__ import annotations
-
 import ctypes
 import dataclasses
 import json

@@ -16,8 +16,6 @@ mean, iterated    the FMU repeats the step along the straight line to the tool's
                   every h
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

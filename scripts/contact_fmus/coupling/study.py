@@ -3,8 +3,6 @@ stable step. It writes force_element.json, .svg and .png and prints the table. o
 integrators and couplings.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from pathlib import Path

@@ -9,8 +9,6 @@ A vector's three scalars `name[1..3]` are read and written together as `name`; e
 names, Booleans are bool. A call the FMU refuses raises FmuError with the FMU's own messages in its text.
 """
 
-from __future__ import annotations
-
 import contextlib
 import difflib
 import enum

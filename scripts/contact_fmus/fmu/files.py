@@ -1,7 +1,5 @@
 """Where the FMUs are, their contents unpacked, and the scenes that they were built from"""
 
-from __future__ import annotations
-
 import atexit
 import json
 import os

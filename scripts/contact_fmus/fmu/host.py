@@ -11,8 +11,6 @@ Several cases take turns in one process (A B A B ...), so that ratios of their t
 machine. Any FMI 2.0 co-simulation FMU of this platform will do.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import statistics

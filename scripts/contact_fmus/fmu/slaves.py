@@ -8,8 +8,6 @@
 What FMI 3.0 does otherwise is in FMU3Scalars; nothing else needs to know of it.
 """
 
-from __future__ import annotations
-
 import ctypes
 from collections.abc import Callable, Sequence
 from typing import Any

@@ -10,8 +10,6 @@ the state again in which the whole step had left it.
         record(fmu)                 # afterwards the FMU is at 0.5 s
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 

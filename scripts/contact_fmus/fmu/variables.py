@@ -1,7 +1,5 @@
 """The variables of a model description by the names that a user writes"""
 
-from __future__ import annotations
-
 import contextlib
 import copy
 import importlib.util

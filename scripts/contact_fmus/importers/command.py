@@ -1,7 +1,5 @@
 """The command importers: FMUs in every importer that is installed, compared with fmpy"""
 
-from __future__ import annotations
-
 import json
 import math
 import os
@@ -12,6 +10,7 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Self
 
 import jinja2
 import platformdirs
@@ -79,7 +78,7 @@ class Trial:
     values: dict[str, float] = field(default_factory=dict)
     problem: str = ""  # one line; empty where it ran
 
-    def difference(self, other: Trial) -> float:
+    def difference(self, other: Self) -> float:
         """The largest, relative to values above 1 and absolute below; infinite where the other did not run"""
         pairs = [(self.values[name], value) for name, value in other.values.items()]
         off = [abs(a - b) / max(1.0, abs(b)) for a, b in pairs]

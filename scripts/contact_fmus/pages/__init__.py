@@ -4,8 +4,6 @@ Filters for words with formulas between $: with indices and powers in HTML, plai
 A page is a Jinja template in the package that shows it; it extends base.html or imports from parts.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import os

@@ -3,8 +3,6 @@
 Writes peers.csv and peers.json for the report's page. FOLDER may also be the name of the CSV file itself.
 """
 
-from __future__ import annotations
-
 import contextlib
 import importlib
 import importlib.metadata

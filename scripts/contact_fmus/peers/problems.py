@@ -4,8 +4,6 @@ repeat, in a process of the peer's own.
 The peer's packages are imported in prepare only, so that a missing one is found before anything breaks.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import pi, sqrt
 from typing import NamedTuple

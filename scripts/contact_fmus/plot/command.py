@@ -1,7 +1,5 @@
 """The command plot, and a result drawn in one call"""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from contact_fmus.errors import UserError

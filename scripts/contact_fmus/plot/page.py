@@ -1,7 +1,5 @@
 """Panels as a page of their own, with a cursor and a zoom; it needs nothing from anywhere"""
 
-from __future__ import annotations
-
 import base64
 import json
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """When bodies touched, and which variables of a result are drawn together"""
 
-from __future__ import annotations
-
 import fnmatch
 import re
 from collections.abc import Iterable

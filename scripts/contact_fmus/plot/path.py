@@ -1,7 +1,5 @@
 """The path of a run's bodies, to scale: those that stand still, ways, and where bodies are at times"""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Patch, Polygon

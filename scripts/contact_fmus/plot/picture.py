@@ -1,7 +1,5 @@
 """Panels of one result, or of several over each other, as a picture: PNG, SVG or PDF; with the path or without"""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import matplotlib as mpl

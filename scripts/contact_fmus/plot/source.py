@@ -1,7 +1,5 @@
 """What a user names made a run: a result's file, an FMU or a scenario"""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The report's figures, each as SVG for the HTML page and as PNG for README.md"""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The command measure: the FMU's solvers, error against time, the ratio of the best ones, time against stiffness."""
 
-from __future__ import annotations
-
 import csv
 import datetime
 import json

@@ -1,7 +1,5 @@
 """The command page: the report's index.html, which holds its figures, and README.md next to them"""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field

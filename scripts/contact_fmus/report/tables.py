@@ -1,7 +1,5 @@
 """The report's tables: header and cells of text, the same for HTML and Markdown"""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from contact_fmus.bench.problems import METHODS, STIFF_TOLERANCE, Problem, benchmarks

@@ -1,7 +1,5 @@
 """Runs an FMU by fmpy's simulation, whose CVODE moves the states and finds the events of Model Exchange"""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The commands scenarios and leave-out"""
 
-from __future__ import annotations
-
 import contextlib
 import datetime
 import math

@@ -4,8 +4,6 @@ A check's further arguments are keys of its [[claim]] table. Expected values com
 literal in the scenario file, or from a recomputation here; never from the FMU that is measured.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -81,9 +79,6 @@ def recomputed_diagonal(run: Recording) -> float:
     return float(np.linalg.norm(np.ptp(corners, axis=0)))
 
 
-CHECKS: dict[str, Callable[..., Outcome]] = {}
-
-
 @dataclass(frozen=True)
 class Outcome:
     measured: Any
@@ -104,6 +99,9 @@ class Outcome:
     def holds(self, claim: Claim) -> bool:
         """A comparison with NaN is false, so a NaN never passes."""
         return self.error_of(claim) <= claim.allowed
+
+
+CHECKS: dict[str, Callable[..., Outcome]] = {}
 
 
 def check(function: Callable[..., Outcome]) -> Callable[..., Outcome]:

@@ -7,8 +7,6 @@ While the bodies overlap head-on without gravity, the penetration s = -gap obeys
 s(0) = 0, s'(0) = v, hence (zeta < 1)  s = (v/omega_d) exp(-zeta omega t) sin(omega_d t).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

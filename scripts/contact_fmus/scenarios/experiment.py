@@ -1,14 +1,12 @@
 """What a scenario is, once read, and what a run of it leaves: the types that all other files here share"""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -30,8 +28,8 @@ class InputSignal:
     derivatives: int  # how many are given to the FMU besides the value
     evaluate: Callable[[float, int], np.ndarray]  # (time, order of the derivative)
 
-    @staticmethod
-    def make(variable: str, derivatives: int, options: dict[str, Any]) -> InputSignal:
+    @classmethod
+    def make(cls, variable: str, derivatives: int, options: dict[str, Any]) -> Self:
         """ValueError where the options are not one of the forms"""
         if derivatives not in (0, 1, 2):
             raise ValueError(f"derivatives = {derivatives} is not 0, 1 or 2")
@@ -39,12 +37,12 @@ class InputSignal:
             raise ValueError("give times and values, or amplitude and frequency, or derivative_of")
         form = next((name for name, keys in FORMS.items() if set(options) <= keys), None)
         if form == "table":
-            return InputSignal(variable, derivatives, _table(**options))
+            return cls(variable, derivatives, _table(**options))
         if form == "sinusoid":
-            return InputSignal(variable, derivatives, _sinusoid(**options))
+            return cls(variable, derivatives, _sinusoid(**options))
         if form == "derivative":
             original = options["derivative_of"].evaluate
-            return InputSignal(variable, derivatives, lambda time, order: original(time, order + 1))
+            return cls(variable, derivatives, lambda time, order: original(time, order + 1))
         raise ValueError(
             f"{', '.join(options)} do not go together: give times and values, or amplitude and "
             "frequency, or derivative_of"

@@ -1,7 +1,5 @@
 """Steps an FMU through an experiment and keeps what it tells, with rows on both sides of each onset and release"""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Any

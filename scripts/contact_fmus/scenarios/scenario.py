@@ -36,8 +36,6 @@
 Errors are UserError: file, place, what is wrong and what is allowed, in one line.
 """
 
-from __future__ import annotations
-
 import dataclasses
 import inspect
 import itertools

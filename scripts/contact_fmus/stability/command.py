@@ -3,8 +3,6 @@
 Runs the atlas's scenes and writes runs.csv, summary.csv, figures, index.html and README.md.
 """
 
-from __future__ import annotations
-
 import argparse
 import multiprocessing
 from collections import Counter

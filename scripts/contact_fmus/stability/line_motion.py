@@ -10,10 +10,9 @@ with F by the dashpot (DESIGN section 1 of the FMU): all straight-lined pieces, 
 change of s, s' or F. `mpmath` carries the digits, 60 here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from typing import Self
 
 from mpmath import mp, mpf
 
@@ -178,7 +177,7 @@ class Line:
         """A rate along q as one of s"""
         return along * self.side() * (1 if self.inside else -1)
 
-    def run(self, until: float) -> Line:
+    def run(self, until: float) -> Self:
         with mp.workdps(DIGITS):
             until = mpf(until)
             for _ in range(MOST_PIECES):

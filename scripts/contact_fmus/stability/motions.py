@@ -2,8 +2,6 @@
 set of numbers
 """
 
-from __future__ import annotations
-
 import functools
 import json
 import math
@@ -12,7 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from mpmath import mp, mpf
@@ -45,53 +43,6 @@ class Expected:
     turned: Any = None  # rad, the source about y; None where nothing is said of it
 
 
-def of_head_on(motion: HeadOn, jumps: Sequence[tuple[float, float]] = ()) -> Expected:
-    """`jumps`: times, and where the destination is from then on"""
-    line, shift = motion.line(), 0.0
-    for time, place in jumps:
-        line.run(time)
-        line.moved(shift - place)
-        shift = place
-    line.run(motion.end)
-    with mp.workdps(DIGITS):
-        along = mpf(motion.along_speed) * mpf(motion.end)
-        moved = {body: [mpf(0), mpf(0), u] for body, u in _along_z(motion, line).items()}
-        moved["source"][1] = along
-        largest = max(float(abs(u[2])) for u in moved.values())
-    fastest = float(line.fastest)
-    way = max(largest, fastest * motion.end, float(line.deepest))
-    apart = largest if motion.destination_mass is not None else 0.0  # both may have gone far together
-    resolution = EPSILON * (float(line.reach) + apart)
-    vanishing = line.touching and line.depth() < 1e3 * resolution
-    slowest = min((float(v) for v in line.onset_speeds), default=math.inf)
-    return Expected(
-        displacement=moved,
-        way=way,
-        rounding=4 * resolution * (len(line.onset_times) + 1) + 4 * EPSILON * abs(float(along)),
-        fastest=fastest,
-        onsets=len(line.onset_times),
-        sure=slowest > SLOW * fastest + 1e3 * resolution / motion.end
-        and line.closest_end > 1e3 * EPSILON * way
-        and not vanishing,
-        strong=sum(float(v) > 1e-3 * fastest for v in line.onset_speeds),
-        last_onset=float(line.onset_times[-1]) if line.onset_times else None,
-        onset_rounding=8 * resolution * len(line.onset_times) / slowest if slowest > 0 else 0.0,
-        through_middle=line.through_middle,
-    )
-
-
-def _along_z(motion: HeadOn, line: Line) -> dict[str, mpf]:
-    """Displacements from the relative motion and that of the centre of mass"""
-    begin = mpf(motion.source_center()[2]) - mpf(motion.offset)
-    if motion.destination_mass is None:
-        return {"source": line.place - begin}
-    masses = mpf(motion.source_mass), mpf(motion.destination_mass)
-    together = (-mpf(motion.speed) * masses[0] - mpf(motion.force) * line.time / 2) / sum(masses)
-    middle = together * line.time - mpf(motion.gravity) * line.time**2 / 2
-    relative = (line.place - begin) / sum(masses)
-    return {"source": middle + masses[1] * relative, "destination": middle - masses[0] * relative}
-
-
 # What all motions have in common
 
 PLANE = "plane"  # its normal is along z; it has an axis of its own and no radius
@@ -107,6 +58,8 @@ class Moving:
     source_radius = destination_radius = 0.0
     stored_penalty = 0.0  # the stiffness of what is stored besides motion
     held = False  # whether neither body can move
+    law = "undamped"
+    restitution: float | None = None
 
     @property
     def shape(self) -> str:
@@ -166,15 +119,13 @@ class Moving:
             values |= {"destination.motion": "free", "destination.mass": self.destination_mass}
         return values
 
-
-def dashpot_of(motion: HeadOn | Impact | Edge, kind: str, factor: dict[str, float]) -> dict[str, Any]:
-    """Start values of the dashpot, by its factor or a coefficient of restitution"""
-    if motion.law == "undamped":
-        return {"contact.method": "penalty"}
-    restitution = getattr(motion, "restitution", None)
-    if restitution is not None:
-        factor = {"contact.viscous_control": "restitution", "contact.restitution": restitution}
-    return {"contact.dashpot": kind} | factor
+    def dashpot_values(self, kind: str, factor: dict[str, float]) -> dict[str, Any]:
+        """Start values of the dashpot, by its factor or a coefficient of restitution"""
+        if self.law == "undamped":
+            return {"contact.method": "penalty"}
+        if self.restitution is not None:
+            factor = {"contact.viscous_control": "restitution", "contact.restitution": self.restitution}
+        return {"contact.dashpot": kind} | factor
 
 
 # Head-on scenes: the FMU's start values and the closed form of the same motion, from one set of numbers.
@@ -260,7 +211,7 @@ class HeadOn(Moving):
         if self.law == "viscous_only":
             stiffness = {"contact.penalty_control": "viscous_only"}
         factor = {} if self.restitution is not None else {"contact.viscous_penalty_factor": self.dashpot_factor}
-        return stiffness | dashpot_of(self, self.kind, factor)
+        return stiffness | self.dashpot_values(self.kind, factor)
 
     def _restitution_factor(self) -> mpf:
         with mp.workdps(DIGITS):
@@ -327,7 +278,52 @@ class HeadOn(Moving):
         pull = self.gravity * (self.destination_mass is None) + self.force / self.source_mass
         return time * math.sqrt(abs(pull) / self.reach) if self.inside else 0.0
 
-    def timed(self) -> HeadOn:
+    def expected(self, jumps: Sequence[tuple[float, float]] = ()) -> Expected:
+        """`jumps`: times, and where the destination is from then on"""
+        line, shift = self.line(), 0.0
+        for time, place in jumps:
+            line.run(time)
+            line.moved(shift - place)
+            shift = place
+        line.run(self.end)
+        with mp.workdps(DIGITS):
+            along = mpf(self.along_speed) * mpf(self.end)
+            moved = {body: [mpf(0), mpf(0), u] for body, u in self._along_z(line).items()}
+            moved["source"][1] = along
+            largest = max(float(abs(u[2])) for u in moved.values())
+        fastest = float(line.fastest)
+        way = max(largest, fastest * self.end, float(line.deepest))
+        apart = largest if self.destination_mass is not None else 0.0  # both may have gone far together
+        resolution = EPSILON * (float(line.reach) + apart)
+        vanishing = line.touching and line.depth() < 1e3 * resolution
+        slowest = min((float(v) for v in line.onset_speeds), default=math.inf)
+        return Expected(
+            displacement=moved,
+            way=way,
+            rounding=4 * resolution * (len(line.onset_times) + 1) + 4 * EPSILON * abs(float(along)),
+            fastest=fastest,
+            onsets=len(line.onset_times),
+            sure=slowest > SLOW * fastest + 1e3 * resolution / self.end
+            and line.closest_end > 1e3 * EPSILON * way
+            and not vanishing,
+            strong=sum(float(v) > 1e-3 * fastest for v in line.onset_speeds),
+            last_onset=float(line.onset_times[-1]) if line.onset_times else None,
+            onset_rounding=8 * resolution * len(line.onset_times) / slowest if slowest > 0 else 0.0,
+            through_middle=line.through_middle,
+        )
+
+    def _along_z(self, line: Line) -> dict[str, mpf]:
+        """Displacements from the relative motion and that of the centre of mass"""
+        begin = mpf(self.source_center()[2]) - mpf(self.offset)
+        if self.destination_mass is None:
+            return {"source": line.place - begin}
+        masses = mpf(self.source_mass), mpf(self.destination_mass)
+        together = (-mpf(self.speed) * masses[0] - mpf(self.force) * line.time / 2) / sum(masses)
+        middle = together * line.time - mpf(self.gravity) * line.time**2 / 2
+        relative = (line.place - begin) / sum(masses)
+        return {"source": middle + masses[1] * relative, "destination": middle - masses[0] * relative}
+
+    def timed(self) -> Self:
         return self if self.end else replace(self, end=2.5 * self.flight_time() + 2.5 * self.contact_time())
 
 
@@ -378,7 +374,7 @@ class Impact(Moving):
         if self.shape != PLANE:
             values["contact.location"] = "inside" if self.inside else "outside"
         factor = {"contact.hunt_crossley_factor": self.damped / self.speed}
-        return values | self._stiffness() | dashpot_of(self, self.law, factor)
+        return values | self._stiffness() | self.dashpot_values(self.law, factor)
 
     def _stiffness(self) -> dict[str, Any]:
         if self.modulus is None:
@@ -419,7 +415,7 @@ class Impact(Moving):
             unit = (speed**2 / (self.factor / self.mass)) ** (mpf(2) / 5)
             return duration * unit / speed, after * speed, depth * unit
 
-    def timed(self) -> Impact:
+    def timed(self) -> Self:
         return self if self.end else replace(self, end=2 * self.gap / self.speed + float(self.impact[0]))
 
     def expected(self) -> Expected:
@@ -622,9 +618,9 @@ class Edge(Moving):
         else:
             values |= {"contact.penalty_factor": self.stiffness}
         factor = "contact.hunt_crossley_factor" if self.hertz else "contact.viscous_penalty_factor"
-        return values | dashpot_of(self, self.law, {factor: self.damping})
+        return values | self.dashpot_values(self.law, {factor: self.damping})
 
-    def timed(self) -> Edge:
+    def timed(self) -> Self:
         lasts = math.pi * self.depth * self.source_radius / self.speed
         near = (self.gap + self.source_radius) / self.speed
         return self if self.end else replace(self, end=2 * near + 4 * lasts)
@@ -761,7 +757,6 @@ class Rolling(Moving):
     end: float = 0.0  # 0: half as long again as it slides, ten seconds and so many turns at most
 
     geometry = "plane"
-    law = "undamped"
 
     @property
     def slip(self) -> float:
@@ -781,7 +776,7 @@ class Rolling(Moving):
     def height(self) -> float:
         return self.radius - G / self.penalty
 
-    def timed(self) -> Rolling:
+    def timed(self) -> Self:
         turns = 2 * math.pi * MOST_TURNS / abs(self.spin) if self.spin else math.inf
         return self if self.end else replace(self, end=min(1.5 * self.slip / self.rate, LONGEST, turns))
 
@@ -854,7 +849,7 @@ class Tumbling(Moving):
     def scale(self) -> float:
         return self.source_radius
 
-    def timed(self) -> Tumbling:
+    def timed(self) -> Self:
         return self if self.end else replace(self, end=1.5 * self.touch)
 
     def configuration(self) -> dict[str, Any]:

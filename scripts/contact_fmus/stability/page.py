@@ -1,7 +1,5 @@
 """The atlas's page: index.html, which holds its figures, and README.md next to them"""
 
-from __future__ import annotations
-
 import datetime
 import math
 import re

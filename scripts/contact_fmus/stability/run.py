@@ -1,7 +1,5 @@
 """Runs scenes on the FMUs in worker processes: a row for each method and number of communication steps"""
 
-from __future__ import annotations
-
 import functools
 import hashlib
 import math

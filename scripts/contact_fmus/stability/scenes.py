@@ -1,7 +1,5 @@
 """What the atlas is made of: families of scenes, each along one axis"""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -26,7 +24,6 @@ from .motions import (
     Similar,
     Tumbling,
     bases,
-    of_head_on,
     unit_systems,
 )
 
@@ -59,13 +56,11 @@ class Scene:
 
     def expected(self) -> dict[int, Expected]:
         """The answers by the number of communication steps, which matters where inputs jump at them"""
-        if not isinstance(self.motion, HeadOn):
-            return dict.fromkeys(self.steps, self.motion.expected())
         if not self.jumps:
-            return dict.fromkeys(self.steps, of_head_on(self.motion))
+            return dict.fromkeys(self.steps, self.motion.expected())
         end = self.motion.end
         return {
-            steps: of_head_on(self.motion, [(end * (jump.step / steps), jump.shift) for jump in self.jumps])
+            steps: self.motion.expected([(end * (jump.step / steps), jump.shift) for jump in self.jumps])
             for steps in self.steps
         }
 

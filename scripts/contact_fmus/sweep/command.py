@@ -1,7 +1,5 @@
 """The command sweep: runs a study, keeps its results, draws them"""
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import json

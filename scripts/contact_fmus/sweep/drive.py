@@ -1,7 +1,5 @@
 """Batches go to the workers, rows come back and are written: a few in flight, whatever the number of runs"""
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import signal

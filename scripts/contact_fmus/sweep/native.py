@@ -3,8 +3,6 @@
 A study as a loop over runs needs it: value references and numbers, no names.
 """
 
-from __future__ import annotations
-
 import ctypes
 import os
 import time

@@ -1,7 +1,5 @@
 """Pictures of a sweep: a column over one parameter with its quantiles, or a map over two"""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any

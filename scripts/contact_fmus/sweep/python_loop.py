@@ -1,7 +1,5 @@
 """A batch of runs by fmpy, where the compiled loop is not there, and of FMI 3.0: the same calls, slower"""
 
-from __future__ import annotations
-
 import functools
 import math
 from pathlib import Path

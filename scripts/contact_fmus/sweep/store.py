@@ -4,8 +4,6 @@ A batch file appears by rename, whole or not at all. Files on disk say which run
 does.
 """
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import json

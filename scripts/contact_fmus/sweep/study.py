@@ -1,7 +1,5 @@
 """A study file (docs/sweep.md): which FMU, how long, what is constant, what varies, what is kept"""
 
-from __future__ import annotations
-
 import atexit
 import hashlib
 import json

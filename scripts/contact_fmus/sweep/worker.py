@@ -1,7 +1,5 @@
 """What a worker does: the FMU is unpacked once in a process, then batch after batch is run"""
 
-from __future__ import annotations
-
 import atexit
 import contextlib
 import hashlib
