@@ -220,7 +220,7 @@ LOOKS = {
 
 
 def section(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    """As report/measure.py describes it"""
+    """The section of force_element.json (docs/report_parts.md)"""
     words = read_words(__file__)
     wanted = {row["coupling"]: row["steps_wanted"] for row in rows if row["integrator"] == "velocity Verlet"}
     counts = ", ".join(f"{count:.3g} ({coupling})" for coupling, count in wanted.items() if count)

@@ -29,30 +29,7 @@ from contact_fmus.fmu.host import HostError, HostTimeout, Result, run_host
 from contact_fmus.options import parse
 from contact_fmus.pages import stopwatch, versions, write_json
 
-# The rows of the report and the files its parts leave for the page.
-#
-# The page is made of files in the output folder (docs/report), each written by a command of its own:
-#
-#     results.csv          python -m contact_fmus measure --output DIR [--quick]         this FMU
-#     force_element.json   python -m contact_fmus force-element --output DIR [--quick]   the coupling study
-#     peers.csv            python -m contact_fmus peers --output DIR [--quick]           other simulators
-#
-# scripts/report.sh calls them in this order and draws the page last (python -m contact_fmus page), with
-# whatever of the optional ones is there: peers.csv, peers.json, force_element.json.
-#
-# peers.csv has COLUMNS; its rows have group "peer". An error or time that is missing is an empty cell, and
-# `note` says why ("cannot express a hollow cylinder"; "not done after 60 s").
-#
-# peers.json (optional) and force_element.json are objects; the page reads these keys and leaves others alone:
-#
-#     "versions": {"exudyn": "1.13.6", ...}          added to the table of versions
-#     "sections": [{"title": "...",
-#                   "paragraphs": ["...", ...],        text, formulas between $ (pages)
-#                   "tables": [{"caption": "...", "header": ["...", ...], "rows": [["...", ...], ...]}],
-#                   "figures": [{"name": "force_element", "caption": "..."}]}]
-#
-# Every key of a section but the title may be left out. A figure's name stands for name.svg, shown in the
-# HTML page, and name.png, shown in README.md, both in the same folder. A cell of a table is text or a number.
+# The rows of the report; docs/report_parts.md describes the files that its parts leave for the page
 
 THIS_FMU, PEER = "this FMU", "peer"
 SAME, SIMILAR = "same", "similar"  # force law of the problem

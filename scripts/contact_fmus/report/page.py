@@ -102,7 +102,7 @@ def _stiffness(own: list[Row], folder: Path) -> Section:
 
 
 def given_section(section: dict[str, Any], folder: Path) -> Section:
-    """A section of peers.json or force_element.json (measure.py describes it)"""
+    """A section of peers.json or force_element.json (docs/report_parts.md)"""
     listed = [
         Table(one.get("caption", ""), one["header"], [[_text(cell) for cell in row] for row in one["rows"]])
         for one in section.get("tables", ())

@@ -1,37 +1,4 @@
-"""Reads a scenario file: one experiment with one FMU and what it claims.
-
-    title = "..."                     # one line
-    description = "..."               # what is set up and why the expectation holds
-    fmu = "SphereSphere"              # name of a file in build/fmus
-
-    [experiment]
-    stop_time = 5.0                   # s
-    steps = 10                        # communication steps
-    tolerance = 1e-10                 # given to the FMU; start_time defaults to 0
-
-    [start]                           # start values; vectors are lists, enumerations item names
-    "source.center" = [0.0, 0.0, 1.1]
-
-    [vary]                            # a run for every combination; besides variables: steps, tolerance
-    "solver.method" = ["cvode_bdf", "cvode_adams"]
-
-    [[input]]                         # an input over time, set at every communication point
-    variable = "source.prescribed_displacement"
-    times = [0.0, 1.0]                # straight lines between (time, value), constant outside, or
-    values = [[0.0, 0.0, 0.0], [0.0, 0.0, -0.1]]
-    # offset, amplitude (as the variable: number or list), frequency (Hz), phase (rad): a sinusoid, or
-    # derivative_of = "another input": its time derivative
-    derivatives = 1                   # how many time derivatives go to the FMU as well (0, 1 or 2)
-
-    [[claim]]                         # none is needed: `contact-fmus run` shows any scenario
-    check = "final_value"             # a function of claims.py; its other arguments stand here too
-    text = "..."                      # the claim in words
-    absolute = 1e-6                   # or relative: the error allowed
-    when = { "solver.method" = "cvode_bdf" }    # only for these runs of [vary]
-
-    [plot]
-    steps = 2000                      # communication steps of the run that is drawn
-    compare = "contact.dashpot"       # a name of [vary]: one curve each
+"""Reads a scenario file (docs/scenarios.md): one experiment with one FMU and what it claims.
 
 Errors are UserError: file, place, what is wrong and what is allowed, in one line.
 """
