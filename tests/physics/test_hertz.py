@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from contact_fmus.published import IMPACTS, outcome, scene_of
+from contact_fmus.published import IMPACTS, outcome, setup_of
 from support.checks import METHODS, check_close, check_relative, run, start
 from support.scenes.head_on import DASHPOTS, FMU, GEOMETRIES, approach, head_on, of_size
 

@@ -1,10 +1,12 @@
 """What the atlas is made of: families of scenes, each along one axis"""
 
 import math
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -150,15 +152,6 @@ def exponent() -> Iterator[Scene]:
 # Families of the atlas whose bodies turn: a ball that slides and rolls, a cylinder that tumbles
 
 
-SPINNING = {"spin 0 rad/s": {"speed": 2.0, "spin": 0.0}, "spin -40 rad/s": {"speed": 0.5, "spin": -40.0}}
-
-
-def rolling(name: str, values: Sequence[float], field: str, others: dict[str, dict[str, float]]) -> Iterator[Scene]:
-    """A ball that slides and rolls, at each of the values; `others` by the note that tells them apart"""
-    for value, (note, given) in product(values, others.items()):
-        yield Scene(name, value, Rolling(**{field: value}, **given), note=note)
-
-
 def spin() -> Iterator[Scene]:
     for value, speed in product([0.0, *decades(-6, 6)], (0.0, 1.0, 100.0)):
         if speed or value:
@@ -218,10 +211,14 @@ def variants(hollow: bool | None = None) -> Iterator[HeadOn]:
                 yield HeadOn(geometry=geometry, law=law)
 
 
-def along(name: str, values: Sequence[float], field: str, **others: Any) -> Iterator[Scene]:
-    """Every geometry with every law, at each of the values"""
-    for value, one in product(values, variants()):
-        yield Scene(name, value, replace(one, **{field: value}, **others))
+def one_field(row: dict[str, Any]) -> Iterator[Scene]:
+    """Scenes that differ in one field of their motion, as a row of families.toml says"""
+    values = [*row.get("values", ()), *decades(*row["decades"]), *row.get("more", ())]
+    motions = [("", replace(one, **row.get("others", {}))) for one in variants()]
+    if "rolling" in row:
+        motions = [(note, Rolling(**given)) for note, given in row["rolling"].items()]
+    for value, (note, one) in product(values, motions):
+        yield Scene(row["name"], value, replace(one, **{row["field"]: value}), note=note)
 
 
 def size() -> Iterator[Scene]:
@@ -372,56 +369,26 @@ def at_once() -> Iterator[Scene]:
         yield Scene("all at once", group, motion, note=f"number {number}")
 
 
-FAMILIES = (
-    Family("stiffness", "penalty factor, N/m", partial(along, "stiffness", decades(0, 15), "penalty")),
-    Family("mass", "mass, kg", partial(along, "mass", decades(-9, 9), "source_mass")),
-    Family(
-        "mass ratio",
-        "mass of the source over that of the destination",
-        partial(along, "mass ratio", decades(-12, 12), "source_mass", destination_mass=1.0),
-    ),
-    Family("size", "radius of the destination, m", size),
-    Family("radius ratio", "large radius over small radius", radius_ratio),
-    Family("clearance", "(r_d - r_s) / r_d", clearance),
-    Family("speed", "speed at the start, m/s", partial(along, "speed", [0.0, *decades(-6, 6)], "speed")),
-    Family("bullet", "depth of the impact over the way to the middle", bullet),
-    Family("damping", "damping over critical damping", damping),
-    Family("viscous only", "viscous penalty factor, N s/m", viscous),
-    Family("communication step", "communication step, s", communication_step),
-    Family("offset", "place of both bodies, m", partial(along, "offset", [0.0, *decades(0, 9)], "offset", penalty=1e8)),
-    Family("start", "overlap at the start over the way to the middle", start),
-    Family("rim", "time between touch and end, s", rim),
-    Family("force", "external force, N", force),
-    Family("jump", "jump over the radius", jumps),
-    Family("plane", "penalty factor, N/m", plane),
-    Family("over the edge", "over the edge of a cap or side, over the radius", over_the_edge),
-    Family("edge-on impact", "speed at the rim, m/s", edge_on),
-    Family("modulus", "Young's modulus of both bodies, Pa", modulus),
-    Family("restitution", "coefficient of restitution", restitution),
-    Family("exponent", "exponent of the force law", exponent),
-    Family(  # friction goes from Coulomb's to one that creeps
-        "slip velocity",
-        "characteristic slip velocity, m/s",
-        partial(rolling, "slip velocity", decades(-12, 1), "slip_velocity", SPINNING),
-    ),
-    Family(
-        "friction",
-        "coefficient of friction",
-        partial(rolling, "friction", decades(-9, 6), "friction", {"": {}, "back-spin": {"spin": -40.0}}),
-    ),
-    Family("spin", "back-spin at the start, rad/s", spin),
-    Family(  # a solid ball has 2/5, a hollow one 2/3
-        "inertia ratio",
-        "moment of inertia over m a^2",
-        partial(rolling, "inertia ratio", [*decades(-9, 9), 0.4, 2.0 / 3.0], "inertia", {"": {}}),
-    ),
-    Family("tumbling rate", "angular velocity across the axis, rad/s", tumbling_rate),
-    Family("all at once", "group of random scenes", at_once),
-    Family("unit of length", "length unit, power of two", partial(units, "length")),
-    Family("unit of mass", "mass unit, power of two", partial(units, "mass")),
-    Family("unit of time", "time unit, power of two", partial(units, "time")),
-    Family("unit of all", "length and half of time's power, less mass's", partial(units, "all")),
-)
+FUNCTIONS = {
+    one.__name__: one
+    for one in (
+        *(size, radius_ratio, clearance, bullet, damping, viscous, communication_step, start, rim, force, jumps, plane),
+        *(over_the_edge, edge_on, modulus, restitution, exponent, spin, tumbling_rate, at_once),
+    )
+}
+
+
+def _family(row: dict[str, Any]) -> Family:
+    """A row of families.toml"""
+    if "function" in row:
+        make = FUNCTIONS[row["function"]]
+    else:
+        make = partial(units, row["unit"]) if "unit" in row else partial(one_field, row)
+    return Family(row["name"], row["axis"], make)
+
+
+ROWS = tomllib.loads(Path(__file__).with_name("families.toml").read_text(encoding="utf-8"))["family"]
+FAMILIES = tuple(map(_family, ROWS))
 
 
 def all_scenes() -> list[Scene]:

@@ -5,9 +5,11 @@ import logging
 import signal
 import threading
 import time
+import tomllib
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import dask
 import numpy as np
@@ -186,25 +188,9 @@ class Interrupts:
 
 # The workers: an embedded cluster of dask.distributed, or one that is already there
 
-CONNECT = 5.0  # s that a scheduler has to answer
-ARRIVE = 60.0  # s that its first worker has to appear
-SETTINGS = {
-    # A task that was on two workers when they died is taken as what killed them, and its batch is halved.
-    "distributed.scheduler.allowed-failures": 1,
-    "distributed.comm.timeouts.connect": CONNECT,
-    # Batches hold the processor without Python's lock, so that a silent worker is a dead one.
-    "distributed.admin.tick.limit": "60s",
-    "distributed.worker.memory.terminate": False,
-    "distributed.worker.memory.pause": False,
-    "distributed.worker.multiprocessing-method": "forkserver",  # which imports dask once for all workers
-    # What an embedded cluster can do without: it would take a tenth of the processors.
-    "distributed.worker.profile.enabled": False,
-    "distributed.scheduler.active-memory-manager.start": False,
-    "distributed.scheduler.work-stealing": False,
-    "distributed.admin.tick.interval": "500ms",
-    "distributed.admin.system-monitor.interval": "10s",
-    "distributed.admin.system-monitor.gil.enabled": False,
-}
+ARRIVE = 60.0  # s that a scheduler's first worker has to appear
+SETTINGS = tomllib.loads(Path(__file__).with_name("dask.toml").read_text(encoding="utf-8"))
+CONNECT = SETTINGS["distributed.comm.timeouts.connect"]
 
 
 @contextlib.contextmanager
