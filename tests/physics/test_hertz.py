@@ -282,7 +282,7 @@ def test_derivatives_are_those_of_the_formula(opened, dashpot, control):
 def test_published_impacts_come_out_to_their_digits(opened, index):
     """Chung and Ooi, Granular Matter 13 (2011) 643: half a unit of the last digit."""
     case = IMPACTS[index]
-    got = outcome(opened(scene_of(case)), case, "event_driven", 1e-10)
+    got = outcome(opened(setup_of(case)["fmu"]), case, "event_driven", 1e-10)
     if case.restitution is None:
         check_close("force", got.force, case.force, 0.5)
         check_close("depth", got.depth, case.depth, 5e-9 if case.test == 1 else 5e-10)

@@ -37,20 +37,11 @@ def scene_text(name: str, shape: str, inside: bool, pinned: list[str]) -> str:
         raise UserError("--inside goes with a sphere or a cylinder: a plane has no inside")
     about = SHAPES[f"{shape} inside" if inside else shape]
     body = about["body"]
-    chosen = {
-        "ball.motion": "free",
-        f"{body}.motion": "fixed",
-        "ball.rotation": "none",
-        f"{body}.rotation": "none",
-        "contact.friction": "none",
-        "contact.location": "inside" if inside else "outside",
-        "contact.method": "penalty_dynamic",
-        "contact.penalty_control": "user_defined",
-        "contact.viscous_control": "user_defined",
-        "solver.method": "event_driven",
-    }
+    chosen = {name.format(body=body): value for name, value in SHAPES["pinned"].items()}
     if shape == "plane":  # which has no inside
         del chosen["contact.location"]
+    elif inside:
+        chosen["contact.location"] = "inside"
     chosen |= dict(_choice(text) for text in pinned)
     start = {key: value for key, value in about["start"].items() if key not in chosen}
     hollow = "hollow " if inside else ""

@@ -38,7 +38,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _write(folder: Path, target: str, experiment: Experiment) -> None:
     unzipped, description = unpack(experiment.fmu)
     variables, begin = read_variables(description), folder / experiment.fmu.stem
-    own, fmpys = simulate(experiment), by_fmpy(experiment, "coSimulation")
+    own, fmpys = simulate(experiment), by_fmpy(experiment, kind="coSimulation")
     own.tell_warnings()
     outputs, inputs = (
         [name for name in fmpys.columns if variables[name].causality == kind] for kind in ("output", "input")

@@ -20,7 +20,7 @@ from contact_fmus.errors import UserError
 from contact_fmus.fmu.contact_fmu import ContactFmu
 from contact_fmus.fmu.variables import is_fmi3
 from contact_fmus.results import Result
-from contact_fmus.running.exchange import exchange as run_by_exchange
+from contact_fmus.running.exchange import by_fmpy
 from contact_fmus.scenarios.experiment import Experiment
 from contact_fmus.scenarios.recording import said, simulate
 from contact_fmus.scenarios.scenario import of_fmu
@@ -74,7 +74,7 @@ def run(file: Path) -> Iterator[str]:
 
 def exchange(file: Path) -> Iterator[str]:
     """A short simulation by Model Exchange comes to its end in the same way"""
-    yield from _looked_at(run_by_exchange(short(file, "modelExchange")))
+    yield from _looked_at(by_fmpy(short(file, "modelExchange")))
 
 
 def _looked_at(result: Result) -> Iterator[str]:

@@ -46,9 +46,7 @@ def entries(description: Any) -> list[tuple[Any, int, int]]:
     """Each scalar of an FMI 3.0 description: its variable, its place there, and the number of values"""
     found = []
     for variable in description.modelVariables:
-        size = 1
-        for length in variable.shape or ():
-            size *= length
+        size = math.prod(variable.shape or ())
         found += [(variable, index, size) for index in range(size)]
     return found
 
@@ -101,8 +99,13 @@ def read_variables(description: Any) -> dict[str, Variable]:
     return variables
 
 
-def start_of(variable: Variable, text: Any) -> Any:
-    """A scalar's start value as the description gives it: a number, a Boolean, an item by name, a text"""
+def start_values(description: Any) -> dict[str, Any]:
+    """Of the scalars that have one: a number, a Boolean, an enumeration's item by name, a text"""
+    variables = read_variables(description)
+    return {one.name: _start(variables[one.name], one.start) for one in scalars(description) if one.start is not None}
+
+
+def _start(variable: Variable, text: Any) -> Any:
     if variable.type == "Boolean":
         return str(text).lower() in ("true", "1")
     if variable.type == "Real":

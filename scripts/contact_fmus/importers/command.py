@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -44,16 +45,8 @@ class Importer:
     fmi3: bool = True  # False where nobody has tried
 
 
-IMPORTERS = (
-    Importer("fmpy", "PyPI", "fmpy", "fmpy", "with_fmpy.py"),
-    Importer("libcosim", "PyPI", "libcosimpy", "libcosimpy", "with_libcosim.py"),
-    Importer("fmuloader", "PyPI", "fmuloader", "fmuloader", "with_fmuloader.py"),
-    Importer("ecos", "PyPI", "ecospy", "ecospy", "with_ecos.py"),
-    Importer("FMI4j", "Maven", "info.laht.fmi4j:fmi-import", "", "WithFmi4j.java"),
-    Importer("Maestro", "Maven", "org.into-cps.maestro:maestro", "", "with_maestro.py", False),
-)
-
-
+ROWS = tomllib.loads(Path(__file__).with_name("importers.toml").read_text(encoding="utf-8"))
+IMPORTERS = tuple(Importer(name, **row) for name, row in ROWS.items())
 Programs = dict[str, list[str]]  # how a command for an importer of Java begins, by its name
 
 
@@ -117,10 +110,6 @@ def _done(command: list[str]) -> bool:
         return subprocess.run(command, capture_output=True, check=False).returncode == 0
     except OSError:
         return False
-
-
-def version_of(fmu: Path) -> int:
-    return int(unpack(fmu, kind="")[1].fmiVersion[0])
 
 
 def outputs(fmu: Path) -> dict[str, int]:
@@ -225,7 +214,7 @@ def main(arguments: list[str] | None = None) -> int:
     given = Given(options.step, options.steps, python, java, dict(options.set))
     console, good, tables = Console(stderr=True), True, {}
     for version in (2, 3):
-        fmus = [fmu for fmu in options.fmus if version_of(fmu) == version]
+        fmus = [fmu for fmu in options.fmus if unpack(fmu, kind="")[1].fmiVersion.startswith(f"{version}.")]
         taking = [importer for importer in IMPORTERS if version == 2 or importer.fmi3]
         trials = []
         for fmu in fmus:

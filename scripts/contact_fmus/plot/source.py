@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from contact_fmus.errors import UserError
-from contact_fmus.fmu.files import Scene, read_scene, unpack
-from contact_fmus.fmu.variables import read_variables, scalars, start_of
+from contact_fmus.fmu.files import read_scene, unpack
+from contact_fmus.fmu.variables import start_values
 from contact_fmus.results import Result
 from contact_fmus.scenarios.experiment import Motion
 from contact_fmus.scenarios.recording import record_densely
@@ -50,7 +50,9 @@ def motion_of(result: Result) -> Motion:
     if not fmu.is_file():
         raise UserError(f"{fmu}, which made the result, does not exist: name it by --fmu")
     scene, starts = read_scene(fmu), _start_values(fmu)
-    _check_columns(result, scene)
+    names = [contact.name for contact in scene.contacts]
+    if not any(f"{name}.gap" in result.columns for name in names):  # bodies would be shown that stand still
+        raise UserError(f"{result.fmu}: the result has no gap of its contacts ({', '.join(names)})")
 
     def value(name: str) -> Any:
         for known in (result.parameters, scene.pinned, starts):
@@ -68,23 +70,11 @@ def motion_of(result: Result) -> Motion:
     return Motion(scene, result.time, value, series)
 
 
-def _check_columns(result: Result, scene: Scene) -> None:
-    """A result of another FMU would be shown as bodies that stand still."""
-    names = [contact.name for contact in scene.contacts]
-    if not any(f"{name}.gap" in result.columns for name in names):
-        raise UserError(f"{result.fmu}: the result has no gap of its contacts ({', '.join(names)})")
-
-
 def _start_values(fmu: Path) -> dict[str, Any]:
     """Start values of the description: what holds where a result does not say what was set"""
     found: dict[str, Any] = {}
-    description = unpack(fmu)[1]
-    variables = read_variables(description)
-    for scalar in scalars(description):
-        if scalar.start is None:
-            continue
-        value = start_of(variables[scalar.name], scalar.start)
-        name, bracket, _ = scalar.name.partition("[")
+    for scalar, value in start_values(unpack(fmu)[1]).items():
+        name, bracket, _ = scalar.partition("[")
         if bracket:
             found.setdefault(name, []).append(value)
         else:

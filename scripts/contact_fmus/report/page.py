@@ -104,7 +104,11 @@ def _stiffness(own: list[Row], folder: Path) -> Section:
 def given_section(section: dict[str, Any], folder: Path) -> Section:
     """A section of peers.json or force_element.json (docs/report_parts.md)"""
     listed = [
-        Table(one.get("caption", ""), one["header"], [[_text(cell) for cell in row] for row in one["rows"]])
+        Table(
+            one.get("caption", ""),
+            one["header"],
+            [[f"{cell:.4g}" if isinstance(cell, float) else str(cell) for cell in row] for row in one["rows"]],
+        )
         for one in section.get("tables", ())
     ]
     shown = list(section.get("figures", ()))
@@ -114,10 +118,6 @@ def given_section(section: dict[str, Any], folder: Path) -> Section:
             if not file.is_file():
                 raise FileNotFoundError(f"section '{section['title']}' shows {file}, which does not exist")
     return Section(section["title"], section.get("paragraphs", ()), listed, shown)
-
-
-def _text(cell: Any) -> str:
-    return f"{cell:.4g}" if isinstance(cell, float) else str(cell)
 
 
 def main(arguments: list[str] | None = None) -> int:

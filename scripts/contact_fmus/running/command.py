@@ -18,7 +18,7 @@ from contact_fmus.scenarios.experiment import Experiment
 from contact_fmus.scenarios.recording import StoppedEarly, simulate
 from contact_fmus.scenarios.scenario import changed, find, first_run
 
-from .exchange import exchange
+from .exchange import by_fmpy
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -33,7 +33,7 @@ def main(arguments: list[str] | None = None) -> int:
         raise UserError(f"{options.csv}: there is no folder {options.csv.parent}")
     if picture is not None:
         output_file(picture, "", (*PICTURES, ".html"))
-    runs = exchange if options.model_exchange else simulate
+    runs = by_fmpy if options.model_exchange else simulate
     console = Console(stderr=True)
     try:
         with Progress(console=console, transient=True, disable=not console.is_terminal) as progress:

@@ -18,7 +18,7 @@ from contact_fmus.fmu.variables import (
     plain,
     read_variables,
     scalars,
-    start_of,
+    start_values,
 )
 from contact_fmus.results import Result
 from contact_fmus.scenarios.experiment import Experiment
@@ -28,20 +28,13 @@ TOLERANCE = 1e-8  # relative, where neither the user nor the FMU says one
 WARNING = 1  # fmi2Warning, fmi3Warning
 
 
-def exchange(
-    experiment: Experiment, interval: float | None = None, advance: Callable[[float], None] = lambda time: None
-) -> Result:
-    """`interval`: time between rows of the result, s; events have rows too"""
-    return by_fmpy(experiment, "modelExchange", interval, advance)
-
-
 def by_fmpy(
     experiment: Experiment,
-    kind: str,
     interval: float | None = None,
     advance: Callable[[float], None] = lambda time: None,
+    kind: str = "modelExchange",
 ) -> Result:
-    """`kind`: coSimulation or modelExchange"""
+    """`interval`: time between rows of the result, s; events have rows too. `kind`: coSimulation or modelExchange"""
     folder, description = unpack(experiment.fmu, kind=kind)
     variables, times = read_variables(description), communication_points(experiment)
     told: list[tuple[int, str]] = []
@@ -79,12 +72,9 @@ def by_fmpy(
     units = {name: variables[name].unit for name in columns}
     warnings = list(dict.fromkeys(text for status, text in told if status == WARNING))
     # Start values of the description, and those of the experiment
-    described = [one for one in scalars(description) if one.causality in PARAMETERS and one.start is not None]
-    parameters = {one.name: start_of(variables[one.name], one.start) for one in described}
     given = _by_scalar(variables, experiment.values)
-    parameters |= {
-        name: plain(variables[name], value) for name, value in given.items() if variables[name].causality in PARAMETERS
-    }
+    parameters = start_values(description) | {name: plain(variables[name], value) for name, value in given.items()}
+    parameters = {name: value for name, value in parameters.items() if variables[name].causality in PARAMETERS}
     return Result(np.asarray(rows["time"]), columns, units, experiment.fmu.resolve(), parameters, warnings)
 
 

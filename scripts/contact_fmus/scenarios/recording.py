@@ -127,7 +127,8 @@ def _result(
         _start(fmu, experiment)
         recorder = Recorder(fmu, names)
         every_name = [name for name, one in fmu.variables.items() if one.causality in PARAMETERS]
-        parameters = {name: _value(fmu, name) for name in every_name if fmu.variables[name].type in READERS}
+        parameters = {name: fmu[name] for name in every_name if fmu.variables[name].type in READERS}
+        parameters = {name: one.tolist() if isinstance(one, np.ndarray) else one for name, one in parameters.items()}
         touching, inside = Touching(fmu), 0
 
         def result() -> Result:
@@ -147,11 +148,6 @@ def _result(
         except FmuError as error:
             raise StoppedEarly(f"at {fmu.time!r} s: {said(error)}", result()) from None
         return result()
-
-
-def _value(fmu: ContactFmu, name: str) -> Any:
-    value = fmu[name]
-    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 def communication_points(experiment: Experiment) -> list[float]:

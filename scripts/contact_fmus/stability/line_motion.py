@@ -150,7 +150,6 @@ class Line:
     time: mpf = ZERO
     onset_times: list = field(default_factory=list)
     onset_speeds: list = field(default_factory=list)  # into the contact
-    last_duration: mpf = ZERO
     fastest: mpf = ZERO
     deepest: mpf = ZERO
     through_middle: bool = False  # of a solid body
@@ -192,18 +191,15 @@ class Line:
             else:
                 raise ArithmeticError(f"more than {MOST_PIECES} pieces up to {float(self.time):.12g} s")
             self._note_speed()
-            if self.touching:
-                self.last_duration = self.time - self.onset_times[-1]
         return self
 
-    def moved(self, jump: float, speed_change: float = 0.0) -> None:
+    def moved(self, jump: float) -> None:
         """The destination jumps by -jump along q: q changes at once"""
         with mp.workdps(DIGITS):
-            self.place, self.speed = self.place + mpf(jump), self.speed + mpf(speed_change)
+            self.place += mpf(jump)
             self._on_root = ""
-            if self.touching and self.depth() <= 0:
-                self._let_go()
-            elif self.touching:
+            self.touching = self.touching and bool(self.depth() > 0)
+            if self.touching:
                 self._choose_law()
 
     def _note_speed(self) -> None:
@@ -235,10 +231,6 @@ class Line:
             if force < 0 or (force == 0 and later < 0):
                 self.law = CLIPPED
 
-    def _let_go(self) -> None:
-        self.touching = False
-        self.last_duration = self.time - self.onset_times[-1]
-
     def _next_end(self, until: mpf) -> mpf:
         return min([t for t in self.ends if t > self.time] + [until])
 
@@ -265,9 +257,7 @@ class Line:
         if self.time in self.ends:
             self.within = not self.within
             self.closest_end = min(self.closest_end, abs(self.depth()))
-            self._on_root = ""
-            if self.touching:
-                self._let_go()
+            self._on_root, self.touching = "", False
 
     def _conditions(self) -> dict:
         """What ends this piece of a contact, as weights of (s, s', 1)"""
@@ -305,8 +295,7 @@ class Line:
     def _happen(self, event: str, side: mpf) -> None:
         if event == "gap":
             self.place = side * self.reach
-            self._let_go()
-            self._on_root = "left"
+            self._on_root, self.touching = "left", False
         elif event == "middle":
             self.place, self.through_middle = mpf(0), True
             self._on_root = "middle"

@@ -64,7 +64,8 @@ class Column:
         last = unique[-1] ** 2 / middles[-1] if self.logarithmic else 2 * unique[-1] - middles[-1]
         return np.array([first, *middles, last])
 
-    def bins(self, edges: np.ndarray) -> np.ndarray:
+    def bins(self) -> np.ndarray:
+        edges = self.edges()
         return np.clip(np.searchsorted(edges, self.values, side="right") - 1, 0, len(edges) - 2)
 
 
@@ -93,14 +94,10 @@ def _line(axes: Axes, x: Column, y: Column) -> None:
     shown = finite[:: max(1, -(-len(finite) // POINTS))]
     few = f", {len(shown):,} of {len(finite):,} shown" if len(shown) < len(finite) else ""
     axes.plot(x.values[shown], y.values[shown], ".", ms=3, alpha=0.35, color="tab:gray", label=f"runs{few}")
-    edges = x.edges()
-    place = x.bins(edges)[finite]
-    rows = []
-    for index in range(len(edges) - 1):
-        inside = finite[place == index]
-        if len(inside):
-            levels = np.quantile(y.values[inside], QUANTILES) if len(inside) >= FEWEST else [np.nan] * 3
-            rows.append((np.median(x.values[inside]), *levels))
+    place, rows = x.bins()[finite], []
+    for inside in (finite[place == index] for index in np.unique(place)):
+        levels = np.quantile(y.values[inside], QUANTILES) if len(inside) >= FEWEST else [np.nan] * 3
+        rows.append((np.median(x.values[inside]), *levels))
     middle, low, median, high = np.array(rows).reshape(-1, 4).T
     if np.isfinite(median).any():
         axes.plot(middle, median, color="tab:blue", label="median")

@@ -11,7 +11,7 @@ from fmpy.fmi1 import FMICallException
 
 from contact_fmus.fmu.slaves import slave_of
 
-from .native import AT, MAX, MEAN, MESSAGE_SIZE, MIN, Batch, Clock, Plan, Rows
+from .native import AT, MAX, MEAN, MESSAGE_SIZE, Batch, Clock, Plan, Rows
 
 OK, WARNING, ERROR, FATAL = 0, 1, 3, 4  # fmi2Status
 described = functools.cache(fmpy.read_model_description)
@@ -84,19 +84,17 @@ def _run_once(plan: Plan, batch: Batch, place: int, slave: Any) -> list[float]:
         slave.setString([reference], [text])
     slave.enterInitializationMode()
     slave.exitInitializationMode()
-    reduced = [math.nan] * len(plan.outputs)
-    now, size, before = plan.start_time, 0.0, []
+    now, read = plan.start_time, np.full((len(plan.points) + 1, sum(map(len, plan.read))), math.nan)
+    sizes = np.zeros(len(plan.points))
     for point in range(len(plan.points) + 1):
         if point > 0:
-            size = float(plan.points[point - 1]) - now
+            sizes[point - 1] = size = float(plan.points[point - 1]) - now
             slave.doStep(now, size)
             now += size
         if plan.reads[point]:
-            read = _read(plan, slave)
-            _reduce(plan, reduced, read, before, point, size)
-            before = read
+            read[point] = _read(plan, slave)
     length = now - plan.start_time
-    return [value / length if code == MEAN else value for value, code in zip(reduced, plan.outputs[:, 1], strict=True)]
+    return [_reduced(read[:, source], code, point, sizes, length) for source, code, point in plan.outputs.tolist()]
 
 
 def _read(plan: Plan, slave: Any) -> list[float]:
@@ -108,16 +106,8 @@ def _read(plan: Plan, slave: Any) -> list[float]:
     return found
 
 
-def _reduce(plan: Plan, reduced: list[float], read: list[float], before: list[float], point: int, size: float) -> None:
-    """What is not a number stays"""
-    for index, (source, code, wanted) in enumerate(plan.outputs.tolist()):
-        value, found = read[source], reduced[index]
-        better = point == 0 or math.isnan(value)
-        if (
-            (code == AT and point == wanted)
-            or (code == MAX and (better or value > found))
-            or (code == MIN and (better or value < found))
-        ):
-            reduced[index] = value
-        elif code == MEAN:
-            reduced[index] = 0.0 if point == 0 else found + 0.5 * (before[source] + value) * size
+def _reduced(values: np.ndarray, code: int, point: int, sizes: np.ndarray, length: float) -> float:
+    """What is not a number stays. The mean is summed step by step, as the compiled loop does it."""
+    if code == MEAN:
+        return float(np.cumsum(0.5 * (values[:-1] + values[1:]) * sizes)[-1]) / length
+    return float(values[point] if code == AT else values.max() if code == MAX else values.min())

@@ -181,10 +181,8 @@ class Store:
             "runs": self.runs,
             "study": self.study.content,
         }
-        with self._room():
-            part = self.folder / "study.json.part"
+        with self._whole(self.folder / "study.json") as part:
             part.write_text(json.dumps(about, indent=1, default=str, ensure_ascii=False), encoding="utf-8")
-            part.replace(self.folder / "study.json")
 
     @contextlib.contextmanager
     def _room(self) -> Iterator[None]:
@@ -195,6 +193,18 @@ class Store:
             reason = os.strerror(error.errno) if error.errno else str(error)
             said = "" if self._lock is None else f"; {self.done():,} of {self.runs:,} runs are kept there"
             raise RunFailure(f"{self.folder}: cannot be written ({reason}){said}, --resume goes on") from None
+
+    @contextlib.contextmanager
+    def _whole(self, file: Path) -> Iterator[Path]:
+        """The file appears whole or not at all: what is yielded is written, and renamed in the end."""
+        part = file.with_name(f"{file.name}.part")
+        with self._room():
+            try:
+                yield part
+                part.replace(file)
+            except OSError:
+                part.unlink(missing_ok=True)
+                raise
 
     # batches
 
@@ -237,15 +247,8 @@ class Store:
 
     def write(self, table: pa.Table, first: int) -> None:
         name = f"{first:0{DIGITS}}-{first + len(table):0{DIGITS}}.parquet"
-        part = self.batches / f"{name}.part"
-        with self._room():
-            try:
-                with self._writer(part, "none") as writer:
-                    writer.write_table(table)
-                part.replace(self.batches / name)
-            except OSError:
-                part.unlink(missing_ok=True)
-                raise
+        with self._whole(self.batches / name) as part, self._writer(part, "none") as writer:
+            writer.write_table(table)
 
     def _writer(self, file: Path, compression: str) -> pq.ParquetWriter:
         words = [field.name for field in self.schema if WORDS(field.type)]
@@ -269,37 +272,24 @@ class Store:
 
     def merge(self) -> None:
         """One file of all runs, in order; then the batches go"""
-        part = self.folder / "results.parquet.part"
-        with self._room():
-            try:
-                with self._writer(part, "snappy") as writer:
-                    for group in self.groups():
-                        writer.write_table(group, row_group_size=max(len(group), 1))
-            except OSError:
-                part.unlink(missing_ok=True)
-                raise
-            part.replace(self.results)
+        with self._whole(self.results) as part, self._writer(part, "snappy") as writer:
+            for group in self.groups():
+                writer.write_table(group, row_group_size=max(len(group), 1))
         shutil.rmtree(self.batches)
 
     def write_csv(self) -> Path:
         """Writes the rows as text. Units and the study stand in a .json beside it."""
         from pyarrow import csv
 
-        target, part = self.folder / "results.csv", self.folder / "results.csv.part"
+        target = self.folder / "results.csv"
         units = {one.name: (one.metadata or {}).get(b"unit", b"").decode() for one in self.schema}
-        with self._room():
-            try:
-                with open(part, "wb") as file, pq.ParquetFile(self.results) as rows:
-                    plain = pa.schema([_plain(one) for one in self.schema])
-                    with csv.CSVWriter(file, plain) as writer:
-                        for index in range(rows.num_row_groups):
-                            writer.write_table(rows.read_row_group(index).cast(plain))
-            except OSError:
-                part.unlink(missing_ok=True)
-                raise
-            part.replace(target)
-            about = {"units": units, "study_digest": self.study.digest()}
-            notes_file(target).write_text(json.dumps(about, ensure_ascii=False) + "\n", encoding="utf-8")
+        plain = pa.schema([pa.field(one.name, pa.string()) if WORDS(one.type) else one for one in self.schema])
+        with self._whole(target) as part, pq.ParquetFile(self.results) as rows, csv.CSVWriter(part, plain) as writer:
+            for index in range(rows.num_row_groups):
+                writer.write_table(rows.read_row_group(index).cast(plain))
+        about = {"units": units, "study_digest": self.study.digest()}
+        with self._whole(notes_file(target)) as part:
+            part.write_text(json.dumps(about, ensure_ascii=False) + "\n", encoding="utf-8")
         return target
 
     def counts(self) -> tuple[dict[str, int], int]:
@@ -313,7 +303,3 @@ class Store:
                     found[one["values"]] = found.get(one["values"], 0) + one["counts"]
                 warned += int(np.count_nonzero(group["warnings"].to_numpy()))
         return found, warned
-
-
-def _plain(field: pa.Field) -> pa.Field:
-    return pa.field(field.name, pa.string()) if WORDS(field.type) else field

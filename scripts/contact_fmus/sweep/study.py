@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -540,8 +540,8 @@ def read_study(file: Path) -> Study:
     top = Table(content, str(file), ("title", "fmu", "experiment", "start", "vary", "samples", "outputs"))
     fmu = find_fmu(text(top.needed("fmu"), top.place("fmu")), file.parent)
     interface = read_interface(fmu)
-    vary = Table(top.needed("vary"), "[vary]", tuple(content["vary"]) if _filled(content, "vary") else ())
-    parameters = tuple(read_parameter(interface, name, entry) for name, entry in vary.content.items())
+    vary = _filled(top.needed("vary"))
+    parameters = tuple(read_parameter(interface, name, entry) for name, entry in vary.items())
     outputs = _outputs(interface, top.needed("outputs"))
     experiment = Table(
         top.needed("experiment"), "[experiment]", ("start_time", "stop_time", "step", "steps", "tolerance")
@@ -565,15 +565,21 @@ def read_study(file: Path) -> Study:
     return study
 
 
-def _filled(content: dict[str, Any], key: str) -> bool:
-    if not isinstance(content.get(key), dict) or not content[key]:
-        raise UserError(f"[{key}]: at least one entry is wanted")
-    for name, entry in content[key].items():
-        known = {"from", "to", "range", "distribution", "choices"}
-        if isinstance(entry, dict) and name.isidentifier() and key == "vary" and not known & set(entry):
-            part = next(iter(entry), "name")
-            raise UserError(f'[{key}] {name}.{part}: names with a dot stand in quotation marks, "{name}.{part}"')
-    return True
+def _filled(vary: Any) -> dict[str, Any]:
+    """The table [vary], which has an entry at least"""
+    if not isinstance(vary, dict) or not vary:
+        raise UserError("[vary]: at least one entry is wanted")
+    known = {"from", "to", "range", "distribution", "choices"}
+    for name, entry in vary.items():
+        if isinstance(entry, dict) and name.isidentifier() and not known & set(entry):
+            _refuse_bare(f"[vary] {name}", name, entry)
+    return vary
+
+
+def _refuse_bare(where: str, name: str, entry: dict[str, Any]) -> NoReturn:
+    """TOML takes a name with a dot for a table"""
+    part = next(iter(entry), "name")
+    raise UserError(f'{where}.{part}: names with a dot stand in quotation marks, "{name}.{part}"')
 
 
 def _constants(interface: Interface, start: Any, parameters: tuple[Parameter, ...]) -> dict[str, Any]:
@@ -583,8 +589,7 @@ def _constants(interface: Interface, start: Any, parameters: tuple[Parameter, ..
     for name, value in start.items():
         where = f"[start] {name}"
         if isinstance(value, dict):
-            part = next(iter(value), "name")
-            raise UserError(f'{where}.{part}: names with a dot stand in quotation marks, "{name}.{part}"')
+            _refuse_bare(where, name, value)
         constants[name] = interface.value(interface.parameter(name, where), value, where)
     owner: dict[int | tuple[str, int], str] = {}
     for name in [*constants, *(one.name for one in parameters)]:
