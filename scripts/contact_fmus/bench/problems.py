@@ -15,6 +15,7 @@ import numpy as np
 
 from contact_fmus.fmu.files import fmu_file, repository
 from contact_fmus.fmu.host import Case
+from contact_fmus.fmu.variables import OPEN
 
 SCENARIOS = {
     "P1": "p1_head_on_bounces",
@@ -27,7 +28,6 @@ TURNING = Path(__file__).with_name("turning_references.json")  # make_turning_re
 # tests/support/reference/make_law_references.py
 LAW_REFERENCES = Path(__file__).with_name("law_references.json")
 LAW_PROBLEMS = Path(__file__).with_name("law_problems.toml")
-SHAPES = {"cylinder": "SphereCylinder", "sphere": "SphereSphere"}
 
 
 @dataclass(frozen=True)
@@ -54,16 +54,14 @@ class Problem:
 @cache
 def benchmarks() -> dict[str, Problem]:
     """P1, P2, P3 and P3b with the references of their scenario files"""
-    return {name: _benchmark(name, file) for name, file in SCENARIOS.items()}
-
-
-def _benchmark(name: str, file: str) -> Problem:
-    text = (repository() / "scripts" / "scenarios" / f"{file}.toml").read_text(encoding="utf-8")
-    scenario = tomllib.loads(text)
-    claim = next(one for one in scenario["claim"] if one.get("variable") == "source.position")
-    title = scenario["title"].partition(": ")[2]
-    stop = scenario["experiment"]["stop_time"]
-    return Problem(name, title, scenario["fmu"], stop, scenario["start"], tuple(claim["expected"]))
+    found = {}
+    for name, file in SCENARIOS.items():
+        text = (repository() / "scripts" / "scenarios" / f"{file}.toml").read_text(encoding="utf-8")
+        scenario = tomllib.loads(text)
+        claim = next(one for one in scenario["claim"] if one.get("variable") == "source.position")
+        title, stop = scenario["title"].partition(": ")[2], scenario["experiment"]["stop_time"]
+        found[name] = Problem(name, title, scenario["fmu"], stop, scenario["start"], tuple(claim["expected"]))
+    return found
 
 
 @cache
@@ -106,6 +104,15 @@ def shape_problems() -> dict[str, Problem]:
     return {name: one for name, one in law_benchmarks().items() if not name.endswith("Hertz")}
 
 
+# What the report measures error against time of: the name of the page's section, that of the ratios, and the problems
+SETS = {
+    "work_precision": ("ratios", benchmarks),
+    "shapes": ("shape_ratios", shape_problems),
+    "hertz": ("hertz_ratios", hertz_problems),
+    "turning": ("turning_ratios", turning_problems),
+}
+
+
 @cache
 def stiff_families() -> dict[str, list[Problem]]:
     """P3 in the cylinder and in a hollow sphere, damped to 10 % of the critical damping and undamped, by
@@ -132,7 +139,7 @@ def _stiff_problem(name: str, reference: dict[str, Any]) -> Problem:
     return Problem(
         name,
         f"{name}, p_n = {stiffness:g} N/m",
-        SHAPES[reference["shape"]],
+        OPEN[reference["shape"]],
         base.stop,
         start,
         tuple(reference["position"]),
@@ -147,7 +154,8 @@ EVENT_DRIVEN, CVODE = "event_driven", ("cvode_bdf", "cvode_adams")
 METHODS = (EVENT_DRIVEN, *CVODE)
 ABSOLUTE = 1e-4  # absolute tolerance / relative tolerance, as in the start values
 UNLIMITED = 1_000_000_000  # internal steps: CVODE takes seconds where bodies are stiff
-CVODE_ERROR, EVENT_DRIVEN_ERROR = 1e-7, 1e-9  # m, what the compared runs have to reach
+# The solvers that are compared, and the error in m that each has to reach
+SIDES = {"cvode": (CVODE, 1e-7), "event_driven": ((EVENT_DRIVEN,), 1e-9)}
 STIFF_TOLERANCE = 1e-9  # of the runs that the stiffness tables show
 
 

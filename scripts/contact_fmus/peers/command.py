@@ -1,7 +1,4 @@
-"""python -m contact_fmus peers --output FOLDER [--quick] [--only NAME]
-
-Writes peers.csv and peers.json for the report's page. FOLDER may also be the name of the CSV file itself.
-"""
+"""The command peers: peers.csv and peers.json for the report's page (docs/report_parts.md)"""
 
 import contextlib
 import importlib
@@ -19,7 +16,7 @@ from typing import Any, NamedTuple
 
 from contact_fmus.bench.problems import benchmarks
 from contact_fmus.options import parse
-from contact_fmus.pages import stopwatch, write_json
+from contact_fmus.pages import read_words, stopwatch, write_json
 from contact_fmus.report.measure import PEER, SAME, Row, write_rows
 
 from .problems import BallAndWall, Case, problem_of
@@ -221,12 +218,4 @@ def section(rows: Iterable[Row], names: Iterable[str]) -> dict:
     if gaps:
         header = ["solver", "problem", "setting", "", "why"]
         tables.append({"caption": "Not measured", "header": header, "rows": [list(gap) for gap in gaps]})
-    return {
-        "title": "How the peers were run",
-        "paragraphs": [
-            "Each peer runs in a process of its own, on one thread; only its stepping is timed, and every"
-            " repeat starts from a model made anew. scipy's right-hand side is Python, called for every"
-            " evaluation."
-        ],
-        "tables": tables,
-    }
+    return read_words(__file__) | {"tables": tables}

@@ -117,13 +117,9 @@ def stiffness(rows: Sequence[Row], folder: Path) -> None:
             time, error = axes[damping == "undamped"], axes[2 + (damping == "undamped")]
             for method in METHODS:
                 points = [row for row in chosen if (row.problem, row.solver) == (name, method)]
-                stiff, first, label = (
-                    [row.parameter for row in points],
-                    shape == "cylinder",
-                    f"{method}, hollow {shape}",
-                )
-                _draw(time, method, stiff, [row.time_s for row in points], first, label)
-                _draw(error, method, stiff, _errors(points), first, label)
+                stiff, kind = [row.parameter for row in points], (shape == "cylinder", f"{method}, hollow {shape}")
+                _draw(time, method, stiff, [row.time_s for row in points], *kind)
+                _draw(error, method, stiff, _errors(points), *kind)
             limit = [one.penalty_factor for one in family], [one.uncertainty for one in family]
             error.plot(*limit, color="#94a3b8", linestyle=":", zorder=1, label="what the reference is good for")
             title = "damped, 10 % of critical" if damping == "damped" else "undamped"

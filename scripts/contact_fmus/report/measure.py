@@ -10,24 +10,10 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from contact_fmus.bench.problems import (
-    CVODE,
-    CVODE_ERROR,
-    EVENT_DRIVEN,
-    EVENT_DRIVEN_ERROR,
-    METHODS,
-    STIFF_TOLERANCE,
-    Problem,
-    Setting,
-    benchmarks,
-    hertz_problems,
-    shape_problems,
-    stiff_families,
-    turning_problems,
-)
+from contact_fmus.bench.problems import METHODS, SETS, SIDES, STIFF_TOLERANCE, Problem, Setting, stiff_families
 from contact_fmus.fmu.host import HostError, HostTimeout, Result, run_host
 from contact_fmus.options import parse
-from contact_fmus.pages import stopwatch, versions, write_json
+from contact_fmus.pages import read_words, stopwatch, versions, write_json
 
 # The rows of the report; docs/report_parts.md describes the files that its parts leave for the page
 
@@ -68,9 +54,9 @@ def write_rows(file: Path, rows: list[Row]) -> None:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(COLUMNS)
         for row in rows:
-            cells = [(name, getattr(row, name)) for name in COLUMNS]
+            cells = vars(row).items()
             writer.writerow(
-                ["" if cell is None else digits[name] % cell if name in digits else cell for name, cell in cells]
+                [digits[name] % cell if name in digits and cell is not None else cell for name, cell in cells]
             )
 
 
@@ -179,10 +165,6 @@ def work_precision(problems: Iterable[Problem], plan: Plan, say: Say) -> list[Ro
     return rows
 
 
-# The solvers that are compared, and the error in m that each has to reach
-SIDES = {"cvode": (CVODE, CVODE_ERROR), "event_driven": ((EVENT_DRIVEN,), EVENT_DRIVEN_ERROR)}
-
-
 def compare_best(problems: Iterable[Problem], rows: Sequence[Row], plan: Plan, say: Say) -> list[dict]:
     """The quickest setting of CVODE that comes close enough against that of event_driven: they are run again,
     A B B A in one process, so that what slows the machine down for a while slows down both"""
@@ -234,26 +216,19 @@ def main(arguments: list[str] | None = None) -> int:
     options = parse("measure", arguments)
     options.output.mkdir(parents=True, exist_ok=True)
     plan = QUICK if options.quick else FULL
-    say, rows, ratios = stopwatch(), [], []
-    for some in (benchmarks, shape_problems, hertz_problems, turning_problems):
+    say, words, rows = stopwatch(), read_words(__file__)["plan"], []
+    summary = {
+        "made": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "plan": words["quick"] * options.quick + words["text"].format(**vars(plan)),
+        "versions": versions(),
+    }
+    for ratios, some in SETS.values():
         problems = some().values()
         found = work_precision(problems, plan, say)
-        ratios.append(compare_best(problems, found, plan, say))
+        summary[ratios] = compare_best(problems, found, plan, say)
         rows += found
     rows += stiffness(plan, say)
     write_rows(options.output / "results.csv", rows)
-    text = "A quick run with few repetitions, for trying out. " if options.quick else ""
-    text += f"Settings of a problem take turns in one process, {plan.repeat} turns of {plan.burst} runs, fewer once"
-    text += f" a setting has run {plan.budget:g} s; a run is ended after {plan.limit:g} s."
-    summary = {
-        "made": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        "plan": text,
-        "versions": versions(),
-        "ratios": ratios[0],
-        "shape_ratios": ratios[1],
-        "hertz_ratios": ratios[2],
-        "turning_ratios": ratios[3],
-    }
     write_json(options.output / "summary.json", summary)
     say("measured")
     return 0

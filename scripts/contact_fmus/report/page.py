@@ -6,14 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from contact_fmus.bench.problems import (
-    Problem,
-    benchmarks,
-    hertz_problems,
-    shape_problems,
-    stiff_families,
-    turning_problems,
-)
+from contact_fmus.bench.problems import SETS, Problem, benchmarks, stiff_families
 from contact_fmus.options import parse
 from contact_fmus.pages import Table, read_words, write_pages
 
@@ -21,7 +14,6 @@ from . import figures, tables
 from .measure import Row, read_part, read_rows
 
 WORDS = read_words(__file__)
-MORE = {"shapes": shape_problems, "hertz": hertz_problems, "turning": turning_problems}
 
 
 @dataclass
@@ -49,16 +41,13 @@ def draw_page(folder: Path) -> list[Path]:
             WORDS["summary"]["title"],
             tables.paragraphs(measured["ratios"], others),
             [tables.comparison(measured["ratios"], others), tables.problems()],
-        ),
-        _work_precision(own, others, measured["ratios"], "sections" in parts[0], folder),
-        *(
-            section
-            for name, problems in MORE.items()
-            for section in _more_problems(name, problems(), own, measured.get(f"{name.rstrip('s')}_ratios", ()), folder)
-        ),
-        _stiffness(own, folder),
-        *given,
+        )
     ]
+    told = "sections" in parts[0]  # the peers tell by themselves what could not be measured
+    for name, (ratios, problems) in SETS.items():
+        peers = others if problems is benchmarks else []
+        sections += _work_precision(name, problems(), own, peers, told, measured.get(ratios, ()), folder)
+    sections += [_stiffness(own, folder), *given]
     contents = [(f"section-{k}", section.title) for k, section in enumerate(sections, 1)]
     contents.append(("versions", "Versions and machine"))
     context = {key: measured[key] for key in ("made", "plan")}
@@ -66,22 +55,14 @@ def draw_page(folder: Path) -> list[Path]:
     return write_pages(Path(__file__).parent, folder, context)
 
 
-def _work_precision(own: list[Row], others: list[Row], ratios: list[dict], given: bool, folder: Path) -> Section:
-    """`given`: the peers tell by themselves what could not be measured"""
-    words, rows = WORDS["work_precision"], tables.own_work_precision(own)
-    figures.work_precision(rows, benchmarks().values(), folder, "work_precision")
-    shown = [{"name": "work_precision", "caption": words["caption"]}]
-    if any(row.measured for row in others):
-        figures.peers(rows, others, folder)
-        shown.append({"name": "peers", "caption": words["peers"].format(worst=figures.WORST)})
-    listed = [tables.least_times(problem, [*rows, *others]) for problem in benchmarks()]
-    unable = [f"{row.solver}, {row.problem}: {row.note}" for row in others if not row.measured and not given]
-    missing = ["Not measured: " + "; ".join(dict.fromkeys(unable)) + "."] if unable else []
-    return Section(words["title"], [words["text"], *missing], [*listed, tables.ratios_table(ratios)], shown)
-
-
-def _more_problems(
-    name: str, problems: dict[str, Problem], own: list[Row], ratios: Sequence[dict], folder: Path
+def _work_precision(
+    name: str,
+    problems: dict[str, Problem],
+    own: list[Row],
+    others: list[Row],
+    told: bool,
+    ratios: Sequence[dict],
+    folder: Path,
 ) -> list[Section]:
     """Nothing where these problems have not been measured"""
     rows = [row for row in tables.own_work_precision(own) if row.problem in problems]
@@ -89,8 +70,14 @@ def _more_problems(
         return []
     words = WORDS[name]
     figures.work_precision(rows, problems.values(), folder, name)
-    listed = [*(tables.least_times(problem, rows) for problem in problems), tables.ratios_table(ratios)]
-    return [Section(words["title"], [words["text"]], listed, [{"name": name, "caption": words["caption"]}])]
+    shown = [{"name": name, "caption": words["caption"]}]
+    if any(row.measured for row in others):
+        figures.peers(rows, others, folder)
+        shown.append({"name": "peers", "caption": words["peers"].format(worst=figures.WORST)})
+    listed = [*(tables.least_times(problem, [*rows, *others]) for problem in problems), tables.ratios_table(ratios)]
+    unable = [f"{row.solver}, {row.problem}: {row.note}" for row in others if not row.measured and not told]
+    missing = ["Not measured: " + "; ".join(dict.fromkeys(unable)) + "."] if unable else []
+    return [Section(words["title"], [words["text"], *missing], listed, shown)]
 
 
 def _stiffness(own: list[Row], folder: Path) -> Section:
