@@ -1,7 +1,4 @@
-"""contact-fmus stability [--quick] [--check] [--workers N] [--output FOLDER] [--beyond FIRST LAST]
-
-Runs the atlas's scenes and writes runs.csv, summary.csv, figures, index.html and README.md.
-"""
+"""The command stability: runs the atlas's scenes and writes runs.csv, summary.csv, figures, index.html and README.md"""
 
 import argparse
 import multiprocessing

@@ -6,7 +6,7 @@ import functools
 import json
 import math
 import tomllib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
@@ -60,6 +60,7 @@ class Moving:
     held = False  # whether neither body can move
     law = "undamped"
     restitution: float | None = None
+    scale: float  # a length of the scene
 
     @property
     def shape(self) -> str:
@@ -138,32 +139,42 @@ LAWS = ("undamped", "non_adhesive", "unclamped", "approach_only", "viscous_only"
 
 
 @dataclass(frozen=True)
-class HeadOn(Moving):
-    """SI units. Without `damping` the dashpot has `ratio` of the critical damping. `source_mass` meets a
-    fixed destination, or a free one of `destination_mass`."""
+class Straight(Moving):
+    """SI units. `source_mass` meets a fixed destination, or a free one of `destination_mass`, head-on."""
 
     geometry: str = "sphere outside"
     law: str = "non_adhesive"
-    dashpot: str = "non_adhesive"  # of viscous_only
     source_radius: float = 0.125
     destination_radius: float = 0.5
     gap: float = 0.125
     speed: float = 1.0  # towards the contact
     source_mass: float = 1.0
     destination_mass: float | None = None
+    restitution: float | None = None  # in place of other numbers of the dashpot
+    end: float = 0.0  # 0: as long as a first contact and a flight as long as that before it
+
+    @property
+    def start_place(self) -> float:
+        """Where the gap puts the source along z"""
+        return -(self.reach - self.gap) if self.inside else self.reach + self.gap
+
+
+@dataclass(frozen=True)
+class HeadOn(Straight):
+    """By the linear law; without `damping` the dashpot has `ratio` of the critical damping."""
+
+    dashpot: str = "non_adhesive"  # of viscous_only
     penalty: float = 1e6
     ratio: float = 0.2
     damping: float | None = None
-    restitution: float | None = None  # in place of either
     gravity: float = 9.81
     force: float = 0.0  # on the source, into the contact
     offset: float = 0.0  # of both bodies, in all directions
-    place: float | None = None  # q itself, instead of the gap
+    place: float | None = None  # along z, instead of the gap
     length: float | None = None  # of a finite cylinder
     along: float = 0.0  # where the source starts along the cylinder's axis
     along_speed: float = 0.0
     prescribed: bool = False  # the destination is, and jumps
-    end: float = 0.0  # 0: as long as a first contact and a flight as long as that before it
 
     @property
     def stored_penalty(self) -> float:
@@ -190,10 +201,8 @@ class HeadOn(Moving):
         return {"undamped": "unclamped", "viscous_only": self.dashpot}.get(self.law, self.law)
 
     def source_center(self) -> list[float]:
-        q = self.place
-        if q is None:
-            q = -(self.reach - self.gap) if self.inside else self.reach + self.gap
-        return [self.offset, self.offset + self.along, self.offset + q]
+        place = self.start_place if self.place is None else self.place
+        return [self.offset, self.offset + self.along, self.offset + place]
 
     def configuration(self) -> dict[str, Any]:
         values = self.bodies(self.source_center(), [0.0, self.along_speed, -self.speed], self.gravity)
@@ -260,11 +269,9 @@ class HeadOn(Moving):
 
     @property
     def scale(self) -> float:
-        """A length of the scene"""
         return max(min(self.gap or self.reach, self.reach), 1e-5 * self.destination_radius)
 
     def given_impulse(self, body: str, time: float) -> np.ndarray:
-        """What gravity and the external force have passed to a body"""
         source = body == "source"
         mass = self.source_mass if source else self.destination_mass
         return np.array([0.0, 0.0, -(mass * self.gravity + self.force * source) * time])
@@ -343,46 +350,28 @@ LEAST = 1e-3  # smaller coefficients of restitution count as this
 
 
 @dataclass(frozen=True)
-class Impact(Moving):
-    """SI units. k_h by the modulus of both bodies, or `stiffness`; chi by `restitution`, or as chi v"""
+class Impact(Straight):
+    """k_h by the modulus of both bodies, or `stiffness`; chi by `restitution`, or as chi v. The law is the dashpot."""
 
-    geometry: str = "sphere outside"
-    law: str = "non_adhesive"  # the dashpot, or undamped
     modulus: float | None = None
     stiffness: float = 1e8
-    restitution: float | None = None
     damped: float = 0.0
-    source_radius: float = 0.125
-    destination_radius: float = 0.5
-    gap: float = 0.125
-    speed: float = 1.0
-    source_mass: float = 1.0
-    destination_mass: float | None = None
-    end: float = 0.0  # 0: as long after the impact as before it
-
-    @property
-    def place(self) -> float:
-        return -(self.reach - self.gap) if self.inside else self.reach + self.gap
 
     @property
     def scale(self) -> float:
-        """A length of the scene"""
         return min(self.gap, self.reach)
 
     def configuration(self) -> dict[str, Any]:
-        values = self.bodies([0.0, 0.0, self.place], [0.0, 0.0, -self.speed]) | {"contact.law": "hertz"}
+        values = self.bodies([0.0, 0.0, self.start_place], [0.0, 0.0, -self.speed]) | {"contact.law": "hertz"}
         if self.shape != PLANE:
             values["contact.location"] = "inside" if self.inside else "outside"
         factor = {"contact.hunt_crossley_factor": self.damped / self.speed}
-        return values | self._stiffness() | self.dashpot_values(self.law, factor)
-
-    def _stiffness(self) -> dict[str, Any]:
+        values |= self.dashpot_values(self.law, factor)
         if self.modulus is None:
-            return {"contact.hertz_stiffness": self.stiffness}
-        values: dict[str, Any] = {"contact.penalty_control": "automatic"}
+            return values | {"contact.hertz_stiffness": self.stiffness}
         for body in ("source", "destination"):
             values |= {f"{body}.youngs_modulus": self.modulus, f"{body}.poissons_ratio": POISSON}
-        return values
+        return values | {"contact.penalty_control": "automatic"}
 
     # The closed form
 
@@ -424,7 +413,7 @@ class Impact(Moving):
             speed, end = mpf(self.speed), mpf(self.end)
             reach = mpf(self.destination_radius) * (self.shape != "plane")
             reach = reach + mpf(self.source_radius) * (-1 if self.inside else 1)
-            touch = (mpf(self.place) - (-reach if self.inside else reach)) / speed
+            touch = (mpf(self.start_place) - (-reach if self.inside else reach)) / speed
             if end < touch + duration:
                 raise ValueError("the end is within the impact")
             # the bodies' distance at the end, over what it would be without contact
@@ -702,18 +691,16 @@ class Edge(Moving):
         """The forces of the contact one after another, and what falls through zero where each ends"""
         c = 0.0 if self.law == "undamped" else self.ratio if self.hertz else 2 * self.ratio
 
-        def full(s: float, v: float) -> float:
-            return 1.25 * max(s, 0.0) ** 1.5 * (1 + c * v) if self.hertz else s + c * v
-
-        def spring(s: float, v: float) -> float:
+        def spring(s: float, _v: float) -> float:
             return 1.25 * max(s, 0.0) ** 1.5 if self.hertz else s
 
-        def pull(s: float, v: float) -> float:
-            return 1 + c * v if self.hertz else s + c * v
+        def full(s: float, v: float) -> float:
+            return spring(s, v) * (1 + c * v) if self.hertz else s + c * v
 
         if self.law == "approach_only" and c > 0:
             return [(full, lambda s, v: v), (spring, lambda s, v: 1.0)]
         if self.law == "non_adhesive" and c > 0:
+            pull = (lambda _s, v: 1 + c * v) if self.hertz else full
             return [(full, pull)]  # nothing acts from there on: it is free
         return [(full, lambda s, v: 1.0)]
 
@@ -769,7 +756,6 @@ class Rolling(Moving):
 
     @property
     def scale(self) -> float:
-        """A length of the scene"""
         return self.radius
 
     @property
@@ -949,7 +935,6 @@ class Similar(Moving):
 
     @property
     def scale(self) -> float:
-        """A length of the scene"""
         return 0.125 * self.units.factor(length=1)
 
     def configuration(self) -> dict[str, Any]:
@@ -974,7 +959,6 @@ class Similar(Moving):
         return values["source.mass"], values["destination.mass"] if free else None
 
     def given_impulse(self, body: str, time: float) -> np.ndarray:
-        """What gravity and the external force have passed to a body"""
         values = self.configuration()
         rows = [values.get(f"{body}.external_force", [0.0] * 3)]
         rows += values.get(f"{body}.external_force.derivatives", [])
@@ -1006,19 +990,6 @@ class Similar(Moving):
             strong=0,
             last_onset=base["contact.last_onset_time"] * time if base["onsets"] else None,
         )
-
-
-def unit_systems() -> Iterator[tuple[str, int, Units]]:
-    """Which unit, its power of two, and all three"""
-    yield "length", 0, UNCHANGED
-    for power in (-30, -20, -10, 10, 20):
-        yield "length", power, Units(length=power)
-    for power in (-30, -20, -10, 10, 20, 30):
-        yield "mass", power, Units(mass=power)
-    for power in (-30, -20, -10, 10, 20):
-        yield "time", power, Units(time=power)
-    for power in (-20, -10, 10, 20):
-        yield "all", power, Units(power, -power, power // 2)
 
 
 # The motions that a scene of the atlas may have

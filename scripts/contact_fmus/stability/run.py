@@ -14,6 +14,7 @@ from mpmath import mp, mpf
 
 from contact_fmus.bench.problems import METHODS
 from contact_fmus.fmu.contact_fmu import ContactFmu, FmuError, Status, fmu_file
+from contact_fmus.scenarios import experiment
 from contact_fmus.scenarios.recording import said
 
 from .line_motion import DIGITS
@@ -23,8 +24,7 @@ from .scenes import Scene
 # Runs one scene on an FMU and keeps what the checks need: the motion at every communication point's end
 
 BODIES = ("source", "destination")
-ENERGIES = ("kinetic", "rotational", "potential", "contact", "tangential", "dissipated", "friction")
-ENERGIES += ("external_work", "total")
+ENERGIES = (*experiment.ENERGIES, "external_work", "total")
 REALS = [
     *(f"{body}.{row}[{i}]" for body in BODIES for row in ("displacement", "velocity") for i in (1, 2, 3)),
     *(f"energy.{name}" for name in ENERGIES),

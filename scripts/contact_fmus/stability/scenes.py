@@ -25,8 +25,8 @@ from .motions import (
     Rolling,
     Similar,
     Tumbling,
+    Units,
     bases,
-    unit_systems,
 )
 
 # A scene of the atlas, and a family of them along one axis
@@ -214,11 +214,9 @@ def variants(hollow: bool | None = None) -> Iterator[HeadOn]:
 def one_field(row: dict[str, Any]) -> Iterator[Scene]:
     """Scenes that differ in one field of their motion, as a row of families.toml says"""
     values = [*row.get("values", ()), *decades(*row["decades"]), *row.get("more", ())]
-    motions = [("", replace(one, **row.get("others", {}))) for one in variants()]
-    if "rolling" in row:
-        motions = [(note, Rolling(**given)) for note, given in row["rolling"].items()]
-    for value, (note, one) in product(values, motions):
-        yield Scene(row["name"], value, replace(one, **{row["field"]: value}), note=note)
+    motions = [Rolling()] if row.get("rolling") else list(variants())
+    for value, one, (note, given) in product(values, motions, row.get("cases", {"": {}}).items()):
+        yield Scene(row["name"], value, replace(one, **given, **{row["field"]: value}), note=note)
 
 
 def size() -> Iterator[Scene]:
@@ -329,12 +327,6 @@ def rim() -> Iterator[Scene]:
                 yield Scene("rim", value, moved, note=f"{along_speed:g} m/s, {side:+d}, {late:.2g} s")
 
 
-def force() -> Iterator[Scene]:
-    for value, one, penalty in product(decades(-3, 12), variants(), (1e6, 1e13)):
-        pressed = replace(one, force=value, penalty=penalty, gravity=0.0)
-        yield Scene("force", value, pressed, note=f"{penalty:g} N/m")
-
-
 def jumps() -> Iterator[Scene]:
     """A prescribed destination jumps by `value` radii: at rest, into the ball, back, and beyond it"""
     for value, one, sign in product(decades(-12, 6), variants(), (1, -1)):
@@ -344,11 +336,12 @@ def jumps() -> Iterator[Scene]:
         yield Scene("jump", value, moved, steps=(8,), jumps=given, note=f"{sign:+d}")
 
 
-def units(which: str) -> Iterator[Scene]:
-    for kind, power, system in unit_systems():
-        if kind == which:
-            for number, base in enumerate(bases()):
-                yield Scene(f"unit of {which}", power, Similar(number, system), note=base["name"])
+def units(row: dict[str, Any]) -> Iterator[Scene]:
+    """The oblique scenes in units that are powers of two, as a row of families.toml says"""
+    for power in row["powers"]:
+        system = Units(**{unit: int(share * power) for unit, share in row["units"].items()})
+        for number, base in enumerate(bases()):
+            yield Scene(row["name"], power, Similar(number, system), note=base["name"])
 
 
 def plane() -> Iterator[Scene]:
@@ -372,7 +365,7 @@ def at_once() -> Iterator[Scene]:
 FUNCTIONS = {
     one.__name__: one
     for one in (
-        *(size, radius_ratio, clearance, bullet, damping, viscous, communication_step, start, rim, force, jumps, plane),
+        *(size, radius_ratio, clearance, bullet, damping, viscous, communication_step, start, rim, jumps, plane),
         *(over_the_edge, edge_on, modulus, restitution, exponent, spin, tumbling_rate, at_once),
     )
 }
@@ -380,10 +373,7 @@ FUNCTIONS = {
 
 def _family(row: dict[str, Any]) -> Family:
     """A row of families.toml"""
-    if "function" in row:
-        make = FUNCTIONS[row["function"]]
-    else:
-        make = partial(units, row["unit"]) if "unit" in row else partial(one_field, row)
+    make = FUNCTIONS[row["function"]] if "function" in row else partial(units if "units" in row else one_field, row)
     return Family(row["name"], row["axis"], make)
 
 
