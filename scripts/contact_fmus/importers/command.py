@@ -81,8 +81,7 @@ class Trial:
 def installed(importer: Importer, python: Path, java: Programs) -> bool:
     if not importer.module:
         return importer.name in java
-    command = [str(python), "-c", f"import {importer.module}"]
-    return subprocess.run(command, capture_output=True, check=False).returncode == 0
+    return _done([str(python), "-c", f"import {importer.module}"])
 
 
 def prepared_java(folder: Path) -> Programs:

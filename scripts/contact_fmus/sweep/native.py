@@ -142,15 +142,12 @@ def run(plan: Plan, batch: Batch, library: Path, resources: str, loop: Path) -> 
     strings = (ctypes.c_char_p * len(plan.strings))(*(value.encode() for _, value in plan.strings))
     described = _Batch(
         os.fsencode(library),
-        plan.identifier.encode(),
-        plan.guid.encode(),
-        resources.encode(),
+        *(text.encode() for text in (plan.identifier, plan.guid, resources)),
         plan.start_time,
         plan.tolerance or 0.0,
         plan.tolerance is not None,
         len(plan.points),
-        _at(plan.points),
-        _at(plan.reads),
+        *map(_at, (plan.points, plan.reads)),
         *sets,
         len(plan.strings),
         _at(string_references),
@@ -159,10 +156,7 @@ def run(plan: Plan, batch: Batch, library: Path, resources: str, loop: Path) -> 
         len(plan.outputs),
         _at(plan.outputs),
         batch.runs,
-        _at(values),
-        _at(status),
-        _at(messages),
-        _at(warnings),
+        *map(_at, (values, status, messages, warnings)),
     )
     if _function(loop)(ctypes.byref(described)) != 0:
         raise RunFailure(f"the FMU's library cannot be used: {_text(messages[0])}")

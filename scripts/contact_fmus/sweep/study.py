@@ -458,10 +458,8 @@ class Samples:
 
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # a count that is no power of 2 is allowed
-            if self.sampling.method == "sobol":
-                engine: qmc.QMCEngine = qmc.Sobol(len(self.sampled), rng=self.sampling.seed)
-            else:
-                engine = qmc.Halton(len(self.sampled), rng=self.sampling.seed)
+            make = {"sobol": qmc.Sobol, "halton": qmc.Halton}[self.sampling.method]
+            engine = make(len(self.sampled), rng=self.sampling.seed)
             if start:
                 engine.fast_forward(start)
             return engine.random(size)
