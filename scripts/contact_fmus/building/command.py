@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import jinja2
 from rich.console import Console
 
 from contact_fmus.errors import UserError
@@ -26,7 +27,6 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 SHAPES = tomllib.loads(Path(__file__).with_name("shapes.toml").read_text(encoding="utf-8"))
 TEMPLATE = Path(__file__).with_name("scene.toml")
-RADIUS = '"{body}.radius" = 0.5 # m'
 
 
 def scene_text(name: str, shape: str, inside: bool, pinned: list[str]) -> str:
@@ -44,16 +44,8 @@ def scene_text(name: str, shape: str, inside: bool, pinned: list[str]) -> str:
         chosen["contact.location"] = "inside"
     chosen |= dict(_choice(text) for text in pinned)
     start = {key: value for key, value in about["start"].items() if key not in chosen}
-    hollow = "hollow " if inside else ""
-    return TEMPLATE.read_text(encoding="utf-8").format(
-        name=name,
-        body=body,
-        title=f"A ball bouncing {'in' if inside else 'on'} a {hollow}{shape}",
-        place="in" if inside else "on",
-        shape=shape,
-        start="\n".join(filter(None, (RADIUS.format(body=body) if shape != "plane" else "", _lines(start)))),
-        pinned=_lines(chosen),
-    )
+    template = jinja2.Template(TEMPLATE.read_text(encoding="utf-8"), trim_blocks=True, keep_trailing_newline=True)
+    return template.render(name=name, shape=shape, inside=inside, body=body, start=_lines(start), pinned=_lines(chosen))
 
 
 def _choice(text: str) -> tuple[str, str | float | bool]:
@@ -99,7 +91,9 @@ def build(arguments: list[str] | None = None) -> int:
             shutil.copyfile(of_platforms[0], fmu)
         else:
             join(list(of_platforms), fmu)
-        _tell(fmu, compiler, time.monotonic() - begin, options.json)
+        size, made_by, seconds = fmu.stat().st_size, " ".join(compiler), round(time.monotonic() - begin, 1)
+        about = json.dumps({"fmu": str(fmu), "bytes": size, "compiler": made_by, "seconds": seconds})
+        print(about if options.json else f"{fmu}: {size / 1e3:.0f} kB by {made_by} in {seconds} s")
     return 0
 
 
@@ -136,14 +130,6 @@ def _checked(files: list[Path]) -> list[Scene]:
             raise UserError(f"{file}: 'name' is '{scene.name}', as in {scenes[scene.name].file}")
         scenes[scene.name] = scene
     return list(scenes.values())
-
-
-def _tell(fmu: Path, compiler: list[str], seconds: float, as_json: bool) -> None:
-    about = {"fmu": str(fmu), "bytes": fmu.stat().st_size, "compiler": " ".join(compiler), "seconds": round(seconds, 1)}
-    if as_json:
-        print(json.dumps(about))
-    else:
-        print(f"{fmu}: {about['bytes'] / 1e3:.0f} kB by {about['compiler']} in {about['seconds']} s")
 
 
 def new(arguments: list[str] | None = None) -> int:

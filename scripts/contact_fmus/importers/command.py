@@ -39,7 +39,6 @@ TEXT = {"capture_output": True, "text": True, "check": False}
 class Importer:
     name: str
     registry: str
-    package: str  # as the registry knows it
     module: str  # of Python; empty for Java, see prepared_java
     script: str
     fmi3: bool = True  # False where nobody has tried

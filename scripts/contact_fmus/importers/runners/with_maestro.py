@@ -8,39 +8,15 @@ from decimal import Decimal
 from pathlib import Path
 from xml.etree import ElementTree
 
+import jinja2
 from request import Request, answer, request
-
-# setInteger takes an array, which has a name of its own.
-SETTING = """uint reference_{at}[1] = {{{reference}}};
-    int value_{at}[1] = {{{value}}};
-    failed = failed + tried.setInteger(reference_{at}, 1, value_{at});
-    """
 
 
 def program(asked: Request) -> str:
     about = ElementTree.fromstring(zipfile.ZipFile(asked.fmu).read("modelDescription.xml"))
-    size = len(asked.references)
-    return (
-        Path(__file__)
-        .with_suffix(".mabl")
-        .read_text(encoding="utf-8")
-        .format(
-            guid=about.get("guid"),
-            fmu=asked.fmu,
-            settings="".join(
-                SETTING.format(at=at, reference=reference, value=value)
-                for at, (_, reference, value) in enumerate(asked.settings)
-            ).rstrip(),
-            count=asked.count,
-            step=f"{Decimal(repr(asked.step)):f}",  # the language has no exponents
-            size=size,
-            size_and_one=size + 1,
-            references=", ".join(map(str, asked.references.values())),
-            zeros=", ".join(["0.0"] * size),
-            headers=", ".join(f'"{at}"' for at in range(size + 1)),
-            values=", ".join(f"values[{at}]" for at in range(size)),
-        )
-    )
+    template = jinja2.Template(Path(__file__).with_suffix(".mabl").read_text(encoding="utf-8"), trim_blocks=True)
+    step = f"{Decimal(repr(asked.step)):f}"  # the language has no exponents
+    return template.render(asked=asked, guid=about.get("guid"), step=step, size=len(asked.references))
 
 
 jar = sys.argv.pop(1)
