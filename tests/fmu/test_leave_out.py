@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from contact_fmus.fmu.contact_fmu import ContactFmu
-from contact_fmus.scenarios.experiment import scene_file
 from support.fmi2 import elf
+from support.generator.generated import scene_file
 from support.sources import units_of
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -13,13 +13,13 @@ import numpy as np
 
 from contact_fmus import pages
 from contact_fmus.errors import UserError
-from contact_fmus.fmu.contact_fmu import ContactFmu, fmu_file
-from contact_fmus.fmu.files import fmus_folder, repository
+from contact_fmus.fmu.contact_fmu import ContactFmu
+from contact_fmus.fmu.files import fmus_folder, has_scene, repository
 from contact_fmus.options import parse
 from contact_fmus.pages import plain, write_pages
 from contact_fmus.plot.command import draw_scenario
 from contact_fmus.scenarios import claims
-from contact_fmus.scenarios.experiment import Claim, Scenario, Variant, scene_file
+from contact_fmus.scenarios.experiment import Claim, Scenario, Variant
 from contact_fmus.scenarios.recording import record
 from contact_fmus.scenarios.scenario import SCENARIOS, find, read_scenario
 
@@ -195,12 +195,12 @@ def leave_out(arguments: list[str] | None = None) -> int:
     """0: compared; 2: none is built; 3: an FMU refused"""
     parse("leave-out", arguments)
     cells = []
-    for name in sorted(file.stem for file in fmus_folder().glob("*.fmu") if scene_file(file.stem)):
-        with ContactFmu(fmu_file(name)) as fmu:
+    for file in filter(has_scene, sorted(fmus_folder().glob("*.fmu"))):
+        with ContactFmu(file) as fmu:
             library = sum(file.stat().st_size for file in Path(fmu.folder, "binaries").rglob("*.so"))
             fmu.start()
             numbers = len(fmu.description.modelVariables), library, len(fmu.save())
-        cells.append([name, *(f"{number:,}" for number in numbers)])
+        cells.append([file.stem, *(f"{number:,}" for number in numbers)])
     if not cells:
         raise FileNotFoundError(f"no FMU in {fmus_folder()}: build first")
     header = ["FMU", "variables", "library [bytes]", "state [bytes]"]

@@ -14,7 +14,7 @@ import numpy as np
 from . import closed_forms
 from .experiment import ENERGIES, Claim, Recording, RunError
 
-# The contact geometry and force law once more, from DESIGN's formulas in NumPy, to compare the FMU with
+# The contact geometry and force law once more, in NumPy, to compare the FMU with
 
 
 def _pair(run: Recording) -> tuple[str, str, str]:

@@ -1,9 +1,8 @@
 """What a scenario is, once read, and what a run of it leaves: the types that all other files here share"""
 
 import math
-import tomllib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -11,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from contact_fmus.errors import RunFailure
-from contact_fmus.fmu.files import Contact, Scene, fmu_file, has_scene, read_scene, repository
+from contact_fmus.fmu.files import Contact, Scene, fmu_file, has_scene, read_scene
 
 # Inputs over time: straight lines between points, a sinusoid, or the time derivative of another input
 
@@ -237,19 +236,13 @@ class Scenario:
     def plotted(self) -> list[Variant]:
         """The runs that are drawn: the last choice of everything but what is compared"""
         last = self.variants[-1].choice
-        drawn = [
-            variant
-            for variant in self.variants
-            if all(value == last[name] for name, value in variant.choice.items() if name != self.plot_compare)
+        compared = [
+            {name: one.choice[name] for name in one.choice if name == self.plot_compare} for one in self.variants
         ]
         return [
-            Variant(
-                {name: value for name, value in variant.choice.items() if name == self.plot_compare},
-                variant.start,
-                self.plot_steps,
-                variant.tolerance,
-            )
-            for variant in drawn
+            replace(variant, choice=choice, steps=self.plot_steps)
+            for variant, choice in zip(self.variants, compared, strict=True)
+            if variant.choice == last | choice
         ]
 
 
@@ -303,13 +296,6 @@ class Recording:
 
     def has(self, name: str) -> bool:
         return name in self.initial or name in pinned_values(self.scenario.fmu)
-
-
-@cache
-def scene_file(fmu: str) -> dict[str, Any]:
-    """The scene an FMU was built from; empty for an FMU from elsewhere"""
-    path = repository() / "modelDescription" / "scenes" / f"{fmu}.toml"
-    return tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
 
 
 @cache
