@@ -19,6 +19,7 @@ from distributed.comm import parse_address
 from distributed.scheduler import KilledWorker
 
 from contact_fmus.errors import RunFailure, UserError
+from contact_fmus.fmu.variables import is_fmi3
 
 from .native import AT, MAX, MEAN, MIN, Batch, Plan, Rows, Setting
 from .store import CRASH, Store, make_table
@@ -90,11 +91,11 @@ def make_plan(study: Study) -> Plan:
         rows.append((offsets[kind] + read[kind][one.variable.references[0]], CODES[one.reduction], point))
         reads[point if CODES[one.reduction] == AT else slice(None)] = 1
     strings = [(name, value) for name, value in study.constants.items() if isinstance(value, str)]
-    references = study.interface.variables
+    about, references = study.interface.about, study.interface.variables
     return Plan(
-        study.interface.identifier,
-        study.interface.guid,
-        study.interface.fmi3,
+        about.coSimulation.modelIdentifier,
+        about.guid,
+        is_fmi3(about),
         study.start_time,
         study.tolerance,
         np.array(study.points),
@@ -107,7 +108,8 @@ def make_plan(study: Study) -> Plan:
 
 
 def make_work(study: Study) -> Work:
-    return Work(study.fmu.read_bytes(), make_plan(study), study.interface.single)
+    single = study.interface.about.coSimulation.canBeInstantiatedOnlyOncePerProcess
+    return Work(study.fmu.read_bytes(), make_plan(study), bool(single))
 
 
 def _setting(study: Study, kind: int) -> Setting:

@@ -18,7 +18,7 @@ import numpy as np
 
 from contact_fmus.errors import RunFailure, UserError, read_toml, similar
 from contact_fmus.fmu.files import fmu_file, unpack
-from contact_fmus.fmu.variables import Variable, is_fmi3, read_variables, scalars
+from contact_fmus.fmu.variables import Variable, read_variables, scalars
 
 # The keys of a study file, taken one by one; what is wrong is said in one sentence
 
@@ -108,18 +108,14 @@ LEAST, MOST = -(2**31), 2**31 - 1
 class Interface(NamedTuple):
     """Variables of an FMU by name, with their ranges"""
 
-    model: str
-    identifier: str
-    guid: str
+    about: Any  # the description, by fmpy
     variables: dict[str, Variable]
     ranges: dict[int, tuple[float, float]]  # of Real and Integer, by value reference and type's first letter
     settable: frozenset[str]
-    single: bool  # one instance in a process
-    fmi3: bool
 
     def variable(self, name: str, where: str) -> Variable:
         if name not in self.variables:
-            said = f"{where}: {self.model} has no variable '{name}'"
+            said = f"{where}: {self.about.modelName} has no variable '{name}'"
             raise UserError(said + similar(name, self.variables))
         return self.variables[name]
 
@@ -160,7 +156,7 @@ class Interface(NamedTuple):
         low, high = self.ranges.get(variable.references[0], (-math.inf, math.inf))
         if not low <= value <= high:
             unit = f" {variable.unit}" if variable.unit else ""
-            said = f"{where}: {variable.name} = {value!r}{unit} is outside what {self.model} allows, "
+            said = f"{where}: {variable.name} = {value!r}{unit} is outside what {self.about.modelName} allows, "
             raise UserError(f"{said}{low!r} to {high!r}{unit}")
 
 
@@ -176,7 +172,7 @@ def item(variable: Variable, value: Any, where: str) -> int:
 
 def read_interface(file: Path) -> Interface:
     _, description = unpack(file)
-    every, variables, kind = scalars(description), read_variables(description), description.coSimulation
+    every, variables = scalars(description), read_variables(description)
     # What may be set before the start: FMI 2.0, 2.2.7
     settable = {
         one.name
@@ -186,8 +182,7 @@ def read_interface(file: Path) -> Interface:
     }
     settable |= {name for name, one in variables.items() if one.is_vector and f"{name}[1]" in settable}
     ranges = {one.valueReference: _range(one) for one in every if one.type in ("Real", "Integer")}
-    about = (description.modelName, kind.modelIdentifier, description.guid, variables, ranges, frozenset(settable))
-    return Interface(*about, bool(kind.canBeInstantiatedOnlyOncePerProcess), is_fmi3(description))
+    return Interface(description, variables, ranges, frozenset(settable))
 
 
 def _range(scalar: Any) -> tuple[float, float]:
@@ -231,7 +226,12 @@ def build_scene(scene: Path) -> Path:
 # How the values of one parameter are chosen: a list, a grid, or a distribution to draw from
 
 SCALES = ("linear", "log")
-DISTRIBUTIONS = ("uniform", "normal", "lognormal", "triangular")
+DISTRIBUTIONS = {  # and the keys that belong to each
+    "uniform": {"range", "scale"},
+    "normal": {"range", "mean", "deviation"},
+    "lognormal": {"range", "median", "deviation"},
+    "triangular": {"range", "mode"},
+}
 # Keys of each form of an entry of [vary], told apart by the key that only it has
 GRID = ("from", "to", "count", "scale")
 SAMPLED = ("range", "scale", "distribution", "mean", "deviation", "median", "mode")
@@ -320,8 +320,11 @@ def _grid(interface: Interface, variable: Variable, table: Table) -> np.ndarray:
 
 
 def _drawn(interface: Interface, variable: Variable, table: Table) -> Callable[[np.ndarray], np.ndarray]:
-    kind = one_of(table.get("distribution", "uniform"), table.place("distribution"), DISTRIBUTIONS)
-    _belongs(table, kind)
+    kind = one_of(table.get("distribution", "uniform"), table.place("distribution"), tuple(DISTRIBUTIONS))
+    for key in table.content:
+        if key not in DISTRIBUTIONS[kind] | {"distribution"}:
+            allowed = ", ".join(sorted(DISTRIBUTIONS[kind]))
+            raise UserError(f"{table.place(key)} does not belong to the distribution {kind}; allowed: {allowed}")
     if kind == "uniform":
         low, high = table.pair("range")
         logarithmic = _ends(interface, variable, low, high, table)
@@ -338,20 +341,6 @@ def _drawn(interface: Interface, variable: Variable, table: Table) -> Callable[[
     if variable.type == "Integer":
         return lambda u: np.round(quantile(u)).astype(np.int32).reshape(-1, 1)
     return lambda u: quantile(u).reshape(-1, 1)
-
-
-def _belongs(table: Table, kind: str) -> None:
-    """No key of another distribution"""
-    own = {
-        "uniform": {"range", "scale"},
-        "normal": {"range", "mean", "deviation"},
-        "lognormal": {"range", "median", "deviation"},
-        "triangular": {"range", "mode"},
-    }[kind]
-    for key in table.content:
-        if key not in own | {"distribution"}:
-            allowed = ", ".join(sorted(own))
-            raise UserError(f"{table.place(key)} does not belong to the distribution {kind}; allowed: {allowed}")
 
 
 def _bounded(interface: Interface, variable: Variable, kind: str, table: Table) -> Callable[[np.ndarray], np.ndarray]:
