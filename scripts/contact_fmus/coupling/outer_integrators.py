@@ -1,19 +1,8 @@
 """Integrators of a free ball of 1 kg on a line, whose contact force comes from a force element, step by step.
 
-u, v: displacement and velocity of the ball, g gravity, h the communication step, F the force. Where the force
-comes from (the coupling):
-
-at once           F(u, v) as soon as inputs are set, without a step: as a force law inside the tool
-held              the FMU steps beside the tool with the inputs held: the force of the step's start comes at
-                  its end
-derivative 1      the same with u' = v and v' = a, the tool's present acceleration, given as input
-                  derivatives: the force of u + h v, v + h a
-derivatives 1, 2  and with u'' = a
-mean, predicted   the FMU steps first, along the straight line u + v t; the tool then applies the mean force
-mean, iterated    the FMU repeats the step along the straight line to the tool's new u until that is where
-                  the mean force brings it. With v1 = v + h (g + F) and u1 = u + h (v + v1)/2 the work of F
-                  along the line is the change of kinetic energy: an undamped contact keeps its energy at
-                  every h
+u, v: displacement and velocity of the ball, g gravity, h the communication step, F the force. words.toml tells the
+couplings: where the force comes from, and when. The iterated mean force keeps the energy of an undamped contact at
+every h: with v1 = v + h (g + F) and u1 = u + h (v + v1)/2 the work of F along the line is the change of kinetic energy.
 """
 
 from collections.abc import Callable

@@ -119,16 +119,7 @@ def _remove_if_owner(folder: Path, owner: int) -> None:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-# The scene that an FMU was built from: its bodies, their shapes, its contacts and what it pins.
-#
-# An FMU carries it as resources/scene.json; modelDescription.xml tells neither shapes nor pinned values:
-#
-#     {"format": 1, "name": "BallInShell", "title": "...",
-#      "bodies": [{"name": "source", "shape": "sphere"}, ...],
-#      "contacts": [{"name": "contact", "source": "source", "destination": "destination"}, ...],
-#      "pinned": {"source.motion": "free", ...}}
-#
-# A reader should take shapes that it does not know for what they have: a position, perhaps a radius.
+# The scene that an FMU was built from: its bodies, their shapes, its contacts and what it pins (docs/fmus.md)
 
 MEMBER = "resources/scene.json"
 FORMAT = 1
