@@ -6,8 +6,8 @@ contact turns round. Inside they overlap by s = |q| - reach, on a plane by s = r
 
     m s'' = m b - F(s, s'),    b the acceleration into the contact,
 
-with F by the dashpot (DESIGN section 1 of the FMU): all straight-lined pieces, joined at the first sign
-change of s, s' or F. `mpmath` carries the digits, 60 here.
+with F by the dashpot (fmu_src/contact/law.c): linear pieces, joined at the first sign change of s, s' or F.
+`mpmath` carries the digits, 60 here.
 """
 
 from collections.abc import Callable, Iterator

@@ -213,14 +213,12 @@ class HeadOn(Straight):
             values["destination.motion"] = "prescribed"
         if self.length is not None:
             values |= {"destination.finite_length": True, "destination.length": self.length}
-        return values | self._law()
-
-    def _law(self) -> dict[str, Any]:
-        stiffness = {"contact.penalty_factor": self.penalty}
         if self.law == "viscous_only":
-            stiffness = {"contact.penalty_control": "viscous_only"}
+            values["contact.penalty_control"] = "viscous_only"
+        else:
+            values["contact.penalty_factor"] = self.penalty
         factor = {} if self.restitution is not None else {"contact.viscous_penalty_factor": self.dashpot_factor}
-        return stiffness | self.dashpot_values(self.kind, factor)
+        return values | self.dashpot_values(self.kind, factor)
 
     def _restitution_factor(self) -> mpf:
         with mp.workdps(DIGITS):
@@ -648,7 +646,9 @@ class Edge(Moving):
         bounce = self._bounce(into / self.speed, momentum * time, unit)
         if bounce.duration * time > left:
             raise ValueError("the end is within the impact")
-        normal, along = _turned(normal, bounce.turned)
+        c, s = math.cos(bounce.turned), math.sin(bounce.turned)
+        normal = np.array([[c, -s], [s, c]]) @ normal
+        along = np.array([-normal[1], normal[0]])
         if not self.on_face and min(normal) < 0:
             raise ValueError("the ball goes on over a face")
         apart = self.source_radius - bounce.depth * unit
@@ -703,13 +703,6 @@ class Edge(Moving):
             pull = (lambda _s, v: 1 + c * v) if self.hertz else full
             return [(full, pull)]  # nothing acts from there on: it is free
         return [(full, lambda s, v: 1.0)]
-
-
-def _turned(normal: np.ndarray, angle: float) -> tuple[np.ndarray, np.ndarray]:
-    """The normal turned on, and the way along which it turns"""
-    c, s = math.cos(angle), math.sin(angle)
-    turned = np.array([c * normal[0] - s * normal[1], s * normal[0] + c * normal[1]])
-    return turned, np.array([-turned[1], turned[0]])
 
 
 # A ball that slides and then rolls on a plane, and a cylinder that tumbles into a ball: the FMU's start
