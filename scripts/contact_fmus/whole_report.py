@@ -13,12 +13,10 @@ def main(arguments: list[str] | None = None) -> int:
     parts = [
         ("The FMU's solvers", measure.main, [*quick, *folder]),
         ("The FMU as a force element", study.main, [*quick, *folder]),
-        ("Other simulators", command.main, [*quick, *folder]),
+        *([("Other simulators", command.main, [*quick, *folder])] if options.peers else []),
         ("Page", page.main, folder),
     ]
     for title, part, given in parts:
-        if part is command.main and not options.peers:
-            continue
         print(f"\n== {title}", flush=True)
         status = part(given)
         if status != 0:

@@ -13,6 +13,7 @@ from contact_fmus.plot.page import numbers
 from contact_fmus.plot.panels import touches, usual
 from contact_fmus.plot.source import Run, motion_of, open_runs
 from contact_fmus.results import Result, output_file
+from contact_fmus.scenarios.closed_forms import cylinder_extent
 from contact_fmus.scenarios.experiment import Motion
 from contact_fmus.scenarios.scenario import ANY, find
 
@@ -155,10 +156,7 @@ def _box(motion: Motion, body: str) -> tuple[np.ndarray, np.ndarray]:
         places = _plane_place(motion, body)
         return np.min(places, axis=0), np.max(places, axis=0)
     centers, radius, axis = motion.position(body), motion.radius(body) or 0.0, motion.axis(body)
-    extent = np.full(3, radius)
-    if axis is not None:
-        half = 0.5 * (motion.length(body) or 0.0)
-        extent = half * np.abs(axis) + radius * np.sqrt(np.maximum(0.0, 1.0 - axis**2))
+    extent = np.full(3, radius) if axis is None else cylinder_extent(radius, axis, motion.length(body) or 0.0)
     return np.min(centers, axis=0) - extent, np.max(centers, axis=0) + extent
 
 

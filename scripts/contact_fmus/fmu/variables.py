@@ -166,7 +166,16 @@ OPEN = {"sphere": "SphereSphere", "cylinder": "SphereCylinder", "plane": "Sphere
 
 def read_settings(texts: Iterable[str], variables: dict[str, Variable], fmu: Path) -> dict[str, Any]:
     """Values by name; UserError for a name that is not there, or a value that is none of its kind"""
-    return dict(_setting(text, variables, fmu) for text in texts)
+    found = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or not name or not value:
+            raise UserError(f"--set takes NAME=VALUE, such as contact.dashpot=unclamped, not '{text}'")
+        variable = known(name, variables, fmu)
+        if variable.causality not in SETTABLE:
+            raise UserError(f"{name} is a variable of kind {variable.causality}: only parameters and inputs are set")
+        found[name] = _value(variable, value)
+    return found
 
 
 def known(name: str, variables: dict[str, Variable], fmu: Path) -> Variable:
@@ -190,24 +199,13 @@ def _where_open(name: str, scene: Scene) -> str:
         with contextlib.suppress(FileNotFoundError):
             if name in read_variables(unpack(fmu_file(other))[1]):
                 return f"; {other} has it open"
-    pinned = name in scene.pinned
-    return "; a scene that does not pin it has it open" if pinned else ""
+    return "; a scene that does not pin it has it open" if name in scene.pinned else ""
 
 
 def _written(value: Any) -> str:
     if isinstance(value, list):
         return ",".join(_written(one) for one in value)
     return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def _setting(text: str, variables: dict[str, Variable], fmu: Path) -> tuple[str, Any]:
-    name, equals, value = (part.strip() for part in text.partition("="))
-    if not equals or not name or not value:
-        raise UserError(f"--set takes NAME=VALUE, such as contact.dashpot=unclamped, not '{text}'")
-    variable = known(name, variables, fmu)
-    if variable.causality not in SETTABLE:
-        raise UserError(f"{name} is a variable of kind {variable.causality}: only parameters and inputs are set")
-    return name, _value(variable, value)
 
 
 def _value(variable: Variable, text: str) -> Any:

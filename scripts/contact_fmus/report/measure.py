@@ -65,17 +65,14 @@ def read_rows(file: Path) -> list[Row]:
         reader = csv.DictReader(stream)
         if tuple(reader.fieldnames or ()) != COLUMNS:
             raise ValueError(f"{file}: the columns are {reader.fieldnames}, not {list(COLUMNS)}")
-        return [_row(cells) for cells in reader]
-
-
-def _row(cells: dict[str, str]) -> Row:
-    numbers: dict[str, Any] = {}
-    for name in ("parameter", "time_s", "time_min_s", "error_m"):
-        value = float(cells[name]) if cells[name] else math.nan
-        numbers[name] = value if math.isfinite(value) else None
-    for name in ("communication_steps", "onsets"):
-        numbers[name] = int(float(cells[name])) if cells[name] else None
-    return Row(**{**cells, **numbers})
+        rows: list[dict[str, Any]] = list(reader)
+    for cells in rows:
+        for name in ("parameter", "time_s", "time_min_s", "error_m"):
+            value = float(cells[name] or math.nan)
+            cells[name] = value if math.isfinite(value) else None
+        for name in ("communication_steps", "onsets"):
+            cells[name] = int(float(cells[name])) if cells[name] else None
+    return [Row(**cells) for cells in rows]
 
 
 def read_part(file: Path) -> dict[str, Any]:

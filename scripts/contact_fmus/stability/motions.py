@@ -158,6 +158,11 @@ class Straight(Moving):
         """Where the gap puts the source along z"""
         return -(self.reach - self.gap) if self.inside else self.reach + self.gap
 
+    @property
+    def exact_reach(self) -> mpf:
+        destination = mpf(0 if self.shape == PLANE else self.destination_radius)
+        return destination + mpf(self.source_radius) * (-1 if self.inside else 1)
+
 
 @dataclass(frozen=True)
 class HeadOn(Straight):
@@ -228,12 +233,11 @@ class HeadOn(Straight):
         """The closed form, from the very numbers that the FMU is given"""
         with mp.workdps(DIGITS):
             free = self.destination_mass is not None
-            radii = mpf(0 if self.geometry == PLANE else self.destination_radius), mpf(self.source_radius)
             damped = self.restitution is not None and self.law != "undamped"
             return Line(
                 inside=self.inside,
                 flat=self.geometry == PLANE,
-                reach=radii[0] - radii[1] if self.inside else radii[0] + radii[1],
+                reach=self.exact_reach,
                 mass=self.mass,
                 stiffness=mpf(self.stored_penalty),
                 damping=self._restitution_factor() if damped else mpf(self.dashpot_factor),
@@ -409,9 +413,7 @@ class Impact(Straight):
         with mp.workdps(DIGITS):
             duration, after, depth = self.impact
             speed, end = mpf(self.speed), mpf(self.end)
-            reach = mpf(self.destination_radius) * (self.shape != "plane")
-            reach = reach + mpf(self.source_radius) * (-1 if self.inside else 1)
-            touch = (mpf(self.start_place) - (-reach if self.inside else reach)) / speed
+            touch = (mpf(self.start_place) - (-self.exact_reach if self.inside else self.exact_reach)) / speed
             if end < touch + duration:
                 raise ValueError("the end is within the impact")
             # the bodies' distance at the end, over what it would be without contact
