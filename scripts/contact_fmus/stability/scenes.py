@@ -87,22 +87,20 @@ def decades(first: int, last: int, stride: int = 1) -> list[float]:
 LINEAR_OR_HERTZ = ((False, "linear"), (True, "hertz"))
 
 
-def over_the_edge() -> Iterator[Scene]:
+def over_the_edge(values: Sequence[float]) -> Iterator[Scene]:
     """A ball comes down on the cap, or across the side, and its centre passes the edge so far inside or
     outside: it meets the face, or the rim, or passes"""
-    for value, law, (hertz, name) in product([0.0, *decades(-12, 0)], LAWS[:4], LINEAR_OR_HERTZ):
+    for value, law, (hertz, name) in product(values, LAWS[:4], LINEAR_OR_HERTZ):
         one = Edge(law=law, hertz=hertz)
         for (angle, face), sign in product(((TURN, "cap"), (0.0, "side")), (1, -1) if value else (1,)):
             moved = replace(one, angle=angle, offset=sign * value * one.destination_radius)
             yield Scene("over the edge", value, moved, note=f"{name}, {face}, {sign:+d}")
 
 
-def edge_on() -> Iterator[Scene]:
+def edge_on(values: Sequence[float]) -> Iterator[Scene]:
     """At the rim along the bisector, dead centre and beside it, and parallel to the cap, at all speeds, soft
     and stiff"""
-    for value, law, (hertz, name), depth in product(
-        decades(-6, 6, 2), LAWS[:4], LINEAR_OR_HERTZ, (1e-6, 1e-3, 0.1, 0.5)
-    ):
+    for value, law, (hertz, name), depth in product(values, LAWS[:4], LINEAR_OR_HERTZ, (1e-6, 1e-3, 0.1, 0.5)):
         one = Edge(law=law, hertz=hertz, speed=value, depth=depth)
         for angle, part in ((math.pi / 4, 0.0), (math.pi / 4, 0.3), (0.0, 0.3), (0.0, 0.6)):
             if depth + part > 0.75:
@@ -117,8 +115,8 @@ def edge_on() -> Iterator[Scene]:
 DAMPED = LAWS[1:4]  # the dashpots
 
 
-def modulus() -> Iterator[Scene]:
-    for value, geometry in product(decades(5, 13), IMPACT_GEOMETRIES):
+def modulus(values: Sequence[float]) -> Iterator[Scene]:
+    for value, geometry in product(values, IMPACT_GEOMETRIES):
         one = Impact(geometry=geometry, modulus=value)
         yield Scene("modulus", value, replace(one, law="undamped"))
         for law in DAMPED:
@@ -127,40 +125,39 @@ def modulus() -> Iterator[Scene]:
             yield Scene("modulus", value, free, note="Hunt-Crossley, both free")
 
 
-def restitution() -> Iterator[Scene]:
-    for value, geometry, law in product(
-        (0.0, 1e-6, 1e-3, 0.01, 0.05, 0.2, 0.5, 0.8, 0.95, 0.999, 1.0), IMPACT_GEOMETRIES, DAMPED
-    ):
+def restitution(values: Sequence[float]) -> Iterator[Scene]:
+    for value, geometry, law in product(values, IMPACT_GEOMETRIES, DAMPED):
         hertz = Impact(geometry=geometry, law=law, restitution=value)
         yield Scene("restitution", value, hertz, note="hertz")
         linear = HeadOn(geometry=geometry, law=law, restitution=value, gravity=0.0)
         yield Scene("restitution", value, linear, note="linear")
 
 
-def exponent() -> Iterator[Scene]:
+def exponent(values: Sequence[float]) -> Iterator[Scene]:
     """1: the linear law, 3/2: Hertz's, from creeping to a bullet's speed; the depth is the same"""
+    linear_law, hertz_law = values
     for geometry, law, speed in product(IMPACT_GEOMETRIES, LAWS[:4], decades(-6, 6, 3)):
         e = None if law == "undamped" else 0.7
         penalty = (speed / 1e-3) ** 2
         linear = HeadOn(geometry=geometry, law=law, restitution=e, gravity=0.0, speed=speed, penalty=penalty)
-        yield Scene("exponent", 1.0, linear, note=f"{speed:g} m/s")
+        yield Scene("exponent", linear_law, linear, note=f"{speed:g} m/s")
         stiffness = 1.25 * speed**2 / 1e-3**2.5
         hertz = Impact(geometry=geometry, law=law, restitution=e, speed=speed, stiffness=stiffness)
-        yield Scene("exponent", 1.5, hertz, note=f"{speed:g} m/s")
+        yield Scene("exponent", hertz_law, hertz, note=f"{speed:g} m/s")
 
 
 # Families of the atlas whose bodies turn: a ball that slides and rolls, a cylinder that tumbles
 
 
-def spin() -> Iterator[Scene]:
-    for value, speed in product([0.0, *decades(-6, 6)], (0.0, 1.0, 100.0)):
+def spin(values: Sequence[float]) -> Iterator[Scene]:
+    for value, speed in product(values, (0.0, 1.0, 100.0)):
         if speed or value:
             one = Rolling(speed=speed, spin=-value, slip_velocity=1e-3)
             yield Scene("spin", value, one, note=f"{speed:g} m/s")
 
 
-def tumbling_rate() -> Iterator[Scene]:
-    for value in decades(-6, 6):
+def tumbling_rate(values: Sequence[float]) -> Iterator[Scene]:
+    for value in values:
         one = Tumbling(rate=value)
         yield Scene("tumbling rate", value, one)
         yield Scene("tumbling rate", value, replace(one, end=1.01 * one.touch), note="up to the impact")
@@ -211,25 +208,24 @@ def variants(hollow: bool | None = None) -> Iterator[HeadOn]:
                 yield HeadOn(geometry=geometry, law=law)
 
 
-def one_field(row: dict[str, Any]) -> Iterator[Scene]:
+def one_field(row: dict[str, Any], values: Sequence[float]) -> Iterator[Scene]:
     """Scenes that differ in one field of their motion, as a row of families.toml says"""
-    values = [*row.get("values", ()), *decades(*row["decades"]), *row.get("more", ())]
     motions = [Rolling()] if row.get("rolling") else list(variants())
     for value, one, (note, given) in product(values, motions, row.get("cases", {"": {}}).items()):
         yield Scene(row["name"], value, replace(one, **given, **{row["field"]: value}), note=note)
 
 
-def size() -> Iterator[Scene]:
+def size(values: Sequence[float]) -> Iterator[Scene]:
     """Radii, gap and speed grow alike; gravity stays, so that it rules the small ones"""
-    for value, one in product(decades(-9, 6), variants()):
+    for value, one in product(values, variants()):
         scaled = replace(
             one, source_radius=0.25 * value, destination_radius=value, gap=0.25 * value, speed=2.0 * value, penalty=1e6
         )
         yield Scene("size", value, scaled)
 
 
-def radius_ratio() -> Iterator[Scene]:
-    for value, one in product(decades(0, 9), variants()):
+def radius_ratio(values: Sequence[float]) -> Iterator[Scene]:
+    for value, one in product(values, variants()):
         ratio = 1.25 * value if one.inside else value
         yield Scene("radius ratio", value, replace(one, destination_radius=0.125 * ratio), note="small ball")
         if not one.inside and value > 1:
@@ -237,9 +233,9 @@ def radius_ratio() -> Iterator[Scene]:
             yield Scene("radius ratio", value, large, note="large ball")
 
 
-def clearance() -> Iterator[Scene]:
+def clearance(values: Sequence[float]) -> Iterator[Scene]:
     """A ball that all but fills its shell: some crossings, and lying at rest"""
-    for value, one in product(decades(-12, -1), variants(hollow=True)):
+    for value, one in product(values, variants(hollow=True)):
         free = 0.5 * value
         tight = replace(one, source_radius=0.5 - free, gap=free)
         crossing = replace(tight, speed=1.0, gravity=0.0, end=10 * value + 12 * tight.contact_time())
@@ -247,14 +243,11 @@ def clearance() -> Iterator[Scene]:
         yield Scene("clearance", value, replace(tight, speed=0.0, end=0.1), note="settling")
 
 
-def bullet() -> Iterator[Scene]:
+def bullet(values: Sequence[float]) -> Iterator[Scene]:
     """A point-like ball at a millimetre's sphere, in one step that goes far beyond; `value` is the depth the
     impact would need over the way to the middle: from 1 on it passes through"""
     for value, speed, geometry, law in product(
-        [1e-6, 1e-3, 0.1, 0.5, 0.9, 1.1, 2.0, 10.0, 1e3, 1e6],
-        (1e3, 1e4, 1e5, 1e6),
-        ("sphere outside", "cylinder outside"),
-        LAWS[:4],
+        values, (1e3, 1e4, 1e5, 1e6), ("sphere outside", "cylinder outside"), LAWS[:4]
     ):
         small = HeadOn(
             geometry=geometry,
@@ -270,23 +263,23 @@ def bullet() -> Iterator[Scene]:
         yield Scene("bullet", value, shot, steps=(1,), note=f"{speed:g} m/s")
 
 
-def damping() -> Iterator[Scene]:
-    for value, geometry, law, penalty in product([0.0, *decades(-4, 4)], GEOMETRIES, LAWS[1:4], (1e4, 1e9)):
+def damping(values: Sequence[float]) -> Iterator[Scene]:
+    for value, geometry, law, penalty in product(values, GEOMETRIES, LAWS[1:4], (1e4, 1e9)):
         one = HeadOn(geometry=geometry, law=law, ratio=value, penalty=penalty)
         longer = replace(one, end=2.5 * one.flight_time() + (1 + value) * one.contact_time())
         yield Scene("damping", value, longer, note=f"{penalty:g} N/m")
 
 
-def viscous() -> Iterator[Scene]:
-    for value, geometry, dashpot in product(decades(-6, 12), GEOMETRIES, LAWS[1:4]):
+def viscous(values: Sequence[float]) -> Iterator[Scene]:
+    for value, geometry, dashpot in product(values, GEOMETRIES, LAWS[1:4]):
         one = HeadOn(geometry=geometry, law="viscous_only", damping=value, dashpot=dashpot, end=0.5)
         yield Scene("viscous only", value, one, note=dashpot)
 
 
-def communication_step() -> Iterator[Scene]:
+def communication_step(values: Sequence[float]) -> Iterator[Scene]:
     """A flight, the impact and what follows within `count` steps of the size `value`; without gravity, and
     with it falling to rest where the time is long"""
-    for value, one, count in product(decades(-9, 3), variants(), (1, 20, 100)):
+    for value, one, count in product(values, variants(), (1, 20, 100)):
         end = value * count
         thrown = replace(one, gap=0.125 if end > 0.4 else end / 3, gravity=0.0, end=end)
         speed = 0.375 / end if end > 0.4 else 1.0
@@ -297,11 +290,9 @@ def communication_step() -> Iterator[Scene]:
             yield Scene("communication step", value, falling, steps=steps, note=f"falling, {count} steps")
 
 
-def start() -> Iterator[Scene]:
+def start(values: Sequence[float]) -> Iterator[Scene]:
     """`value` is the overlap at the start over the way to the middle: 0 touching, 1 concentric"""
-    for value, one, speed in product(
-        [0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.1, 0.5, 0.9, 0.999999, 1.0], variants(hollow=False), (1.0, 0.0, -1.0)
-    ):
+    for value, one, speed in product(values, variants(hollow=False), (1.0, 0.0, -1.0)):
         placed = replace(one, place=one.reach * (1 - value), gap=0.0, speed=speed, end=0.05)
         yield Scene("start", value, placed, note=f"{speed:g} m/s")
     for value, one, speed in product(
@@ -314,9 +305,9 @@ def start() -> Iterator[Scene]:
         yield Scene("start", 1.0, centred, note=f"in the middle of a hollow body, {speed:g} m/s")
 
 
-def rim() -> Iterator[Scene]:
+def rim(values: Sequence[float]) -> Iterator[Scene]:
     """A finite cylinder's end is passed during a contact, between contacts, or `value` before the touch"""
-    for value, geometry, law in product([0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.1], GEOMETRIES[2:], LAWS):
+    for value, geometry, law in product(values, GEOMETRIES[2:], LAWS):
         one = HeadOn(geometry=geometry, law=law, length=1.0, gravity=0.0, gap=0.125, penalty=1e4)
         touch, away = one.flight_time(), 0.5 * one.contact_time()
         for side, along_speed in product((1, -1), (1.0, -1.0)):
@@ -327,26 +318,26 @@ def rim() -> Iterator[Scene]:
                 yield Scene("rim", value, moved, note=f"{along_speed:g} m/s, {side:+d}, {late:.2g} s")
 
 
-def jumps() -> Iterator[Scene]:
+def jumps(values: Sequence[float]) -> Iterator[Scene]:
     """A prescribed destination jumps by `value` radii: at rest, into the ball, back, and beyond it"""
-    for value, one, sign in product(decades(-12, 6), variants(), (1, -1)):
+    for value, one, sign in product(values, variants(), (1, -1)):
         end = 2.0 if value <= 0.1 else 40 * one.contact_time()
         moved = replace(one, prescribed=True, gravity=0.0, speed=0.6 / end, end=end)
         given = (Jump(2, sign * 0.5 * value), Jump(5, 0.0))
         yield Scene("jump", value, moved, steps=(8,), jumps=given, note=f"{sign:+d}")
 
 
-def units(row: dict[str, Any]) -> Iterator[Scene]:
+def units(row: dict[str, Any], values: Sequence[int]) -> Iterator[Scene]:
     """The oblique scenes in units that are powers of two, as a row of families.toml says"""
-    for power in row["powers"]:
+    for power in values:
         system = Units(**{unit: int(share * power) for unit, share in row["units"].items()})
         for number, base in enumerate(bases()):
             yield Scene(row["name"], power, Similar(number, system), note=base["name"])
 
 
-def plane() -> Iterator[Scene]:
+def plane(values: Sequence[float]) -> Iterator[Scene]:
     """A ball on a plane: dropped, thrown, lying on it, and a plane that is free itself"""
-    for value, law in product(decades(0, 15), LAWS):
+    for value, law in product(values, LAWS):
         one = HeadOn(geometry=PLANE, law=law, penalty=value)
         yield Scene("plane", value, one)
         yield Scene("plane", value, replace(one, speed=100.0, gravity=0.0), note="thrown")
@@ -356,8 +347,8 @@ def plane() -> Iterator[Scene]:
         yield Scene("plane", value, both, note="free plane")
 
 
-def at_once() -> Iterator[Scene]:
-    for group, number in product(range(GROUPS), range(SIZE)):
+def at_once(groups: Sequence[int] = range(GROUPS)) -> Iterator[Scene]:
+    for group, number in product(groups, range(SIZE)):
         motion = drawn(np.random.default_rng([SEED, group, number]))
         yield Scene("all at once", group, motion, note=f"number {number}")
 
@@ -373,8 +364,9 @@ FUNCTIONS = {
 
 def _family(row: dict[str, Any]) -> Family:
     """A row of families.toml"""
+    values = [*row.get("values", ()), *(decades(*row["decades"]) if "decades" in row else ()), *row.get("more", ())]
     make = FUNCTIONS[row["function"]] if "function" in row else partial(units if "units" in row else one_field, row)
-    return Family(row["name"], row["axis"], make)
+    return Family(row["name"], row["axis"], partial(make, values))
 
 
 ROWS = tomllib.loads(Path(__file__).with_name("families.toml").read_text(encoding="utf-8"))["family"]
