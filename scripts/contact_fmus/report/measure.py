@@ -213,19 +213,19 @@ def main(arguments: list[str] | None = None) -> int:
     options = parse("measure", arguments)
     options.output.mkdir(parents=True, exist_ok=True)
     plan = QUICK if options.quick else FULL
-    say, words, rows = stopwatch(), read_words(__file__)["plan"], []
+    say, words, rows, ratios = stopwatch(), read_words(__file__)["plan"], [], {}
+    for name, some in SETS.values():
+        problems = some().values()
+        found = work_precision(problems, plan, say)
+        ratios[name] = compare_best(problems, found, plan, say)
+        rows += found
+    rows += stiffness(plan, say)
+    write_rows(options.output / "results.csv", rows)
     summary = {
         "made": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
         "plan": words["quick"] * options.quick + words["text"].format(**vars(plan)),
         "versions": versions(),
     }
-    for ratios, some in SETS.values():
-        problems = some().values()
-        found = work_precision(problems, plan, say)
-        summary[ratios] = compare_best(problems, found, plan, say)
-        rows += found
-    rows += stiffness(plan, say)
-    write_rows(options.output / "results.csv", rows)
-    write_json(options.output / "summary.json", summary)
+    write_json(options.output / "summary.json", summary | ratios)
     say("measured")
     return 0
