@@ -62,28 +62,6 @@ def test_one_step_with_a_derivative_equals_many_with_values(method):
     close(ends[0], [rate * t**3 / 6 / FREE["source.mass"] for rate in ramp])
 
 
-def test_a_value_without_derivatives_ends_the_old_ones():
-    with raw.Instance(raw.load("SphereSphere")) as instance:
-        instance.initialize(FREE, tolerance=TOLERANCE)
-        instance.feed("source.external_force", 1, [4.0, 0.0, 0.0])
-        instance.ok("DoStep", 0.0, 0.5, 1)
-        close(instance.get("source.velocity"), [4.0 * 0.5**2 / 2 / 2.0, 0.0, 0.0])
-        instance.set({"source.external_force": [0.0, 0.0, 0.0]})
-        before = instance.get("source.velocity")
-        instance.ok("DoStep", 0.5, 0.5, 1)
-        close(instance.get("source.velocity"), before)
-
-
-def test_derivatives_go_on_where_nothing_new_is_set():
-    """Two steps of one ramp: the second starts with the value the first has reached."""
-    with raw.Instance(raw.load("SphereSphere")) as instance:
-        instance.initialize(FREE, tolerance=TOLERANCE)
-        instance.feed("source.external_force", 1, [4.0, 0.0, 0.0])
-        instance.ok("DoStep", 0.0, 0.5, 1)
-        instance.ok("DoStep", 0.5, 0.5, 1)
-        close(instance.get("source.velocity"), [4.0 / 2 / 2.0, 0.0, 0.0])
-
-
 def test_value_and_derivative_may_come_in_either_order():
     ends = []
     for first in ("value", "derivative"):

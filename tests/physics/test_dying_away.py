@@ -83,33 +83,6 @@ def test_a_contact_dies_away_once(opened, shape, inside, frame, seed):
     check_died(fmu)
 
 
-@pytest.mark.parametrize("rest", [1e-3, 1.62, 1e3, 1e6])
-@pytest.mark.parametrize("first", [1e-6, 0.01, 0.05, 0.08, 0.5])
-def test_a_stop_on_the_way_changes_nothing(opened, first, rest):
-    """1.05 of critical damping, let go a hundredth of a metre deep; 1e6 s are a thousand million radians"""
-    values = {
-        "contact.location": "inside",
-        "gravity": [0.0, 0.0, 0.0],
-        "contact.method": "penalty_dynamic",
-        "contact.dashpot": "unclamped",
-        "contact.penalty_factor": 1e6,
-        "contact.viscous_penalty_factor": 2100.0,
-        "source.center": [0.12965338406690358, 0.0, 0.3889601522007107],
-        "solver.max_internal_steps": 20_000,
-    }
-    fmu = start(opened("SphereSphere"), values, None, "event_driven")
-    fmu.step(first)
-    fmu.step(rest)
-    check_died(fmu)
-    spread = math.sqrt(1.05**2 - 1.0)
-    slow, fast = 1000.0 * (1.05 - spread), 1000.0 * (1.05 + spread)
-    time = first + rest
-    left = 0.01 * (fast * math.exp(-slow * time) - slow * math.exp(-fast * time)) / (fast - slow)
-    check_close("gap", fmu["contact.gap"], -left, 1e-9 * left + 1e-18)
-    check_close("position", np.linalg.norm(fmu["source.position"]), 0.4 + left, 1e-15)
-    check_close("energy", fmu["energy.total"], 0.5e6 * 0.01**2, 1e-12)
-
-
 @pytest.mark.parametrize("seed", range(40))
 def test_a_stop_one_rounding_beside_the_touch(opened, seed):
     """The ball flies to the wall; the importer stops at the touch, or a rounding before or after"""

@@ -5,7 +5,7 @@ a run is stepped, and the closed forms that they must agree with.
 import numpy as np
 import pytest
 
-from support.checks import check_close, check_relative, start
+from support.checks import METHODS, check_close, check_relative, start
 from support.scenes.agreement import TOLERANCES, Scene, check_agreement, seeds
 
 STEPS = (1, 2, 7, 22, 100, 300)
@@ -185,11 +185,13 @@ class Driven:
             self.bend = given.get(2, 0.0 if lowest < 2 else self.bend)
 
 
-@pytest.mark.parametrize("seed", seeds())
-def test_what_is_not_set_of_an_input_goes_on(opened, seed):
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("seed", seeds(20))
+def test_what_is_not_set_of_an_input_goes_on(opened, seed, method):
     random = np.random.default_rng(seed)
     values = {"source.center": [50.0, 0.0, 0.0], "gravity": [0.0, 0.0, 0.0], "source.mass": 1.0}
-    fmu = start(opened("SphereSphere"), values, float(_pick(random, *TOLERANCES)), "event_driven")
+    scene = str(_pick(random, "SphereSphere", "SphereCylinder"))
+    fmu = start(opened(scene), values, float(_pick(random, *TOLERANCES)), method)
     right = Driven()
     for _ in range(int(random.integers(1, 8))):
         orders = [int(order) for order in random.permutation(3)[: random.integers(4)]]
@@ -202,18 +204,6 @@ def test_what_is_not_set_of_an_input_goes_on(opened, seed):
         check_close(
             "velocity", fmu["source.velocity"], [right.velocity, 0.0, 0.0], 1e-12 * (1 + abs(right.velocity))
         )
-
-
-def test_a_second_derivative_set_alone_leaves_the_rate_in_force(opened):
-    """F = t + 2 t^2 up to 1 s, from there on with the rate that it has then, 5 N/s"""
-    values = {"source.center": [50.0, 0.0, 0.0], "gravity": [0.0, 0.0, 0.0]}
-    values["source.external_force.derivatives"] = [[1.0, 0.0, 0.0], [4.0, 0.0, 0.0]]
-    fmu = start(opened("SphereSphere"), values, None, "event_driven")
-    fmu.step(1.0)
-    before = fmu["source.velocity"][0]
-    fmu.set_derivative("source.external_force", [0.0, 0.0, 0.0], order=2)
-    fmu.step(1.0)
-    check_close("change of velocity", fmu["source.velocity"][0] - before, 5.5, 1e-12)
 
 
 # Coefficients of restitution of the linear law, by which bodies without load part at e times their speed.
