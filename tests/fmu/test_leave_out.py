@@ -35,10 +35,7 @@ UNIVERSAL = {
 }
 LINEAR = [scene for scene in UNIVERSAL if scene != "HertzImpact"]
 pinned_scenes = pytest.mark.parametrize("scene", UNIVERSAL)
-sphere_scenes = pytest.mark.parametrize("scene", ["SphereSphere", "BallOnSphere", "BallInShell"])
-thrown_scenes = pytest.mark.parametrize(
-    "scene", ["BallOnSphere", "BallInShell", "BallOffRoller", "PinnedEvent"]
-)
+SPHERES = ["SphereSphere", "BallOnSphere", "BallInShell"]
 
 
 def open_start(fmu, name):
@@ -160,23 +157,53 @@ def test_the_force_element_has_a_library_of_at_most_97_kb(library_bytes):
     assert library_bytes("ForceElement") <= 97_000
 
 
-def test_the_force_element_has_no_solver(strings):
-    pattern = r"^CV|SUN|N_V[A-Z]|solver|integrator"
-    assert matching(functions("SphereCylinder"), pattern)
-    assert matching(functions("ForceElement"), pattern) == []
-    assert code_of_lines("SphereCylinder", "", "integrator")
-    assert code_of_lines("ForceElement", "", "integrator") == []
-    assert "CVODE" in strings("SphereCylinder")
-    assert re.search("CVODE|SUNDIALS|solver", strings("ForceElement")) is None
+THROWN = ["BallOnSphere", "BallInShell", "BallOffRoller", "PinnedEvent"]
+CVODE = r"^CV|SUN|N_V[A-Z]"
+MOTION = r"^solver\.|^energy\.|^gravity|\.initial_|\.mass$|external_force"
+HERTZ = r"hertz|hunt_crossley|youngs_modulus|poissons_ratio|contact\.law|restitution$"
+FACTORS = r"penalty_factor|penalty_multiplier|reference_modulus|characteristic_time|diagonal"
+AXIS = r"axis|finite_length|\.length|within_extents|beyond_ends"
+# Scenes that lack something, the scene that has it (None: the universal one of each), where, and what it is.
+GONE = [
+    (["ForceElement"], None, "functions", CVODE + "|solver|integrator"),
+    (["ForceElement"], None, "code of integrator", ""),
+    (["ForceElement"], None, "strings", "CVODE|SUNDIALS|solver"),
+    (["ForceElement"], None, "variables", MOTION),
+    (["PinnedEvent"], "BallOffRoller", "functions", CVODE),
+    (["PinnedEvent"], "BallOffRoller", "strings", "CVODE"),
+    (LINEAR, "SphereCylinder", "variables", HERTZ),
+    (LINEAR, "SphereCylinder", "strings", "(?i)hertz"),
+    (["HertzImpact"], None, "variables", FACTORS),
+    (SPHERES, "SphereCylinder", "variables", AXIS),
+    (SPHERES, "SphereCylinder", "strings", AXIS),
+    (THROWN, None, "variables", "prescribed"),
+    (THROWN, None, "strings", "prescribed"),
+    (
+        THROWN,
+        None,
+        "code of .",
+        "(?<!contact_is_)prescribed",
+    ),  # whether a contact is prescribed is a constant
+]
 
 
-def test_the_pinned_method_has_no_cvode(variables, strings):
-    """A pair that only event_driven integrates: no code of SUNDIALS, nothing that counts what CVODE does."""
-    pattern = r"^CV|SUN|N_V[A-Z]"
-    assert matching(functions("BallOffRoller"), pattern)
-    assert matching(functions("PinnedEvent"), pattern) == []
-    assert "CVODE" in strings("BallOffRoller")
-    assert "CVODE" not in strings("PinnedEvent")
+@pytest.mark.parametrize(
+    "scene, other, where, what",
+    [(scene, other, where, what) for scenes, other, where, what in GONE for scene in scenes],
+)
+def test_what_a_scene_pins_away_is_gone(variables, strings, scene, other, where, what):
+    def found(name):
+        if where == "strings":
+            return re.findall(what, strings(name), re.MULTILINE)
+        if where.startswith("code"):
+            return code_of_lines(name, what, where.removeprefix("code of "))
+        return matching(variables(name) if where == "variables" else functions(name), what)
+
+    assert found(other or UNIVERSAL[scene])
+    assert found(scene) == []
+
+
+def test_the_pinned_method_has_nothing_that_counts_what_cvode_does(variables):
     counted_by_cvode = {"solver.method", "solver.rejected_steps", "solver.fallbacks"}
     assert variables("BallOffRoller") - variables("PinnedEvent") == counted_by_cvode
 
@@ -185,40 +212,7 @@ def test_the_pinned_method_halves_the_library(library_bytes):
     assert library_bytes("PinnedEvent") <= 0.5 * library_bytes("BallOffRoller")
 
 
-def test_the_force_element_has_no_states_and_no_energy(variables):
-    gone = r"^solver\.|^energy\.|^gravity|\.initial_|\.mass$|external_force"
-    assert matching(variables("SphereCylinder"), gone)
-    assert matching(variables("ForceElement"), gone) == []
-
-
-@pytest.mark.parametrize("scene", LINEAR)
-def test_scenes_of_the_linear_law_know_nothing_of_hertz(variables, strings, scene):
-    """Neither variables nor messages, and no line of the law."""
-    names = r"hertz|hunt_crossley|youngs_modulus|poissons_ratio|contact\.law|restitution$"
-    assert matching(variables("SphereCylinder"), names)
-    assert matching(variables(scene), names) == []
-    assert re.search("(?i)hertz", strings("SphereCylinder"))
-    assert re.search("(?i)hertz", strings(scene)) is None
-    law = [line for line in code_of_lines(scene, "", "contact") if line.startswith("hertz")]
-    assert law == []
-
-
-def test_hertz_pinned_has_none_of_the_linear_factors(variables):
-    names = r"penalty_factor|penalty_multiplier|reference_modulus|characteristic_time|diagonal"
-    assert matching(variables("SphereSphere"), names)
-    assert matching(variables("HertzImpact"), names) == []
-
-
-@sphere_scenes
-def test_scenes_of_spheres_have_no_cylinder(variables, strings, scene):
-    names = r"axis|finite_length|\.length|within_extents|beyond_ends"
-    assert matching(variables("SphereCylinder"), names)
-    assert matching(variables(scene), names) == []
-    assert re.search(names, strings("SphereCylinder"))
-    assert re.search(names, strings(scene)) is None
-
-
-@sphere_scenes
+@pytest.mark.parametrize("scene", SPHERES)
 def test_scenes_of_spheres_have_no_code_for_cylinders(variables, scene):
     geometry = r"\baxis\b|\bhalf_length\b"
     assert len(code_of_lines("SphereCylinder", geometry)) > 10
@@ -229,19 +223,3 @@ def test_scenes_of_spheres_have_no_code_for_cylinders(variables, scene):
         found = [line for line in found if not re.match(turns, line)]
     assert found == []
     assert matching(functions(scene), "cylinder") == []
-
-
-@thrown_scenes
-def test_scenes_without_prescribed_bodies_have_no_prescribed_inputs(variables, strings, scene):
-    assert matching(variables(UNIVERSAL[scene]), "prescribed")
-    assert matching(variables(scene), "prescribed") == []
-    assert "prescribed" in strings(UNIVERSAL[scene])
-    assert "prescribed" not in strings(scene)
-
-
-@thrown_scenes
-def test_scenes_without_prescribed_bodies_have_no_code_for_them(scene):
-    # whether a contact is prescribed is a constant there
-    prescribed = "(?<!contact_is_)prescribed"
-    assert len(code_of_lines(UNIVERSAL[scene], prescribed)) > 5
-    assert code_of_lines(scene, prescribed) == []

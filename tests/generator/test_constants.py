@@ -32,6 +32,7 @@ def test_nodes_of_collocation_and_their_polynomials(tables, name, points):
     zero = of_radau if name == "radau_12" else of_lobatto
     assert np.abs(zero(node) / zero.deriv()(node)).max() < 1e-15  # the way to the root, by Newton's method
     assert (np.diff(node) > 0).all()
+    assert node[-1] == 1.0 and (name == "radau_12" or (node == -node[::-1]).all())
     # l_j is 1 at node j and 0 at the others; its integrals are those of its monomials
     lagrange = np.polynomial.polynomial.polyval(node, tables[f"monomial_{name}"].reshape(points, points).T)
     assert np.abs(lagrange - np.eye(points)).max() < 1e-12

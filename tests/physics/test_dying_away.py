@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from support.checks import check_close, start
+from support.checks import start
 
 FMU = {"sphere": "SphereSphere", "cylinder": "SphereCylinder"}
 FRAMES = ["fixed", "prescribed", "pair", "flying pair"]

@@ -143,55 +143,6 @@ TEST(a_flight_that_cannot_touch_is_deferred_throughout)
     }
 }
 
-TEST(a_saved_deferred_flight_goes_on_with_the_same_bits)
-{
-    struct random r = {31};
-    unsigned char *bytes = malloc(model_state_size());
-    for (int n = 0; n < 50; ++n) {
-        struct model *m = random_start(&r);
-        run(m, AS_IT_COMES, 0.0);
-        model_save(m, bytes);
-        CHECK(model_step(m, 2.0 * STEPS * STEP) == MODEL_OK);
-        const struct scene_values went_on = shown(m);
-        CHECK(model_restore(m, bytes, model_state_size()) == MODEL_OK);
-        CHECK(model_step(m, 2.0 * STEPS * STEP) == MODEL_OK);
-        const struct scene_values restored = shown(m);
-        check_same(&went_on, &restored);
-        model_destroy(m);
-    }
-    free(bytes);
-}
-
-TEST(a_refused_step_leaves_a_deferred_flight_where_it_is)
-{
-    struct random r = {37};
-    int deferred = 0;
-    for (int n = 0; n < 100; ++n) {
-        struct model *m = random_start(&r);
-        m->state.values.world.gravity[0] += 1.0;
-        run(m, AS_IT_COMES, 0.0);
-        const int is_deferred = m->state.motion.deferred;
-        struct model twin = *m;
-        const struct scene_values there = shown(&twin);
-        m->state.values.world.solver_max_internal_steps = 1000;
-        CHECK(model_step(m, 1e300) == MODEL_DISCARD);
-        if (model_time(m) > STEPS * STEP + STEP) { /* steps ran out on the way, as a ball bounced on */
-            model_destroy(m);
-            continue;
-        }
-        const struct scene_values still_there = shown(m);
-        const struct variable *row = named("source.position[1]");
-        for (int k = 0; k < 3; ++k) {
-            CHECK(memcmp((const char *)&there + row[k].offset, (const char *)&still_there + row[k].offset,
-                         sizeof(double)) == 0);
-        }
-        CHECK_CLOSE("time", model_time(m), STEPS * STEP, 1e-15);
-        deferred += is_deferred;
-        model_destroy(m);
-    }
-    CHECK(deferred > 10);
-}
-
 /* At the axis of a hollow cylinder n is that of the communication point before, which a deferred flight would
  * not know: here the source comes there at 7/16 s along x = (7/16 - t) / 2, y = (7/16 - t)^2. */
 TEST(the_last_direction_is_that_of_the_step_before_the_axis)

@@ -1,4 +1,4 @@
-/* The tables of the Gauss-Lobatto nodes by what defines them, and functions known at the nodes. */
+/* Functions known at the Gauss-Lobatto nodes; tests/generator/test_constants.py has the tables. */
 #include "math/nodes.h"
 
 #include <float.h>
@@ -22,64 +22,6 @@ static long double node(int i)
 static double monomial(int j, int k)
 {
     return table->monomial[j * table->points + k];
-}
-
-static double integral(int j, int i)
-{
-    return table->integral[j * table->points + i];
-}
-
-TEST(the_nodes_are_ascending_and_symmetric)
-{
-    CHECK(table->node[0] == -1.0 && table->node[table->points - 1] == 1.0);
-    for (int i = 0; i < table->points; ++i) {
-        CHECK(table->node[i] == -table->node[table->points - 1 - i]);
-        CHECK(i == 0 || table->node[i] > table->node[i - 1]);
-    }
-}
-
-TEST(a_basis_polynomial_is_one_at_its_node_and_zero_at_the_others)
-{
-    for (int j = 0; j < table->points; ++j) {
-        for (int i = 0; i < table->points; ++i) {
-            long double sum = 0.0L;
-            for (int k = table->points - 1; k >= 0; --k) {
-                sum = sum * node(i) + monomial(j, k);
-            }
-            CHECK_CLOSE("basis", sum, i == j ? 1.0L : 0.0L, ROUNDINGS);
-        }
-    }
-}
-
-/* sigma^k from -1 to each node, up to the degree that the values determine. */
-TEST(integrals_to_each_node_are_exact_as_far_as_the_values_determine_them)
-{
-    for (int k = 0; k < table->points; ++k) {
-        for (int i = 0; i < table->points; ++i) {
-            long double sum = 0.0L;
-            for (int j = 0; j < table->points; ++j) {
-                sum += integral(j, i) * powl(node(j), k);
-            }
-            const long double at_start = k % 2 == 0 ? -1.0L : 1.0L;
-            CHECK_CLOSE("integral", sum, (powl(node(i), k + 1) - at_start) / (k + 1), 4.0L * DBL_EPSILON);
-        }
-    }
-}
-
-TEST(integrals_over_the_whole_are_exact_to_twice_the_degree_and_no_further)
-{
-    for (int k = 0; k <= 2 * table->points - 2; ++k) {
-        long double sum = 0.0L;
-        for (int j = 0; j < table->points; ++j) {
-            sum += integral(j, table->points - 1) * powl(node(j), k);
-        }
-        const long double exact = k % 2 == 0 ? 2.0L / (k + 1) : 0.0L;
-        if (k < 2 * table->points - 2) {
-            CHECK_CLOSE("quadrature", sum, exact, 4.0L * DBL_EPSILON);
-        } else {
-            CHECK(fabsl(sum - exact) > 1e-8L);
-        }
-    }
 }
 
 /* Coefficients of sigma = s - 1, exact values and derivatives in long double. */

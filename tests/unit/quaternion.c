@@ -4,13 +4,10 @@
 #include <float.h>
 
 #include "check.h"
+#include "long_vec3.h"
 #include "random.h"
 
 enum { CASES = 2000 };
-
-struct long_vec3 {
-    long double x, y, z;
-};
 
 static struct quaternion random_orientation(struct random *r)
 {
@@ -34,11 +31,6 @@ static struct long_vec3 rodrigues(struct vec3 r, struct vec3 a)
     const long double versine = 2.0L * half * half;
     return (struct long_vec3){a.x + s * once.x + versine * twice.x, a.y + s * once.y + versine * twice.y,
                               a.z + s * once.z + versine * twice.z};
-}
-
-static struct long_vec3 long_of(struct vec3 a)
-{
-    return (struct long_vec3){a.x, a.y, a.z};
 }
 
 TEST(a_rotation_vector_turns_as_rodrigues_says)
