@@ -2,6 +2,7 @@
 contacts.
 """
 
+import contextlib
 import fcntl
 import os
 import subprocess
@@ -23,19 +24,31 @@ def fmu_path():
     return fmu_file
 
 
+@contextlib.contextmanager
+def instances(path_of):
+    """FMU by name, one instance each; `run` and `start` of support/checks.py reset it."""
+    made = {}
+    with contextlib.ExitStack() as stack:
+
+        def get(name):
+            if name not in made:
+                made[name] = stack.enter_context(ContactFmu(path_of(name), instance_name=name))
+            return made[name]
+
+        yield get
+
+
 @pytest.fixture(scope="session")
 def opened(fmu_path):
-    """FMU by name, one instance a session; `run` and `start` of support/checks.py reset it."""
-    instances = {}
+    with instances(fmu_path) as get:
+        yield get
 
-    def get(name):
-        if name not in instances:
-            instances[name] = ContactFmu(fmu_path(name), instance_name=name).__enter__()
-        return instances[name]
 
-    yield get
-    for instance in instances.values():
-        instance.__exit__(None, None, None)
+@pytest.fixture(scope="session")
+def opened_several(built):
+    """As `opened`, of the FMUs of tests/physics/scenes."""
+    with instances(built.get) as get:
+        yield get
 
 
 @pytest.fixture(scope="session")

@@ -127,20 +127,6 @@ def test_a_loop_of_fixed_steps_gives_the_bits_of_fmi2(scene):
         assert runs[0].time == runs[1].time
 
 
-def test_without_states_outputs_follow_from_inputs():
-    fmu = raw.load("ForceElement")
-    assert fmu.roles == {"state": [], "rate": [], "indicator": []}
-    with raw.Instance(fmu, exchange=True) as element, raw.Instance(fmu) as stepping:
-        for one in (element, stepping):
-            one.initialize({"source.center": [0.0, 0.0, 0.0]})
-        Outside(element).begin()
-        for time, place in enumerate((0.58, 0.61, 0.59), 1):
-            element.ok("SetTime", float(time))
-            for one in (element, stepping):
-                one.set({"source.prescribed_displacement": [place, 0.0, 0.0]})
-            assert element.bits("output") == stepping.bits("output")
-
-
 def test_arrays_are_the_states_and_their_rates():
     """A vector of the model is one state with one derivative, in the order of the state vector."""
     fmu = raw.load("SphereSphere")

@@ -12,7 +12,6 @@ from typing import NamedTuple
 import pytest
 
 from support.fmi2 import raw as raw2
-from support.fmi2.call_table import EXCHANGE
 from support.fmi3 import raw
 from support.fmi3.raw import DISCARD, ERROR, OK
 from support.outside import Outside
@@ -247,22 +246,6 @@ def test_both_versions_refuse_with_one_status_in_one_wording(what):
         assert got[3] or what == "numbers too large for their power", "a refused call changed a state"
     assert second[1] == third[1] == {DISCARD: "logStatusDiscard", ERROR: "logStatusError"}[status]
     assert in_words_of_fmi3(second[2]) == third[2].replace("[1]", "")
-
-
-# EnterEventMode and UpdateDiscreteStates are Co-Simulation's too in FMI 3.0.
-@pytest.mark.parametrize("function", sorted({*EXCHANGE} - {"EnterEventMode", "NewDiscreteStates"}))
-def test_instances_of_co_simulation_refuse_in_the_same_words(function):
-    third_name = THIRD.get(function, function)
-    texts = []
-    for fmu, module, name in ((raw2.load(SCENE), raw2, function), (raw.load(SCENE), raw, third_name)):
-        with module.Instance(fmu, b"both") as instance:
-            instance.initialize()
-            missing = {"SetTime": (0.0,), "CompletedIntegratorStep": (1, None, None)}
-            none = () if name.startswith("Enter") else (None, 0)
-            with instance.expect(ERROR, "Co-Simulation", "allowed: of Model Exchange") as got:
-                got(instance.call(name, *missing.get(name, none)))
-            texts.append(instance.texts()[0])
-    assert in_words_of_fmi3(texts[0]) == texts[1]
 
 
 def test_places_for_news_and_numbers_must_be_given():

@@ -205,54 +205,28 @@ def test_added_up_steps_may_reach_the_stop_time(fmu):
 # derivatives
 
 
-def test_input_derivatives_are_checked(fmu):
+@pytest.mark.parametrize("what", ["input", "output"])
+def test_derivatives_are_checked(fmu, what):
     with raw.Instance(fmu) as instance:
         instance.initialize()
         blob = instance.save()
-        name = fmu.select("input", kind="Real")[0]
+        known = [fmu.select("input", kind="Real")[0], fmu.variables["contact.gap"]]
+        one, other = known if what == "input" else reversed(known)
+        function = "SetRealInputDerivatives" if what == "input" else "GetRealOutputDerivatives"
 
-        def call(reference, order, value):
-            return instance.call(
-                "SetRealInputDerivatives",
-                array(c_uint, [reference]),
-                1,
-                array(c_int, [order]),
-                array(c_double, [value]),
-            )
+        def call(reference, order, value=1.0):
+            orders, values = array(c_int, [order]), array(c_double, [value])
+            return instance.call(function, array(c_uint, [reference]), 1, orders, values)
 
         for order in (0, -1, 3, 2**31 - 1):
-            with instance.expect(DISCARD, name.name, str(order), "1 to 2") as got:
-                got(call(name.reference, order, 1.0))
-        for value in NOT_FINITE:
-            with instance.expect(DISCARD, name.name) as got:
-                got(call(name.reference, 1, value))
-        for other in ("contact.gap", "source.radius", "contact.active"):
-            with instance.expect(ERROR, other, "no Real input") as got:
-                got(call(fmu.variables[other].reference, 1, 1.0))
-        with instance.expect(ERROR, "unknown value reference", str(UNKNOWN)) as got:
-            got(call(UNKNOWN, 1, 1.0))
-        assert instance.save() == blob
-
-
-def test_output_derivatives_are_checked(fmu):
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        gap = fmu.variables["contact.gap"]
-
-        def call(reference, order):
-            return instance.call(
-                "GetRealOutputDerivatives",
-                array(c_uint, [reference]),
-                1,
-                array(c_int, [order]),
-                array(c_double, [0.0]),
-            )
-
-        for order in (0, -1, 3, 2**31 - 1):
-            with instance.expect(DISCARD, "contact.gap", str(order), "1 to 2") as got:
-                got(call(gap.reference, order))
-        for other in ("source.radius", "contact.active", fmu.select("input")[0].name):
-            with instance.expect(ERROR, other, "no Real output") as got:
-                got(call(fmu.variables[other].reference, 1))
+            with instance.expect(DISCARD, one.name, str(order), "1 to 2") as got:
+                got(call(one.reference, order))
+        for value in NOT_FINITE if what == "input" else ():
+            with instance.expect(DISCARD, one.name) as got:
+                got(call(one.reference, 1, value))
+        for wrong in (other.name, "source.radius", "contact.active"):
+            with instance.expect(ERROR, wrong, f"no Real {what}") as got:
+                got(call(fmu.variables[wrong].reference, 1))
         with instance.expect(ERROR, "unknown value reference", str(UNKNOWN)) as got:
             got(call(UNKNOWN, 1))
+        assert instance.save() == blob

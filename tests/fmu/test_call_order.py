@@ -34,9 +34,9 @@ def faults_in(fmu: raw.Fmu, state: str) -> list[str]:
             with raw.Instance(fmu) as instance:
                 bring_to(instance, state)
                 caller, answer = Caller(instance), ANSWERS.get(function, OK)
-                where = (
-                    "on an instance of Co-Simulation" if function in EXCHANGE else f"in phase {NAMES[state]}"
-                )
+                where = f"in phase {NAMES[state]}"
+                if function in EXCHANGE:
+                    where = "on an instance of Co-Simulation, allowed: of Model Exchange"
                 right = ANSWERS.get((function, state), answer)
                 faults.append(caller.fault(function, allowed(function, state), where, right))
                 caller.end()

@@ -3,20 +3,10 @@
 import numpy as np
 import pytest
 
-from support.caller import Caller
 from support.fmi2 import raw
-from support.fmi2.call_table import EXCHANGE
 from support.fmi2.jacobian import jacobian
-from support.fmi2.raw import ERROR, MODEL_EXCHANGE
+from support.fmi2.raw import MODEL_EXCHANGE
 from support.outside import Outside
-
-
-@pytest.mark.parametrize("function", EXCHANGE)
-def test_an_instance_of_co_simulation_refuses_model_exchange_in_words(fmu, function):
-    with raw.Instance(fmu) as instance:
-        instance.initialize()
-        with instance.expect(ERROR, f"fmi2{function}", "Co-Simulation", "allowed: of Model Exchange") as got:
-            got(Caller(instance).call(function))
 
 
 def begun(scene: str = "SphereSphere", values: dict | None = None, inputs=lambda _: {}):

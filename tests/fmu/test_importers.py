@@ -61,16 +61,6 @@ def test_fmpy_runs_it_from_a_folder_with_blanks_and_umlauts_in_silence(fmu_path,
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
 
 
-def test_fmi_3_ends_where_fmi_2_does(fmu_path):
-    """Numbers that both have: FMI 3.0 has arrays for the others"""
-    fmi2 = Path(fmu_path("BallOnSphere"))
-    fmi3 = fmi2.parent.with_name("fmus-fmi3") / fmi2.name
-    here, there = tried(FMPY, fmi2, GIVEN), tried(FMPY, fmi3, GIVEN)
-    assert (here.problem, there.problem) == ("", "")
-    assert len(there.values) > 10
-    assert here.difference(there) == 0.0
-
-
 def test_an_fmu_that_cannot_run_is_refused_with_the_reason(tmp_path):
     broken = tmp_path / "Broken.fmu"
     source = ROOT / "modelDescription" / "variables.toml"

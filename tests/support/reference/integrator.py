@@ -11,7 +11,6 @@ The number type is float (quick) or decimal.Decimal (40 digits, the check of flo
 external work and impulse ride along as further states.
 """
 
-from support.reference.kept import kept
 from support.reference.law import ReferenceContact, complete, start_motion
 from support.reference.paths import GivenPath, shifted
 from support.reference.series import evaluate, first_root, highest, square_root
@@ -212,7 +211,6 @@ class Reference(SpanMaker):
                     limit = reach if limit is None else min(limit, reach)
         return limit
 
-    @kept
     def run(self, end):
         end = self.number(end)
         while self.time < end:
