@@ -50,10 +50,12 @@ PROBLEMS = benchmarks() | shape_problems() | hertz_problems() | turning_problems
 
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
-    """What `scripts/report.sh --quick` leaves, without set-up, build and the optional parts"""
+    """What `scripts/report.sh --quick` leaves, without set-up, build, the optional parts and repetitions of
+    runs that take long
+    """
     folder = tmp_path_factory.mktemp("report")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(measure, "QUICK", dataclasses.replace(QUICK, limit=PATIENCE))
+        patch.setattr(measure, "QUICK", dataclasses.replace(QUICK, limit=PATIENCE, budget=1e-3))
         assert measure.main(["--quick", "--output", str(folder)]) == 0
     assert report_page.main(["--output", str(folder)]) == 0
     return folder
