@@ -119,27 +119,6 @@ def test_overlapping_solids_keep_the_last_direction(opened, shape):
     assert len(warnings(fmu)) == 1, "warned more than once"
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("shape", FMU)
-def test_a_free_ball_let_go_at_the_centre_of_a_solid_is_thrown_out(opened, shape, method):
-    """The energy p_n g^2/2 of the start becomes speed, whichever way the ball leaves."""
-    values = concentric(
-        shape, contact_location="outside", contact_method="penalty", contact_penalty_factor=100.0
-    )
-    values.update(
-        {
-            "source.motion": "free",
-            "destination.motion": "fixed",
-            "source.mass": 2.0,
-            "gravity": [0.0, 0.0, 0.0],
-        }
-    )
-    fmu = run(opened(FMU[shape]), values, 2.0, 4, method=method)
-    check_close("gap", fmu["contact.active"], False, 0)
-    check_relative("speed", np.linalg.norm(fmu["source.velocity"]), 0.6 * math.sqrt(100 / 2.0), 1e-7)
-    check_close("onsets", fmu["contact.onsets"], 1, 0)
-
-
 LOCATIONS = {  # r_s, r_d, d -> location
     "centre inside, fits": (0.1, 0.5, 0.45, "inside"),
     "centre just inside": (0.1, 0.5, 0.4999999, "inside"),

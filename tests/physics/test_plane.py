@@ -10,9 +10,7 @@ import pytest
 from support.checks import METHODS, check_close, run, start
 from support.reference.integrator import Reference
 from support.reference.plane_motion import PlaneMotion
-from support.scenes.random_scenes import KINDS, random_scene
-from support.scenes.scene_checks import failures
-from support.scenes.scene_parts import even
+from support.scenes.random_scenes import random_scene
 
 FMU = "SpherePlane"
 TILTED = np.array([0.36, -0.48, 0.8])  # unit, to rounding
@@ -226,15 +224,3 @@ def test_passing_the_surface_exactly_at_its_centre(opened):
     fmu = run(opened(FMU), values, 0.1, 2)
     assert fmu["contact.distance"] == 0.0
     check_close("force", fmu["contact.normal_force"], 100.0, 1e-12)
-
-
-@pytest.mark.parametrize("kind", KINDS["plane"])
-@pytest.mark.parametrize("seed", [0, 1])
-def test_a_random_scene_goes_as_the_reference_says(opened, kind, seed):
-    values, end = random_scene("plane", kind, seed)
-    stops = even(end, [1, 10][seed])
-    right = Reference(values, "plane")
-    right.window = [0.0, *stops][-2]
-    right.run(end)
-    wrong = {m: failures(opened(FMU), values, stops, m, right) for m in METHODS}
-    assert not any(wrong.values()), f"{wrong}\n{values} stops {stops}"

@@ -1,7 +1,8 @@
-"""Bad input in Model Exchange: FMI 2.0 and FMI 3.0 refuse the same with the same status in the same words.
+"""Bad input: FMI 2.0 and FMI 3.0 refuse the same with the same status in the same words.
 
-One table for both. A row is what is asked, the status, and words that the message must have: what, where,
-the allowed range. Nothing that is refused changes anything.
+One table for both of what Model Exchange refuses, one of Co-Simulation. A row is what is asked, and of Model
+Exchange the status and words that the message must have: what, where, the allowed range. Nothing that is
+refused changes anything.
 """
 
 import contextlib
@@ -28,6 +29,7 @@ THIRD = {
     "GetDerivatives": "GetContinuousStateDerivatives",
     "NewDiscreteStates": "UpdateDiscreteStates",
     "GetRealOutputDerivatives": "GetOutputDerivatives",
+    "SetupExperiment": "EnterInitializationMode",
     "SetReal": "SetFloat64",
     "GetReal": "GetFloat64",
     "Real": "Float64",
@@ -40,11 +42,11 @@ THIRD = {
 
 
 class Version(NamedTuple):
-    """One version of the standard: an instance in Model Exchange, and how it is called"""
+    """One version of the standard: an instance, and how it is called"""
 
     number: int
     instance: raw2.Instance | raw.Instance
-    outside: Outside
+    outside: Outside | None = None  # of Model Exchange
 
     def name(self, function: str) -> str:
         return THIRD.get(function, function) if self.number == 3 else function
@@ -92,6 +94,17 @@ class Version(NamedTuple):
 
     def event_mode(self) -> None:
         self.instance.ok("EnterEventMode")
+
+    def step(self, time: float, size: float, stop: float | None = None) -> None:
+        """The first one, of Co-Simulation"""
+        self.instance.initialize(stop=stop)
+        if self.number == 3:
+            self.instance.step(time, size)
+        else:
+            self.instance.call("DoStep", time, size, 1)
+
+    def look(self) -> bytes:
+        return self.instance.save() if self.outside is None else self.outside.states().tobytes()
 
 
 def in_event_mode(attempt):
@@ -206,7 +219,34 @@ REFUSALS = {
 }  # fmt: skip
 
 
-def opened(number: int) -> Version:
+def contradict(one):
+    one.instance.set({"contact.location": "inside", "source.radius": 0.6})
+    one.instance.initialize()
+
+
+# What instances of Co-Simulation refuse before they are initialized, or after it.
+STEPPING = {
+    "a radius of nothing": lambda one: one.set_real("source.radius", 0.0),
+    "a force that is no number": lambda one: one.set_real("source.external_force", math.nan),
+    "an output set": lambda one: one.set_real("contact.gap", 1.0),
+    "a parameter after the start": lambda one: (
+        *(one.instance.initialize(), one.set_real("source.radius", 0.3)),
+    ),
+    "an output before the start": lambda one: one.instance.get("contact.gap"),
+    "a step backwards": lambda one: one.step(0.0, -0.1),
+    "a step of no length": lambda one: one.step(0.0, 0.0),
+    "a step without end": lambda one: one.step(0.0, math.inf),
+    "a step from elsewhere": lambda one: one.step(0.5, 0.1),
+    "a step past the stop time": lambda one: one.step(0.0, 2.0, stop=1.0),
+    "contradictory parameters": contradict,
+    "a stop before the start": lambda one: one.instance.initialize(stop=-1.0),
+}  # fmt: skip
+
+
+def opened(number: int, exchange: bool = True) -> Version:
+    if not exchange:
+        module = {2: raw2, 3: raw}[number]
+        return Version(number, module.Instance(module.load(SCENE), b"both"))
     if number == 2:
         instance = raw2.Instance(raw2.load(SCENE), b"both", kind=raw2.MODEL_EXCHANGE)
     else:
@@ -216,12 +256,12 @@ def opened(number: int) -> Version:
 
 def answer(one: Version, attempt):
     """Status and message of what is refused, and whether the states stay as they were"""
-    before = one.outside.states().tobytes()
+    before = one.look()
     del one.instance.messages[:]
     with contextlib.suppress(AssertionError):  # `ok` of a refused call; the message tells
         attempt(one)
     ((status, category, text),) = one.instance.messages
-    unchanged = one.outside.states().tobytes() == before
+    unchanged = one.look() == before
     return status, category, text, unchanged
 
 
@@ -231,15 +271,26 @@ def in_words_of_fmi3(text: str) -> str:
     return text
 
 
-@pytest.mark.parametrize("what", REFUSALS)
-def test_both_versions_refuse_with_one_status_in_one_wording(what):
-    attempt, status, *words = REFUSALS[what]
-    versions = [opened(number) for number in (2, 3)]
+def answers(attempt, exchange=True):
+    versions = [opened(number, exchange) for number in (2, 3)]
     try:
-        second, third = (answer(one, attempt) for one in versions)
+        return [answer(one, attempt) for one in versions]
     finally:
         for one in versions:
             one.instance.free()
+
+
+@pytest.mark.parametrize("what", STEPPING)
+def test_both_versions_refuse_in_the_same_words_in_co_simulation(what):
+    second, third = answers(STEPPING[what], exchange=False)
+    assert second[:2] == third[:2]
+    assert in_words_of_fmi3(second[2]) == third[2].replace("[1]", "")
+
+
+@pytest.mark.parametrize("what", REFUSALS)
+def test_both_versions_refuse_with_one_status_in_one_wording(what):
+    attempt, status, *words = REFUSALS[what]
+    second, third = answers(attempt)
     for got in (second, third):
         assert got[0] == status, got
         assert [word for word in words if word not in got[2]] == [], got
