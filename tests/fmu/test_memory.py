@@ -8,7 +8,7 @@ import pytest
 
 from support.fmi2 import raw
 from support.fmi2.heap import Heap
-from support.fmi2.raw import ALLOCATE, DISCARD, ERROR, FREE, OK
+from support.fmi2.raw import DISCARD, ERROR, OK
 from support.fmi2.runs import RUNS, begin, go_on
 
 
@@ -93,16 +93,6 @@ def test_a_failing_importer_gets_a_refusal_and_its_memory_back(fmu):
         if heap.count <= failing:
             break
     assert refusals == failing >= 3
-
-
-def test_one_memory_function_alone_is_not_used(fmu):
-    """Taking from one heap and giving to another would corrupt both."""
-    heap = Heap()
-    for functions in [(heap.functions[0], FREE()), (ALLOCATE(), heap.functions[1])]:
-        with raw.Instance(fmu, memory=functions) as instance:
-            instance.initialize()
-            instance.run([0.1])
-    assert (heap.count, heap.foreign) == (0, [])
 
 
 def test_instances_come_and_go_without_growth(fmu):
