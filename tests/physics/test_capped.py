@@ -153,6 +153,17 @@ def test_edge_on_impacts(opened, hertz, angle):
         check_close("duration", fmu["contact.last_duration"], np.pi / np.sqrt(1e5), 1e-10)
 
 
+@pytest.mark.parametrize("along", [(0.0, 1.0), (0.5, 0.0), (-0.5, 0.0), (0.01, 0.3)])
+@pytest.mark.parametrize("hertz, stiffness, damping", [(True, 1e6, 0), (True, 1e6, 0.1), (False, 1e5, 20)])
+@pytest.mark.parametrize("over", [0.0, 1e-12, -1e-12])
+def test_from_the_edge_of_the_cap_it_goes_along_or_across(opened, over, hertz, stiffness, damping, along):
+    pair = upright(gravity=(0.0, 0.0, 0.0), hertz=hertz, stiffness=stiffness, damping=damping)
+    position, velocity = np.array([R_D * (1 + over), 0.0, 0.5 * LENGTH + R_S]), np.array([*along, -1.0])
+    fmu = opened("SphereCylinder")
+    check_scene(fmu, "edge", pair, position, velocity, False, 0.02, 1e-10)
+    assert fmu["contact.onsets"] == 1
+
+
 def test_along_the_axis_exactly(opened):
     fmu = opened("SphereCylinder")
     pair = upright(gravity=(0.0, 0.0, 0.0), damping=0.0)
