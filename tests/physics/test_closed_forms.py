@@ -16,6 +16,7 @@ from support.scenes.head_on import (
     approach,
     head_on,
     oscillator,
+    shared_out,
 )
 
 RELATIVE = 1e-8  # at tolerance 1e-10
@@ -33,25 +34,8 @@ MASSES = {  # source, destination, effective mass
 
 
 def with_masses(configuration, motions):
-    """The pair closes with the same speed whoever moves; both free: with the centre of mass at rest."""
-    source, destination, m_s, m_d, effective = MASSES[motions]
-    v = np.array(configuration["source.initial_velocity"])
-    shares = {
-        "source free": (1, 0),
-        "destination free": (0, 1),
-        "both free": (m_d / (m_s + m_d), m_s / (m_s + m_d)),
-    }
-    share_s, share_d = shares[motions]
-    configuration.update(
-        {
-            "source.motion": source,
-            "destination.motion": destination,
-            "source.mass": m_s,
-            "destination.mass": m_d,
-            "source.initial_velocity": (share_s * v).tolist(),
-            "destination.initial_velocity": (-share_d * v).tolist(),
-        }
-    )
+    *moving, effective = MASSES[motions]
+    configuration |= shared_out(configuration, *moving)
     return effective
 
 

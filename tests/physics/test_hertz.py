@@ -10,7 +10,15 @@ import pytest
 
 from contact_fmus.published import IMPACTS, outcome, setup_of
 from support.checks import METHODS, check_close, check_relative, run, start
-from support.scenes.head_on import DASHPOTS, FMU, GEOMETRIES, approach, head_on, of_size
+from support.scenes.head_on import (
+    DASHPOTS,
+    FMU,
+    GEOMETRIES,
+    head_on,
+    of_size,
+    shared_out,
+    speed_after,
+)
 
 # Relative, at the tolerance 1e-12 of CVODE; what event_driven does does not depend on the tolerance so.
 ACCURACY = {"event_driven": 1e-10, "cvode_bdf": 1e-10, "cvode_adams": 1e-10}
@@ -27,19 +35,11 @@ def deepest(stiffness, speed, mass=REDUCED):
 
 def impact(shape, location, stiffness=1e9, speed=1.0, masses="source free", **more):
     """Bodies as large as the impact asks for, four depths apart; the values, and when it is over."""
-    source, destination, m_s, m_d = MASSES[masses]
     depth = deepest(stiffness, speed)
     radius = 100 * depth
     gap = 4 * depth
     values = of_size(shape, location, radius, gap, speed)
-    velocity = np.array(values["source.initial_velocity"])
-    values |= {
-        "source.motion": source,
-        "destination.motion": destination,
-        "source.mass": m_s,
-        "destination.mass": m_d,
-        "source.initial_velocity": (velocity * (0.75 if destination == "free" else 1.0)).tolist(),
-        "destination.initial_velocity": (velocity * (-0.25 if destination == "free" else 0.0)).tolist(),
+    values = shared_out(values, *MASSES[masses]) | {
         "contact.law": "hertz",
         "contact.hertz_stiffness": stiffness,
         "solver.absolute_tolerance": 1e-12 * min(speed, depth),
@@ -47,10 +47,6 @@ def impact(shape, location, stiffness=1e9, speed=1.0, masses="source free", **mo
     values |= {name.replace("_", ".", 1): value for name, value in more.items()}
     restitution = values.get("contact.restitution", 0.3)
     return values, (gap + 30 * depth / max(restitution, 0.05)) / speed
-
-
-def speed_after(fmu, location):
-    return (fmu["destination.velocity"] - fmu["source.velocity"]) @ approach(location)
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -4,12 +4,11 @@ that number, with the p_nv of the closed form.
 
 import math
 
-import numpy as np
 import pytest
 
 from support.checks import check_close, check_relative, run, start
 from support.reference.law import ReferenceContact
-from support.scenes.head_on import DASHPOTS, FMU, GEOMETRIES, approach, of_size
+from support.scenes.head_on import DASHPOTS, FMU, GEOMETRIES, of_size, shared_out, speed_after
 
 MASSES = {  # motions, masses, reduced mass
     "source free": ("free", "fixed", 0.3, 7.0, 0.3),
@@ -23,19 +22,12 @@ COEFFICIENTS = [0.05, 0.3, 0.5, 0.8, 0.97, 1.0]
 
 def impact(shape, location, dashpot, restitution, speed, stiffness, masses):
     """Bodies as large as the impact asks for, a tenth of a radius apart; the values, and when it is over."""
-    source, destination, m_s, m_d, reduced = MASSES[masses]
+    *moving, reduced = MASSES[masses]
     depth = speed * math.sqrt(reduced / stiffness)
     radius = max(0.1, 100 * depth)
     gap = 0.1 * radius
     values = of_size(shape, location, radius, gap, speed)
-    velocity = np.array(values["source.initial_velocity"])
-    values |= {
-        "source.motion": source,
-        "destination.motion": destination,
-        "source.mass": m_s,
-        "destination.mass": m_d,
-        "source.initial_velocity": (velocity if source == "free" else 0 * velocity).tolist(),
-        "destination.initial_velocity": (0 * velocity if source == "free" else -velocity).tolist(),
+    values = shared_out(values, *moving) | {
         "contact.method": "penalty_dynamic",
         "contact.penalty_factor": stiffness,
         "contact.viscous_control": "restitution",
@@ -43,10 +35,6 @@ def impact(shape, location, dashpot, restitution, speed, stiffness, masses):
         "contact.dashpot": dashpot,
     }
     return values, gap / speed + 50 * depth / speed / max(restitution, 0.05)
-
-
-def speed_after(fmu, location):
-    return (fmu["destination.velocity"] - fmu["source.velocity"]) @ approach(location)
 
 
 @pytest.mark.parametrize("masses", MASSES)

@@ -60,6 +60,27 @@ def of_size(shape, location, radius, gap, speed):
     }
 
 
+def shared_out(values, source, destination, m_s, m_d):
+    """Motions and masses; the pair closes with the same speed whoever moves. Where both are free their centre
+    of mass rests.
+    """
+    share = m_d / (m_s + m_d) if source == destination == "free" else float(source == "free")
+    speed = np.array(values["source.initial_velocity"])
+    return values | {
+        "source.motion": source,
+        "destination.motion": destination,
+        "source.mass": m_s,
+        "destination.mass": m_d,
+        "source.initial_velocity": (share * speed).tolist(),
+        "destination.initial_velocity": ((share - 1.0) * speed).tolist(),
+    }
+
+
+def speed_after(fmu, location):
+    """At which the pair parts"""
+    return (fmu["destination.velocity"] - fmu["source.velocity"]) @ approach(location)
+
+
 def approach(location):
     """Unit vector of the source's velocity before the contact."""
     return ACROSS if location == "inside" else -ACROSS
