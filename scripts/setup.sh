@@ -12,11 +12,11 @@ purpose=tests
 
 packages=(
     gcc libc6-dev cmake ninja-build
-    libsundials-dev                            # CVODE
     git ca-certificates                        # where sources must be fetched instead
     python3 python3-venv
 )
 [[ $purpose == demo ]] || packages+=(
+    libsundials-dev                            # CVODE
     build-essential clang                      # the other compiler that is supported
     clang-format clang-tidy                    # what the tests check the sources with
     libclang-rt-dev valgrind                   # fuzzers, and one more look at memory
@@ -49,6 +49,29 @@ install_debian_packages() {
     "${apt[@]}" update </dev/null
     # what dpkg tells of its progress is of no use; errors still show
     "${apt[@]}" install -y --no-install-recommends "${missing[@]}" </dev/null >/dev/null
+}
+
+# CVODE for the demo: libsundials-dev depends on some 340 packages, MPI, PETSc and a Fortran compiler among them, and
+# CVODE on none of them. So its archives and headers alone go where cmake/ContactSundials.cmake looks for them.
+unpack_sundials() {
+    local target=$root/build/debian-sundials archives=(/usr/lib/*/libsundials_cvode.a) folder
+    if [[ $purpose == tests || -e ${archives[0]} ]]; then
+        rm -rf "$target"
+        return
+    elif [[ -d $target ]]; then
+        tell "SUNDIALS: already unpacked"
+        return
+    fi
+    tell "SUNDIALS: unpacking CVODE from libsundials-dev"
+    folder=$(mktemp -d)
+    chmod 755 "$folder"    # apt downloads as a user of its own
+    (cd "$folder" && apt-get -qq download libsundials-dev </dev/null && dpkg-deb --extract ./*.deb "$folder")
+    mkdir -p "$folder/fit/lib"
+    cp "$folder"/usr/lib/*/libsundials_{cvode,nvecserial}.a "$folder/fit/lib"
+    mv "$folder/usr/include" "$folder/fit"
+    mkdir -p "$root/build"
+    mv "$folder/fit" "$target"
+    rm -r "$folder"
 }
 
 # The system's Python first: apt has just given it what venv needs. PYTHON=... has the last word.
@@ -133,6 +156,7 @@ make_three() {
 }
 
 install_debian_packages
+unpack_sundials
 make_python_environment
 [[ $purpose == demo ]] || make_three
 install_package
