@@ -1,9 +1,12 @@
 """The wheel far from any clone: what it carries, and a scene from `new` to `run`"""
 
+import importlib
 import json
 import subprocess
+import sys
 import tomllib
 import zipfile
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -40,6 +43,27 @@ def test_every_command_is_one_of_the_wheel_and_every_dependency_is_pinned_for_te
     assert [one for one in wanted if f"\n{one.partition('>')[0]}==" not in pins] == []
     pinned = project["build-system"]["requires"]
     assert [one for one in pinned if f"\n{one}\n" not in pins] == []
+
+
+def test_an_editable_package_is_built_without_npm(tmp_path, monkeypatch):
+    """As the demo's is: the clone can be given three.js later."""
+    fake = SimpleNamespace(build=SimpleNamespace(build_editable=lambda wheel, *_: wheel))
+    monkeypatch.setitem(sys.modules, "scikit_build_core", fake)
+    monkeypatch.syspath_prepend(ROOT / "scripts")
+    backend = importlib.import_module("build_backend")
+    monkeypatch.setattr(backend, "BUNDLE", tmp_path / "three.bundle.js")
+    monkeypatch.setattr(backend, "_node", lambda: None)
+    monkeypatch.setenv("PATH", "")
+    assert backend.build_editable(tmp_path) == tmp_path and not backend.BUNDLE.exists()
+    with pytest.raises(SystemExit, match="needs npm"):
+        backend.build_wheel(tmp_path)
+
+
+def test_the_demo_asks_for_cvode_without_what_libsundials_depends_on():
+    text = (ROOT / "scripts" / "setup.sh").read_text()
+    demo, tests = text.partition("[[ $purpose == demo ]] || packages")[::2]
+    assert "libsundials-dev" not in demo and "\n    libsundials-dev " in tests
+    assert "${PROJECT_BINARY_DIR}/debian-sundials" in (ROOT / "cmake/ContactSundials.cmake").read_text()
 
 
 def test_the_package_is_imported_by_its_names_and_quickly(installed, far_from_clone, tmp_path):
