@@ -22,6 +22,7 @@
 #include <stdbool.h>
 
 #include "contact/choices.h"
+#include "math/compiler.h"
 #include "math/vec3.h"
 
 /* A capped cylinder, of which the shape below is the part that is met. */
@@ -135,7 +136,8 @@ double contact_turning_rate(const struct contact_shape *shape, const struct cont
 
 /* The escape direction at d = 0, where the distance can only grow: the unit vector along w, perpendicular to
  * a cylinder's axis; `fallback` where w has no such part. */
-struct vec3 contact_escape_direction(const struct contact_shape *shape, struct vec3 w, struct vec3 fallback);
+CONTACT_COLD struct vec3 contact_escape_direction(const struct contact_shape *shape, struct vec3 w,
+                                                  struct vec3 fallback);
 
 /* A unit vector to start from where no direction is known: -z for a sphere (the source above the
  * destination); for a cylinder the coordinate axis least aligned with e_d, made perpendicular to it,

@@ -178,9 +178,10 @@ enum model_status check_order(struct instance *instance, const struct call *call
                               const struct variable *variable, int order);
 
 /* Derivatives of outputs with respect to time: orders[i] is that of references[i]. */
-enum model_status instance_output_derivatives(struct instance *instance, const struct call *call,
-                                              const uint32_t *references, const int *orders,
-                                              size_t reference_count, double *values, size_t count);
+CONTACT_COLD enum model_status instance_output_derivatives(struct instance *instance, const struct call *call,
+                                                           const uint32_t *references, const int *orders,
+                                                           size_t reference_count, double *values,
+                                                           size_t count);
 
 /* A product with the matrix J of the derivatives of unknowns with respect to knowns. */
 struct product {
@@ -191,8 +192,8 @@ struct product {
     const double *seed;
     double *sensitivity;
 };
-enum model_status instance_product(struct instance *instance, const struct call *call,
-                                   const struct product *product);
+CONTACT_COLD enum model_status instance_product(struct instance *instance, const struct call *call,
+                                                const struct product *product);
 
 /* Part of a step size by which two times that should agree may differ. */
 #define STEP_SLACK 1e-6
@@ -248,7 +249,8 @@ bool instance_identified(struct instance *nobody, const char *function, const ch
 
 /* A new instance like `nobody`, which begins a struct of `size` bytes, with a model inside and nothing set
  * up; NULL after a message where memory is exhausted. */
-struct instance *instance_create(struct instance *nobody, const char *function, size_t size, bool logging_on);
+CONTACT_COLD struct instance *instance_create(struct instance *nobody, const char *function, size_t size,
+                                              bool logging_on);
 
 /* Does nothing while the instance's logger or another callback is at work. */
 void instance_free(struct instance *instance);
@@ -258,9 +260,9 @@ enum model_status instance_categories(struct instance *instance, const struct ca
                                       const char *const *categories, unsigned *chosen);
 
 /* Takes start time, stop time and the importer's tolerance. */
-enum model_status instance_set_up(struct instance *instance, const struct call *call, bool tolerance_defined,
-                                  double tolerance, double start_time, bool stop_time_defined,
-                                  double stop_time);
+CONTACT_COLD enum model_status instance_set_up(struct instance *instance, const struct call *call,
+                                               bool tolerance_defined, double tolerance, double start_time,
+                                               bool stop_time_defined, double stop_time);
 
 /* Contradictory parameters are refused here. The phase stays then, so that better values can be set. */
 enum model_status instance_exit_initialization(struct instance *instance, const struct call *call,

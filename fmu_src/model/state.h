@@ -92,14 +92,15 @@ static inline void model_forget_outputs(struct model *m)
 }
 
 /* Formats and sends a message when the host wants the category. */
-enum model_status model_report(const struct model *m, enum model_status status, const char *format, ...)
-    CONTACT_PRINTF_LIKE(3, 4);
+CONTACT_COLD enum model_status model_report(const struct model *m, enum model_status status,
+                                            const char *format, ...) CONTACT_PRINTF_LIKE(3, 4);
 
 /* MODEL_DISCARD of a step within which contacts change without end, or nearly so. */
-enum model_status model_report_stalled(const struct model *m, const struct step_request *request);
+CONTACT_COLD enum model_status model_report_stalled(const struct model *m,
+                                                    const struct step_request *request);
 
 /* Puts the motion at the start that the present parameters and inputs describe. */
-void model_prepare(struct model *m);
+CONTACT_COLD void model_prepare(struct model *m);
 
 /* The factors of a contact that the parameters describe, with the diagonal in force. */
 struct contact_coefficients model_factors(const struct scene_values *v, const struct scene_state *q,
@@ -114,11 +115,11 @@ struct contact_law model_law_slope(const struct model *m, int contact, double di
 void model_start_paths(struct model *m);
 
 /* Contradictions between parameters; reports the first. */
-enum model_status model_check_consistency(struct model *m);
+CONTACT_COLD enum model_status model_check_consistency(struct model *m);
 
 /* Warns of each parameter that has been set and that nothing reads, naming the choice by which something
  * would. */
-void model_warn_of_idle(struct model *m);
+CONTACT_COLD void model_warn_of_idle(struct model *m);
 
 /* Takes changed inputs over into the paths of the motion. False: an energy would be beyond the range of
  * numbers; the motion is unchanged, and other inputs may be set. */
