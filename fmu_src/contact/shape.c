@@ -308,30 +308,6 @@ double contact_zone_margin(const struct contact_solid *solid, int zone, struct v
     return fmin(at.radial, beyond);
 }
 
-void contact_axis_distance(const struct vec3 c[3], const struct vec3 axis[3], double rho[3])
-{
-    struct vec3 across[3];
-    double axial[3];
-    for (int i = 0; i < 3; ++i) {
-        axial[i] = vec3_dot(c[i], axis[0]);
-        for (int k = 1; k <= i; ++k) {
-            axial[i] += vec3_dot(c[i - k], axis[k]);
-        }
-        across[i] = vec3_axpy(c[i], -axial[i], axis[0]);
-        for (int k = 1; k <= i; ++k) {
-            across[i] = vec3_axpy(across[i], -axial[i - k], axis[k]);
-        }
-    }
-    rho[0] = vec3_norm(across[0]);
-    rho[1] = rho[2] = 0.0;
-    if (rho[0] > 0.0) {
-        rho[1] = vec3_dot(across[0], across[1]) / rho[0];
-        rho[2] =
-            (vec3_dot(across[0], across[2]) + 0.5 * vec3_dot(across[1], across[1]) - 0.5 * rho[1] * rho[1]) /
-            rho[0];
-    }
-}
-
 /* How far a centre is beyond a face [m], and how fast that grows [m/s]. */
 struct beyond {
     double by, rate;

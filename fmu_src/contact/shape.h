@@ -179,9 +179,6 @@ struct contact_shape contact_shape_in(const struct contact_shape *shape, int zon
 /* How far the centre is within the edges of a zone [m]: negative beyond them, where another one is nearer. */
 double contact_zone_margin(const struct contact_solid *solid, int zone, struct vec3 c);
 
-/* The distance from the axis along a path of the separation and of e_d: value and Taylor coefficients [m]. */
-void contact_axis_distance(const struct vec3 c[3], const struct vec3 axis[3], double rho[3]);
-
 /*
  * The zone that a centre goes into as it leaves `zone`, at c with the rate of c as the solid sees it [m/s]:
  * the nearest of the others. Where several are as near but for `rounding` [m], as at the circle of the rim,

@@ -47,6 +47,15 @@ struct contact_jacobian contact_jacobian_at(const struct contact_shape *shape,
     return gradient;
 }
 
+double jet_product(const double *a, const double *b, int order)
+{
+    double sum = 0.0;
+    for (int i = 0; i <= order && i < JET_TERMS; ++i) {
+        sum += a[i] * b[order - i];
+    }
+    return sum;
+}
+
 double jet_dot(const struct vec3 *a, const struct vec3 *b, int order)
 {
     double sum = 0.0;
@@ -177,6 +186,27 @@ void jet_length(const struct vec3 a[JET_TERMS], double length[JET_TERMS])
     length[2] = length[1] > 0.0 ? vec3_dot(a[1], a[2]) / length[1] : 0.0;
 }
 
+void jet_divide(const struct vec3 a[JET_TERMS], const double by[JET_TERMS], struct vec3 quotient[JET_TERMS])
+{
+    for (int i = 1; i < JET_TERMS; ++i) {
+        struct vec3 rest = a[i];
+        for (int k = 1; k <= i; ++k) {
+            rest = vec3_axpy(rest, -by[k], quotient[i - k]);
+        }
+        quotient[i] = vec3_scale(1.0 / by[0], rest);
+    }
+}
+
+void jet_of_axis_distance(const struct vec3 c[JET_TERMS], const struct vec3 axis[JET_TERMS],
+                          struct vec3 across[JET_TERMS], double axial[JET_TERMS], double rho[JET_TERMS])
+{
+    for (int i = 0; i < JET_TERMS; ++i) {
+        axial[i] = jet_dot(c, axis, i);
+        across[i] = vec3_sub(c[i], jet_scale(axial, axis, i));
+    }
+    jet_length(across, rho);
+}
+
 /* Coefficients of the largest friction force L in the regime. */
 static void put_limit(const struct friction_law *law, enum friction_regime regime,
                       const struct friction_path *path, double limit[JET_TERMS])
@@ -213,18 +243,6 @@ static void put_saturation(double z, double out[JET_TERMS])
     out[2] *= 2.0; /* Horner's scheme gives derivatives over factorials */
 }
 
-static double scalar_term(const double *a, const double *b, int order)
-{
-    switch (order) {
-    case 0:
-        return a[0] * b[0];
-    case 1:
-        return a[0] * b[1] + a[1] * b[0];
-    default:
-        return a[0] * b[2] + a[1] * b[1] + a[2] * b[0];
-    }
-}
-
 /* -L (1 - exp(-|v_t|/v_0))/|v_t| v_t */
 static struct vec3 regularized_term(const struct friction_law *law, const struct friction_path *path,
                                     const double limit[JET_TERMS], int order)
@@ -241,26 +259,9 @@ static struct vec3 regularized_term(const struct friction_law *law, const struct
     factor[1] = s[1] * speed[1] / (v_0 * v_0) - path->slip_velocity_slope * (s[1] * z + s[0]) / (v_0 * v_0);
     factor[2] = (s[1] * speed[2] + 0.5 * s[2] * speed[1] * speed[1] / v_0) / (v_0 * v_0);
     for (int i = 0; i < JET_TERMS; ++i) {
-        weight[i] = -scalar_term(limit, factor, i);
+        weight[i] = -jet_product(limit, factor, i);
     }
     return jet_scale(weight, path->slip, order);
-}
-
-/* a/|a| */
-static void put_direction(const struct vec3 a[JET_TERMS], struct vec3 unit[JET_TERMS])
-{
-    double length[JET_TERMS];
-    jet_length(a, length);
-    for (int i = 0; i < JET_TERMS; ++i) {
-        unit[i] = vec3_make(0.0, 0.0, 0.0);
-        if (length[0] > 0.0) {
-            struct vec3 rest = a[i];
-            for (int k = 1; k <= i; ++k) {
-                rest = vec3_axpy(rest, -length[k], unit[i - k]);
-            }
-            unit[i] = vec3_make(rest.x / length[0], rest.y / length[0], rest.z / length[0]);
-        }
-    }
 }
 
 struct vec3 friction_force_term(const struct friction_law *law, enum friction_regime regime,
@@ -268,7 +269,8 @@ struct vec3 friction_force_term(const struct friction_law *law, enum friction_re
 {
     double limit[JET_TERMS];
     struct vec3 force[JET_TERMS];
-    struct vec3 unit[JET_TERMS];
+    struct vec3 unit[JET_TERMS] = {{0.0, 0.0, 0.0}};
+    double length[JET_TERMS];
     if (law->kind == FRICTION_NONE || regime == FRICTION_LIFTED) {
         return vec3_make(0.0, 0.0, 0.0);
     }
@@ -282,7 +284,11 @@ struct vec3 friction_force_term(const struct friction_law *law, enum friction_re
     if (regime == FRICTION_STICKING) {
         return vec3_scale(-1.0, force[order]);
     }
-    put_direction(force, unit);
+    jet_length(force, length);
+    if (length[0] > 0.0) {
+        unit[0] = vec3_make(force[0].x / length[0], force[0].y / length[0], force[0].z / length[0]);
+        jet_divide(force, length, unit);
+    }
     return vec3_scale(-1.0, jet_scale(limit, unit, order));
 }
 
@@ -296,7 +302,7 @@ double friction_stored_term(const struct friction_law *law, enum friction_regime
     }
     if (slides && law->damping == 0.0) { /* the spring is L / k_t long */
         put_limit(law, regime, path, limit);
-        return 0.5 * scalar_term(limit, limit, order) / law->stiffness;
+        return 0.5 * jet_product(limit, limit, order) / law->stiffness;
     }
     return 0.5 * law->stiffness * jet_dot(path->spring, path->spring, order);
 }

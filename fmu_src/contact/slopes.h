@@ -54,6 +54,7 @@ CONTACT_COLD void contact_jet_make(const struct contact_shape *shape, const stru
                                    enum contact_regime regime, struct contact_jet *result);
 
 /* Coefficient `order` of a product. */
+double jet_product(const double *a, const double *b, int order);
 double jet_dot(const struct vec3 *a, const struct vec3 *b, int order);
 struct vec3 jet_scale(const double *a, const struct vec3 *b, int order);
 
@@ -77,6 +78,15 @@ CONTACT_COLD double friction_stored_term(const struct friction_law *law, enum fr
 
 /* The length of a vector. */
 CONTACT_COLD void jet_length(const struct vec3 a[JET_TERMS], double length[JET_TERMS]);
+
+/* Terms 1 and 2 of a quotient whose first term is known. */
+CONTACT_COLD void jet_divide(const struct vec3 a[JET_TERMS], const double by[JET_TERMS],
+                             struct vec3 quotient[JET_TERMS]);
+
+/* The part of c across an axis, the part along it, and the length of the part across. */
+CONTACT_COLD void jet_of_axis_distance(const struct vec3 c[JET_TERMS], const struct vec3 axis[JET_TERMS],
+                                       struct vec3 across[JET_TERMS], double axial[JET_TERMS],
+                                       double rho[JET_TERMS]);
 
 /*
  * Exact directional derivatives of force, torques and the spring's rate of a contact that turns or rubs with

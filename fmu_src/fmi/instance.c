@@ -753,16 +753,6 @@ double instance_time_reached(const struct instance *instance)
 
 /* Model Exchange. */
 
-enum model_status exchange_enter(struct instance *instance, const struct call *call, enum phase next)
-{
-    if (!call_allowed(instance, call)) {
-        return MODEL_ERROR;
-    }
-    instance->phase = next;
-    model_exchange_set_continuous(instance->model, next == PHASE_CONTINUOUS);
-    return MODEL_OK;
-}
-
 enum model_status exchange_update(struct instance *instance, struct exchange_news *news)
 {
     const enum model_status status = model_exchange_update(instance->model, &news->again, &news->jumped);
@@ -847,16 +837,6 @@ static struct state_block *state_list_find(const struct instance *instance, cons
     struct state_block *block = instance->states;
     while (block != NULL && block != address) {
         block = block->next;
-    }
-    return block;
-}
-
-static struct state_block *state_list_add(struct instance *instance, size_t size)
-{
-    struct state_block *block = instance->host.allocate(1, sizeof(struct state_block) + size);
-    if (block != NULL) {
-        block->next = instance->states;
-        instance->states = block;
     }
     return block;
 }
@@ -1010,15 +990,18 @@ static struct state_block *given_block(struct instance *instance, const struct c
 static struct state_block *block_to_write(struct instance *instance, const struct call *call, void **state)
 {
     struct state_block *block = state_list_find(instance, *state);
-    if (block == NULL) {
-        block = state_list_add(instance, block_size());
-        if (block == NULL) {
-            log_report(instance, MODEL_ERROR, "%s: no memory for %lu bytes", call->name,
-                       (unsigned long)block_size());
-            return NULL;
-        }
-        *state = block;
+    if (block != NULL) {
+        return block;
     }
+    block = instance->host.allocate(1, sizeof *block + block_size());
+    if (block == NULL) {
+        log_report(instance, MODEL_ERROR, "%s: no memory for %lu bytes", call->name,
+                   (unsigned long)block_size());
+        return NULL;
+    }
+    block->next = instance->states;
+    instance->states = block;
+    *state = block;
     return block;
 }
 
@@ -1237,6 +1220,9 @@ enum model_status instance_enter(struct instance *instance, const struct call *c
         return MODEL_ERROR;
     }
     instance->phase = next;
+    if (instance->host.exchange && (next & PHASES_EXCHANGED) != 0) {
+        model_exchange_set_continuous(instance->model, next == PHASE_CONTINUOUS);
+    }
     return MODEL_OK;
 }
 

@@ -214,9 +214,6 @@ enum model_status instance_step(struct instance *instance, const struct call *ca
  * then this is the end that the importer asked for, as importers compare it with their own stop time. */
 double instance_time_reached(const struct instance *instance);
 
-/* Model Exchange goes over to event mode or to continuous-time mode. */
-enum model_status exchange_enter(struct instance *instance, const struct call *call, enum phase next);
-
 /* What an event has changed. */
 struct exchange_news {
     bool again;        /* regimes have changed, and another one may have to */
@@ -268,7 +265,7 @@ CONTACT_COLD enum model_status instance_set_up(struct instance *instance, const 
 enum model_status instance_exit_initialization(struct instance *instance, const struct call *call,
                                                bool events);
 
-/* Goes over to another phase. */
+/* Goes over to another phase; Model Exchange tells the model of event mode and of continuous-time mode. */
 enum model_status instance_enter(struct instance *instance, const struct call *call, enum phase next);
 
 enum model_status instance_reset(struct instance *instance, const struct call *call);

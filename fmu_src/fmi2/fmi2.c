@@ -424,8 +424,8 @@ PASS2(CompletedIntegratorStep,
       ((void)noSetFMUStatePriorToCurrentPoint,
        exchange_accept_step(c, call, enterEventMode, terminateSimulation, sizeof *enterEventMode)))
 
-PASS2(EnterEventMode, (fmi2Component c), exchange_enter(c, call, PHASE_EVENT))
-PASS2(EnterContinuousTimeMode, (fmi2Component c), exchange_enter(c, call, PHASE_CONTINUOUS))
+PASS2(EnterEventMode, (fmi2Component c), instance_enter(c, call, PHASE_EVENT))
+PASS2(EnterContinuousTimeMode, (fmi2Component c), instance_enter(c, call, PHASE_CONTINUOUS))
 PASS2(SetTime, (fmi2Component c, fmi2Real time), exchange_set_time(c, call, time))
 PASS2(SetContinuousStates, (fmi2Component c, const fmi2Real x[], size_t nx),
       exchange_set_states(c, call, x, nx))

@@ -528,20 +528,16 @@ CONTACT_FLATTEN fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommuni
 
 fmi3Status fmi3EnterEventMode(fmi3Instance c)
 {
-    struct fmi3_instance *own = c;
+    const struct fmi3_instance *own = c;
     if (!call_ready(c, CALL3(EnterEventMode), NO_ARGUMENTS)) {
         return fmi3Error;
     }
-    if (own->shared.host.exchange) {
-        return (fmi3Status)exchange_enter(c, CALL3(EnterEventMode), PHASE_EVENT);
-    }
-    if (!own->event_mode_used) {
+    if (!own->shared.host.exchange && !own->event_mode_used) {
         return (fmi3Status)log_report(
             c, MODEL_ERROR,
             "fmi3EnterEventMode called in phase step mode: instantiated with eventModeUsed = false");
     }
-    own->shared.phase = PHASE_EVENT;
-    return fmi3OK;
+    return (fmi3Status)instance_enter(c, CALL3(EnterEventMode), PHASE_EVENT);
 }
 
 PASS3(EnterStepMode, (fmi3Instance c), instance_enter(c, call, PHASE_STEP))
@@ -596,7 +592,7 @@ PASS3(GetNumberOfEventIndicators, (fmi3Instance c, size_t *count),
       put_count(c, call, "nEventIndicators", SCENE_INDICATORS, count))
 PASS3(GetNumberOfContinuousStates, (fmi3Instance c, size_t *count),
       put_count(c, call, "nContinuousStates", SCENE_STATES, count))
-PASS3(EnterContinuousTimeMode, (fmi3Instance c), exchange_enter(c, call, PHASE_CONTINUOUS))
+PASS3(EnterContinuousTimeMode, (fmi3Instance c), instance_enter(c, call, PHASE_CONTINUOUS))
 PASS3(SetTime, (fmi3Instance c, fmi3Float64 time), exchange_set_time(c, call, time))
 PASS3(SetContinuousStates, (fmi3Instance c, const fmi3Float64 x[], size_t nx),
       exchange_set_states(c, call, x, nx))

@@ -79,12 +79,6 @@ static inline struct vec3 quaternion_rotate(struct quaternion q, struct vec3 a)
     return vec3_add(vec3_axpy(a, q.w, twice), vec3_cross(v, twice));
 }
 
-/* From the world's frame into the body's. */
-static inline struct vec3 quaternion_rotate_back(struct quaternion q, struct vec3 a)
-{
-    return quaternion_rotate(quaternion_inverse(q), a);
-}
-
 /* The third axis of the body's frame in the world's, q e_z q*. */
 CONTACT_NOT_FUSED static inline struct vec3 quaternion_third_axis(struct quaternion q)
 {

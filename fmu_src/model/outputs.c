@@ -322,6 +322,8 @@ static double distance_term(const struct scene_values *v, const struct contact_s
         const int destination = contact_destination(contact);
         struct vec3 c[JET_TERMS] = {at->separation[contact]};
         struct vec3 axis[JET_TERMS] = {shape->solid.axis};
+        struct vec3 across[JET_TERMS];
+        double axial[JET_TERMS];
         double rho[JET_TERMS];
         for (int i = 1; i < JET_TERMS; ++i) {
             c[i] = vec3_sub(along->displacement[destination][i],
@@ -330,8 +332,8 @@ static double distance_term(const struct scene_values *v, const struct contact_s
                 axis[i] = body_turns(v, destination) ? along->axis[destination][i] : axis[i];
             }
         }
-        contact_axis_distance(c, axis, rho);
-        return rho[order];
+        jet_of_axis_distance(c, axis, across, axial, rho);
+        return order > 0 && !(rho[0] > 0.0) ? 0.0 : rho[order];
     }
     return along->contact[contact].distance[order];
 }
@@ -423,12 +425,8 @@ static struct vec3 contact_point_of(const struct scene_values *v, const struct c
 static double distance_of(const struct contact_shape *shape, const struct scene_instant *at, int contact)
 {
     if (contact_is_capped(shape)) {
-        const struct vec3 none = {0.0, 0.0, 0.0};
-        const struct vec3 c[3] = {at->separation[contact], none, none};
-        const struct vec3 axis[3] = {shape->solid.axis, none, none};
-        double rho[3];
-        contact_axis_distance(c, axis, rho);
-        return rho[0];
+        const struct vec3 c = at->separation[contact];
+        return vec3_norm(vec3_axpy(c, -vec3_dot(c, shape->solid.axis), shape->solid.axis));
     }
     return at->geometry[contact].distance;
 }

@@ -190,12 +190,8 @@ static void put_given_axis(const struct body_path *path, double clock, struct ve
     memcpy(a, path->axis, sizeof a);
     path_shift(a, 3, clock);
     jet_length(a, length);
-    for (int i = 1; i < JET_TERMS && length[0] > 0.0; ++i) {
-        struct vec3 rest = a[i];
-        for (int k = 1; k <= i; ++k) {
-            rest = vec3_axpy(rest, -length[k], e[i - k]);
-        }
-        e[i] = vec3_scale(1.0 / length[0], rest);
+    if (length[0] > 0.0) {
+        jet_divide(a, length, e);
     }
 }
 
@@ -332,11 +328,11 @@ double turning_jet_of_rotational(const struct scene_values *v, const struct scen
     for (int i = 0; i < SCENE_BODIES; ++i) {
         if (body_turns_freely(v, i)) {
             const struct body_inertia inertia = body_inertia_of(v, i);
-            double axial = 0.0;
+            double spin[JET_TERMS];
             for (int k = 0; k <= order; ++k) {
-                axial += jet_dot(along->angular_velocity[i], along->axis[i], k) *
-                         jet_dot(along->angular_velocity[i], along->axis[i], order - k);
+                spin[k] = jet_dot(along->angular_velocity[i], along->axis[i], k);
             }
+            const double axial = jet_product(spin, spin, order);
             const double square = jet_dot(along->angular_velocity[i], along->angular_velocity[i], order);
             sum += 0.5 * (inertia.transverse * square + (inertia.axial - inertia.transverse) * axial);
         }
@@ -426,19 +422,6 @@ static struct contact_path path_of(const struct scene_values *v, const struct sc
     return path;
 }
 
-/* Terms 1 and 2 of n, from d n = offset. */
-static void put_normal(const struct vec3 offset[JET_TERMS], const double distance[JET_TERMS],
-                       struct vec3 normal[JET_TERMS])
-{
-    for (int i = 1; i < JET_TERMS; ++i) {
-        struct vec3 rest = offset[i];
-        for (int k = 1; k <= i; ++k) {
-            rest = vec3_axpy(rest, -distance[k], normal[i - k]);
-        }
-        normal[i] = vec3_scale(1.0 / distance[0], rest);
-    }
-}
-
 /* The offset of a rim: offset = (rho - r_d) a - (height - h) e. The unit vector a points to the axis, rho a =
  * c - (c.e) e, height = -c.e, and e points out of the cylinder at the rim's end. */
 static void put_rim_offset(const struct contact_shape *shape, const struct contact_path *path,
@@ -446,13 +429,9 @@ static void put_rim_offset(const struct contact_shape *shape, const struct conta
 {
     struct vec3 across[JET_TERMS], to_axis[JET_TERMS];
     double axial[JET_TERMS], radial[JET_TERMS], rho[JET_TERMS];
-    for (int i = 0; i < JET_TERMS; ++i) {
-        axial[i] = jet_dot(path->c, path->axis, i);
-        across[i] = vec3_sub(path->c[i], jet_scale(axial, path->axis, i));
-    }
-    jet_length(across, rho);
+    jet_of_axis_distance(path->c, path->axis, across, axial, rho);
     to_axis[0] = vec3_scale(1.0 / rho[0], across[0]);
-    put_normal(across, rho, to_axis);
+    jet_divide(across, rho, to_axis);
     for (int i = 0; i < JET_TERMS; ++i) {
         radial[i] = rho[i] - (i == 0 ? shape->solid.radius : 0.0);
         axial[i] += i == 0 ? shape->solid.half_height : 0.0;
@@ -500,7 +479,7 @@ static void put_distance(const struct contact_shape *shape, const struct contact
                                                    : length[i];
     }
     if (contact_turns(shape, g)) {
-        put_normal(offset, jet->distance, jet->normal);
+        jet_divide(offset, jet->distance, jet->normal); /* d n = offset */
     }
 }
 
