@@ -1,4 +1,4 @@
-/* vec3 and geometry against long double, from 1e-140 m to 1e140 m, and the conventions of directions. */
+/* Norms and gaps from the smallest to the largest sizes, and the conventions of directions. */
 #include <float.h>
 
 #include "check.h"
@@ -19,27 +19,6 @@ static struct contact_shape random_shape(struct random *r, double scale)
     shape.other_radius = shape.source_radius + scale * random_power(r, -3.0, 0.0);
     long_complete_shape(&shape, random_direction(r));
     return shape;
-}
-
-TEST(sums_products_and_components)
-{
-    struct random r = {1};
-    for (int i = 0; i < CONFIGURATIONS; ++i) {
-        const double size = random_power(&r, -140.0, 140.0);
-        const struct vec3 a = random_vector(&r, size);
-        const struct vec3 b = random_vector(&r, size);
-        const double s = random_between(&r, -2.0, 2.0);
-        const double tolerance = 2.0 * DBL_EPSILON * 3.0 * size;
-        const struct vec3 sum = vec3_axpy(a, s, b);
-        const struct long_vec3 expected = long_axpy(long_of(a), s, long_of(b));
-        CHECK_CLOSE("x of a + s b", sum.x, expected.x, tolerance);
-        CHECK_CLOSE("y of a + s b", sum.y, expected.y, tolerance);
-        CHECK_CLOSE("z of a + s b", sum.z, expected.z, tolerance);
-        const struct vec3 difference = vec3_sub(vec3_add(a, vec3_scale(s, b)), sum);
-        CHECK_CLOSE("a + (s b) - (a + s b)", vec3_max_abs(difference), 0.0, 0.0);
-        CHECK_CLOSE("a.b", vec3_dot(a, b), long_dot(long_of(a), long_of(b)), 3.0 * tolerance * size);
-        CHECK(vec3_get(a, 0) == a.x && vec3_get(a, 1) == a.y && vec3_get(a, 2) == a.z);
-    }
 }
 
 TEST(the_norm_neither_overflows_nor_underflows)
@@ -78,28 +57,6 @@ TEST(the_gap_of_bodies_that_almost_touch_has_no_rounding)
     }
 }
 
-TEST(the_normal_is_perpendicular_to_a_cylinders_axis)
-{
-    struct random r = {5};
-    for (int i = 0; i < CONFIGURATIONS; ++i) {
-        struct contact_shape shape = random_shape(&r, 1.0);
-        shape.destination = SHAPE_CYLINDER;
-        shape.axis = random_direction(&r);
-        const struct vec3 c = random_vector(&r, 3.0);
-        const struct vec3 w = random_vector(&r, 1.0);
-        const struct contact_geometry at = contact_geometry_at(&shape, c, w, FALLBACK);
-        const double turned = 16.0 * DBL_EPSILON * vec3_norm(c) / at.distance;
-        CHECK_CLOSE("n.e_d", vec3_dot(at.normal, shape.axis), 0.0, turned);
-        const struct vec3 across = contact_tangential(&shape, at.normal, w);
-        CHECK_CLOSE("tangential.n", vec3_dot(across, at.normal), 0.0, 16.0 * DBL_EPSILON + 2.0 * turned);
-        CHECK_CLOSE("tangential.e_d", vec3_dot(across, shape.axis), 0.0, 16.0 * DBL_EPSILON + 2.0 * turned);
-        const double along = vec3_dot(w, at.normal);
-        const double axial = vec3_dot(w, shape.axis);
-        CHECK_CLOSE("Pythagoras of w", vec3_dot(across, across) + along * along + axial * axial,
-                    vec3_dot(w, w), 64.0 * DBL_EPSILON + 8.0 * turned);
-    }
-}
-
 /* Where c is along the axis to rounding, what the projection leaves points anywhere; a normal made of it must
  * not push along the axis. */
 TEST(near_the_axis_the_normal_still_lies_across)
@@ -120,26 +77,6 @@ TEST(near_the_axis_the_normal_still_lies_across)
         on_the_axis += at.degenerate;
     }
     CHECK(on_the_axis > 0 && on_the_axis < CONFIGURATIONS / 2);
-}
-
-TEST(on_the_axis_or_at_the_centre_the_fallback_is_the_normal)
-{
-    const enum shape shapes[] = {SHAPE_SPHERE, SHAPE_CYLINDER};
-    for (int i = 0; i < 4; ++i) {
-        const struct contact_shape shape = {.axis = {1.0, 0.0, 0.0},
-                                            .source_radius = 0.25,
-                                            .other_radius = 0.75,
-                                            .half_length = (double)INFINITY,
-                                            .side = i % 2 == 0 ? 1 : -1,
-                                            .destination = shapes[i / 2]};
-        const struct vec3 c = {shape.destination == SHAPE_CYLINDER ? 3.0 : 0.0, 0.0, 0.0};
-        const struct contact_geometry at = contact_geometry_at(&shape, c, vec3_make(7.0, 1.0, 2.0), FALLBACK);
-        CHECK(at.degenerate);
-        CHECK_CLOSE("d", at.distance, 0.0, 0.0);
-        CHECK_CLOSE("g", at.gap, shape.side > 0 ? -1.0 : 0.5, 0.0);
-        CHECK_CLOSE("n is the fallback", vec3_max_abs(vec3_sub(at.normal, FALLBACK)), 0.0, 0.0);
-        CHECK_CLOSE("g'", at.gap_rate, shape.side * (0.6 - 1.6), 4.0 * DBL_EPSILON);
-    }
 }
 
 TEST(the_default_normal_is_the_documented_one)
