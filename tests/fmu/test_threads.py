@@ -34,19 +34,6 @@ def test_interleaved_instances_do_not_notice_each_other(alone):
     assert {name: digest(rows[name]) for name in NAMES} == alone
 
 
-def test_instances_of_one_fmu_interleave_with_copies_of_themselves(alone):
-    name = "sphere in contact"
-    run = RUNS[name]
-    instances = [begin(run, name=f"copy {index}".encode()) for index in range(20)]
-    rows = [[] for _ in instances]
-    for index in range(run.steps):
-        for instance, history in zip(instances, rows, strict=True):
-            history.append(step(instance, run, index))
-    for instance in instances:
-        instance.free()
-    assert {digest(history) for history in rows} == {alone[name]}
-
-
 def test_threads_do_not_notice_each_other(alone):
     """Every run twice, in eight threads at once; ctypes lets go of Python's lock during each call."""
     jobs = NAMES * 2
