@@ -36,10 +36,6 @@ def test_no_file_needs_one_of_a_later_folder(edges):
     assert upward(edges, LAYERS) == []
 
 
-def test_a_circle_that_is_added_is_found(edges):
-    assert circle(edges | {"contact/law.c": {"model/model.c"}}) is not None
-
-
 def test_an_upward_edge_that_is_added_is_found(edges):
     assert upward(edges | {"math/polynomial.c": {"scene/evaluate.c"}}, LAYERS) == [
         "math/polynomial.c -> scene/evaluate.c"

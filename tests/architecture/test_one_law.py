@@ -68,10 +68,3 @@ def test_the_allowed_files_exist_and_make_use_of_it():
         assert re.search(ASKS_FOR_CONSTANTS, texts[name]), name
     for name in OWN_STIFFNESS:
         assert re.search(r"\bstiffness\b", texts[name]), name
-
-
-def test_the_patterns_find_what_they_look_for():
-    assert re.findall(READS, "law->stiffness + law.damping + o.damping_rate") == ["->stiffness", ".damping"]
-    assert re.search(FORMULA, "x = law->stiffness * g->gap + law->damping * g->gap_rate;")
-    assert re.search(FORMULA, "return -(linear.k * gap[i] +\n  linear.c * gap_rate[i]);")
-    assert not re.search(FORMULA, "p.k * gap_rounding; q.c * rate;")
