@@ -403,12 +403,12 @@ static void note_errors(struct general *g)
     }
 }
 
-/* The fastest decay of a state left [1/s]. */
-static double fastest_decay_of(const struct radau_step *p)
+/* The fastest decay of a state left [1/s], by a Jacobian of these states. */
+static double fastest_decay_of(const struct radau_step *p, const double *by_others)
 {
     double most = 0.0;
     for (int i = 0; i < p->others; ++i) {
-        most = fmax(most, fabs(p->by_others[i * p->others + i]));
+        most = fmax(most, fabs(by_others[i * p->others + i]));
     }
     return most;
 }
@@ -417,7 +417,7 @@ void general_begin(struct general *g, double clock, const double *y)
 {
     radau_step_begin(&g->step, clock, y);
     if (SCENE_ANY_TURNING && g->step.problem.turns) {
-        g->fastest_decay = fastest_decay_of(&g->step);
+        g->fastest_decay = fastest_decay_of(&g->step, g->step.by_others);
         note_errors(g);
     }
     if (!(g->longest > 0.0)) {
@@ -459,6 +459,10 @@ bool general_is_stiff(const struct general *g)
     return SCENE_ANY_FRICTION && g->step.problem.turns && g->step.length * g->fastest_decay > LEAST_STIFF;
 }
 
+/* Rolling ends within a step whose fastest decay falls to less than this part. The slip then bends between
+ * the last nodes, and the coefficients decrease as if it did not: the error within is that at the end. */
+static const double END_OF_ROLLING = 0.3;
+
 double general_finish_step(struct general *g)
 {
     struct radau_step *p = &g->step;
@@ -467,6 +471,9 @@ double general_finish_step(struct general *g)
     g->error_within = error.within;
     g->error_at_end = fmax(error.at_end, g->within_share * error.within);
     g->error_of_start = g->fully ? radau_step_start_error(p) : 0.0;
+    if (g->fully && fastest_decay_of(p, p->stage_others) < END_OF_ROLLING * g->fastest_decay) {
+        g->error_at_end = fmax(g->error_at_end, error.within);
+    }
     return fmax(g->error_at_end, g->error_of_start);
 }
 

@@ -260,6 +260,21 @@ def test_a_ball_slides_before_it_leaves_a_plane_that_turns(
     check_close(name, fmu[vector][component], right, max(tolerance, 5e-7))
 
 
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+@pytest.mark.parametrize("steps", [1, 7, 100])
+def test_the_last_slip_of_an_impact_is_as_accurate_as_the_tolerance(opened, steps, tolerance):
+    """Rolling ends within a step, whose last nodes alone see the slip. The spin is that at 1e-12."""
+    values = TURNING_PLANE | {
+        "source.initial_velocity": [1.0, 0.0, -2.0],
+        "destination.prescribed_angular_velocity": [0.0, 0.0, 10.0],
+        "contact.characteristic_slip_velocity": 1e-8,
+    }
+    fmu = run(opened("SpherePlane"), values, 0.045, steps, tolerance)
+    right = np.array([2.027397643298, 7.247282787502, 0.0])
+    allowed = max(tolerance, 1e-10) * float(np.linalg.norm(right))
+    check_close("source.angular_velocity", fmu["source.angular_velocity"], right, allowed)
+
+
 def impact_on_a_turning_plane(random):
     """The slip falls to any v_0 or stays, about any axis, with and without damping. An error of the slip is
     2.5/r = 25 times as large in the angular velocity.
