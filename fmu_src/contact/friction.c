@@ -145,8 +145,8 @@ friction_force_slopes(const struct friction_law *law, enum friction_regime regim
     return slopes;
 }
 
-/* Part of its typical length below which a spring turns no faster the shorter it is. At the typical length
- * it changes the rate by 1e-10 of it. */
+/* A spring turns the faster the shorter it is, down to this part of its typical length. This limit changes
+ * the rate of a spring of typical length by 1e-10 of it. */
 static const double SHORTEST = 1e-5;
 
 /* Sliding friction without a dashpot keeps the spring's length, and the slip only turns the spring: xi' is

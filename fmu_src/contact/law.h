@@ -185,8 +185,8 @@ double contact_event_force(const struct contact_law *law, double event);
 bool contact_has_events(const struct contact_law *law);
 enum contact_regime contact_regime_after(const struct contact_law *law, enum contact_regime regime);
 
-/* Where the unclamped law begins to pull it falls through zero: F_n [N]; of Hertz's law, whose force ends
- * with the contact, too, and has no slope there, the factor 1 + chi delta' that changes its sign [1]. */
+/* A function that falls through zero where the unclamped law begins to pull. Under the linear law it is F_n
+ * [N]. Hertz's force is also zero, without a slope, where contact ends; there it is 1 + chi delta' [1]. */
 double contact_push(const struct contact_law *law, double gap, double gap_rate);
 
 /* Whether F_n may be negative while the bodies overlap: an unclamped dashpot pulls. What any other law says

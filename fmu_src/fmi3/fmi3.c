@@ -252,7 +252,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
         return NULL;
     }
     struct instance *instance = instance_create(&nobody.shared, function, sizeof nobody, loggingOn);
-    if (instance != NULL && eventModeUsed) { /* FMI 3.0.2, section 2.4.7.4: else at communication points */
+    if (instance != NULL && eventModeUsed) { /* FMI 3.0.2, section 2.4.7.4: tuning needs event mode */
         instance->tuning_phases = PHASE_EVENT;
     }
     return instance;

@@ -185,7 +185,7 @@ static bool add_pair(struct synchronized_step *all, const struct scene_values *v
 {
     struct segment *p = &all->segment[contact];
     const double longest =
-        all->time > 0.0 ? all->time : all->longest; /* if another ends, up to the same time */
+        all->time > 0.0 ? all->time : all->longest; /* the segment of another pair may end earlier */
     if (!segment_make(p, v, q, at, contact, longest, tolerance_of(v, q, at, contact))) {
         return false;
     }

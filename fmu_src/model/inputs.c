@@ -243,7 +243,7 @@ void model_begin_tuning(struct model *m)
     m->state.signals_open = 1;
 }
 
-/* What differs of contact and gravity, and whether anything does. */
+/* Compares gravity and the factors of contacts with `before`. Returns whether anything differs. */
 static bool differs(const struct scene_values *v, const struct scene_state *q,
                     const struct tunable_values *before, struct motion_tuning *tuning)
 {

@@ -239,7 +239,7 @@ void motion_catch_up(const struct scene_values *v, struct scene_state *q)
     }
 }
 
-/* Apart from foresee_reading, which need not save registers for it. */
+/* This function is not put into foresee_reading, which would save more registers at each call. */
 CONTACT_NOINLINE static void show_prescribed(struct scene_values *v, const struct scene_state *q)
 {
     for (int i = 0; i < SCENE_BODIES; ++i) {

@@ -268,7 +268,8 @@ static double put_rubbing(struct scene_values *v, const struct scene_state *q, c
            vec3_norm(turning->source_torque[contact]) + vec3_norm(turning->destination_torque[contact]);
 }
 
-/* Shows what turns and rubs; a sum that is finite only if all of it is. */
+/* Sets the outputs of bodies that turn and contacts that rub. Returns a sum of them, which is finite only if
+ * every output is. */
 static double show_turning(struct scene_values *v, const struct scene_state *q,
                            const struct scene_instant *at)
 {

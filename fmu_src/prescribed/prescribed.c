@@ -791,7 +791,7 @@ static bool finds_event(const struct span *s, const struct panel *left, const st
     return false;
 }
 
-/* A whole panel and its two halves are one of the panels that are left to the quadrature. */
+/* The quadrature compares a panel with its two halves: three panels are made for each one that it counts. */
 enum { PANELS_COMPARED = 3 };
 
 /* Bisects between `before` and `after` until the clock of an event is known to rounding. Makes the panel that

@@ -77,7 +77,7 @@ double dense_output_largest(const struct dense_output *w, const struct event_fun
 
 /*
  * Dense output of a contact whose motion no segment computes: the motion is given, or an integrator knows it
- * between the ends of its steps. And the largest values of force and penetration on it.
+ * between the ends of its steps. It finds the largest force and penetration.
  */
 
 struct scene_output {

@@ -261,7 +261,8 @@ void turning_of_contact(const struct scene_values *v, const struct scene_state *
         vec3_sub(vec3_cross(turning->body[source].angular_velocity, arm),
                  vec3_cross(turning->body[destination].angular_velocity, turning->destination_arm[contact]));
     const struct vec3 slip = vec3_sub(past, at->rate[contact]);
-    /* Twice: what the first leaves along n is rounding of speeds, which a small v_0 would make a force. */
+    /* The part along n is taken away twice. After the first time rounding of the speeds is left along n, and
+     * friction with a small v_0 would make a force of it. */
     const struct vec3 across = vec3_axpy(slip, -vec3_dot(slip, g->normal), g->normal);
     turning->slip[contact] = vec3_axpy(across, -vec3_dot(across, g->normal), g->normal);
     turning->friction_force[contact] = vec3_make(0.0, 0.0, 0.0);

@@ -4,8 +4,8 @@
 #include "scene/ode.h"
 #include "scene/transition.h"
 
-/* In bounds of the rounding error: the margin itself may be off by one of them on either side of
- * a change. */
+/* The margin is raised by so many rounding bounds of the gap, because its own value may be off by one bound
+ * on either side of a change. */
 static const double MARGIN_ROUNDINGS = 4.0;
 
 double regime_touch_margin(const struct scene_values *v, const struct scene_state *q,
@@ -53,7 +53,7 @@ enum contact_regime regime_by_margins(const struct scene_values *v, const struct
     const struct contact_law law = scene_contact_law(v, q, contact);
     const double touch = regime_touch_margin(v, q, at, contact);
     const bool apart = regime == REGIME_APART;
-    const bool touches = apart ? touch <= 0.0 : touch < 0.0; /* at zero, too, it has changed */
+    const bool touches = apart ? touch <= 0.0 : touch < 0.0; /* at zero either regime ends */
     if (!touches) {
         return REGIME_APART;
     }
@@ -83,7 +83,7 @@ static double tolerated_slip(const struct scene_values *v, const struct scene_in
     return solver_relative_tolerance(v) * vec3_norm(at->turning.slip[contact]) + solver_absolute_tolerance(v);
 }
 
-/* Its event function, raised by what rounding and the tolerance of speeds may make of it. */
+/* An event function of friction, raised by the error that rounding and the tolerance of speeds may cause. */
 static double raised_friction_event(const struct scene_values *v, const struct scene_state *q,
                                     const struct scene_instant *at, int contact, enum ode_event event)
 {

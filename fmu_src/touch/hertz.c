@@ -602,8 +602,8 @@ enum { SLOW_SWEEPS = 30 };
  * is above their rounding. */
 static const double SLOW_SWEPT = 4.0 * DBL_EPSILON;
 
-/* Newton's matrix is made once n changes by less than this, and again while delta changes by more than this
- * part. */
+/* Newton's matrix is made for the first time when a sweep changes n by less than this. It is made again
+ * while a sweep changes delta by more than this part of it. */
 static const double NEW_MATRIX = 1e-3;
 
 /* Columns of Newton's matrix have room for the zeros behind them (lu.h). */
@@ -954,8 +954,8 @@ static double slow_accuracy(const struct segment *p)
 /* The scaled derivatives of the slow motion fall with powers of the ratio of the rates, those of the fast
  * motion do not: at this order and the next only the fast motion is left. */
 enum { FAST_ORDER = 6 };
-/* Factors of the accuracy: these derivatives give an oscillation to about a quarter of it (FAST_CLEARLY), and
- * a decay beyond critical damping to about DECAY_CLEARLY. */
+/* The fast motion counts as absent if these derivatives are below the accuracy times FAST_CLEARLY for an
+ * oscillation, or DECAY_CLEARLY for a decay. They show an oscillation at about a quarter of its size. */
 static const double FAST_CLEARLY = 0.8;
 static const double DECAY_CLEARLY = 4.0;
 
@@ -1013,8 +1013,8 @@ bool quasi_static_applies(const struct segment *p)
         return false;
     }
     const struct slow_scales scales = slow_scales_of(from);
-    /* bodies without a load that presses leave a deep overlap at the speed 1/chi; under a law with events
-     * that speed is its end, to rounding */
+    /* Without a load that presses, bodies leave a deep overlap at the speed 1/chi. At that speed the force is
+     * zero to rounding, where a law with events ends its regime. */
     const bool leaves = scales.creep > 0.0 && !contact_has_events(&from->law);
     return (scales.load > 0.0 || leaves) && scales.fast * p->longest >= SLOW_SHORTEST;
 }

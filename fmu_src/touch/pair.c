@@ -568,7 +568,7 @@ bool pair_oscillation_stays_above(const struct pair_oscillation *p, enum pair_qu
     const double c = p->from->coefficients.c * p->rate;
     const double bend = -p->oscillator.damping_rate * p->y_rate - p->y;
     double equilibrium = 0.0;
-    double start = p->rate * p->y_rate; /* of what oscillates, and its rate */
+    double start = p->rate * p->y_rate; /* the part that oscillates, at the start */
     double start_rate = p->rate * bend;
     if (quantity == PAIR_FORCE) {
         equilibrium = -k * p->equilibrium;

@@ -705,7 +705,7 @@ struct start_forces {
     double by_gap;  /* of the oscillation about the load, by the gap */
     double by_rate; /* of the oscillation about the load, by the gap rate */
     double size;    /* the largest of all */
-    double error;   /* of the largest force, by rounding */
+    double error;   /* rounding error of the largest force */
 };
 
 /*
@@ -1152,7 +1152,7 @@ static struct vec3 at_face(struct segment *p, const struct pair_change *change, 
 {
     struct vec3 c[SEPARATION_DEGREE + 1];
     const bool is_rim = contact_is_rim(&p->pair.shape);
-    for (int i = 0; i <= SEPARATION_DEGREE; ++i) { /* C along n of bodies at rest is a flight, however far */
+    for (int i = 0; i <= SEPARATION_DEGREE; ++i) { /* bodies at rest may fly far along n */
         const struct vec3 flight = p->pair.flight.c[i];
         c[i] = is_rim ? flight : contact_across_plane(p->pair.normal, flight);
     }

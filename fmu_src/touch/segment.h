@@ -103,7 +103,7 @@ struct segment {
     struct terminal_event terminal;
     bool leaves_zone; /* the terminal event leaves the zone of a capped cylinder; the regime goes on */
     bool may_be_quasi_static; /* quasi_static_applies: the first coefficients of the series decide */
-    /* Below: for the kinds and the search for peaks. */
+    /* Only the kinds and the search for peaks read the members below. */
     enum segment_kind kind;
     union {
         struct pair_oscillation oscillation;
