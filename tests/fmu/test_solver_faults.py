@@ -26,7 +26,7 @@ CRASHES = {
     "SUNNonlinSolNewEmpty",
     "SUNNonlinSol_Newton",
 }
-OWN = {"instance_create", "model_create", "state_list_add"}
+OWN = {"instance_create", "model_create", "block_to_write"}
 EVENT_DRIVEN = 1
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from contact_fmus import pages
 from contact_fmus.errors import UserError
 from contact_fmus.fmu.contact_fmu import ContactFmu
-from contact_fmus.fmu.files import fmus_folder, has_scene, repository
+from contact_fmus.fmu.files import fmus_folder, repository
 from contact_fmus.options import parse
 from contact_fmus.pages import plain, write_pages
 from contact_fmus.plot.command import draw_scenario
@@ -195,7 +195,8 @@ def leave_out(arguments: list[str] | None = None) -> int:
     """0: compared; 2: none is built; 3: an FMU refused"""
     parse("leave-out", arguments)
     cells = []
-    for file in filter(has_scene, sorted(fmus_folder().glob("*.fmu"))):
+    scenes = {scene.stem for scene in (repository() / "modelDescription" / "scenes").glob("*.toml")}
+    for file in sorted(file for file in fmus_folder().glob("*.fmu") if file.stem in scenes):
         with ContactFmu(file) as fmu:
             library = sum(file.stat().st_size for file in Path(fmu.folder, "binaries").rglob("*.so"))
             fmu.start()
